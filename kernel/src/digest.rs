@@ -1,0 +1,140 @@
+//! Digests: one BLAKE3 hash for each part of a state and one over the parts.
+//!
+//! A digest reads the numbers' words, little-endian, by ascending id, so it is the same on machines
+//! of either byte order, and its parts say what differs when two runs differ.
+
+use blake3::Hasher;
+
+use crate::pairs::Bond;
+use crate::real::Real;
+use crate::vec3::Vec3;
+use crate::world::World;
+
+/// BLAKE3 hashes of a state, 32 bytes each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Digest {
+    /// Ids, positions, radii and crossings of periodic axes.
+    pub positions: [u8; 32],
+    /// Velocities and masses.
+    pub velocities: [u8; 32],
+    /// Spins.
+    pub spins: [u8; 32],
+    /// Tangential springs of the touching contacts, with the ids of their bodies.
+    pub histories: [u8; 32],
+    /// Contact forces and torques on the grains.
+    pub forces: [u8; 32],
+    /// Obstacles: place, crossings, velocity, force and torque.
+    pub obstacles: [u8; 32],
+    /// The hash of the six above, in this order.
+    pub whole: [u8; 32],
+}
+
+/// Names of a digest's parts, in order.
+pub const PARTS: [&str; 6] = [
+    "positions",
+    "velocities",
+    "spins",
+    "histories",
+    "forces",
+    "obstacles",
+];
+
+impl Digest {
+    /// The parts in the order of [`PARTS`].
+    pub fn parts(&self) -> [&[u8; 32]; 6] {
+        [
+            &self.positions,
+            &self.velocities,
+            &self.spins,
+            &self.histories,
+            &self.forces,
+            &self.obstacles,
+        ]
+    }
+}
+
+/// Digests a state. Forces and histories are those of the last evaluation.
+pub fn digest<R: Real>(world: &World<'_, R>) -> Digest {
+    let g = &world.grains;
+    let n = g.count();
+    let positions = hash(|h| {
+        for i in 0..n {
+            word(h, g.id[i]);
+            numbers(h, &g.position[i]);
+            images(h, &g.image[i]);
+        }
+    });
+    let velocities = hash(|h| (0..n).for_each(|i| numbers(h, &g.velocity[i])));
+    let spins = hash(|h| (0..n).for_each(|i| numbers(h, &g.spin[i][..3])));
+    let histories = hash(|h| {
+        for bond in world.bonds() {
+            match bond {
+                Bond::Pair { i, j, spring } => spring_of(h, 0, g.id[i as usize], g.id[j as usize], spring),
+                Bond::Touch {
+                    i,
+                    obstacle,
+                    spring,
+                } => spring_of(h, 1, g.id[i as usize], obstacle, spring),
+            }
+        }
+    });
+    let forces = hash(|h| {
+        for i in 0..n {
+            numbers(h, &g.force[i][..3]);
+            numbers(h, &g.torque[i][..3]);
+        }
+    });
+    let obstacles = hash(|h| {
+        for body in world.obstacles.iter() {
+            numbers(h, &body.point);
+            images(h, &body.image);
+            for v in [&body.velocity, &body.force, &body.torque] {
+                numbers(h, v);
+            }
+        }
+    });
+    let whole = hash(|h| {
+        for part in [&positions, &velocities, &spins, &histories, &forces, &obstacles] {
+            h.update(part);
+        }
+    });
+    Digest {
+        positions,
+        velocities,
+        spins,
+        histories,
+        forces,
+        obstacles,
+        whole,
+    }
+}
+
+fn hash(feed: impl FnOnce(&mut Hasher)) -> [u8; 32] {
+    let mut hasher = Hasher::new();
+    feed(&mut hasher);
+    *hasher.finalize().as_bytes()
+}
+
+fn word(h: &mut Hasher, value: u32) {
+    h.update(&value.to_le_bytes());
+}
+
+fn numbers<R: Real>(h: &mut Hasher, values: &[R]) {
+    for value in values {
+        h.update(value.to_le_bytes().as_ref());
+    }
+}
+
+fn images(h: &mut Hasher, image: &[i32; 3]) {
+    for k in image {
+        h.update(&k.to_le_bytes());
+    }
+}
+
+fn spring_of<R: Real>(h: &mut Hasher, kind: u32, i: u32, partner: u32, spring: Vec3<R>) {
+    word(h, kind);
+    word(h, i);
+    word(h, partner);
+    numbers(h, &spring);
+}

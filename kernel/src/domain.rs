@@ -1,0 +1,174 @@
+//! The box: where it ends, which of its axes are periodic, and the nearest image across them.
+
+use crate::fault::Fault;
+use crate::real::Real;
+use crate::vec3::Vec3;
+
+/// A rectangular box, each axis periodic or closed by its edges; or open space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Domain<R> {
+    lo: Vec3<R>,
+    hi: Vec3<R>,
+    periodic: [bool; 3],
+    /// Period of each periodic axis, 0 elsewhere.
+    period: Vec3<R>,
+    /// Half a period; on other axes a number that no separation exceeds.
+    half: Vec3<R>,
+}
+
+impl<R: Real> Domain<R> {
+    /// A box from `lo` to `hi` (units of length).
+    ///
+    /// # Errors
+    /// [`Fault::BadDomain`] unless `lo < hi` on every axis and all are finite.
+    pub fn new(lo: Vec3<R>, hi: Vec3<R>, periodic: [bool; 3]) -> Result<Self, Fault> {
+        let mut period = [R::ZERO; 3];
+        let mut half = [R::MAX; 3];
+        for a in 0..3 {
+            let ordered = lo[a] < hi[a];
+            if !ordered || !(hi[a] - lo[a]).is_finite() {
+                return Err(Fault::BadDomain { axis: a as u8 });
+            }
+            if periodic[a] {
+                period[a] = hi[a] - lo[a];
+                half[a] = period[a] * R::HALF;
+            }
+        }
+        Ok(Self {
+            lo,
+            hi,
+            periodic,
+            period,
+            half,
+        })
+    }
+
+    /// Space without edges or periods.
+    pub fn open() -> Self {
+        Self {
+            lo: [-R::MAX; 3],
+            hi: [R::MAX; 3],
+            periodic: [false; 3],
+            period: [R::ZERO; 3],
+            half: [R::MAX; 3],
+        }
+    }
+
+    /// Lower edges (units of length).
+    pub fn lo(&self) -> Vec3<R> {
+        self.lo
+    }
+
+    /// Upper edges (units of length).
+    pub fn hi(&self) -> Vec3<R> {
+        self.hi
+    }
+
+    /// Which axes are periodic.
+    pub fn periodic(&self) -> [bool; 3] {
+        self.periodic
+    }
+
+    /// Half the shortest period; the largest finite number where no axis is periodic.
+    pub fn half_period(&self) -> R {
+        let mut least = R::MAX;
+        for a in 0..3 {
+            if self.half[a] < least {
+                least = self.half[a];
+            }
+        }
+        least
+    }
+
+    /// `a - b` to the nearest image: subtract first, then one selection per axis.
+    #[inline(always)]
+    pub fn separation(&self, a: Vec3<R>, b: Vec3<R>) -> Vec3<R> {
+        let mut d = [R::ZERO; 3];
+        for k in 0..3 {
+            let raw = a[k] - b[k];
+            let down = raw - self.period[k];
+            let up = raw + self.period[k];
+            let high = if raw > self.half[k] { down } else { raw };
+            d[k] = if raw < -self.half[k] { up } else { high };
+        }
+        d
+    }
+
+    /// Brings `x` back into the box along periodic axes and counts the crossings in `image`.
+    /// Returns whether `x` is inside afterwards: `false` beyond a closed edge, or for NaN.
+    ///
+    /// A coordinate that rounds to the upper edge becomes the lower edge, so that a place has one
+    /// name only. A step may cross at most one period.
+    #[inline(always)]
+    pub fn wrap(&self, x: &mut Vec3<R>, image: &mut [i32; 3]) -> bool {
+        let mut inside = true;
+        for k in 0..3 {
+            if !(x[k] >= self.lo[k] && x[k] < self.hi[k]) {
+                inside &= self.wrap_axis(k, &mut x[k], &mut image[k]);
+            }
+        }
+        inside
+    }
+
+    fn wrap_axis(&self, k: usize, x: &mut R, image: &mut i32) -> bool {
+        if !self.periodic[k] {
+            return *x >= self.lo[k] && *x <= self.hi[k];
+        }
+        if *x >= self.hi[k] {
+            *x = *x - self.period[k];
+            *image = image.wrapping_add(1);
+            if *x < self.lo[k] {
+                *x = self.lo[k];
+            }
+        } else if *x < self.lo[k] {
+            *x = *x + self.period[k];
+            *image = image.wrapping_sub(1);
+            if *x >= self.hi[k] {
+                *x = self.lo[k];
+                *image = image.wrapping_add(1);
+            }
+        }
+        *x >= self.lo[k] && *x < self.hi[k]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ring() -> Domain<f64> {
+        Domain::new([0.0; 3], [10.0, 4.0, 8.0], [true, true, false]).unwrap()
+    }
+
+    #[test]
+    fn separation_is_antisymmetric_to_the_bit_and_nearest() {
+        let domain = ring();
+        let (a, b) = ([9.75, 0.1, 7.5], [0.125, 3.9, 0.5]);
+        let (ab, ba) = (domain.separation(a, b), domain.separation(b, a));
+        for k in 0..3 {
+            assert_eq!(ab[k].to_bits(), (-ba[k]).to_bits());
+        }
+        assert_eq!(ab, [-0.375, 0.1 - 3.9 + 4.0, 7.0]);
+    }
+
+    #[test]
+    fn a_place_has_one_name() {
+        let domain = ring();
+        let (mut x, mut image) = ([-1e-30, 4.0, 1.0], [0; 3]);
+        assert!(domain.wrap(&mut x, &mut image));
+        assert_eq!((x, image), ([0.0, 0.0, 1.0], [0, 1, 0]));
+        let (mut x, mut image) = ([-0.5, 4.5, 1.0], [0; 3]);
+        assert!(domain.wrap(&mut x, &mut image));
+        assert_eq!((x, image), ([9.5, 0.5, 1.0], [-1, 1, 0]));
+    }
+
+    #[test]
+    fn closed_edges_and_nan_are_outside() {
+        let domain = ring();
+        assert!(!domain.wrap(&mut [1.0, 1.0, 8.5], &mut [0; 3]));
+        assert!(!domain.wrap(&mut [f64::NAN, 1.0, 1.0], &mut [0; 3]));
+        assert!(domain.wrap(&mut [1.0, 1.0, 8.0], &mut [0; 3]));
+        assert!(Domain::new([0.0; 3], [1.0, 0.0, 1.0], [false; 3]).is_err());
+    }
+}

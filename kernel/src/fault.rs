@@ -1,0 +1,121 @@
+//! What can go wrong in a world: small, copyable, and without allocation.
+
+use core::fmt;
+
+/// Why a world was refused or a step stopped. Grains are named by id, obstacles by number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Fault {
+    /// The box edges are not finite or not in order on this axis.
+    BadDomain {
+        /// 0, 1, 2 for x, y, z.
+        axis: u8,
+    },
+    /// A periodic axis is not longer than twice the largest contact distance.
+    PeriodTooShort {
+        /// 0, 1, 2 for x, y, z.
+        axis: u8,
+    },
+    /// The lent slices do not have one entry for each grain.
+    BadStorage,
+    /// Ids do not strictly ascend at this place.
+    BadOrder {
+        /// The id that is not above the one before it.
+        id: u32,
+    },
+    /// A grain's group, radius or mass is missing, not positive or not finite.
+    BadGrain {
+        /// The grain.
+        id: u32,
+    },
+    /// An obstacle's size, place or direction is impossible in this box.
+    BadObstacle {
+        /// The obstacle.
+        obstacle: u32,
+    },
+    /// The time step is not positive and finite.
+    BadTimeStep,
+    /// The lent pair list is too short; nothing was changed.
+    PairsFull {
+        /// Entries that would have been enough.
+        needed: usize,
+    },
+    /// The lent list of obstacle contacts is too short; nothing was changed.
+    TouchesFull {
+        /// Entries that would have been enough.
+        needed: usize,
+    },
+    /// A position, velocity or spin became infinite or NaN.
+    NotFinite {
+        /// The grain.
+        id: u32,
+    },
+    /// A grain moves more than half a period or box edge in one step.
+    TooFast {
+        /// The grain.
+        id: u32,
+    },
+    /// A grain left the box through an edge that is not periodic.
+    Escaped {
+        /// The grain.
+        id: u32,
+    },
+    /// Two grains overlap by more than a quarter of the smaller diameter.
+    OverlapTooDeep {
+        /// The lower id.
+        i: u32,
+        /// The higher id.
+        j: u32,
+    },
+    /// A grain overlaps an obstacle by more than a quarter of the grain's diameter.
+    ObstacleTooDeep {
+        /// The grain.
+        id: u32,
+        /// The obstacle.
+        obstacle: u32,
+    },
+    /// A step was asked of a world that was not started, or was changed since.
+    NotStarted,
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Fault::BadDomain { axis } => write!(
+                f,
+                "box edges along axis {axis} are not finite or not in order"
+            ),
+            Fault::PeriodTooShort { axis } => write!(
+                f,
+                "periodic axis {axis} is not longer than twice the largest contact distance"
+            ),
+            Fault::BadStorage => write!(f, "storage does not hold one entry for each grain"),
+            Fault::BadOrder { id } => write!(f, "grain ids do not ascend at id {id}"),
+            Fault::BadGrain { id } => {
+                write!(f, "grain {id} has an impossible group, radius or mass")
+            }
+            Fault::BadObstacle { obstacle } => {
+                write!(f, "obstacle {obstacle} is impossible in this box")
+            }
+            Fault::BadTimeStep => write!(f, "time step is not positive and finite"),
+            Fault::PairsFull { needed } => write!(f, "pair list is full, {needed} entries needed"),
+            Fault::TouchesFull { needed } => {
+                write!(f, "obstacle list is full, {needed} entries needed")
+            }
+            Fault::NotFinite { id } => write!(f, "the state of grain {id} is not finite"),
+            Fault::TooFast { id } => write!(f, "grain {id} crosses too far in one step"),
+            Fault::Escaped { id } => write!(f, "grain {id} left the box"),
+            Fault::OverlapTooDeep { i, j } => write!(
+                f,
+                "grains {i} and {j} overlap by more than a quarter of the smaller diameter"
+            ),
+            Fault::ObstacleTooDeep { id, obstacle } => write!(
+                f,
+                "grain {id} overlaps obstacle {obstacle} by more than a quarter of its diameter"
+            ),
+            Fault::NotStarted => write!(f, "the world was not started"),
+        }
+    }
+}
+
+impl core::error::Error for Fault {}

@@ -1,0 +1,86 @@
+//! Hertz contact with Tsuji damping: Guillard 2014, eq. A1 and Table I.
+//!
+//! Symbols follow the paper's appendix A; the slip rule and the shortened levers are those of
+//! LIGGGHTS (`hertz tangential history`), whose numbers the paper reports. The order of evaluation
+//! written here is part of the bit contract.
+
+use super::{Contact, Law, Reaction};
+use crate::real::{Real, magnitude};
+use crate::vec3::{Vec3, add, cross, dot, scale, sub};
+
+/// `F_n = k_n delta - gamma_n v_n`, `F_t = -k_t s - gamma_t v_t`, all four coefficients growing
+/// with `sqrt(R delta)`; the spring alone is held to `mu |F_n|`, and a contact that slides has no
+/// tangential damping.
+///
+/// Levers are the radii less half the overlap, so a pair's angular momentum is conserved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct HertzTsuji<R> {
+    /// `(4/3) Y` with `Y = E / (2 (1 - nu^2))` (pressure): `k_n = kn sqrt(R delta)`.
+    pub kn: R,
+    /// `8 G` with `G = E / (4 (2 - nu) (1 + nu))` (pressure): `k_t = kt sqrt(R delta)`.
+    pub kt: R,
+    /// `-2 sqrt(5/6) beta sqrt(2 Y)`: `gamma_n = cn sqrt(m sqrt(R delta))`.
+    pub cn: R,
+    /// `-2 sqrt(5/6) beta sqrt(8 G)`: `gamma_t = ct sqrt(m sqrt(R delta))`.
+    pub ct: R,
+    /// Friction coefficient, zero or more.
+    pub mu: R,
+}
+
+impl<R: Real> HertzTsuji<R> {
+    /// From Young's modulus `young` (pressure, > 0), Poisson's ratio `poisson` (-1 to 0.5), the
+    /// coefficient of restitution (0 to 1, 0 excluded) and the friction coefficient.
+    ///
+    /// `beta = ln e / sqrt(ln^2 e + pi^2)`, with the logarithm of the `libm` crate.
+    pub fn new(young: f64, poisson: f64, restitution: f64, mu: f64) -> Self {
+        let y = young / (2.0 * (1.0 - poisson * poisson));
+        let g = young / (4.0 * (2.0 - poisson) * (1.0 + poisson));
+        let ln_e = libm::log(restitution);
+        let beta = ln_e / libm::sqrt(ln_e * ln_e + core::f64::consts::PI * core::f64::consts::PI);
+        let c = -2.0 * libm::sqrt(5.0 / 6.0) * beta;
+        Self {
+            kn: R::from_f64(4.0 / 3.0 * y),
+            kt: R::from_f64(8.0 * g),
+            cn: R::from_f64(c * libm::sqrt(2.0 * y)),
+            ct: R::from_f64(c * libm::sqrt(8.0 * g)),
+            mu: R::from_f64(mu),
+        }
+    }
+}
+
+impl<R: Real> Law<R> for HertzTsuji<R> {
+    #[inline(always)]
+    fn react(&self, c: &Contact<R>, spring: Vec3<R>, dt: R) -> Reaction<R> {
+        let h = (c.radius_effective * c.overlap).sqrt();
+        let damp = (c.mass_effective * h).sqrt();
+        let vn = dot(c.velocity, c.normal);
+        let fn_ = (self.kn * h) * c.overlap - (self.cn * damp) * vn;
+
+        let short = c.overlap * R::HALF;
+        let arm_i = c.radius_i - short;
+        let arm_j = c.radius_j - short;
+        let turn = add(scale(c.spin_i, arm_i), scale(c.spin_j, arm_j));
+        let vt = add(sub(c.velocity, scale(c.normal, vn)), cross(c.normal, turn));
+
+        let grown = add(spring, scale(vt, dt));
+        let s = sub(grown, scale(c.normal, dot(grown, c.normal)));
+
+        let kt = self.kt * h;
+        let pull = kt * dot(s, s).sqrt();
+        let cap = self.mu * magnitude(fn_);
+        let slides = pull > cap;
+        let f = if slides { cap / pull } else { R::ONE };
+        let gamma_t = if slides { R::ZERO } else { self.ct * damp };
+
+        let left = scale(s, f);
+        let tangential = scale(add(scale(left, kt), scale(vt, gamma_t)), -R::ONE);
+        Reaction {
+            normal: fn_,
+            tangential,
+            spring: left,
+            arm_i,
+            arm_j,
+        }
+    }
+}

@@ -1,0 +1,92 @@
+//! The physics of one step of a granular (discrete-element) simulation, with the same bits
+//! everywhere.
+//!
+//! The state after step `n` is a pure function of the state at step 0: it does not depend on the
+//! compiler, the instruction set, debug or release, the neighbour skin or the moments at which
+//! anything was searched or measured. A step uses correctly rounded `+ - * /` and square root only,
+//! and every sum has one written order.
+//!
+//! # A tour, from the bottom up
+//!
+//! * [`Real`] is the number type, `f64` or `f32`, with the few operations a step may use;
+//!   [`vec3`] writes its sums out.
+//! * [`Domain`] is the box and its periods. [`Grains`] are rows of four words that the caller owns;
+//!   a [`Group`] says how grains move. An [`Obstacle`] pushes grains and moves as prescribed, and
+//!   the force on it is a result.
+//! * A [`law::Law`] turns how two bodies touch into a force: [`law::HertzHistory`] (Kumar 2018) or
+//!   [`law::HertzTsuji`] (Guillard 2014).
+//! * [`Pairs`] list who may touch and keep the tangential springs of those who do. The search that
+//!   fills them runs when it must, and when that is has no effect on any result.
+//! * [`World`] gathers all of that, borrowed. [`start`] evaluates the forces, [`step`] goes on by
+//!   one time step, [`resume`] goes on from a saved state.
+//! * [`digest()`] hashes a state, part by part. [`BITS_VERSION`] names the arithmetic.
+//!
+//! For threads, [`push`] and [`motion`] hold the phases of a step as functions over ranges of
+//! grains with disjoint output; any cut into ranges gives the same bits.
+//!
+//! # What it does not do
+//!
+//! It allocates nothing, reads no clock, prints nothing and holds no `unsafe`. It makes no beds,
+//! reads no files and fits nothing: that is the harness's work.
+//!
+//! # A ball dropped on a floor
+//!
+//! ```
+//! use bitgrain_kernel::{Domain, Group, Obstacle, Store, law::HertzHistory, start, step};
+//!
+//! // Units in which density, diameter and gravity are 1; 1 grain, 4 pairs, 1 obstacle and group.
+//! let mut store = Store::<f64, 1, 4, 1>::new(Domain::open(), 1e-4, 0.1);
+//! let law = HertzHistory { kn: 2e5, kt: 2.45e5, gamma_n: 792.0, gamma_t: 792.0, mu: 0.5 };
+//! store.add_group(Group::free([0.0, 0.0, -1.0])).unwrap();
+//! store.add_obstacle(Obstacle::plane([0.0; 3], [0.0, 0.0, 1.0])).unwrap();
+//! store.add_grain(1, 0, [0.0, 0.0, 1.0], 0.5, 0.5236).unwrap();
+//!
+//! let mut world = store.world();
+//! start(&mut world, &law).unwrap();
+//! for _ in 0..200_000 {
+//!     step(&mut world, &law).unwrap();
+//! }
+//! // It rests, and the floor carries its weight.
+//! assert!(world.grains.velocity[0][2].abs() < 1e-6);
+//! assert!((world.obstacles[0].force[2] + 0.5236).abs() < 1e-6);
+//! ```
+#![no_std]
+#![forbid(unsafe_code)]
+
+#[cfg(any(feature = "std", test))]
+extern crate std;
+
+#[cfg(all(target_arch = "x86", not(target_feature = "sse2")))]
+compile_error!("x87 arithmetic rounds twice, so its bits differ: build for a target with SSE2");
+
+mod digest;
+mod domain;
+mod fault;
+mod grains;
+pub mod law;
+pub mod motion;
+mod obstacle;
+mod pairs;
+pub mod push;
+mod real;
+mod search;
+mod step;
+mod store;
+pub mod vec3;
+mod world;
+
+pub use digest::{Digest, PARTS, digest};
+pub use domain::Domain;
+pub use fault::Fault;
+pub use grains::{Grains, Group, Row};
+pub use obstacle::{Obstacle, Shape};
+pub use pairs::{Bond, Pairs, TOUCHING};
+pub use real::Real;
+pub use search::Cells;
+pub use step::{resume, start, step};
+pub use store::Store;
+pub use world::{Clock, World};
+
+/// Names the arithmetic of a step. Two builds with the same number give the same bits; a change that
+/// alters any bit raises it.
+pub const BITS_VERSION: u32 = 1;

@@ -1,0 +1,455 @@
+//! Forces: which listed pairs touch, what the law says, and the sums in the contract's order.
+//!
+//! The force on a grain is the sum from +0.0 over obstacles by ascending number, then over
+//! neighbours by ascending id. A half list walked with `i` and `j` ascending gives that order to
+//! both partners without a sort: grain `g` hears from the rows before its own, in order, and then
+//! walks its own row. The chain of orderings, so that no change breaks one link unseen:
+//!
+//! * rows ascend, and partners ascend in a row;
+//! * the filter keeps that order and only leaves out pairs that cannot touch;
+//! * a block of lanes is evaluated at once but summed lane by lane;
+//! * a range of rows first takes what lower ranges send it (their [`Spill`]s, in order), then walks
+//!   its rows up to its own end, then adds its own spills: the pairs whose partner lies beyond it.
+//!   So any cut into ranges gives the bits of one range.
+
+use core::ops::Range;
+
+use crate::domain::Domain;
+use crate::fault::Fault;
+use crate::grains::Row;
+use crate::law::{Contact, Law};
+use crate::obstacle::Obstacle;
+use crate::pairs::{PLACE, TOUCHING};
+use crate::real::{Real, smaller};
+use crate::vec3::{Vec3, add, cross, dot, head, scale, sub};
+
+/// Contacts evaluated at once. It has no effect on any bit; eight fill the widest registers.
+pub const LANES: usize = 8;
+
+/// What the force phase reads: the whole world, shared by all ranges.
+#[derive(Clone, Copy)]
+pub struct Sight<'a, R> {
+    /// The box.
+    pub domain: &'a Domain<R>,
+    /// Positions and radii.
+    pub position: &'a [Row<R>],
+    /// Velocities and masses.
+    pub velocity: &'a [Row<R>],
+    /// Spins and inverse contact masses.
+    pub spin: &'a [Row<R>],
+    /// Where each grain's row of pairs begins.
+    pub row: &'a [u32],
+    /// Time that the tangential springs advance by; 0 at step 0.
+    pub dt: R,
+}
+
+/// What the force phase writes for one range of rows; ranges share nothing.
+pub struct Part<'a, R> {
+    /// The grains of the range.
+    pub rows: Range<usize>,
+    /// Their forces.
+    pub force: &'a mut [Row<R>],
+    /// Their torques.
+    pub torque: &'a mut [Row<R>],
+    /// The partners of their rows.
+    pub partner: &'a mut [u32],
+    /// The springs of their rows.
+    pub spring: &'a mut [Row<R>],
+}
+
+/// The force of one contact whose partner lies beyond the range that evaluated it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Spill<R> {
+    /// Place of the lower grain.
+    pub i: u32,
+    /// Place of the higher grain.
+    pub j: u32,
+    /// Force on `i`.
+    pub force: Vec3<R>,
+    /// Normal crossed with the tangential force.
+    pub couple: Vec3<R>,
+    /// Lever about `i`.
+    pub arm_i: R,
+    /// Lever about `j`.
+    pub arm_j: R,
+}
+
+/// Two places whose grains overlap beyond the limit, or nothing.
+pub type Deep = Option<(u32, u32)>;
+
+/// Evaluates the pairs of a range whose partner lies beyond it, into `out`, by `(i, j)`.
+/// Returns how many there are.
+///
+/// # Errors
+/// [`Fault::PairsFull`] where `out` is too short for the pairs listed; nothing is lost.
+#[inline(always)]
+pub fn spill<R: Real, L: Law<R>>(
+    sight: Sight<'_, R>,
+    part: &mut Part<'_, R>,
+    law: &L,
+    out: &mut [Spill<R>],
+) -> Result<(usize, Deep), Fault> {
+    let end = part.rows.end as u32;
+    let base = sight.row[part.rows.start] as usize;
+    let beyond = |partner: &[u32], i: usize| {
+        let row = sight.row[i] as usize - base..sight.row[i + 1] as usize - base;
+        let inner = partner[row.clone()].partition_point(|&p| p & PLACE < end);
+        row.start + inner..row.end
+    };
+    let needed = part.rows.clone().map(|i| beyond(part.partner, i).len()).sum();
+    if needed > out.len() {
+        return Err(Fault::PairsFull { needed });
+    }
+    let mut count = 0;
+    let deep = sweep(
+        sight,
+        part.rows.clone(),
+        part.partner,
+        part.spring,
+        law,
+        beyond,
+        |one| {
+            out[count] = one;
+            count += 1;
+        },
+    );
+    Ok((count, deep))
+}
+
+/// Sums the forces and torques of a range that already hold the obstacles' share.
+///
+/// `lower` are the spills of the ranges before this one, in order; `own` are this range's. With one
+/// range over all grains both are empty, and this is the definition.
+#[inline(always)]
+pub fn sum<R: Real, L: Law<R>>(
+    sight: Sight<'_, R>,
+    part: &mut Part<'_, R>,
+    law: &L,
+    lower: &[&[Spill<R>]],
+    own: &[Spill<R>],
+) -> Deep {
+    let rows = part.rows.clone();
+    let (first, end) = (rows.start, rows.end);
+    for one in lower.iter().flat_map(|spills| spills.iter()) {
+        if rows.contains(&(one.j as usize)) {
+            let g = one.j as usize - first;
+            part.force[g] = minus(part.force[g], one.force);
+            part.torque[g] = minus(part.torque[g], scale(one.couple, one.arm_j));
+        }
+    }
+    let base = sight.row[first] as usize;
+    let within = |partner: &[u32], i: usize| {
+        let row = sight.row[i] as usize - base..sight.row[i + 1] as usize - base;
+        // The last partner is the highest: most rows end within the range.
+        if row.is_empty() || ((partner[row.end - 1] & PLACE) as usize) < end {
+            return row;
+        }
+        let inner = partner[row.clone()].partition_point(|&p| ((p & PLACE) as usize) < end);
+        row.start..row.start + inner
+    };
+    let (force, torque) = (&mut *part.force, &mut *part.torque);
+    let deep = sweep(
+        sight,
+        rows,
+        part.partner,
+        part.spring,
+        law,
+        within,
+        |one| {
+            let (i, j) = (one.i as usize - first, one.j as usize - first);
+            force[i] = plus(force[i], one.force);
+            force[j] = minus(force[j], one.force);
+            torque[i] = minus(torque[i], scale(one.couple, one.arm_i));
+            torque[j] = minus(torque[j], scale(one.couple, one.arm_j));
+        },
+    );
+    for one in own {
+        let i = one.i as usize - first;
+        part.force[i] = plus(part.force[i], one.force);
+        part.torque[i] = minus(part.torque[i], scale(one.couple, one.arm_i));
+    }
+    deep
+}
+
+/// Contacts waiting for a full block: places of both grains and of the pair in its list.
+struct Block {
+    i: [u32; LANES],
+    j: [u32; LANES],
+    pair: [u32; LANES],
+    count: usize,
+}
+
+/// Walks the pairs that `take` gives for each row, filters them, evaluates those that may touch in
+/// blocks, keeps their springs, and hands each touching contact to `emit` in order.
+#[inline(always)]
+fn sweep<R: Real, L: Law<R>>(
+    sight: Sight<'_, R>,
+    rows: Range<usize>,
+    partner: &mut [u32],
+    spring: &mut [Row<R>],
+    law: &L,
+    take: impl Fn(&[u32], usize) -> Range<usize>,
+    mut emit: impl FnMut(Spill<R>),
+) -> Deep {
+    // Squares of distances are rounded by a few units in the last place; the filter gives 16.
+    let margin = R::ONE + R::EPSILON * R::from_f64(16.0);
+    let position = sight.position;
+    let mut deep = None;
+    let mut block = Block {
+        i: [0; LANES],
+        j: [0; LANES],
+        pair: [0; LANES],
+        count: 0,
+    };
+    for i in rows {
+        let x = position[i];
+        for p in take(partner, i) {
+            let word = partner[p];
+            let y = position[(word & PLACE) as usize];
+            let d = sight.domain.separation(head(x), head(y));
+            let reach = x[3] + y[3];
+            let near = dot(d, d) < reach * reach * margin;
+            // Written always, kept only when near: no branch to mispredict.
+            block.i[block.count] = i as u32;
+            block.j[block.count] = word & PLACE;
+            block.pair[block.count] = p as u32;
+            block.count += near as usize;
+            if !near && word & TOUCHING != 0 {
+                partner[p] = word & PLACE;
+                spring[p] = [R::ZERO; 4];
+            }
+            if block.count == LANES {
+                let found = evaluate(sight, &block, partner, spring, law, &mut emit);
+                deep = deep.or(found);
+                block.count = 0;
+            }
+        }
+    }
+    if block.count > 0 {
+        // Idle lanes repeat a contact and are ignored.
+        for k in block.count..LANES {
+            (block.i[k], block.j[k], block.pair[k]) = (block.i[0], block.j[0], block.pair[0]);
+        }
+        let found = evaluate(sight, &block, partner, spring, law, &mut emit);
+        deep = deep.or(found);
+    }
+    deep
+}
+
+/// One block: rows into lanes, the law in every lane, lanes out in order.
+#[inline(always)]
+fn evaluate<R: Real, L: Law<R>>(
+    sight: Sight<'_, R>,
+    block: &Block,
+    partner: &mut [u32],
+    spring: &mut [Row<R>],
+    law: &L,
+    emit: &mut impl FnMut(Spill<R>),
+) -> Deep {
+    type Lane<R> = [R; LANES];
+    let zero = [R::ZERO; LANES];
+    let mut xi: [Lane<R>; 4] = [zero; 4];
+    let mut xj: [Lane<R>; 4] = [zero; 4];
+    let mut vi: [Lane<R>; 3] = [zero; 3];
+    let mut vj: [Lane<R>; 3] = [zero; 3];
+    let mut wi: [Lane<R>; 4] = [zero; 4];
+    let mut wj: [Lane<R>; 4] = [zero; 4];
+    let mut s: [Lane<R>; 3] = [zero; 3];
+    for k in 0..LANES {
+        let (i, j) = (block.i[k] as usize, block.j[k] as usize);
+        let (a, b) = (sight.position[i], sight.position[j]);
+        let (c, d) = (sight.spin[i], sight.spin[j]);
+        let (e, f) = (sight.velocity[i], sight.velocity[j]);
+        let old = spring[block.pair[k] as usize];
+        for w in 0..4 {
+            (xi[w][k], xj[w][k]) = (a[w], b[w]);
+            (wi[w][k], wj[w][k]) = (c[w], d[w]);
+        }
+        for w in 0..3 {
+            (vi[w][k], vj[w][k]) = (e[w], f[w]);
+            s[w][k] = old[w];
+        }
+    }
+
+    let mut force: [Lane<R>; 3] = [zero; 3];
+    let mut couple: [Lane<R>; 3] = [zero; 3];
+    let mut arm: [Lane<R>; 2] = [zero; 2];
+    let mut overlap = zero;
+    for k in 0..LANES {
+        let at = |v: &[Lane<R>]| [v[0][k], v[1][k], v[2][k]];
+        let d = sight.domain.separation(at(&xi), at(&xj));
+        let distance = dot(d, d).sqrt();
+        let (ri, rj) = (xi[3][k], xj[3][k]);
+        let contact = Contact {
+            normal: scale(d, R::ONE / distance),
+            overlap: (ri + rj) - distance,
+            radius_i: ri,
+            radius_j: rj,
+            radius_effective: (ri * rj) / (ri + rj),
+            mass_effective: R::ONE / (wi[3][k] + wj[3][k]),
+            velocity: sub(at(&vi), at(&vj)),
+            spin_i: at(&wi),
+            spin_j: at(&wj),
+        };
+        let r = law.react(&contact, at(&s), sight.dt);
+        let push = add(scale(contact.normal, r.normal), r.tangential);
+        let turn = cross(contact.normal, r.tangential);
+        for w in 0..3 {
+            force[w][k] = push[w];
+            couple[w][k] = turn[w];
+            s[w][k] = r.spring[w];
+        }
+        overlap[k] = contact.overlap;
+        (arm[0][k], arm[1][k]) = (r.arm_i, r.arm_j);
+    }
+
+    let mut deep = None;
+    for k in 0..block.count {
+        let pair = block.pair[k] as usize;
+        let at = |v: &[Lane<R>]| [v[0][k], v[1][k], v[2][k]];
+        // Only the law's own overlap opens or erases a contact.
+        if overlap[k] > R::ZERO {
+            partner[pair] |= TOUCHING;
+            spring[pair] = [s[0][k], s[1][k], s[2][k], R::ZERO];
+            emit(Spill {
+                i: block.i[k],
+                j: block.j[k],
+                force: at(&force),
+                couple: at(&couple),
+                arm_i: arm[0][k],
+                arm_j: arm[1][k],
+            });
+            if overlap[k] > smaller(xi[3][k], xj[3][k]) * R::HALF && deep.is_none() {
+                deep = Some((block.i[k], block.j[k]));
+            }
+        } else if partner[pair] & TOUCHING != 0 {
+            partner[pair] &= PLACE;
+            spring[pair] = [R::ZERO; 4];
+        }
+    }
+    deep
+}
+
+/// Storage of the obstacle contacts: the list and the obstacles' own sums.
+pub struct TouchPart<'a, R> {
+    /// Place of each contact's grain.
+    pub grain: &'a [u32],
+    /// Number of its obstacle, with the touching bit.
+    pub obstacle: &'a mut [u32],
+    /// Its tangential spring.
+    pub spring: &'a mut [Row<R>],
+    /// All obstacles.
+    pub obstacles: &'a mut [Obstacle<R>],
+}
+
+/// Sets every force to the obstacles' share, by ascending grain and obstacle, and the force and
+/// torque on each obstacle to the sum over the grains in the same order. Returns the first grain
+/// and obstacle that overlap too deep.
+#[inline(always)]
+pub fn push_obstacles<R: Real, L: Law<R>>(
+    sight: Sight<'_, R>,
+    touch: &mut TouchPart<'_, R>,
+    force: &mut [Row<R>],
+    torque: &mut [Row<R>],
+    law: &L,
+) -> Deep {
+    let mut deep = None;
+    force.fill([R::ZERO; 4]);
+    torque.fill([R::ZERO; 4]);
+    for body in touch.obstacles.iter_mut() {
+        body.force = [R::ZERO; 3];
+        body.torque = [R::ZERO; 3];
+    }
+    for t in 0..touch.grain.len() {
+        let i = touch.grain[t] as usize;
+        let k = touch.obstacle[t] & PLACE;
+        let body = &mut touch.obstacles[k as usize];
+        let Some(one) = touch_one(sight, body, i, head(touch.spring[t]), law) else {
+            touch.obstacle[t] = k;
+            touch.spring[t] = [R::ZERO; 4];
+            continue;
+        };
+        touch.obstacle[t] = k | TOUCHING;
+        touch.spring[t] = [one.spring[0], one.spring[1], one.spring[2], R::ZERO];
+        force[i] = plus(force[i], one.force);
+        torque[i] = minus(torque[i], scale(one.couple, one.arm_i));
+        body.force = sub(body.force, one.force);
+        body.torque = sub(body.torque, one.moment);
+        if one.too_deep && deep.is_none() {
+            deep = Some((i as u32, k));
+        }
+    }
+    deep
+}
+
+/// One grain on one obstacle.
+struct Touched<R> {
+    force: Vec3<R>,
+    couple: Vec3<R>,
+    arm_i: R,
+    spring: Vec3<R>,
+    /// Moment of the force on the grain about the obstacle's point.
+    moment: Vec3<R>,
+    too_deep: bool,
+}
+
+#[inline(always)]
+fn touch_one<R: Real, L: Law<R>>(
+    sight: Sight<'_, R>,
+    body: &Obstacle<R>,
+    i: usize,
+    spring: Vec3<R>,
+    law: &L,
+) -> Option<Touched<R>> {
+    let (contact, offset) = touch_contact(sight, body, i);
+    let touching = contact.overlap > R::ZERO;
+    if !touching {
+        return None;
+    }
+    let r = law.react(&contact, spring, sight.dt);
+    let force = add(scale(contact.normal, r.normal), r.tangential);
+    let lever = sub(offset, scale(contact.normal, r.arm_i));
+    Some(Touched {
+        force,
+        couple: cross(contact.normal, r.tangential),
+        arm_i: r.arm_i,
+        spring: r.spring,
+        moment: cross(lever, force),
+        too_deep: contact.overlap > contact.radius_i * R::HALF,
+    })
+}
+
+/// The contact of grain `i` on an obstacle, and the offset of its centre from the obstacle's point.
+#[inline(always)]
+pub(crate) fn touch_contact<R: Real>(
+    sight: Sight<'_, R>,
+    body: &Obstacle<R>,
+    i: usize,
+) -> (Contact<R>, Vec3<R>) {
+    let x = sight.position[i];
+    let meeting = body.meet(sight.domain, head(x), x[3]);
+    let flat = meeting.radius == R::ZERO;
+    let curved = (x[3] * meeting.radius) / (x[3] + meeting.radius);
+    let contact = Contact {
+        normal: meeting.normal,
+        overlap: meeting.overlap,
+        radius_i: x[3],
+        radius_j: meeting.radius,
+        radius_effective: if flat { x[3] } else { curved },
+        mass_effective: R::ONE / (sight.spin[i][3] + body.inverse_mass),
+        velocity: sub(head(sight.velocity[i]), body.velocity),
+        spin_i: head(sight.spin[i]),
+        spin_j: [R::ZERO; 3],
+    };
+    (contact, meeting.offset)
+}
+
+#[inline(always)]
+fn plus<R: Real>(a: Row<R>, b: Vec3<R>) -> Row<R> {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3]]
+}
+
+#[inline(always)]
+fn minus<R: Real>(a: Row<R>, b: Vec3<R>) -> Row<R> {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2], a[3]]
+}

@@ -1,0 +1,131 @@
+//! The real number a world is computed in, and the few operations a step may use.
+//!
+//! A step is allowed `+ - * /`, comparison, selection and [`Real::sqrt`], all correctly rounded by
+//! IEEE 754, and nothing else: that is what makes its bits the same on every machine.
+
+use core::fmt::Debug;
+use core::ops::{Add, Div, Mul, Neg, Sub};
+
+/// A real number with correctly rounded arithmetic: `f64` (the reference) or `f32`.
+pub trait Real:
+    Copy
+    + PartialOrd
+    + Default
+    + Debug
+    + Send
+    + Sync
+    + 'static
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+{
+    /// 0.
+    const ZERO: Self;
+    /// 1.
+    const ONE: Self;
+    /// 1/2.
+    const HALF: Self;
+    /// The spacing of numbers just above 1, `2^-52` or `2^-23`: the unit of the rounding margins.
+    const EPSILON: Self;
+    /// The largest finite number; stands for "no limit".
+    const MAX: Self;
+    /// Bytes of one number in little-endian order.
+    type Bytes: AsRef<[u8]>;
+
+    /// The correctly rounded square root; NaN below zero.
+    fn sqrt(self) -> Self;
+    /// The nearest number to `value`; for set-up, never inside a step.
+    fn from_f64(value: f64) -> Self;
+    /// This number as `f64`, exact for both types.
+    fn to_f64(self) -> f64;
+    /// Whether this is neither infinite nor NaN.
+    fn is_finite(self) -> bool;
+    /// Truncated towards zero, 0 for negative numbers and NaN; for the cells of the search only.
+    fn to_index(self) -> usize;
+    /// The number's bytes, lowest first: what a digest reads.
+    fn to_le_bytes(self) -> Self::Bytes;
+}
+
+macro_rules! real {
+    ($float:ident, $sqrt:path, $bytes:literal) => {
+        impl Real for $float {
+            const ZERO: Self = 0.0;
+            const ONE: Self = 1.0;
+            const HALF: Self = 0.5;
+            const EPSILON: Self = $float::EPSILON;
+            const MAX: Self = $float::MAX;
+            type Bytes = [u8; $bytes];
+
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                $sqrt(self)
+            }
+            #[inline(always)]
+            fn from_f64(value: f64) -> Self {
+                value as $float
+            }
+            #[inline(always)]
+            fn to_f64(self) -> f64 {
+                self as f64
+            }
+            #[inline(always)]
+            fn is_finite(self) -> bool {
+                $float::is_finite(self)
+            }
+            #[inline(always)]
+            fn to_index(self) -> usize {
+                self as usize
+            }
+            #[inline(always)]
+            fn to_le_bytes(self) -> Self::Bytes {
+                $float::to_le_bytes(self)
+            }
+        }
+    };
+}
+
+#[cfg(feature = "std")]
+mod root {
+    #[inline(always)]
+    pub fn f64(x: f64) -> f64 {
+        x.sqrt()
+    }
+    #[inline(always)]
+    pub fn f32(x: f32) -> f32 {
+        x.sqrt()
+    }
+}
+#[cfg(not(feature = "std"))]
+mod root {
+    #[inline(always)]
+    pub fn f64(x: f64) -> f64 {
+        libm::sqrt(x)
+    }
+    #[inline(always)]
+    pub fn f32(x: f32) -> f32 {
+        libm::sqrtf(x)
+    }
+}
+
+real!(f64, root::f64, 8);
+real!(f32, root::f32, 4);
+
+/// The larger of two numbers by comparison; the first when they compare equal or not at all.
+#[inline(always)]
+pub fn larger<R: Real>(a: R, b: R) -> R {
+    if b > a { b } else { a }
+}
+
+/// The smaller of two numbers by comparison; the first when they compare equal or not at all.
+#[inline(always)]
+pub fn smaller<R: Real>(a: R, b: R) -> R {
+    if b < a { b } else { a }
+}
+
+/// The number without its sign.
+#[inline(always)]
+pub fn magnitude<R: Real>(a: R) -> R {
+    if a < R::ZERO { -a } else { a }
+}

@@ -1,0 +1,319 @@
+//! The neighbour search: who may touch before the next search.
+//!
+//! Grains are sorted into cells at least as wide as the largest listed distance, by counting, so
+//! that each cell holds its grains in ascending order; a grain then looks at its own cell and the
+//! ones around it. The new list is made in the spare storage, takes over the springs of the old one
+//! and is copied back, so that an error leaves the old list whole.
+
+use crate::domain::Domain;
+use crate::fault::Fault;
+use crate::grains::{Grains, Row};
+use crate::obstacle::Obstacle;
+use crate::pairs::{PLACE, Pairs, TOUCHING};
+use crate::real::{Real, larger, magnitude, smaller};
+use crate::vec3::{dot, head};
+
+/// Storage of the cells, borrowed.
+pub struct Cells<'a> {
+    /// Where each cell's grains begin; its length less one bounds the number of cells, 2 at least.
+    pub start: &'a mut [u32],
+    /// The grains, cell by cell.
+    pub grain: &'a mut [u32],
+}
+
+/// What a search found.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Found<R> {
+    pub pairs: usize,
+    pub touches: usize,
+    /// Travel of the fastest body that the list allows before a pair could be missing.
+    pub budget: R,
+    /// What one step's rounding may add to a travel.
+    pub rounding: R,
+}
+
+/// How coordinates become cells.
+struct Grid<R> {
+    lo: [R; 3],
+    per_length: [R; 3],
+    count: [usize; 3],
+    periodic: [bool; 3],
+}
+
+impl<R: Real> Grid<R> {
+    /// Cells of at least `width`, as many as `capacity` allows. Periodic axes span the box, others
+    /// the grains.
+    fn new(domain: &Domain<R>, position: &[Row<R>], width: R, capacity: usize) -> Self {
+        let periodic = domain.periodic();
+        let mut lo = domain.lo();
+        let mut hi = domain.hi();
+        for a in 0..3 {
+            if !periodic[a] {
+                (lo[a], hi[a]) = (R::MAX, -R::MAX);
+                for x in position {
+                    lo[a] = smaller(lo[a], x[a]);
+                    hi[a] = larger(hi[a], x[a]);
+                }
+            }
+        }
+        let mut width = width;
+        loop {
+            let mut count = [1usize; 3];
+            let mut per_length = [R::ZERO; 3];
+            for a in 0..3 {
+                let length = hi[a] - lo[a];
+                let fit = (length / width).to_index().clamp(1, 1 << 20);
+                count[a] = fit;
+                if length > R::ZERO {
+                    per_length[a] = R::from_f64(fit as f64) / length;
+                }
+            }
+            let cells = count.iter().fold(1usize, |n, &c| n.saturating_mul(c));
+            if cells <= capacity {
+                return Self {
+                    lo,
+                    per_length,
+                    count,
+                    periodic,
+                };
+            }
+            width = width + width * R::HALF;
+        }
+    }
+
+    fn place(&self, x: &Row<R>) -> [usize; 3] {
+        let mut cell = [0; 3];
+        for a in 0..3 {
+            let k = ((x[a] - self.lo[a]) * self.per_length[a]).to_index();
+            cell[a] = k.min(self.count[a] - 1);
+        }
+        cell
+    }
+
+    fn number(&self, cell: [usize; 3]) -> usize {
+        (cell[2] * self.count[1] + cell[1]) * self.count[0] + cell[0]
+    }
+
+    /// The cells next to `k` along axis `a`, itself included, each once.
+    fn around(&self, a: usize, k: usize) -> ([usize; 3], usize) {
+        let n = self.count[a];
+        if n <= 3 && (self.periodic[a] || n < 3) {
+            return ([0, 1, 2], n);
+        }
+        if self.periodic[a] {
+            return ([(k + n - 1) % n, k, (k + 1) % n], 3);
+        }
+        let first = k.saturating_sub(1);
+        let last = (k + 1).min(n - 1);
+        ([first, first + 1, first + 2], last - first + 1)
+    }
+}
+
+/// Lists every pair and every obstacle contact closer than touching by up to `skin`, with the
+/// springs that the old list holds.
+///
+/// `step_travel` is how far the fastest body moves in the next step: the list covers at least that,
+/// whatever the skin. Margins: coordinates, separations and travels are each rounded by at most a
+/// few units in the last place of the largest coordinate, and 64 such units are added.
+pub(crate) fn search<R: Real>(
+    domain: &Domain<R>,
+    grains: &Grains<'_, R>,
+    obstacles: &[Obstacle<R>],
+    pairs: &mut Pairs<'_, R>,
+    spare: &mut Pairs<'_, R>,
+    cells: &mut Cells<'_>,
+    skin: R,
+    step_travel: R,
+    old_touches: usize,
+) -> Result<Found<R>, Fault> {
+    let position = &*grains.position;
+    let n = position.len();
+    let mut extent = R::ONE * R::EPSILON;
+    let mut radius = R::ZERO;
+    for x in position {
+        radius = larger(radius, x[3]);
+        for a in 0..3 {
+            extent = larger(extent, magnitude(x[a]));
+        }
+    }
+    let mut widest = radius + radius;
+    for body in obstacles {
+        widest = larger(widest, radius + body.reach());
+        for a in 0..3 {
+            extent = larger(extent, magnitude(body.point[a]));
+        }
+    }
+    let slack = (extent + widest) * (R::EPSILON * R::from_f64(64.0));
+    let need = step_travel + step_travel;
+    // However wide the skin: a pair is listed by its nearest image, and no other image comes first.
+    let skin = larger(skin, need) + slack;
+
+    let width = (radius + radius) + skin + slack;
+    let grid = Grid::new(domain, position, width, cells.start.len() - 1);
+    sort_into_cells(&grid, position, cells);
+
+    let frozen = |i: usize| grains.groups[grains.group[i] as usize].heavy;
+    let capacity = spare.partner.len();
+    let mut listed = 0usize;
+    for i in 0..n {
+        spare.row[i] = listed.min(capacity) as u32;
+        let begin = listed;
+        let x = position[i];
+        let heavy = frozen(i);
+        let cell = grid.place(&x);
+        let (zs, zn) = grid.around(2, cell[2]);
+        let (ys, yn) = grid.around(1, cell[1]);
+        let (xs, xn) = grid.around(0, cell[0]);
+        for &cz in &zs[..zn] {
+            for &cy in &ys[..yn] {
+                for &cx in &xs[..xn] {
+                    let c = grid.number([cx, cy, cz]);
+                    let members = cells.start[c] as usize..cells.start[c + 1] as usize;
+                    for &j in &cells.grain[members] {
+                        let k = j as usize;
+                        if k <= i || (heavy && frozen(k)) {
+                            continue;
+                        }
+                        let d = domain.separation(head(x), head(position[k]));
+                        let reach = (x[3] + position[k][3]) + skin;
+                        if dot(d, d) < reach * reach {
+                            if listed < capacity {
+                                spare.partner[listed] = j;
+                            }
+                            listed += 1;
+                        }
+                    }
+                }
+            }
+        }
+        if listed <= capacity {
+            spare.partner[begin..listed].sort_unstable();
+        }
+    }
+    if listed > capacity {
+        return Err(Fault::PairsFull { needed: listed });
+    }
+    spare.row[n] = listed as u32;
+
+    let touches = list_touches(domain, grains, obstacles, spare, skin)?;
+    take_springs(pairs, spare, n);
+    take_touch_springs(pairs, old_touches, spare, touches);
+    copy_back(pairs, spare, n, listed, touches);
+    Ok(Found {
+        pairs: listed,
+        touches,
+        budget: (skin - slack) * R::HALF,
+        rounding: extent * (R::EPSILON + R::EPSILON),
+    })
+}
+
+fn sort_into_cells<R: Real>(grid: &Grid<R>, position: &[Row<R>], cells: &mut Cells<'_>) {
+    let count = grid.count[0] * grid.count[1] * grid.count[2];
+    cells.start[..=count].fill(0);
+    for x in position {
+        cells.start[grid.number(grid.place(x)) + 1] += 1;
+    }
+    for c in 0..count {
+        cells.start[c + 1] += cells.start[c];
+    }
+    // Filling from the last grain down moves each cell's end to its beginning and keeps order.
+    for i in (0..position.len()).rev() {
+        let c = grid.number(grid.place(&position[i]));
+        cells.start[c + 1] -= 1;
+        cells.grain[cells.start[c + 1] as usize] = i as u32;
+    }
+    // Now start[c + 1] is where cell c begins; shift down and close the last cell.
+    for c in 0..count {
+        cells.start[c] = cells.start[c + 1];
+    }
+    cells.start[count] = position.len() as u32;
+}
+
+fn list_touches<R: Real>(
+    domain: &Domain<R>,
+    grains: &Grains<'_, R>,
+    obstacles: &[Obstacle<R>],
+    spare: &mut Pairs<'_, R>,
+    skin: R,
+) -> Result<usize, Fault> {
+    let capacity = spare.touch_grain.len();
+    let mut touches = 0;
+    for i in 0..grains.count() {
+        let group = &grains.groups[grains.group[i] as usize];
+        for (k, body) in obstacles.iter().enumerate() {
+            if group.heavy && body.inverse_mass == R::ZERO {
+                continue;
+            }
+            let x = grains.position[i];
+            let meeting = body.meet(domain, head(x), x[3]);
+            if meeting.overlap > -skin {
+                if touches < capacity {
+                    spare.touch_grain[touches] = i as u32;
+                    spare.touch_obstacle[touches] = k as u32;
+                }
+                touches += 1;
+            }
+        }
+    }
+    if touches > capacity {
+        return Err(Fault::TouchesFull { needed: touches });
+    }
+    Ok(touches)
+}
+
+/// Both rows ascend, so one walk along each finds the pairs that stay.
+fn take_springs<R: Real>(old: &Pairs<'_, R>, new: &mut Pairs<'_, R>, n: usize) {
+    for i in 0..n {
+        let mut from = old.row_of(i);
+        for p in new.row_of(i) {
+            let j = new.partner[p];
+            while from.start < from.end && old.partner[from.start] & PLACE < j {
+                from.start += 1;
+            }
+            let same = from.start < from.end && old.partner[from.start] & PLACE == j;
+            if same {
+                new.partner[p] = old.partner[from.start];
+                new.spring[p] = old.spring[from.start];
+            } else {
+                new.spring[p] = [R::ZERO; 4];
+            }
+        }
+    }
+}
+
+fn take_touch_springs<R: Real>(
+    old: &Pairs<'_, R>,
+    old_touches: usize,
+    new: &mut Pairs<'_, R>,
+    touches: usize,
+) {
+    let mut from = 0;
+    for t in 0..touches {
+        let key = (new.touch_grain[t], new.touch_obstacle[t]);
+        let old_key = |f: usize| (old.touch_grain[f], old.touch_obstacle[f] & PLACE);
+        while from < old_touches && old_key(from) < key {
+            from += 1;
+        }
+        if from < old_touches && old_key(from) == key {
+            new.touch_obstacle[t] |= old.touch_obstacle[from] & TOUCHING;
+            new.touch_spring[t] = old.touch_spring[from];
+        } else {
+            new.touch_spring[t] = [R::ZERO; 4];
+        }
+    }
+}
+
+fn copy_back<R: Real>(
+    to: &mut Pairs<'_, R>,
+    from: &Pairs<'_, R>,
+    n: usize,
+    pairs: usize,
+    touches: usize,
+) {
+    to.row[..=n].copy_from_slice(&from.row[..=n]);
+    to.partner[..pairs].copy_from_slice(&from.partner[..pairs]);
+    to.spring[..pairs].copy_from_slice(&from.spring[..pairs]);
+    to.touch_grain[..touches].copy_from_slice(&from.touch_grain[..touches]);
+    to.touch_obstacle[..touches].copy_from_slice(&from.touch_obstacle[..touches]);
+    to.touch_spring[..touches].copy_from_slice(&from.touch_spring[..touches]);
+}

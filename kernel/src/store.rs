@@ -1,0 +1,178 @@
+//! Storage of fixed capacity for rigs without an allocator: a whole world in one value.
+
+use heapless::Vec;
+
+use crate::domain::Domain;
+use crate::fault::Fault;
+use crate::grains::{Grains, Group, Row};
+use crate::obstacle::Obstacle;
+use crate::pairs::Pairs;
+use crate::real::Real;
+use crate::search::Cells;
+use crate::world::{Clock, World};
+
+/// A world of at most `GRAINS` grains, `PAIRS` listed pairs and as many obstacle contacts, `BODIES`
+/// obstacles and groups, all inside one value.
+///
+/// With too few `PAIRS` for its skin a store can be given a smaller skin; at skin 0 it lists what
+/// may touch in one step, and a fault then means that `PAIRS` is too small for the bed itself.
+pub struct Store<R, const GRAINS: usize, const PAIRS: usize, const BODIES: usize> {
+    domain: Domain<R>,
+    dt: R,
+    skin: R,
+    id: Vec<u32, GRAINS>,
+    group: Vec<u8, GRAINS>,
+    groups: Vec<Group<R>, BODIES>,
+    position: Vec<Row<R>, GRAINS>,
+    velocity: Vec<Row<R>, GRAINS>,
+    spin: Vec<Row<R>, GRAINS>,
+    force: Vec<Row<R>, GRAINS>,
+    torque: Vec<Row<R>, GRAINS>,
+    image: Vec<[i32; 3], GRAINS>,
+    obstacles: Vec<Obstacle<R>, BODIES>,
+    lists: [List<R, GRAINS, PAIRS>; 2],
+    cell_start: [u32; PAIRS],
+    cell_grain: [u32; GRAINS],
+    clock: Clock<R>,
+}
+
+struct List<R, const GRAINS: usize, const PAIRS: usize> {
+    /// One entry more than grains.
+    row: Vec<u32, PAIRS>,
+    partner: [u32; PAIRS],
+    spring: [Row<R>; PAIRS],
+    touch_grain: [u32; PAIRS],
+    touch_obstacle: [u32; PAIRS],
+    touch_spring: [Row<R>; PAIRS],
+}
+
+impl<R: Real, const GRAINS: usize, const PAIRS: usize> List<R, GRAINS, PAIRS> {
+    fn new() -> Self {
+        Self {
+            row: Vec::new(),
+            partner: [0; PAIRS],
+            spring: [[R::ZERO; 4]; PAIRS],
+            touch_grain: [0; PAIRS],
+            touch_obstacle: [0; PAIRS],
+            touch_spring: [[R::ZERO; 4]; PAIRS],
+        }
+    }
+
+    fn lend(&mut self) -> Pairs<'_, R> {
+        Pairs {
+            row: &mut self.row,
+            partner: &mut self.partner,
+            spring: &mut self.spring,
+            touch_grain: &mut self.touch_grain,
+            touch_obstacle: &mut self.touch_obstacle,
+            touch_spring: &mut self.touch_spring,
+        }
+    }
+}
+
+impl<R: Real, const GRAINS: usize, const PAIRS: usize, const BODIES: usize>
+    Store<R, GRAINS, PAIRS, BODIES>
+{
+    /// An empty world. `PAIRS` must be at least `GRAINS + 1` and 2.
+    pub fn new(domain: Domain<R>, dt: R, skin: R) -> Self {
+        const { assert!(PAIRS > GRAINS && PAIRS >= 2, "PAIRS must exceed GRAINS") };
+        Self {
+            domain,
+            dt,
+            skin,
+            id: Vec::new(),
+            group: Vec::new(),
+            groups: Vec::new(),
+            position: Vec::new(),
+            velocity: Vec::new(),
+            spin: Vec::new(),
+            force: Vec::new(),
+            torque: Vec::new(),
+            image: Vec::new(),
+            obstacles: Vec::new(),
+            lists: [List::new(), List::new()],
+            cell_start: [0; PAIRS],
+            cell_grain: [0; GRAINS],
+            clock: Clock::default(),
+        }
+    }
+
+    /// Adds a group and returns its number.
+    ///
+    /// # Errors
+    /// The group, where `BODIES` are there already.
+    pub fn add_group(&mut self, group: Group<R>) -> Result<u8, Group<R>> {
+        let number = self.groups.len() as u8;
+        self.groups.push(group).map(|()| number)
+    }
+
+    /// Adds an obstacle.
+    ///
+    /// # Errors
+    /// The obstacle, where `BODIES` are there already.
+    pub fn add_obstacle(&mut self, obstacle: Obstacle<R>) -> Result<(), Obstacle<R>> {
+        self.obstacles.push(obstacle)
+    }
+
+    /// Adds a resting grain of this radius and mass; ids must ascend.
+    ///
+    /// # Errors
+    /// [`Fault::BadStorage`] where `GRAINS` are there already.
+    pub fn add_grain(
+        &mut self,
+        id: u32,
+        group: u8,
+        position: [R; 3],
+        radius: R,
+        mass: R,
+    ) -> Result<(), Fault> {
+        if self.id.is_full() {
+            return Err(Fault::BadStorage);
+        }
+        let rest = [R::ZERO; 4];
+        // Every list has the same capacity, so none of these can be full now.
+        let _ = self.id.push(id);
+        let _ = self.group.push(group);
+        let _ = self.position.push([position[0], position[1], position[2], radius]);
+        let _ = self.velocity.push([R::ZERO, R::ZERO, R::ZERO, mass]);
+        let _ = self.spin.push(rest);
+        let _ = self.force.push(rest);
+        let _ = self.torque.push(rest);
+        let _ = self.image.push([0; 3]);
+        Ok(())
+    }
+
+    /// Lends everything as a world.
+    pub fn world(&mut self) -> World<'_, R> {
+        let rows = self.id.len() + 1;
+        for list in &mut self.lists {
+            // GRAINS + 1 <= PAIRS, so this always fits.
+            let _ = list.row.resize(rows, 0);
+        }
+        let [first, second] = &mut self.lists;
+        World {
+            domain: &self.domain,
+            dt: self.dt,
+            skin: self.skin,
+            grains: Grains {
+                id: &self.id,
+                group: &self.group,
+                groups: &self.groups,
+                position: &mut self.position,
+                velocity: &mut self.velocity,
+                spin: &mut self.spin,
+                force: &mut self.force,
+                torque: &mut self.torque,
+                image: &mut self.image,
+            },
+            obstacles: &mut self.obstacles,
+            pairs: first.lend(),
+            spare: second.lend(),
+            cells: Cells {
+                start: &mut self.cell_start,
+                grain: &mut self.cell_grain,
+            },
+            clock: &mut self.clock,
+        }
+    }
+}

@@ -1,0 +1,46 @@
+//! Three-vectors as plain arrays, every sum written out so that its order is part of the contract.
+
+use crate::real::Real;
+
+/// A vector with components along x, y and z.
+pub type Vec3<R> = [R; 3];
+
+/// `a + b`, component by component.
+#[inline(always)]
+pub fn add<R: Real>(a: Vec3<R>, b: Vec3<R>) -> Vec3<R> {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+/// `a - b`, component by component.
+#[inline(always)]
+pub fn sub<R: Real>(a: Vec3<R>, b: Vec3<R>) -> Vec3<R> {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+/// `a * s`, component by component.
+#[inline(always)]
+pub fn scale<R: Real>(a: Vec3<R>, s: R) -> Vec3<R> {
+    [a[0] * s, a[1] * s, a[2] * s]
+}
+
+/// `(a_x b_x + a_y b_y) + a_z b_z`.
+#[inline(always)]
+pub fn dot<R: Real>(a: Vec3<R>, b: Vec3<R>) -> R {
+    (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]
+}
+
+/// `a x b`; each component is the first product minus the second.
+#[inline(always)]
+pub fn cross<R: Real>(a: Vec3<R>, b: Vec3<R>) -> Vec3<R> {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+/// The first three words of a row of four.
+#[inline(always)]
+pub fn head<R: Real>(row: [R; 4]) -> Vec3<R> {
+    [row[0], row[1], row[2]]
+}

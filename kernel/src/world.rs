@@ -1,0 +1,127 @@
+//! A world: everything one step needs, borrowed from whoever owns it.
+
+use crate::domain::Domain;
+use crate::fault::Fault;
+use crate::grains::Grains;
+use crate::obstacle::Obstacle;
+use crate::pairs::{Bond, Pairs};
+use crate::real::{Real, larger};
+use crate::search::Cells;
+
+/// Where a world is in time and how long its pair list holds. Everything but `step` is about the
+/// search and has no effect on any result.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Clock<R> {
+    /// Steps done; time is `step * dt`.
+    pub step: u64,
+    /// Searches done.
+    pub searches: u64,
+    /// Grain pairs listed.
+    pub listed: usize,
+    /// Obstacle contacts listed.
+    pub touches: usize,
+    /// Travel that the pair list still allows (length).
+    pub(crate) budget: R,
+    /// Bound of the next step's travel (length).
+    pub(crate) next_travel: R,
+    /// What rounding may add to it.
+    pub(crate) rounding: R,
+    pub(crate) started: bool,
+}
+
+/// A world of grains and obstacles, in any consistent units.
+///
+/// It is made anew for each stretch of steps from storage that its owner keeps; making one costs
+/// nothing. After changing a state by hand, call [`crate::start`] or [`crate::resume`] again.
+pub struct World<'a, R> {
+    /// The box.
+    pub domain: &'a Domain<R>,
+    /// Time step, positive.
+    pub dt: R,
+    /// How far beyond touching a pair is listed (length, zero or more): a matter of speed only.
+    pub skin: R,
+    /// The grains.
+    pub grains: Grains<'a, R>,
+    /// The obstacles, by number.
+    pub obstacles: &'a mut [Obstacle<R>],
+    /// The pair list.
+    pub pairs: Pairs<'a, R>,
+    /// Storage for the next list; its pair and obstacle entries bound how many can be listed.
+    pub spare: Pairs<'a, R>,
+    /// Storage of the search.
+    pub cells: Cells<'a>,
+    /// Time, and how long the list holds.
+    pub clock: &'a mut Clock<R>,
+}
+
+impl<R: Real> World<'_, R> {
+    /// The contacts that touched in the last evaluation, by places; see [`Pairs::bonds`].
+    pub fn bonds(&self) -> impl Iterator<Item = Bond<R>> + '_ {
+        self.pairs.bonds(self.clock.touches)
+    }
+
+    /// Checks storage, ids, grains, obstacles and box.
+    pub(crate) fn check(&self) -> Result<(), Fault> {
+        let n = self.grains.count();
+        let lists = self.pairs.is_whole(n)
+            && self.spare.is_whole(n)
+            && self.pairs.partner.len() >= self.spare.partner.len()
+            && self.pairs.touch_grain.len() >= self.spare.touch_grain.len();
+        if !self.grains.is_whole() || !lists {
+            return Err(Fault::BadStorage);
+        }
+        if self.cells.start.len() < 2 || self.cells.grain.len() < n {
+            return Err(Fault::BadStorage);
+        }
+        if !(self.dt > R::ZERO && self.dt.is_finite() && self.skin >= R::ZERO) {
+            return Err(Fault::BadTimeStep);
+        }
+        let g = &self.grains;
+        for i in 0..n {
+            let id = g.id[i];
+            if i > 0 && g.id[i - 1] >= id {
+                return Err(Fault::BadOrder { id });
+            }
+            let (radius, mass) = (g.position[i][3], g.velocity[i][3]);
+            let sized = radius > R::ZERO && radius.is_finite();
+            let heavy = mass > R::ZERO && mass.is_finite() && (R::ONE / mass).is_finite();
+            if (g.group[i] as usize) >= g.groups.len() || !sized || !heavy {
+                return Err(Fault::BadGrain { id });
+            }
+            let numbers = [g.position[i], g.velocity[i], g.spin[i]];
+            let finite = numbers.iter().all(|row| row[..3].iter().all(|x| x.is_finite()));
+            if !finite {
+                return Err(Fault::NotFinite { id });
+            }
+            let mut place = crate::vec3::head(g.position[i]);
+            let mut image = [0; 3];
+            if !self.domain.wrap(&mut place, &mut image) || image != [0; 3] {
+                return Err(Fault::Escaped { id });
+            }
+        }
+        for (number, body) in self.obstacles.iter().enumerate() {
+            body.check(self.domain, number as u32)?;
+        }
+        self.check_periods()
+    }
+
+    /// Every period must be longer than twice the largest contact distance, or a grain could touch
+    /// two images of one body.
+    fn check_periods(&self) -> Result<(), Fault> {
+        let mut radius = R::ZERO;
+        for x in self.grains.position.iter() {
+            radius = larger(radius, x[3]);
+        }
+        let mut widest = radius + radius;
+        for body in self.obstacles.iter() {
+            widest = larger(widest, radius + body.reach());
+        }
+        let (lo, hi) = (self.domain.lo(), self.domain.hi());
+        for a in 0..3 {
+            if self.domain.periodic()[a] && hi[a] - lo[a] <= widest + widest {
+                return Err(Fault::PeriodTooShort { axis: a as u8 });
+            }
+        }
+        Ok(())
+    }
+}
