@@ -83,7 +83,8 @@ pub use obstacle::{Obstacle, Shape};
 pub use pairs::{Bond, Pairs, TOUCHING};
 pub use real::Real;
 pub use search::Cells;
-pub use step::{resume, start, step};
+pub use push::{Partner, Pushed};
+pub use step::{resume, start, start_watched, step, step_watched};
 pub use store::Store;
 pub use world::{Clock, World};
 

@@ -74,6 +74,32 @@ pub struct Spill<R> {
     pub arm_j: R,
 }
 
+/// The other body of a contact.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Partner {
+    /// The grain at this place.
+    Grain(u32),
+    /// The obstacle of this number.
+    Obstacle(u32),
+}
+
+/// One touching contact as it was evaluated, for whoever watches a step.
+#[derive(Clone, Copy, Debug)]
+pub struct Pushed<R> {
+    /// Place of the grain (the lower one of two).
+    pub i: u32,
+    /// Its partner.
+    pub partner: Partner,
+    /// Depth of the overlap (length).
+    pub overlap: R,
+    /// Unit vector from the partner to the grain.
+    pub normal: Vec3<R>,
+    /// Normal force on the grain along `normal`; negative when it pulls.
+    pub normal_force: R,
+    /// Tangential force on the grain.
+    pub tangential_force: Vec3<R>,
+}
+
 /// Two places whose grains overlap beyond the limit, or nothing.
 pub type Deep = Option<(u32, u32)>;
 
@@ -108,7 +134,7 @@ pub fn spill<R: Real, L: Law<R>>(
         part.spring,
         law,
         beyond,
-        |one| {
+        |one, _| {
             out[count] = one;
             count += 1;
         },
@@ -119,7 +145,8 @@ pub fn spill<R: Real, L: Law<R>>(
 /// Sums the forces and torques of a range that already hold the obstacles' share.
 ///
 /// `lower` are the spills of the ranges before this one, in order; `own` are this range's. With one
-/// range over all grains both are empty, and this is the definition.
+/// range over all grains both are empty, and this is the definition. `watch` sees every contact
+/// evaluated here (not the spills); it cannot change one.
 #[inline(always)]
 pub fn sum<R: Real, L: Law<R>>(
     sight: Sight<'_, R>,
@@ -127,6 +154,7 @@ pub fn sum<R: Real, L: Law<R>>(
     law: &L,
     lower: &[&[Spill<R>]],
     own: &[Spill<R>],
+    mut watch: impl FnMut(Pushed<R>),
 ) -> Deep {
     let rows = part.rows.clone();
     let (first, end) = (rows.start, rows.end);
@@ -155,7 +183,8 @@ pub fn sum<R: Real, L: Law<R>>(
         part.spring,
         law,
         within,
-        |one| {
+        |one, pushed| {
+            watch(pushed);
             let (i, j) = (one.i as usize - first, one.j as usize - first);
             force[i] = plus(force[i], one.force);
             force[j] = minus(force[j], one.force);
@@ -189,7 +218,7 @@ fn sweep<R: Real, L: Law<R>>(
     spring: &mut [Row<R>],
     law: &L,
     take: impl Fn(&[u32], usize) -> Range<usize>,
-    mut emit: impl FnMut(Spill<R>),
+    mut emit: impl FnMut(Spill<R>, Pushed<R>),
 ) -> Deep {
     // Squares of distances are rounded by a few units in the last place; the filter gives 16.
     let margin = R::ONE + R::EPSILON * R::from_f64(16.0);
@@ -244,7 +273,7 @@ fn evaluate<R: Real, L: Law<R>>(
     partner: &mut [u32],
     spring: &mut [Row<R>],
     law: &L,
-    emit: &mut impl FnMut(Spill<R>),
+    emit: &mut impl FnMut(Spill<R>, Pushed<R>),
 ) -> Deep {
     type Lane<R> = [R; LANES];
     let zero = [R::ZERO; LANES];
@@ -273,8 +302,10 @@ fn evaluate<R: Real, L: Law<R>>(
 
     let mut force: [Lane<R>; 3] = [zero; 3];
     let mut couple: [Lane<R>; 3] = [zero; 3];
+    let mut normal: [Lane<R>; 3] = [zero; 3];
+    let mut tangential: [Lane<R>; 3] = [zero; 3];
     let mut arm: [Lane<R>; 2] = [zero; 2];
-    let mut overlap = zero;
+    let (mut overlap, mut normal_force) = (zero, zero);
     for k in 0..LANES {
         let at = |v: &[Lane<R>]| [v[0][k], v[1][k], v[2][k]];
         let d = sight.domain.separation(at(&xi), at(&xj));
@@ -298,8 +329,10 @@ fn evaluate<R: Real, L: Law<R>>(
             force[w][k] = push[w];
             couple[w][k] = turn[w];
             s[w][k] = r.spring[w];
+            normal[w][k] = contact.normal[w];
+            tangential[w][k] = r.tangential[w];
         }
-        overlap[k] = contact.overlap;
+        (overlap[k], normal_force[k]) = (contact.overlap, r.normal);
         (arm[0][k], arm[1][k]) = (r.arm_i, r.arm_j);
     }
 
@@ -311,14 +344,23 @@ fn evaluate<R: Real, L: Law<R>>(
         if overlap[k] > R::ZERO {
             partner[pair] |= TOUCHING;
             spring[pair] = [s[0][k], s[1][k], s[2][k], R::ZERO];
-            emit(Spill {
+            let spill = Spill {
                 i: block.i[k],
                 j: block.j[k],
                 force: at(&force),
                 couple: at(&couple),
                 arm_i: arm[0][k],
                 arm_j: arm[1][k],
-            });
+            };
+            let pushed = Pushed {
+                i: block.i[k],
+                partner: Partner::Grain(block.j[k]),
+                overlap: overlap[k],
+                normal: at(&normal),
+                normal_force: normal_force[k],
+                tangential_force: at(&tangential),
+            };
+            emit(spill, pushed);
             if overlap[k] > smaller(xi[3][k], xj[3][k]) * R::HALF && deep.is_none() {
                 deep = Some((block.i[k], block.j[k]));
             }
@@ -344,7 +386,7 @@ pub struct TouchPart<'a, R> {
 
 /// Sets every force to the obstacles' share, by ascending grain and obstacle, and the force and
 /// torque on each obstacle to the sum over the grains in the same order. Returns the first grain
-/// and obstacle that overlap too deep.
+/// and obstacle that overlap too deep. `watch` sees every contact and cannot change one.
 #[inline(always)]
 pub fn push_obstacles<R: Real, L: Law<R>>(
     sight: Sight<'_, R>,
@@ -352,6 +394,7 @@ pub fn push_obstacles<R: Real, L: Law<R>>(
     force: &mut [Row<R>],
     torque: &mut [Row<R>],
     law: &L,
+    mut watch: impl FnMut(Pushed<R>),
 ) -> Deep {
     let mut deep = None;
     force.fill([R::ZERO; 4]);
@@ -364,64 +407,42 @@ pub fn push_obstacles<R: Real, L: Law<R>>(
         let i = touch.grain[t] as usize;
         let k = touch.obstacle[t] & PLACE;
         let body = &mut touch.obstacles[k as usize];
-        let Some(one) = touch_one(sight, body, i, head(touch.spring[t]), law) else {
+        let (contact, offset) = touch_contact(sight, body, i);
+        let touching = contact.overlap > R::ZERO;
+        if !touching {
             touch.obstacle[t] = k;
             touch.spring[t] = [R::ZERO; 4];
             continue;
-        };
+        }
+        let r = law.react(&contact, head(touch.spring[t]), sight.dt);
+        let push = add(scale(contact.normal, r.normal), r.tangential);
+        let couple = cross(contact.normal, r.tangential);
+        // The force acts where the grain's lever ends; its moment is about the obstacle's point.
+        let lever = sub(offset, scale(contact.normal, r.arm_i));
         touch.obstacle[t] = k | TOUCHING;
-        touch.spring[t] = [one.spring[0], one.spring[1], one.spring[2], R::ZERO];
-        force[i] = plus(force[i], one.force);
-        torque[i] = minus(torque[i], scale(one.couple, one.arm_i));
-        body.force = sub(body.force, one.force);
-        body.torque = sub(body.torque, one.moment);
-        if one.too_deep && deep.is_none() {
+        touch.spring[t] = [r.spring[0], r.spring[1], r.spring[2], R::ZERO];
+        force[i] = plus(force[i], push);
+        torque[i] = minus(torque[i], scale(couple, r.arm_i));
+        body.force = sub(body.force, push);
+        body.torque = sub(body.torque, cross(lever, push));
+        watch(Pushed {
+            i: i as u32,
+            partner: Partner::Obstacle(k),
+            overlap: contact.overlap,
+            normal: contact.normal,
+            normal_force: r.normal,
+            tangential_force: r.tangential,
+        });
+        if contact.overlap > contact.radius_i * R::HALF && deep.is_none() {
             deep = Some((i as u32, k));
         }
     }
     deep
 }
 
-/// One grain on one obstacle.
-struct Touched<R> {
-    force: Vec3<R>,
-    couple: Vec3<R>,
-    arm_i: R,
-    spring: Vec3<R>,
-    /// Moment of the force on the grain about the obstacle's point.
-    moment: Vec3<R>,
-    too_deep: bool,
-}
-
-#[inline(always)]
-fn touch_one<R: Real, L: Law<R>>(
-    sight: Sight<'_, R>,
-    body: &Obstacle<R>,
-    i: usize,
-    spring: Vec3<R>,
-    law: &L,
-) -> Option<Touched<R>> {
-    let (contact, offset) = touch_contact(sight, body, i);
-    let touching = contact.overlap > R::ZERO;
-    if !touching {
-        return None;
-    }
-    let r = law.react(&contact, spring, sight.dt);
-    let force = add(scale(contact.normal, r.normal), r.tangential);
-    let lever = sub(offset, scale(contact.normal, r.arm_i));
-    Some(Touched {
-        force,
-        couple: cross(contact.normal, r.tangential),
-        arm_i: r.arm_i,
-        spring: r.spring,
-        moment: cross(lever, force),
-        too_deep: contact.overlap > contact.radius_i * R::HALF,
-    })
-}
-
 /// The contact of grain `i` on an obstacle, and the offset of its centre from the obstacle's point.
 #[inline(always)]
-pub(crate) fn touch_contact<R: Real>(
+fn touch_contact<R: Real>(
     sight: Sight<'_, R>,
     body: &Obstacle<R>,
     i: usize,

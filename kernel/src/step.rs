@@ -5,7 +5,7 @@ use crate::fault::Fault;
 use crate::law::Law;
 use crate::motion::{Kick, begin_kick, drift, end_kick};
 use crate::pairs::Bond;
-use crate::push::{Part, Sight, TouchPart, push_obstacles, sum};
+use crate::push::{Part, Pushed, Sight, TouchPart, push_obstacles, sum};
 use crate::real::Real;
 use crate::search::search;
 use crate::vec3::dot;
@@ -18,12 +18,26 @@ use crate::world::World;
 /// leaves the world stopped in the middle of the step, for inspection.
 #[inline(always)]
 pub fn step<R: Real, L: Law<R>>(world: &mut World<'_, R>, law: &L) -> Result<(), Fault> {
+    step_watched(world, law, |_| {})
+}
+
+/// [`step`], showing every touching contact to `watch`: first those on obstacles, by grain and
+/// obstacle, then those of two grains, by `(i, j)`. Watching changes no bit.
+///
+/// # Errors
+/// As [`step`].
+#[inline(always)]
+pub fn step_watched<R: Real, L: Law<R>>(
+    world: &mut World<'_, R>,
+    law: &L,
+    watch: impl FnMut(Pushed<R>),
+) -> Result<(), Fault> {
     find_who_may_touch(world)?;
 
     let half = world.dt * R::HALF;
     begin_kick(&mut kick_of(world), half);
     drift_all(world)?;
-    push_and_sum(world, law, world.dt)?;
+    push_and_sum(world, law, world.dt, watch)?;
     finish_kick(world, half)?;
 
     world.clock.step += 1;
@@ -37,8 +51,21 @@ pub fn step<R: Real, L: Law<R>>(world: &mut World<'_, R>, law: &L) -> Result<(),
 /// Whatever is wrong with the world, before anything is changed; or a full list, as in [`step`].
 #[inline(always)]
 pub fn start<R: Real, L: Law<R>>(world: &mut World<'_, R>, law: &L) -> Result<(), Fault> {
+    start_watched(world, law, |_| {})
+}
+
+/// [`start`], showing every touching contact to `watch` as [`step_watched`] does.
+///
+/// # Errors
+/// As [`start`].
+#[inline(always)]
+pub fn start_watched<R: Real, L: Law<R>>(
+    world: &mut World<'_, R>,
+    law: &L,
+    watch: impl FnMut(Pushed<R>),
+) -> Result<(), Fault> {
     prepare(world)?;
-    push_and_sum(world, law, R::ZERO)?;
+    push_and_sum(world, law, R::ZERO, watch)?;
     foresee(world)
 }
 
@@ -137,6 +164,7 @@ fn push_and_sum<R: Real, L: Law<R>>(
     world: &mut World<'_, R>,
     law: &L,
     dt: R,
+    mut watch: impl FnMut(Pushed<R>),
 ) -> Result<(), Fault> {
     let n = world.grains.count();
     let g = &mut world.grains;
@@ -155,7 +183,7 @@ fn push_and_sum<R: Real, L: Law<R>>(
         spring: &mut world.pairs.touch_spring[..touches],
         obstacles: world.obstacles,
     };
-    let hit = push_obstacles(sight, &mut touch, g.force, g.torque, law);
+    let hit = push_obstacles(sight, &mut touch, g.force, g.torque, law, &mut watch);
     let mut part = Part {
         rows: 0..n,
         force: g.force,
@@ -163,7 +191,7 @@ fn push_and_sum<R: Real, L: Law<R>>(
         partner: world.pairs.partner,
         spring: world.pairs.spring,
     };
-    let deep = sum(sight, &mut part, law, &[], &[]);
+    let deep = sum(sight, &mut part, law, &[], &[], &mut watch);
     if let Some((i, obstacle)) = hit {
         let id = g.id[i as usize];
         return Err(Fault::ObstacleTooDeep { id, obstacle });

@@ -1,0 +1,103 @@
+//! Errors of the harness: what, where, why and what to do, and the exit status each ends with.
+
+use std::path::{Path, PathBuf};
+
+use bitgrain_kernel::Fault;
+use thiserror::Error;
+
+/// Why a command ended without its result.
+#[derive(Debug, Error)]
+pub enum Error {
+    /// The input was refused before anything ran.
+    #[error("{place}: {problem}")]
+    Input {
+        /// File, with line or key where there is one.
+        place: String,
+        /// What is wrong, what was expected, and what to do.
+        problem: String,
+    },
+    /// A run went wrong and stopped at a step.
+    #[error("{stage} stopped at step {step}: {fault}{hint}")]
+    Run {
+        /// Which stage of which run.
+        stage: String,
+        /// Steps finished before the one that failed.
+        step: u64,
+        /// What the kernel found.
+        fault: Fault,
+        /// What to look at next.
+        hint: String,
+    },
+    /// A file could not be written.
+    #[error("cannot write {path}: {source}; free some space or choose another --out, then run again")]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// The system's answer.
+        source: std::io::Error,
+    },
+    /// Standard output went away.
+    #[error("cannot write to standard output: {0}")]
+    Output(std::io::Error),
+}
+
+impl Error {
+    /// 2 for refused input, 3 for a run that went wrong, 1 for output that could not be written.
+    pub fn exit_status(&self) -> u8 {
+        match self {
+            Error::Input { .. } => 2,
+            Error::Run { .. } => 3,
+            Error::Write { .. } | Error::Output(_) => 1,
+        }
+    }
+
+    /// Input refused at a place.
+    pub fn input(place: impl Into<String>, problem: impl Into<String>) -> Self {
+        Error::Input {
+            place: place.into(),
+            problem: problem.into(),
+        }
+    }
+
+    /// A file that cannot be read.
+    pub fn read(path: &Path, source: &std::io::Error) -> Self {
+        Error::input(
+            path.display().to_string(),
+            format!("cannot be read: {source}; check the name and its permissions"),
+        )
+    }
+
+    /// A file that cannot be written.
+    pub fn write(path: &Path, source: std::io::Error) -> Self {
+        Error::Write {
+            path: path.to_path_buf(),
+            source,
+        }
+    }
+
+    /// A run that the kernel stopped.
+    pub fn run(stage: impl Into<String>, step: u64, fault: Fault) -> Self {
+        Error::Run {
+            stage: stage.into(),
+            step,
+            fault,
+            hint: hint(fault).into(),
+        }
+    }
+}
+
+fn hint(fault: Fault) -> &'static str {
+    match fault {
+        Fault::OverlapTooDeep { .. } | Fault::ObstacleTooDeep { .. } => {
+            "; grains this deep in each other come from a bad start, too soft a contact or too long a time step"
+        }
+        Fault::Escaped { .. } => "; make the box higher, or see what pushed the grain out",
+        Fault::TooFast { .. } | Fault::NotFinite { .. } => {
+            "; look for overlaps at the start, or take a shorter time step"
+        }
+        _ => "",
+    }
+}
+
+/// The result of most things here.
+pub type Result<T> = std::result::Result<T, Error>;

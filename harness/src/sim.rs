@@ -1,0 +1,322 @@
+//! A simulation that owns its storage, and the stepping of it with the machine's widest registers.
+
+use bitgrain_kernel::law::{HertzHistory, HertzTsuji};
+use bitgrain_kernel::{
+    Bond, Cells, Clock, Digest, Domain, Fault, Grains, Group, Obstacle, Pairs, Row, World,
+};
+use multiversion::multiversion;
+use serde::{Deserialize, Serialize};
+
+/// A contact law with its numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum AnyLaw {
+    /// Kumar 2018, eqs. 1 and 2.
+    HertzHistory(HertzHistory<f64>),
+    /// Guillard 2014, eq. A1.
+    HertzTsuji(HertzTsuji<f64>),
+}
+
+/// One grain as it is put into a simulation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grain {
+    /// Name; names ascend in a simulation.
+    pub id: u32,
+    /// Place of its group in the simulation's table.
+    pub group: u8,
+    /// Diameter (length).
+    pub diameter: f64,
+    /// Mass density (mass / length^3).
+    pub density: f64,
+    /// Position of its centre (length), inside the box.
+    pub position: [f64; 3],
+    /// Velocity (length / time).
+    pub velocity: [f64; 3],
+    /// Spin (radians / time).
+    pub spin: [f64; 3],
+}
+
+/// Mass of a sphere: density times pi/6 times the diameter cubed.
+pub fn sphere_mass(diameter: f64, density: f64) -> f64 {
+    density * (std::f64::consts::PI / 6.0 * (diameter * diameter * diameter))
+}
+
+/// A world and everything it borrows, owned.
+#[derive(Clone, Debug)]
+pub struct Sim {
+    /// The contact law.
+    pub law: AnyLaw,
+    /// The box.
+    pub domain: Domain<f64>,
+    /// Time step.
+    pub dt: f64,
+    /// How far beyond touching pairs are listed (length): speed only, never a bit.
+    pub skin: f64,
+    /// Names of the grains, ascending.
+    pub id: Vec<u32>,
+    /// Group of each grain.
+    pub group: Vec<u8>,
+    /// The groups.
+    pub groups: Vec<Group<f64>>,
+    /// Positions and radii.
+    pub position: Vec<Row<f64>>,
+    /// Velocities and masses.
+    pub velocity: Vec<Row<f64>>,
+    /// Spins and inverse contact masses.
+    pub spin: Vec<Row<f64>>,
+    /// Contact forces of the last evaluation.
+    pub force: Vec<Row<f64>>,
+    /// Contact torques.
+    pub torque: Vec<Row<f64>>,
+    /// Crossings of the periodic axes.
+    pub image: Vec<[i32; 3]>,
+    /// Obstacles by number.
+    pub obstacles: Vec<Obstacle<f64>>,
+    lists: [List; 2],
+    cell_start: Vec<u32>,
+    cell_grain: Vec<u32>,
+    clock: Clock<f64>,
+}
+
+#[derive(Clone, Debug, Default)]
+struct List {
+    row: Vec<u32>,
+    partner: Vec<u32>,
+    spring: Vec<Row<f64>>,
+    touch_grain: Vec<u32>,
+    touch_obstacle: Vec<u32>,
+    touch_spring: Vec<Row<f64>>,
+}
+
+impl List {
+    fn resize(&mut self, grains: usize, pairs: usize, touches: usize) {
+        self.row.resize(grains + 1, 0);
+        self.partner.resize(pairs, 0);
+        self.spring.resize(pairs, [0.0; 4]);
+        self.touch_grain.resize(touches, 0);
+        self.touch_obstacle.resize(touches, 0);
+        self.touch_spring.resize(touches, [0.0; 4]);
+    }
+
+    fn lend(&mut self) -> Pairs<'_, f64> {
+        Pairs {
+            row: &mut self.row,
+            partner: &mut self.partner,
+            spring: &mut self.spring,
+            touch_grain: &mut self.touch_grain,
+            touch_obstacle: &mut self.touch_obstacle,
+            touch_spring: &mut self.touch_spring,
+        }
+    }
+
+    fn bytes(&self) -> usize {
+        4 * (self.row.capacity() + self.partner.capacity() + 2 * self.touch_grain.capacity())
+            + 32 * (self.spring.capacity() + self.touch_spring.capacity())
+    }
+}
+
+impl Sim {
+    /// A simulation of these grains, not yet started. The skin is a tenth of the mean diameter.
+    pub fn new(
+        law: AnyLaw,
+        domain: Domain<f64>,
+        dt: f64,
+        groups: Vec<Group<f64>>,
+        grains: &[Grain],
+        obstacles: Vec<Obstacle<f64>>,
+    ) -> Self {
+        let n = grains.len();
+        let mean = grains.iter().map(|g| g.diameter).sum::<f64>() / n.max(1) as f64;
+        let row = |v: [f64; 3], w: f64| [v[0], v[1], v[2], w];
+        let mut sim = Self {
+            law,
+            domain,
+            dt,
+            skin: 0.1 * mean,
+            id: grains.iter().map(|g| g.id).collect(),
+            group: grains.iter().map(|g| g.group).collect(),
+            groups,
+            position: grains.iter().map(|g| row(g.position, 0.5 * g.diameter)).collect(),
+            velocity: grains
+                .iter()
+                .map(|g| row(g.velocity, sphere_mass(g.diameter, g.density)))
+                .collect(),
+            spin: grains.iter().map(|g| row(g.spin, 0.0)).collect(),
+            force: vec![[0.0; 4]; n],
+            torque: vec![[0.0; 4]; n],
+            image: vec![[0; 3]; n],
+            obstacles,
+            lists: [List::default(), List::default()],
+            cell_start: vec![0; 2 * n + 64],
+            cell_grain: vec![0; n],
+            clock: Clock::default(),
+        };
+        sim.reserve(4 * n + 64, n / 4 + 64);
+        sim
+    }
+
+    /// How many grains there are.
+    pub fn count(&self) -> usize {
+        self.id.len()
+    }
+
+    /// Steps done.
+    pub fn step_count(&self) -> u64 {
+        self.clock.step
+    }
+
+    /// Sets the number of steps done, as when a saved state is taken up again.
+    pub fn set_step_count(&mut self, step: u64) {
+        self.clock.step = step;
+    }
+
+    /// Searches done, pairs listed and obstacle contacts listed: for timings, never for results.
+    pub fn search_counts(&self) -> (u64, usize, usize) {
+        (self.clock.searches, self.clock.listed, self.clock.touches)
+    }
+
+    /// Bytes that the simulation holds.
+    pub fn bytes(&self) -> usize {
+        self.count() * (5 * 32 + 4 + 1 + 12)
+            + 4 * (self.cell_start.len() + self.cell_grain.len())
+            + self.lists.iter().map(List::bytes).sum::<usize>()
+    }
+
+    fn reserve(&mut self, pairs: usize, touches: usize) {
+        for list in &mut self.lists {
+            let (p, t) = (list.partner.len().max(pairs), list.touch_grain.len().max(touches));
+            list.resize(self.id.len(), p, t);
+        }
+    }
+
+    /// Lends everything as a world of the kernel.
+    pub fn world(&mut self) -> World<'_, f64> {
+        let [first, second] = &mut self.lists;
+        World {
+            domain: &self.domain,
+            dt: self.dt,
+            skin: self.skin,
+            grains: Grains {
+                id: &self.id,
+                group: &self.group,
+                groups: &self.groups,
+                position: &mut self.position,
+                velocity: &mut self.velocity,
+                spin: &mut self.spin,
+                force: &mut self.force,
+                torque: &mut self.torque,
+                image: &mut self.image,
+            },
+            obstacles: &mut self.obstacles,
+            pairs: first.lend(),
+            spare: second.lend(),
+            cells: Cells {
+                start: &mut self.cell_start,
+                grain: &mut self.cell_grain,
+            },
+            clock: &mut self.clock,
+        }
+    }
+
+    /// Runs `act`, enlarging the lists as often as it finds them full: capacity is never a result.
+    fn grow_while_full(
+        &mut self,
+        mut act: impl FnMut(&mut Self) -> Result<(), Fault>,
+    ) -> Result<(), Fault> {
+        loop {
+            match act(self) {
+                Err(Fault::PairsFull { needed }) => self.reserve(needed + needed / 8, 0),
+                Err(Fault::TouchesFull { needed }) => self.reserve(0, needed + needed / 8),
+                other => return other,
+            }
+        }
+    }
+
+    /// Starts from an empty history; see [`bitgrain_kernel::start`].
+    ///
+    /// # Errors
+    /// What the kernel finds wrong with the world.
+    pub fn start(&mut self) -> Result<(), Fault> {
+        self.grow_while_full(|sim| match sim.law {
+            AnyLaw::HertzHistory(law) => start_history(&mut sim.world(), &law),
+            AnyLaw::HertzTsuji(law) => start_tsuji(&mut sim.world(), &law),
+        })
+    }
+
+    /// Goes on from saved rows and bonds; see [`bitgrain_kernel::resume`].
+    ///
+    /// # Errors
+    /// What the kernel finds wrong with the world.
+    pub fn resume(&mut self, bonds: &[Bond<f64>]) -> Result<(), Fault> {
+        self.grow_while_full(|sim| {
+            bitgrain_kernel::resume(&mut sim.world(), bonds.iter().copied())
+        })
+    }
+
+    /// Advances by `count` steps.
+    ///
+    /// # Errors
+    /// The fault that stopped a step; [`Sim::step_count`] says how many were finished.
+    pub fn steps(&mut self, count: u64) -> Result<(), Fault> {
+        let end = self.clock.step + count;
+        self.grow_while_full(|sim| {
+            let left = end - sim.clock.step;
+            match sim.law {
+                AnyLaw::HertzHistory(law) => step_history(&mut sim.world(), &law, left),
+                AnyLaw::HertzTsuji(law) => step_tsuji(&mut sim.world(), &law, left),
+            }
+        })
+    }
+
+    /// The digest of the state.
+    pub fn digest(&mut self) -> Digest {
+        bitgrain_kernel::digest(&self.world())
+    }
+
+    /// The touching contacts, by places.
+    pub fn bonds(&mut self) -> Vec<Bond<f64>> {
+        self.world().bonds().collect()
+    }
+
+    /// Kinetic energy of the grains that are not heavy, translation and rotation, summed by id.
+    pub fn kinetic_energy(&self) -> f64 {
+        let mut energy = 0.0;
+        for i in 0..self.count() {
+            let (v, w, r) = (self.velocity[i], self.spin[i], self.position[i][3]);
+            let v2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+            let w2 = w[0] * w[0] + w[1] * w[1] + w[2] * w[2];
+            energy += 0.5 * v[3] * (v2 + 0.4 * r * r * w2);
+        }
+        energy
+    }
+}
+
+// One monomorphic copy of the step for each law and instruction set; the kernel's phases are inlined
+// into it. Without fused operations every copy gives the same bits.
+#[multiversion(targets("x86_64+avx2"))]
+fn step_history(
+    world: &mut World<'_, f64>,
+    law: &HertzHistory<f64>,
+    count: u64,
+) -> Result<(), Fault> {
+    for _ in 0..count {
+        bitgrain_kernel::step(world, law)?;
+    }
+    Ok(())
+}
+
+#[multiversion(targets("x86_64+avx2"))]
+fn step_tsuji(world: &mut World<'_, f64>, law: &HertzTsuji<f64>, count: u64) -> Result<(), Fault> {
+    for _ in 0..count {
+        bitgrain_kernel::step(world, law)?;
+    }
+    Ok(())
+}
+
+fn start_history(world: &mut World<'_, f64>, law: &HertzHistory<f64>) -> Result<(), Fault> {
+    bitgrain_kernel::start(world, law)
+}
+
+fn start_tsuji(world: &mut World<'_, f64>, law: &HertzTsuji<f64>) -> Result<(), Fault> {
+    bitgrain_kernel::start(world, law)
+}

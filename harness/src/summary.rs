@@ -1,0 +1,255 @@
+//! The numbers of a run directory: `summary.json` and the force series, as the stages hand them on.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use crate::error::{Error, Result};
+
+/// Everything measured, in the units the scenario names.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Summary {
+    /// Version of the program that wrote it.
+    pub version: String,
+    /// Version of the kernel's arithmetic.
+    pub bits_version: u32,
+    /// Name of the scenario.
+    pub scenario: String,
+    /// Scalings of the numbers: quantity and unit.
+    pub units: Units,
+    /// The settled beds, one for each depth asked for.
+    pub beds: Vec<BedSummary>,
+    /// The drags, by bed and then speed.
+    pub runs: Vec<RunSummary>,
+}
+
+/// What one unit of each kind of number stands for.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Units {
+    /// Lengths.
+    pub length: String,
+    /// Times.
+    pub time: String,
+    /// Speeds.
+    pub speed: String,
+    /// Forces.
+    pub force: String,
+    /// Torques.
+    pub torque: String,
+    /// Energies.
+    pub energy: String,
+}
+
+/// One settled bed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BedSummary {
+    /// Name, also of its files.
+    pub name: String,
+    /// Grains, frozen ones included, the intruder not.
+    pub grains: usize,
+    /// Frozen base grains among them.
+    pub frozen: usize,
+    /// Steps from the first grain's release to the settled bed.
+    pub steps: u64,
+    /// Height of the free surface: median over columns of 2 d of the highest grain top.
+    pub surface: f64,
+    /// Depth of the intruder's centre below the surface.
+    pub depth: f64,
+    /// Solid fraction between 1 d above the base and 2 d below the surface, intruder left out.
+    pub packing_fraction: f64,
+    /// Mean number of contacts of a free grain below the surface layer.
+    pub coordination_number: f64,
+    /// Deepest overlap over the mean diameter.
+    pub overlap_max: f64,
+    /// Kinetic energy per free grain.
+    pub kinetic_energy_per_grain: f64,
+    /// Weight of the free grains.
+    pub weight: f64,
+    /// Upward force of base, planes and intruder on the free grains.
+    pub support: f64,
+    /// Digest of the settled state, in hex.
+    pub digest: String,
+}
+
+/// A mean over the averaging window with its standard error.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Mean {
+    /// The mean over every step of the window.
+    pub mean: f64,
+    /// Standard error from the means of 8 equal blocks of the window.
+    pub standard_error: f64,
+}
+
+/// One drag at one speed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RunSummary {
+    /// Name, also of its folder.
+    pub name: String,
+    /// Name of its bed.
+    pub bed: String,
+    /// Froude number 2 V sqrt(2 D/g)/(D + d).
+    pub froude: f64,
+    /// Speed of the intruder along x.
+    pub speed: f64,
+    /// Diameter of the intruder.
+    pub diameter: f64,
+    /// Depth of its centre below the free surface.
+    pub depth: f64,
+    /// Distance travelled.
+    pub distance: f64,
+    /// Steps of the drag.
+    pub steps: u64,
+    /// Travel at which averaging began.
+    pub window_start: f64,
+    /// Travel at which averaging ended.
+    pub window_end: f64,
+    /// Steps averaged.
+    pub window_steps: u64,
+    /// Force on the intruder against its motion.
+    pub drag: Mean,
+    /// Upward force on the intruder, without its weight.
+    pub lift: Mean,
+    /// Force on the intruder along y.
+    pub side: Mean,
+    /// Mean number of grains that touch the intruder.
+    pub contacts: Mean,
+    /// Mean drag over all steps, nothing cut.
+    pub drag_uncut: f64,
+    /// Drag over the weight of the bed above the intruder's lowest point: above 0.3 the layers above
+    /// slide with the intruder.
+    pub plug_ratio: f64,
+    /// Digest of the final state, in hex.
+    pub digest: String,
+    /// Digests of its parts, by name.
+    pub digest_parts: Vec<(String, String)>,
+}
+
+/// One row of a force series.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SeriesRow {
+    /// Steps since the drag began.
+    pub step: u64,
+    /// Time since the drag began.
+    pub time: f64,
+    /// Travel of the intruder.
+    pub distance: f64,
+    /// Drag, lift and side force at this step.
+    pub force: [f64; 3],
+    /// Their means over the steps since the row before.
+    pub force_mean: [f64; 3],
+    /// Torque on the intruder about its centre at this step.
+    pub torque: [f64; 3],
+    /// Grains that touch the intruder at this step.
+    pub contacts: u32,
+}
+
+/// Column names of a series file, in order.
+pub const SERIES_COLUMNS: [&str; 13] = [
+    "step", "time", "distance", "drag", "lift", "side", "drag_mean", "lift_mean", "side_mean",
+    "torque_x", "torque_y", "torque_z", "contacts",
+];
+
+/// The text of a series file: a line of units, the column names, the rows; shortest decimals that
+/// read back to the same bits.
+pub fn series_text(units: &Units, rows: &[SeriesRow]) -> String {
+    let mut out = format!(
+        "# units: time {}; distance {}; drag, lift, side {}; torque {}\n{}\n",
+        units.time,
+        units.length,
+        units.force,
+        units.torque,
+        SERIES_COLUMNS.join(",")
+    );
+    for row in rows {
+        out.push_str(&row.step.to_string());
+        let numbers = [row.time, row.distance];
+        let all = numbers.iter().chain(&row.force).chain(&row.force_mean).chain(&row.torque);
+        for x in all {
+            out.push_str(&format!(",{x}"));
+        }
+        out.push_str(&format!(",{}\n", row.contacts));
+    }
+    out
+}
+
+/// Reads a series file.
+///
+/// # Errors
+/// [`Error::Input`] with the line that is not a row of 13 numbers.
+pub fn read_series(path: &Path) -> Result<Vec<SeriesRow>> {
+    let text = std::fs::read_to_string(path).map_err(|e| Error::read(path, &e))?;
+    let mut rows = Vec::new();
+    for (k, line) in text.lines().enumerate() {
+        if line.starts_with('#') || line.starts_with("step,") {
+            continue;
+        }
+        let words: Vec<&str> = line.split(',').collect();
+        let parsed = || -> Option<SeriesRow> {
+            if words.len() != SERIES_COLUMNS.len() {
+                return None;
+            }
+            let mut v = [0.0; 11];
+            for (slot, word) in v.iter_mut().zip(&words[1..12]) {
+                *slot = word.parse().ok()?;
+            }
+            Some(SeriesRow {
+                step: words[0].parse().ok()?,
+                time: v[0],
+                distance: v[1],
+                force: [v[2], v[3], v[4]],
+                force_mean: [v[5], v[6], v[7]],
+                torque: [v[8], v[9], v[10]],
+                contacts: words[12].parse().ok()?,
+            })
+        };
+        let place = || format!("{}:{}", path.display(), k + 1);
+        let row = parsed().ok_or_else(|| {
+            Error::input(place(), "expected 13 numbers separated by commas; is the file cut off?")
+        })?;
+        rows.push(row);
+    }
+    Ok(rows)
+}
+
+/// Reads `summary.json` of a run directory.
+///
+/// # Errors
+/// [`Error::Input`] where it is missing or not a summary.
+pub fn read_summary(path: &Path) -> Result<Summary> {
+    let text = std::fs::read_to_string(path).map_err(|e| Error::read(path, &e))?;
+    serde_json::from_str(&text).map_err(|e| Error::input(path.display().to_string(), e.to_string()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_series_reads_back_to_the_same_bits() {
+        let units = Units {
+            length: "d".into(),
+            time: "sqrt(d/g)".into(),
+            speed: "sqrt(g d)".into(),
+            force: "rho d^3 g".into(),
+            torque: "rho d^4 g".into(),
+            energy: "rho d^4 g".into(),
+        };
+        let row = SeriesRow {
+            step: 7,
+            time: 0.1 + 0.2,
+            distance: 1.0 / 3.0,
+            force: [1e-300, -5.5, f64::MIN_POSITIVE],
+            force_mean: [1e22, -0.0, 3.0],
+            torque: [2.5e-8, 0.1, -7.0],
+            contacts: 12,
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("series.csv");
+        std::fs::write(&path, series_text(&units, &[row, row])).unwrap();
+        assert_eq!(read_series(&path).unwrap(), [row, row]);
+        std::fs::write(&path, "step,time\n1,2\n").unwrap();
+        let error = read_series(&path).unwrap_err().to_string();
+        assert!(error.contains("series.csv:2"), "{error}");
+    }
+}
