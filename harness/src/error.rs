@@ -101,3 +101,21 @@ fn hint(fault: Fault) -> &'static str {
 
 /// The result of most things here.
 pub type Result<T> = std::result::Result<T, Error>;
+
+/// Adds the nearest valid key to a parser's message about an unknown one.
+pub fn teach(message: &str) -> String {
+    let mut quoted = message.split('`').skip(1).step_by(2);
+    let unknown = message.contains("unknown field") || message.contains("unknown variant");
+    let (true, Some(word)) = (unknown, quoted.next()) else {
+        return message.to_string();
+    };
+    let nearest = quoted
+        .map(|valid| (strsim::damerau_levenshtein(word, valid), valid))
+        .min_by_key(|(distance, _)| *distance);
+    match nearest {
+        Some((distance, valid)) if distance <= 1 + word.len() / 3 => {
+            format!("{message}; did you mean `{valid}`?")
+        }
+        _ => message.to_string(),
+    }
+}

@@ -2,7 +2,8 @@
 
 use bitgrain_kernel::law::{HertzHistory, HertzTsuji};
 use bitgrain_kernel::{
-    Bond, Cells, Clock, Digest, Domain, Fault, Grains, Group, Obstacle, Pairs, Row, World,
+    Bond, Cells, Clock, Digest, Domain, Fault, Grains, Group, Obstacle, Pairs, Pushed, Row, World,
+    start_watched, step_watched,
 };
 use multiversion::multiversion;
 use serde::{Deserialize, Serialize};
@@ -237,9 +238,28 @@ impl Sim {
     /// # Errors
     /// What the kernel finds wrong with the world.
     pub fn start(&mut self) -> Result<(), Fault> {
+        self.start_watched(|_| {})
+    }
+
+    /// [`Sim::start`], showing every touching contact to `watch`.
+    ///
+    /// # Errors
+    /// As [`Sim::start`].
+    pub fn start_watched(&mut self, mut watch: impl FnMut(Pushed<f64>)) -> Result<(), Fault> {
         self.grow_while_full(|sim| match sim.law {
-            AnyLaw::HertzHistory(law) => start_history(&mut sim.world(), &law),
-            AnyLaw::HertzTsuji(law) => start_tsuji(&mut sim.world(), &law),
+            AnyLaw::HertzHistory(law) => start_watched(&mut sim.world(), &law, &mut watch),
+            AnyLaw::HertzTsuji(law) => start_watched(&mut sim.world(), &law, &mut watch),
+        })
+    }
+
+    /// Advances by one step, showing every touching contact to `watch`.
+    ///
+    /// # Errors
+    /// As [`Sim::steps`].
+    pub fn step_watched(&mut self, mut watch: impl FnMut(Pushed<f64>)) -> Result<(), Fault> {
+        self.grow_while_full(|sim| match sim.law {
+            AnyLaw::HertzHistory(law) => step_watched(&mut sim.world(), &law, &mut watch),
+            AnyLaw::HertzTsuji(law) => step_watched(&mut sim.world(), &law, &mut watch),
         })
     }
 
@@ -311,12 +331,4 @@ fn step_tsuji(world: &mut World<'_, f64>, law: &HertzTsuji<f64>, count: u64) -> 
         bitgrain_kernel::step(world, law)?;
     }
     Ok(())
-}
-
-fn start_history(world: &mut World<'_, f64>, law: &HertzHistory<f64>) -> Result<(), Fault> {
-    bitgrain_kernel::start(world, law)
-}
-
-fn start_tsuji(world: &mut World<'_, f64>, law: &HertzTsuji<f64>) -> Result<(), Fault> {
-    bitgrain_kernel::start(world, law)
 }

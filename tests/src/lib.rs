@@ -1,0 +1,44 @@
+//! What several tests share: where the goldens are, and how the peers' data is read.
+
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+/// A file or folder under `golden/`.
+pub fn golden(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../golden").join(name)
+}
+
+/// A JSON golden, packed or plain.
+pub fn json(name: &str) -> Value {
+    let bytes = std::fs::read(golden(name)).expect("the golden is in the repository");
+    let mut text = String::new();
+    if name.ends_with(".gz") {
+        let mut unpacked = flate2::read::GzDecoder::new(bytes.as_slice());
+        unpacked.read_to_string(&mut text).expect("the golden is whole");
+    } else {
+        text = String::from_utf8(bytes).expect("the golden is text");
+    }
+    serde_json::from_str(&text).expect("the golden is JSON")
+}
+
+/// A number of a JSON value.
+pub fn number(value: &Value) -> f64 {
+    value.as_f64().expect("a number")
+}
+
+/// A list of numbers of a JSON value.
+pub fn numbers(value: &Value) -> Vec<f64> {
+    value.as_array().expect("a list").iter().map(number).collect()
+}
+
+/// Three numbers beginning at `at`.
+pub fn triple(row: &[f64], at: usize) -> [f64; 3] {
+    [row[at], row[at + 1], row[at + 2]]
+}
+
+/// The largest magnitude among numbers.
+pub fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+    values.into_iter().fold(0.0, |a, b| if b.abs() > a { b.abs() } else { a })
+}

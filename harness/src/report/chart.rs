@@ -1,0 +1,345 @@
+//! Charts of a report: the force of a drag against time, and the drags against Froude number.
+
+use plotters::chart::ChartContext;
+use plotters::coord::combinators::{BindKeyPoints, WithKeyPoints};
+use plotters::coord::types::RangedCoordf64;
+use plotters::prelude::*;
+
+use super::{escape, number, typeset};
+use crate::summary::{RunSummary, SeriesRow, Units};
+
+/// Size of a drawing: three times that of the smallest screen it must be read on, because
+/// coordinates are whole numbers and curves would show steps at a coarser scale.
+const SIZE: (u32, u32) = (1440, 930);
+/// Text sizes are divided by 1.24 on their way into the SVG: this is 44 there, 15 at a third.
+const FONT: f64 = 54.56;
+const INK: RGBColor = RGBColor(22, 27, 34);
+const THIN: RGBColor = RGBColor(124, 138, 155);
+const GRID: RGBColor = RGBColor(228, 228, 224);
+const BAND: RGBColor = RGBColor(241, 237, 226);
+/// Points of all curves of a page together: a page of many runs stays small.
+const POINTS: usize = 60_000;
+
+type Drawn = Result<(), DrawingAreaErrorKind<std::io::Error>>;
+type Coord = WithKeyPoints<RangedCoordf64>;
+type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<Coord, Coord>>;
+
+/// An axis with round tick values.
+pub(super) struct Axis {
+    /// Where it begins.
+    pub lo: f64,
+    /// Where it ends.
+    pub hi: f64,
+    /// Values of the ticks and their labels.
+    pub ticks: Vec<(f64, String)>,
+}
+
+/// An axis from `lo` to `hi` with about `count` ticks at multiples of 1, 2 or 5 times a power of
+/// ten. Powers come from decimal text: the same bits on every platform.
+pub(super) fn axis(lo: f64, hi: f64, count: usize) -> Axis {
+    let (lo, hi) = if drawable(lo) && drawable(hi) && hi - lo > 1e-100 {
+        (lo, hi)
+    } else {
+        (0.0, 1.0)
+    };
+    let raw = (hi - lo) / count.max(1) as f64;
+    let text = format!("{raw:e}");
+    let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+    let mantissa: f64 = mantissa.parse().unwrap_or(1.0);
+    let exponent: i32 = exponent.parse().unwrap_or(0);
+    let factor = [1.0, 2.0, 5.0]
+        .into_iter()
+        .find(|f| mantissa <= *f * 1.0001)
+        .unwrap_or(10.0);
+    let step: f64 = format!("{factor}e{exponent}").parse().unwrap_or(raw);
+    let first = (lo / step - 1e-6).ceil() as i64;
+    let last = (hi / step + 1e-6).floor() as i64;
+    let decimals = usize::try_from(-exponent).unwrap_or(0);
+    let label = |x: f64| match exponent {
+        -4..6 => format!("{x:.decimals$}").replace('-', "\u{2212}"),
+        _ => number(x),
+    };
+    let ticks = (first..=last)
+        .map(|k| k as f64 * step)
+        .map(|x| (x, label(x)))
+        .collect();
+    Axis { lo, hi, ticks }
+}
+
+/// Finite, and small enough that a range of such numbers is finite too.
+fn drawable(x: f64) -> bool {
+    x.abs() < 1e100
+}
+
+/// One point of a force curve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Point {
+    time: f64,
+    steps: f64,
+    drag: f64,
+    average: f64,
+}
+
+/// Drag of each row and its average from the start, weighted by steps.
+fn points(rows: &[SeriesRow]) -> Vec<Point> {
+    let (mut before, mut steps, mut sum) = (0, 0.0, 0.0);
+    let mut out = Vec::with_capacity(rows.len());
+    for row in rows {
+        let weight = row.step.saturating_sub(before) as f64;
+        before = row.step;
+        let drag = row.force_mean[0];
+        if weight == 0.0 || !drawable(row.time) || !drawable(drag) {
+            continue;
+        }
+        steps += weight;
+        sum += weight * drag;
+        out.push(Point {
+            time: row.time,
+            steps: weight,
+            drag,
+            average: sum / steps,
+        });
+    }
+    out
+}
+
+/// At most `limit` points: means over equal groups, the last of which may be smaller. The average
+/// from the start stays that of all rows.
+fn reduced(points: &[Point], limit: usize) -> Vec<Point> {
+    let group = points.len().div_ceil(limit.max(1)).max(1);
+    let mean = |group: &[Point]| {
+        let last = *group.last()?;
+        let steps: f64 = group.iter().map(|p| p.steps).sum();
+        let drag = group.iter().map(|p| p.steps * p.drag).sum::<f64>() / steps;
+        Some(Point {
+            steps,
+            drag,
+            ..last
+        })
+    };
+    points.chunks(group).filter_map(mean).collect()
+}
+
+/// Time at which the intruder had travelled so far, on the lines between rows.
+fn time_at(rows: &[SeriesRow], travel: f64) -> Option<f64> {
+    let mut before = (0.0, 0.0);
+    for row in rows {
+        if row.distance >= travel {
+            let (time, distance) = before;
+            let part = (travel - distance) / (row.distance - distance);
+            let part = if part.is_finite() { part } else { 1.0 };
+            return Some(time + part * (row.time - time)).filter(|t| drawable(*t));
+        }
+        before = (row.time, row.distance);
+    }
+    rows.last().map(|r| r.time).filter(|t| drawable(*t))
+}
+
+/// Drag against time of one of `runs` drags: thin the series, thick its average from the start,
+/// shaded the averaging window. `None` where there is nothing to draw.
+pub(super) fn force(
+    run: &RunSummary,
+    rows: &[SeriesRow],
+    units: &Units,
+    runs: usize,
+) -> Option<String> {
+    let limit = (POINTS / runs.max(1)).clamp(200, 1500);
+    let curve = reduced(&points(rows), limit);
+    let end = curve.last()?.time;
+    let low = curve.iter().fold(0.0, |a: f64, p| a.min(p.drag));
+    let high = curve.iter().fold(0.0, |a: f64, p| a.max(p.drag));
+    let x = axis(0.0, end, 6);
+    let y = padded(low, high);
+    let window = time_at(rows, run.window_start).zip(time_at(rows, run.window_end));
+    let labels = [
+        format!("time t ({})", typeset(&units.time)),
+        format!("drag F ({})", typeset(&units.force)),
+    ];
+    let title = format!(
+        "Drag against time at Froude number {}",
+        number(run.froude)
+    );
+    Some(svg(&title, |area| {
+        let mut chart = chart(area, &x, &y)?;
+        if let Some((from, to)) = window {
+            let band = [(from, y.lo), (to.min(x.hi), y.hi)];
+            chart.draw_series([Rectangle::new(band, BAND.filled())])?;
+        }
+        mesh(&mut chart, [&x, &y], &labels)?;
+        let thin = curve.iter().map(|p| (p.time, p.drag));
+        chart.draw_series(LineSeries::new(thin, THIN.stroke_width(2)))?;
+        if let Some((from, _)) = window {
+            chart.draw_series(dashes(from, &y))?;
+        }
+        let thick = curve.iter().map(|p| (p.time, p.average));
+        chart.draw_series(LineSeries::new(thick, INK.stroke_width(9)))?;
+        Ok(())
+    }))
+}
+
+/// Means of the drag with standard errors against Froude number, a marker shape for each of `beds`.
+/// `None` where there is nothing to draw.
+pub(super) fn froude(runs: &[RunSummary], beds: &[&str], units: &Units) -> Option<String> {
+    let good = |r: &&RunSummary| drawable(r.froude) && drawable(r.drag.mean);
+    let runs: Vec<&RunSummary> = runs.iter().filter(good).collect();
+    runs.first()?;
+    let error = |r: &RunSummary| Some(r.drag.standard_error).filter(|e| drawable(*e));
+    let reach = |r: &RunSummary| error(r).unwrap_or(0.0);
+    let low = runs
+        .iter()
+        .fold(0.0, |a: f64, r| a.min(r.drag.mean - reach(r)));
+    let high = runs
+        .iter()
+        .fold(0.0, |a: f64, r| a.max(r.drag.mean + reach(r)));
+    let x = axis(0.0, runs.iter().fold(0.0, |a: f64, r| a.max(r.froude)) * 1.06, 6);
+    let y = padded(low, high);
+    let labels = [
+        "Froude number Fr".to_owned(),
+        format!("drag F ({})", typeset(&units.force)),
+    ];
+    Some(svg("Drag against Froude number", |area| {
+        let mut chart = chart(area, &x, &y)?;
+        mesh(&mut chart, [&x, &y], &labels)?;
+        for run in &runs {
+            let at = (run.froude, run.drag.mean);
+            if let Some(e) = error(run) {
+                chart.draw_series(error_bar(at, e, x.hi * 0.008))?;
+            }
+            let shape = beds.iter().position(|b| *b == run.bed).unwrap_or(0);
+            draw_marker(&mut chart, at, shape)?;
+        }
+        Ok(())
+    }))
+}
+
+/// A range with zero in it and room above and below the data.
+fn padded(low: f64, high: f64) -> Axis {
+    let room = 0.07 * (high - low);
+    let low = if low < 0.0 { low - room } else { low };
+    axis(low, if high > 0.0 { high + room } else { high }, 6)
+}
+
+/// Draws into a string and puts it in the form the page holds: as wide as its column, with a title.
+fn svg(title: &str, draw: impl FnOnce(&Area) -> Drawn) -> String {
+    let mut out = String::new();
+    {
+        let area = SVGBackend::with_string(&mut out, SIZE).into_drawing_area();
+        draw(&area)
+            .and_then(|()| area.present())
+            .expect("a string takes every drawing");
+    }
+    let body = out.split_once('>').map_or("", |(_, body)| body);
+    let (width, height) = SIZE;
+    let title = escape(title);
+    format!(
+        "<svg class=\"chart\" viewBox=\"0 0 {width} {height}\" role=\"img\" \
+         aria-label=\"{title}\"><title>{title}</title>{body}"
+    )
+}
+
+type Area<'b> = DrawingArea<SVGBackend<'b>, plotters::coord::Shift>;
+
+fn chart<'a, 'b>(
+    area: &'a Area<'b>,
+    x: &Axis,
+    y: &Axis,
+) -> Result<Chart<'a, 'b>, DrawingAreaErrorKind<std::io::Error>> {
+    let longest = y.ticks.iter().map(|t| t.1.chars().count()).max();
+    let labels = 26 * u32::try_from(longest.unwrap_or(1)).unwrap_or(1);
+    let key = |a: &Axis| {
+        let at: Vec<f64> = a.ticks.iter().map(|t| t.0).collect();
+        (a.lo..a.hi).with_key_points(at)
+    };
+    ChartBuilder::on(area)
+        .margin_top(24)
+        .margin_right(36)
+        .margin_bottom(6)
+        .margin_left(6)
+        .x_label_area_size(140)
+        .y_label_area_size(100 + labels)
+        .build_cartesian_2d(key(x), key(y))
+}
+
+/// Grid, axes, tick labels and axis labels.
+fn mesh(chart: &mut Chart, axes: [&Axis; 2], labels: &[String; 2]) -> Drawn {
+    let name = |axis: &Axis, x: f64| {
+        let tick = axis.ticks.iter().find(|t| t.0 == x);
+        tick.map_or(String::new(), |t| t.1.clone())
+    };
+    let text = ("sans-serif", FONT).into_font().color(&INK);
+    chart
+        .configure_mesh()
+        .bold_line_style(GRID.stroke_width(2))
+        .light_line_style(TRANSPARENT)
+        .axis_style(INK.stroke_width(3))
+        .set_all_tick_mark_size(14)
+        .label_style(text.clone())
+        .axis_desc_style(text)
+        .x_label_formatter(&|x| name(axes[0], *x))
+        .y_label_formatter(&|y| name(axes[1], *y))
+        .x_desc(&labels[0])
+        .y_desc(&labels[1])
+        .draw()
+}
+
+/// A dashed vertical line over the whole height.
+fn dashes(x: f64, y: &Axis) -> Vec<PathElement<(f64, f64)>> {
+    let piece = (y.hi - y.lo) / 47.0;
+    let at = |k: usize| y.lo + piece * k as f64;
+    let dash = |k| PathElement::new([(x, at(k)), (x, at(k + 1))], INK.stroke_width(4));
+    (0..47).step_by(2).map(dash).collect()
+}
+
+/// A bar of one standard error each way with caps.
+fn error_bar(at: (f64, f64), error: f64, cap: f64) -> Vec<PathElement<(f64, f64)>> {
+    let (x, y) = at;
+    let line = |from, to| PathElement::new([from, to], INK.stroke_width(5));
+    let across = |y| line((x - cap, y), (x + cap, y));
+    vec![
+        line((x, y - error), (x, y + error)),
+        across(y - error),
+        across(y + error),
+    ]
+}
+
+/// Corners of the marker of a bed; none for a circle.
+fn corners(shape: usize) -> &'static [(i32, i32)] {
+    match shape % 4 {
+        0 => &[],
+        1 => &[(-15, -15), (15, -15), (15, 15), (-15, 15)],
+        2 => &[(0, -20), (19, 14), (-19, 14)],
+        _ => &[(0, -22), (18, 0), (0, 22), (-18, 0)],
+    }
+}
+
+/// Every other four shapes are open.
+fn fill(shape: usize) -> RGBColor {
+    if shape / 4 % 2 == 0 { INK } else { WHITE }
+}
+
+fn draw_marker(chart: &mut Chart, at: (f64, f64), shape: usize) -> Drawn {
+    let corners = corners(shape);
+    if corners.is_empty() {
+        chart.draw_series([Circle::new(at, 17, fill(shape).filled())])?;
+        chart.draw_series([Circle::new(at, 17, INK.stroke_width(5))])?;
+        return Ok(());
+    }
+    let closed: Vec<_> = corners.iter().chain(&corners[..1]).copied().collect();
+    let inner = Polygon::new(corners, fill(shape).filled());
+    let outer = PathElement::new(closed, INK.stroke_width(5));
+    chart.draw_series([EmptyElement::at(at) + inner + outer])?;
+    Ok(())
+}
+
+/// The marker of a bed for the legend.
+pub(super) fn marker(shape: usize) -> String {
+    let RGBColor(r, g, b) = fill(shape);
+    let style = format!("fill=\"rgb({r},{g},{b})\" stroke=\"#161b22\" stroke-width=\"5\"");
+    let corners = corners(shape);
+    let points: Vec<String> = corners.iter().map(|(x, y)| format!("{x},{y}")).collect();
+    let body = match corners.is_empty() {
+        true => format!("<circle r=\"17\" {style}/>"),
+        false => format!("<polygon points=\"{}\" {style}/>", points.join(" ")),
+    };
+    format!("<svg class=\"key\" viewBox=\"-30 -30 60 60\" aria-hidden=\"true\">{body}</svg>")
+}

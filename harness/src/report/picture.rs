@@ -1,0 +1,312 @@
+//! The picture of a settled bed: a vertical slice through the intruder's centre, to scale.
+
+use std::fmt::Write;
+
+use super::chart::{Axis, axis};
+use super::{BedPicture, escape, typeset};
+
+/// Width of the drawing; the rest follows from the box, at equal aspect.
+const WIDTH: f64 = 500.0;
+/// Highest the box itself is drawn.
+const HEIGHT: f64 = 640.0;
+const RIGHT: f64 = 14.0;
+const TOP: f64 = 10.0;
+const BOTTOM: f64 = 46.0;
+const INK: &str = "#161b22";
+
+/// The circle in which a plane cuts a sphere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Cut {
+    x: f64,
+    z: f64,
+    radius: f64,
+}
+
+/// From lengths of the bed to the drawing.
+struct Scale {
+    lo: [f64; 2],
+    hi: [f64; 2],
+    left: f64,
+    factor: f64,
+    up: Axis,
+}
+
+impl Scale {
+    /// `None` where the box has no extent.
+    fn new(lo: [f64; 2], hi: [f64; 2]) -> Option<Self> {
+        let size = [hi[0] - lo[0], hi[1] - lo[1]];
+        let up = axis(lo[1], hi[1], 5);
+        let longest = up.ticks.iter().map(|t| t.1.chars().count()).max();
+        // Room for the tick labels and, turned, the name of the axis.
+        let left = 34.0 + 8.0 * longest.unwrap_or(1) as f64;
+        let room = WIDTH - RIGHT - left;
+        let factor = (room / size[0]).min(HEIGHT / size[1]);
+        let fits = factor.is_finite() && factor > 0.0;
+        fits.then(|| Scale {
+            lo,
+            hi,
+            left: left + 0.5 * (room - factor * size[0]),
+            factor,
+            up,
+        })
+    }
+
+    fn x(&self, x: f64) -> f64 {
+        self.left + self.factor * (x - self.lo[0])
+    }
+
+    fn z(&self, z: f64) -> f64 {
+        TOP + self.factor * (self.hi[1] - z)
+    }
+}
+
+/// Cuts of a sphere by the plane at `y`, one for each periodic image that reaches into the box.
+fn cuts(bed: &BedPicture, y: f64, position: [f64; 3], radius: f64) -> Vec<Cut> {
+    let size = [bed.hi[0] - bed.lo[0], bed.hi[1] - bed.lo[1]];
+    let off = position[1] - y;
+    let off = off - size[1] * (off / size[1]).round();
+    let square = radius * radius - off * off;
+    let x = position[0] - size[0] * ((position[0] - bed.lo[0]) / size[0]).floor();
+    if !(square > 0.0 && x.is_finite() && position[2].is_finite()) {
+        return Vec::new();
+    }
+    let radius = square.sqrt();
+    [0.0, -1.0, 1.0]
+        .into_iter()
+        .map(|image| x + image * size[0])
+        .filter(|x| x + radius > bed.lo[0] && x - radius < bed.hi[0])
+        .map(|x| Cut {
+            x,
+            z: position[2],
+            radius,
+        })
+        .collect()
+}
+
+/// The slice as SVG, or `None` where the box has no extent. `index` keeps the names of clips and
+/// patterns of several pictures on a page apart.
+pub(super) fn slice(bed: &BedPicture, unit: &str, index: usize) -> Option<String> {
+    let (centre, radius) = bed.intruder;
+    let all = |frozen: bool| -> Vec<Cut> {
+        let grains = bed.grains.iter().filter(|g| g.frozen == frozen);
+        grains
+            .flat_map(|g| cuts(bed, centre[1], g.position, g.radius))
+            .collect()
+    };
+    let (free, frozen) = (all(false), all(true));
+    let intruder = cuts(bed, centre[1], centre, radius);
+    let drawn = || free.iter().chain(&frozen).chain(&intruder);
+    // The box may reach far above the bed, to where the grains fell from: draw what is filled.
+    let top = drawn().fold(bed.surface, |top, c| top.max(c.z + c.radius));
+    let low = drawn().fold(bed.lo[2], |low, c| low.min(c.z - c.radius));
+    let top = if top > low { top } else { bed.hi[2] };
+    let top = top + 0.03 * (top - low);
+    let scale = Scale::new([bed.lo[0], low], [bed.hi[0], top])?;
+    let mut out = String::new();
+    open(&mut out, bed, &scale, index);
+    circles(&mut out, &scale, &free, "fill=\"#dcd8cd\" stroke=\"#8a877d\"");
+    let hatch = format!("fill=\"url(#hatch-{index})\" stroke=\"{INK}\"");
+    circles(&mut out, &scale, &frozen, &hatch);
+    circles(&mut out, &scale, &intruder, &format!("fill=\"{INK}\" stroke=\"#fff\""));
+    if let Some(cut) = intruder.first() {
+        arrow(&mut out, &scale, cut);
+    }
+    out.push_str("</g>");
+    lines(&mut out, &scale, bed);
+    ticks(&mut out, &scale, &typeset(unit));
+    out.push_str("</svg>");
+    Some(out)
+}
+
+/// The tag, its title, the hatching of frozen grains and the clip to the box.
+fn open(out: &mut String, bed: &BedPicture, scale: &Scale, index: usize) {
+    let title = escape(&format!(
+        "Slice of the settled bed {} through the intruder's centre",
+        bed.name
+    ));
+    let (x0, x1) = (scale.x(scale.lo[0]), scale.x(scale.hi[0]));
+    let (z0, z1) = (scale.z(scale.lo[1]), scale.z(scale.hi[1]));
+    let height = z0 + BOTTOM;
+    push(
+        out,
+        format_args!(
+            "<svg class=\"slice\" viewBox=\"0 0 {WIDTH} {height:.1}\" role=\"img\" \
+             aria-label=\"{title}\" font-family=\"sans-serif\" font-size=\"14\"><title>{title}\
+             </title><defs><pattern id=\"hatch-{index}\" width=\"3.2\" height=\"3.2\" \
+             patternUnits=\"userSpaceOnUse\" patternTransform=\"rotate(45)\">\
+             <rect width=\"3.2\" height=\"3.2\" fill=\"#9aa1a8\"/>\
+             <rect width=\"1.3\" height=\"3.2\" fill=\"#3a424c\"/></pattern>\
+             <clipPath id=\"box-{index}\"><rect x=\"{x0:.1}\" y=\"{z1:.1}\" width=\"{:.1}\" \
+             height=\"{:.1}\"/></clipPath></defs><g clip-path=\"url(#box-{index})\">",
+            x1 - x0,
+            z0 - z1
+        ),
+    );
+}
+
+/// Writing into a string has no way to fail.
+fn push(out: &mut String, text: std::fmt::Arguments) {
+    let _ = out.write_fmt(text);
+}
+
+fn circles(out: &mut String, scale: &Scale, cuts: &[Cut], style: &str) {
+    push(out, format_args!("<g {style} stroke-width=\"0.7\">"));
+    for cut in cuts {
+        let (x, z) = (scale.x(cut.x), scale.z(cut.z));
+        let radius = cut.radius * scale.factor;
+        push(
+            out,
+            format_args!("<circle cx=\"{x:.1}\" cy=\"{z:.1}\" r=\"{radius:.2}\"/>\n"),
+        );
+    }
+    out.push_str("</g>");
+}
+
+/// From the intruder's centre along +x, dark with a light rim: seen on the intruder and on grains.
+fn arrow(out: &mut String, scale: &Scale, intruder: &Cut) {
+    let z = scale.z(intruder.z);
+    let length = scale.factor * intruder.radius + 34.0;
+    let tip = (scale.x(intruder.x) + length).min(scale.x(scale.hi[0]) - 4.0);
+    let (tail, neck) = (tip - length, tip - 11.0);
+    let shape = format!(
+        "M{tail:.1} {:.1}H{neck:.1}V{:.1}L{tip:.1} {z:.1}L{neck:.1} {:.1}V{:.1}H{tail:.1}Z",
+        z - 1.8,
+        z - 6.5,
+        z + 6.5,
+        z + 1.8
+    );
+    push(
+        out,
+        format_args!(
+            "<path d=\"{shape}\" fill=\"{INK}\" stroke=\"#fff\" stroke-width=\"4\" \
+             stroke-linejoin=\"round\" paint-order=\"stroke\"/>"
+        ),
+    );
+}
+
+/// Edges of the box, the floor and the free surface.
+fn lines(out: &mut String, scale: &Scale, bed: &BedPicture) {
+    let (x0, x1) = (scale.x(scale.lo[0]), scale.x(scale.hi[0]));
+    let (z0, z1) = (scale.z(scale.lo[1]), scale.z(scale.hi[1]));
+    let mut line = |path: String, colour: &str, style: &str| {
+        push(
+            out,
+            format_args!("<path d=\"{path}\" fill=\"none\" stroke=\"{colour}\" {style}/>"),
+        );
+    };
+    let sides = format!("M{x0:.1} {z1:.1}V{z0:.1}M{x1:.1} {z1:.1}V{z0:.1}");
+    line(sides, INK, "stroke-width=\"0.8\"");
+    let floor = format!("M{x0:.1} {:.1}H{x1:.1}", scale.z(bed.lo[2]));
+    line(floor, INK, "stroke-width=\"2.6\"");
+    if bed.surface.is_finite() {
+        // A light line under the dashes keeps them apart from the outlines of grains.
+        let surface = format!("M{x0:.1} {:.1}H{x1:.1}", scale.z(bed.surface));
+        line(surface.clone(), "#fff", "stroke-width=\"4\" opacity=\"0.8\"");
+        line(surface, INK, "stroke-width=\"1.8\" stroke-dasharray=\"8 5\"");
+    }
+}
+
+/// Ticks and labels of both axes.
+fn ticks(out: &mut String, scale: &Scale, unit: &str) {
+    let unit = escape(unit);
+    let (x0, x1) = (scale.x(scale.lo[0]), scale.x(scale.hi[0]));
+    let (z0, z1) = (scale.z(scale.lo[1]), scale.z(scale.hi[1]));
+    let across = axis(scale.lo[0], scale.hi[0], ((x1 - x0) / 60.0).max(2.0) as usize);
+    push(out, format_args!("<g fill=\"{INK}\" stroke=\"none\">"));
+    for (x, label) in &across.ticks {
+        let x = scale.x(*x);
+        push(
+            out,
+            format_args!(
+                "<path d=\"M{x:.1} {z0:.1}v5\" stroke=\"{INK}\"/>\
+                 <text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{label}</text>",
+                z0 + 19.0
+            ),
+        );
+    }
+    for (z, label) in &scale.up.ticks {
+        let z = scale.z(*z);
+        push(
+            out,
+            format_args!(
+                "<path d=\"M{x0:.1} {z:.1}h-5\" stroke=\"{INK}\"/>\
+                 <text x=\"{:.1}\" y=\"{z:.1}\" dy=\"0.35em\" text-anchor=\"end\">{label}</text>",
+                x0 - 8.0
+            ),
+        );
+    }
+    let (x, z) = (0.5 * (x0 + x1), 0.5 * (z0 + z1));
+    let longest = scale.up.ticks.iter().map(|t| t.1.chars().count()).max();
+    let side = x0 - 16.0 - 8.0 * longest.unwrap_or(1) as f64;
+    push(
+        out,
+        format_args!(
+            "<text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">x ({unit})</text>\
+             <text x=\"{side:.1}\" y=\"{z:.1}\" text-anchor=\"middle\" \
+             transform=\"rotate(-90 {side:.1} {z:.1})\">z ({unit})</text></g>",
+            z0 + 39.0
+        ),
+    );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::PictureGrain;
+    use super::*;
+
+    fn bed(grains: &[([f64; 3], bool)]) -> BedPicture {
+        let grain = |(position, frozen): &([f64; 3], bool)| PictureGrain {
+            position: *position,
+            radius: 0.5,
+            frozen: *frozen,
+        };
+        BedPicture {
+            name: "<a>".into(),
+            lo: [0.0; 3],
+            hi: [10.0, 8.0, 40.0],
+            surface: 6.0,
+            grains: grains.iter().map(grain).collect(),
+            intruder: ([5.0, 1.0, 3.0], 1.0),
+        }
+    }
+
+    fn count(bed: &BedPicture) -> usize {
+        let text = slice(bed, "d", 0).unwrap();
+        text.matches("<circle").count() - 1
+    }
+
+    #[test]
+    fn a_grain_across_the_x_edge_is_drawn_at_both() {
+        assert_eq!(count(&bed(&[([0.2, 1.0, 2.0], false)])), 2);
+        assert_eq!(count(&bed(&[([9.8, 1.0, 2.0], true)])), 2);
+        assert_eq!(count(&bed(&[([5.0, 1.0, 0.6], false)])), 1);
+        // One box length away is the same grain.
+        assert_eq!(count(&bed(&[([-9.8, 1.0, 2.0], false)])), 2);
+    }
+
+    #[test]
+    fn the_plane_cuts_what_it_meets_through_the_y_edge_too() {
+        let near = bed(&[]);
+        let cut = cuts(&near, 0.1, [4.0, 7.8, 2.0], 0.5);
+        assert_eq!(cut.len(), 1);
+        assert!((cut[0].radius - 0.4).abs() < 1e-12, "{cut:?}");
+        assert!(cuts(&near, 0.1, [4.0, 7.5, 2.0], 0.5).is_empty());
+        assert!(cuts(&near, 1.0, [4.0, 1.0, f64::NAN], 0.5).is_empty());
+    }
+
+    #[test]
+    fn a_picture_is_to_scale_and_names_are_escaped() {
+        let text = slice(&bed(&[([3.0, 1.0, 2.0], false)]), "d", 0).unwrap();
+        let factor = (WIDTH - RIGHT - 42.0) / 10.0;
+        assert!(text.contains(&format!("r=\"{:.2}\"", 0.5 * factor)), "{text}");
+        assert!(text.contains(&format!("r=\"{factor:.2}\"")), "{text}");
+        assert!(text.contains("&lt;a&gt;") && !text.contains("<a>"));
+    }
+
+    #[test]
+    fn a_box_without_extent_has_no_picture() {
+        let mut flat = bed(&[([3.0, 1.0, 2.0], false)]);
+        flat.hi = flat.lo;
+        assert!(slice(&flat, "d", 0).is_none());
+    }
+}
