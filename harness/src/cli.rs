@@ -1,13 +1,16 @@
 //! The command line: what each command takes, and how each ending is told.
 
 use std::io::{BufWriter, Write};
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
 use crate::error::{Error, Result};
+use crate::progress::Progress;
 use crate::replay::{Replay, replay};
+use crate::scenario;
 
 /// Granular beds whose every run is reproducible to the last bit.
 #[derive(Parser)]
@@ -19,6 +22,21 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    /// Run a scenario: pour its beds, drag its intruder, write the results and a report.
+    #[command(after_help = RUN_HELP)]
+    Run {
+        /// A TOML file, or the name of a shipped scenario: quick, kumar-system-1, kumar-system-2.
+        scenario: String,
+        /// Folder for the results [default: out/NAME, NAME the scenario's name].
+        #[arg(long)]
+        out: Option<PathBuf>,
+        /// Beds and speeds to run side by side [default: one for each processor].
+        #[arg(long)]
+        threads: Option<NonZeroUsize>,
+        /// Change a key of the scenario, as in --set law.mu=0.3; may be given several times.
+        #[arg(long = "set", value_name = "KEY=VALUE")]
+        sets: Vec<String>,
+    },
     /// Replay a case file and print one JSON line for each sampled step.
     #[command(after_help = "Example: bitgrain replay case.json --steps 100 --every 10 --contacts")]
     Replay {
@@ -36,6 +54,16 @@ enum Command {
     },
 }
 
+const RUN_HELP: &str = "\
+Examples:
+  bitgrain run quick
+  bitgrain run quick --out thick --set intruder.diameter=3 --set 'intruder.froude=[1, 4]' \\
+      --set drag.distance=12
+  bitgrain run my-bed.toml --threads 2
+
+Results do not depend on --threads. Exit status: 0 done, 2 the scenario was refused, 3 a run went
+wrong, 1 results could not be written.";
+
 /// Runs the command that the process was called with.
 pub fn main() -> ExitCode {
     match run(Cli::parse().command) {
@@ -51,6 +79,19 @@ pub fn main() -> ExitCode {
 
 fn run(command: Command) -> Result<()> {
     match command {
+        Command::Run {
+            scenario,
+            out,
+            threads,
+            sets,
+        } => {
+            let scenario = scenario::load(&scenario, &sets)?;
+            let out = out.unwrap_or_else(|| PathBuf::from("out").join(&scenario.name));
+            let threads = threads.or_else(|| std::thread::available_parallelism().ok());
+            let threads = threads.map_or(1, NonZeroUsize::get);
+            let report = crate::run::run(&scenario, &out, threads, &Progress::new())?;
+            writeln!(std::io::stdout(), "report: {}", report.display()).map_err(Error::Output)
+        }
         Command::Replay {
             case,
             steps,

@@ -28,6 +28,21 @@ pub enum Error {
         /// What to look at next.
         hint: String,
     },
+    /// A bed did not come to rest.
+    #[error(
+        "{bed} did not settle: after {step} steps its kinetic energy per grain is {energy:.2e}, not \
+         below {bound:.0e}; raise bed.settled or look for a grain that cannot rest"
+    )]
+    Unsettled {
+        /// Which bed.
+        bed: String,
+        /// Steps done.
+        step: u64,
+        /// Kinetic energy per free grain over its weight times diameter.
+        energy: f64,
+        /// The scenario's bound.
+        bound: f64,
+    },
     /// A file could not be written.
     #[error("cannot write {path}: {source}; free some space or choose another --out, then run again")]
     Write {
@@ -46,7 +61,7 @@ impl Error {
     pub fn exit_status(&self) -> u8 {
         match self {
             Error::Input { .. } => 2,
-            Error::Run { .. } => 3,
+            Error::Run { .. } | Error::Unsettled { .. } => 3,
             Error::Write { .. } | Error::Output(_) => 1,
         }
     }

@@ -2,8 +2,8 @@
 
 use bitgrain_kernel::law::{HertzHistory, HertzTsuji};
 use bitgrain_kernel::{
-    Bond, Cells, Clock, Digest, Domain, Fault, Grains, Group, Obstacle, Pairs, Pushed, Row, World,
-    start_watched, step_watched,
+    Bond, Cells, Clock, Digest, Domain, Fault, Grains, Group, Obstacle, Pairs, Pushed, Row, TOUCHING,
+    World, start_watched, step_watched,
 };
 use multiversion::multiversion;
 use serde::{Deserialize, Serialize};
@@ -148,12 +148,20 @@ impl Sim {
             image: vec![[0; 3]; n],
             obstacles,
             lists: [List::default(), List::default()],
-            cell_start: vec![0; 2 * n + 64],
-            cell_grain: vec![0; n],
+            cell_start: Vec::new(),
+            cell_grain: Vec::new(),
             clock: Clock::default(),
         };
-        sim.reserve(4 * n + 64, n / 4 + 64);
+        sim.fit_storage();
         sim
+    }
+
+    /// Fits the lists and cells to the number of grains, after grains were added or read.
+    pub fn fit_storage(&mut self) {
+        let n = self.count();
+        self.cell_start.resize(2 * n + 64, 0);
+        self.cell_grain.resize(n, 0);
+        self.reserve(4 * n + 64, n / 4 + 64);
     }
 
     /// How many grains there are.
@@ -181,6 +189,12 @@ impl Sim {
         self.count() * (5 * 32 + 4 + 1 + 12)
             + 4 * (self.cell_start.len() + self.cell_grain.len())
             + self.lists.iter().map(List::bytes).sum::<usize>()
+    }
+
+    /// How many grains touch an obstacle.
+    pub fn touch_count(&self, obstacle: u32) -> u32 {
+        let listed = &self.lists[0].touch_obstacle[..self.clock.touches];
+        listed.iter().filter(|&&word| word == (obstacle | TOUCHING)).count() as u32
     }
 
     fn reserve(&mut self, pairs: usize, touches: usize) {

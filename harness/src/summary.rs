@@ -5,6 +5,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
+use crate::scenario::Measure;
 
 /// Everything measured, in the units the scenario names.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -151,61 +152,91 @@ pub const SERIES_COLUMNS: [&str; 13] = [
 ];
 
 /// The text of a series file: a line of units, the column names, the rows; shortest decimals that
-/// read back to the same bits.
-pub fn series_text(units: &Units, rows: &[SeriesRow]) -> String {
+/// read back to the same bits. Torque and contacts are there as `measure` says.
+pub fn series_text(units: &Units, measure: &Measure, rows: &[SeriesRow]) -> String {
+    let wanted = |name: &str| match name {
+        "torque_x" | "torque_y" | "torque_z" => measure.torque,
+        "contacts" => measure.contacts,
+        _ => true,
+    };
+    let columns: Vec<&str> = SERIES_COLUMNS.into_iter().filter(|name| wanted(name)).collect();
     let mut out = format!(
         "# units: time {}; distance {}; drag, lift, side {}; torque {}\n{}\n",
         units.time,
         units.length,
         units.force,
         units.torque,
-        SERIES_COLUMNS.join(",")
+        columns.join(",")
     );
     for row in rows {
-        out.push_str(&row.step.to_string());
-        let numbers = [row.time, row.distance];
-        let all = numbers.iter().chain(&row.force).chain(&row.force_mean).chain(&row.torque);
-        for x in all {
-            out.push_str(&format!(",{x}"));
-        }
-        out.push_str(&format!(",{}\n", row.contacts));
+        let mut row = *row;
+        let words = columns.iter().map(|name| match *name {
+            "step" => row.step.to_string(),
+            "contacts" => row.contacts.to_string(),
+            _ => row.real(name).map_or(String::new(), |x| x.to_string()),
+        });
+        out.push_str(&words.collect::<Vec<String>>().join(","));
+        out.push('\n');
     }
     out
 }
 
-/// Reads a series file.
+impl SeriesRow {
+    /// The number of a column that holds a real number.
+    fn real(&mut self, column: &str) -> Option<&mut f64> {
+        Some(match column {
+            "time" => &mut self.time,
+            "distance" => &mut self.distance,
+            "drag" => &mut self.force[0],
+            "lift" => &mut self.force[1],
+            "side" => &mut self.force[2],
+            "drag_mean" => &mut self.force_mean[0],
+            "lift_mean" => &mut self.force_mean[1],
+            "side_mean" => &mut self.force_mean[2],
+            "torque_x" => &mut self.torque[0],
+            "torque_y" => &mut self.torque[1],
+            "torque_z" => &mut self.torque[2],
+            _ => return None,
+        })
+    }
+
+    fn parse(columns: &[&str], line: &str) -> Option<Self> {
+        let words: Vec<&str> = line.split(',').collect();
+        if words.len() != columns.len() {
+            return None;
+        }
+        let mut row = Self::default();
+        for (name, word) in columns.iter().zip(words) {
+            match *name {
+                "step" => row.step = word.parse().ok()?,
+                "contacts" => row.contacts = word.parse().ok()?,
+                _ => *row.real(name)? = word.parse().ok()?,
+            }
+        }
+        Some(row)
+    }
+}
+
+/// Reads a series file; columns that it leaves out are zero.
 ///
 /// # Errors
-/// [`Error::Input`] with the line that is not a row of 13 numbers.
+/// [`Error::Input`] with the line that does not fit the column names.
 pub fn read_series(path: &Path) -> Result<Vec<SeriesRow>> {
     let text = std::fs::read_to_string(path).map_err(|e| Error::read(path, &e))?;
+    let mut columns: Vec<&str> = Vec::new();
     let mut rows = Vec::new();
     for (k, line) in text.lines().enumerate() {
-        if line.starts_with('#') || line.starts_with("step,") {
+        if line.starts_with('#') {
             continue;
         }
-        let words: Vec<&str> = line.split(',').collect();
-        let parsed = || -> Option<SeriesRow> {
-            if words.len() != SERIES_COLUMNS.len() {
-                return None;
-            }
-            let mut v = [0.0; 11];
-            for (slot, word) in v.iter_mut().zip(&words[1..12]) {
-                *slot = word.parse().ok()?;
-            }
-            Some(SeriesRow {
-                step: words[0].parse().ok()?,
-                time: v[0],
-                distance: v[1],
-                force: [v[2], v[3], v[4]],
-                force_mean: [v[5], v[6], v[7]],
-                torque: [v[8], v[9], v[10]],
-                contacts: words[12].parse().ok()?,
-            })
-        };
-        let place = || format!("{}:{}", path.display(), k + 1);
-        let row = parsed().ok_or_else(|| {
-            Error::input(place(), "expected 13 numbers separated by commas; is the file cut off?")
+        if columns.is_empty() {
+            columns = line.split(',').collect();
+            continue;
+        }
+        let row = SeriesRow::parse(&columns, line).ok_or_else(|| {
+            let place = format!("{}:{}", path.display(), k + 1);
+            let problem = format!("expected {} numbers; is the file cut off?", columns.len());
+            Error::input(place, problem)
         })?;
         rows.push(row);
     }
@@ -246,10 +277,10 @@ mod tests {
         };
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("series.csv");
-        std::fs::write(&path, series_text(&units, &[row, row])).unwrap();
+        std::fs::write(&path, series_text(&units, &Measure::default(), &[row, row])).unwrap();
         assert_eq!(read_series(&path).unwrap(), [row, row]);
-        std::fs::write(&path, "step,time\n1,2\n").unwrap();
+        std::fs::write(&path, "step,time\n1,2\n3\n").unwrap();
         let error = read_series(&path).unwrap_err().to_string();
-        assert!(error.contains("series.csv:2"), "{error}");
+        assert!(error.contains("series.csv:3"), "{error}");
     }
 }

@@ -1,8 +1,8 @@
 //! Charts of a report: the force of a drag against time, and the drags against Froude number.
 
 use plotters::chart::ChartContext;
-use plotters::coord::combinators::{BindKeyPoints, WithKeyPoints};
-use plotters::coord::types::RangedCoordf64;
+use plotters::coord::Shift;
+use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 use plotters::prelude::*;
 
 use super::{escape, number, typeset};
@@ -14,17 +14,18 @@ const SIZE: (u32, u32) = (1440, 930);
 /// Text sizes are divided by 1.24 on their way into the SVG: this is 44 there, 15 at a third.
 const FONT: f64 = 54.56;
 const INK: RGBColor = RGBColor(22, 27, 34);
-const THIN: RGBColor = RGBColor(124, 138, 155);
+const THIN: RGBColor = RGBColor(104, 119, 138);
 const GRID: RGBColor = RGBColor(228, 228, 224);
 const BAND: RGBColor = RGBColor(241, 237, 226);
 /// Points of all curves of a page together: a page of many runs stays small.
 const POINTS: usize = 60_000;
 
 type Drawn = Result<(), DrawingAreaErrorKind<std::io::Error>>;
-type Coord = WithKeyPoints<RangedCoordf64>;
-type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<Coord, Coord>>;
+type Area<'b> = DrawingArea<SVGBackend<'b>, Shift>;
+type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<Axis, Axis>>;
 
 /// An axis with round tick values.
+#[derive(Clone)]
 pub(super) struct Axis {
     /// Where it begins.
     pub lo: f64,
@@ -47,10 +48,12 @@ pub(super) fn axis(lo: f64, hi: f64, count: usize) -> Axis {
     let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
     let mantissa: f64 = mantissa.parse().unwrap_or(1.0);
     let exponent: i32 = exponent.parse().unwrap_or(0);
-    let factor = [1.0, 2.0, 5.0]
-        .into_iter()
-        .find(|f| mantissa <= *f * 1.0001)
-        .unwrap_or(10.0);
+    let (factor, exponent) = match mantissa {
+        ..1.5 => (1, exponent),
+        ..3.0 => (2, exponent),
+        ..7.0 => (5, exponent),
+        _ => (1, exponent + 1),
+    };
     let step: f64 = format!("{factor}e{exponent}").parse().unwrap_or(raw);
     let first = (lo / step - 1e-6).ceil() as i64;
     let last = (hi / step + 1e-6).floor() as i64;
@@ -64,6 +67,36 @@ pub(super) fn axis(lo: f64, hi: f64, count: usize) -> Axis {
         .map(|x| (x, label(x)))
         .collect();
     Axis { lo, hi, ticks }
+}
+
+impl Ranged for Axis {
+    type FormatOption = NoDefaultFormatting;
+    type ValueType = f64;
+
+    fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
+        let part = (value - self.lo) / (self.hi - self.lo);
+        limit.0 + (part * f64::from(limit.1 - limit.0)).round() as i32
+    }
+
+    fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
+        let shown = if hint.weight().allow_light_points() {
+            0
+        } else {
+            self.ticks.len()
+        };
+        self.ticks.iter().take(shown).map(|t| t.0).collect()
+    }
+
+    fn range(&self) -> std::ops::Range<f64> {
+        self.lo..self.hi
+    }
+}
+
+impl ValueFormatter<f64> for Axis {
+    fn format_ext(&self, value: &f64) -> String {
+        let tick = self.ticks.iter().find(|t| t.0 == *value);
+        tick.map_or(String::new(), |t| t.1.clone())
+    }
 }
 
 /// Finite, and small enough that a range of such numbers is finite too.
@@ -155,19 +188,16 @@ pub(super) fn force(
         format!("time t ({})", typeset(&units.time)),
         format!("drag F ({})", typeset(&units.force)),
     ];
-    let title = format!(
-        "Drag against time at Froude number {}",
-        number(run.froude)
-    );
+    let title = format!("Drag against time at Froude number {}", number(run.froude));
     Some(svg(&title, |area| {
         let mut chart = chart(area, &x, &y)?;
         if let Some((from, to)) = window {
-            let band = [(from, y.lo), (to.min(x.hi), y.hi)];
+            let band = [(from.min(x.hi), y.lo), (to.min(x.hi), y.hi)];
             chart.draw_series([Rectangle::new(band, BAND.filled())])?;
         }
-        mesh(&mut chart, [&x, &y], &labels)?;
+        mesh(&mut chart, &labels)?;
         let thin = curve.iter().map(|p| (p.time, p.drag));
-        chart.draw_series(LineSeries::new(thin, THIN.stroke_width(2)))?;
+        chart.draw_series(LineSeries::new(thin, THIN.stroke_width(3)))?;
         if let Some((from, _)) = window {
             chart.draw_series(dashes(from, &y))?;
         }
@@ -191,7 +221,11 @@ pub(super) fn froude(runs: &[RunSummary], beds: &[&str], units: &Units) -> Optio
     let high = runs
         .iter()
         .fold(0.0, |a: f64, r| a.max(r.drag.mean + reach(r)));
-    let x = axis(0.0, runs.iter().fold(0.0, |a: f64, r| a.max(r.froude)) * 1.06, 6);
+    let x = axis(
+        0.0,
+        runs.iter().fold(0.0, |a: f64, r| a.max(r.froude)) * 1.06,
+        6,
+    );
     let y = padded(low, high);
     let labels = [
         "Froude number Fr".to_owned(),
@@ -199,7 +233,7 @@ pub(super) fn froude(runs: &[RunSummary], beds: &[&str], units: &Units) -> Optio
     ];
     Some(svg("Drag against Froude number", |area| {
         let mut chart = chart(area, &x, &y)?;
-        mesh(&mut chart, [&x, &y], &labels)?;
+        mesh(&mut chart, &labels)?;
         for run in &runs {
             let at = (run.froude, run.drag.mean);
             if let Some(e) = error(run) {
@@ -237,8 +271,6 @@ fn svg(title: &str, draw: impl FnOnce(&Area) -> Drawn) -> String {
     )
 }
 
-type Area<'b> = DrawingArea<SVGBackend<'b>, plotters::coord::Shift>;
-
 fn chart<'a, 'b>(
     area: &'a Area<'b>,
     x: &Axis,
@@ -246,26 +278,18 @@ fn chart<'a, 'b>(
 ) -> Result<Chart<'a, 'b>, DrawingAreaErrorKind<std::io::Error>> {
     let longest = y.ticks.iter().map(|t| t.1.chars().count()).max();
     let labels = 26 * u32::try_from(longest.unwrap_or(1)).unwrap_or(1);
-    let key = |a: &Axis| {
-        let at: Vec<f64> = a.ticks.iter().map(|t| t.0).collect();
-        (a.lo..a.hi).with_key_points(at)
-    };
     ChartBuilder::on(area)
         .margin_top(24)
-        .margin_right(36)
+        .margin_right(56)
         .margin_bottom(6)
         .margin_left(6)
         .x_label_area_size(140)
         .y_label_area_size(100 + labels)
-        .build_cartesian_2d(key(x), key(y))
+        .build_cartesian_2d(x.clone(), y.clone())
 }
 
 /// Grid, axes, tick labels and axis labels.
-fn mesh(chart: &mut Chart, axes: [&Axis; 2], labels: &[String; 2]) -> Drawn {
-    let name = |axis: &Axis, x: f64| {
-        let tick = axis.ticks.iter().find(|t| t.0 == x);
-        tick.map_or(String::new(), |t| t.1.clone())
-    };
+fn mesh(chart: &mut Chart, labels: &[String; 2]) -> Drawn {
     let text = ("sans-serif", FONT).into_font().color(&INK);
     chart
         .configure_mesh()
@@ -275,8 +299,6 @@ fn mesh(chart: &mut Chart, axes: [&Axis; 2], labels: &[String; 2]) -> Drawn {
         .set_all_tick_mark_size(14)
         .label_style(text.clone())
         .axis_desc_style(text)
-        .x_label_formatter(&|x| name(axes[0], *x))
-        .y_label_formatter(&|y| name(axes[1], *y))
         .x_desc(&labels[0])
         .y_desc(&labels[1])
         .draw()
@@ -306,22 +328,26 @@ fn error_bar(at: (f64, f64), error: f64, cap: f64) -> Vec<PathElement<(f64, f64)
 fn corners(shape: usize) -> &'static [(i32, i32)] {
     match shape % 4 {
         0 => &[],
-        1 => &[(-15, -15), (15, -15), (15, 15), (-15, 15)],
-        2 => &[(0, -20), (19, 14), (-19, 14)],
-        _ => &[(0, -22), (18, 0), (0, 22), (-18, 0)],
+        1 => &[(-12, -12), (12, -12), (12, 12), (-12, 12)],
+        2 => &[(0, -16), (15, 11), (-15, 11)],
+        _ => &[(0, -18), (15, 0), (0, 18), (-15, 0)],
     }
 }
 
 /// Every other four shapes are open.
 fn fill(shape: usize) -> RGBColor {
-    if shape / 4 % 2 == 0 { INK } else { WHITE }
+    if (shape / 4).is_multiple_of(2) {
+        INK
+    } else {
+        WHITE
+    }
 }
 
 fn draw_marker(chart: &mut Chart, at: (f64, f64), shape: usize) -> Drawn {
     let corners = corners(shape);
     if corners.is_empty() {
-        chart.draw_series([Circle::new(at, 17, fill(shape).filled())])?;
-        chart.draw_series([Circle::new(at, 17, INK.stroke_width(5))])?;
+        chart.draw_series([Circle::new(at, 13, fill(shape).filled())])?;
+        chart.draw_series([Circle::new(at, 13, INK.stroke_width(5))])?;
         return Ok(());
     }
     let closed: Vec<_> = corners.iter().chain(&corners[..1]).copied().collect();
@@ -338,8 +364,81 @@ pub(super) fn marker(shape: usize) -> String {
     let corners = corners(shape);
     let points: Vec<String> = corners.iter().map(|(x, y)| format!("{x},{y}")).collect();
     let body = match corners.is_empty() {
-        true => format!("<circle r=\"17\" {style}/>"),
+        true => format!("<circle r=\"13\" {style}/>"),
         false => format!("<polygon points=\"{}\" {style}/>", points.join(" ")),
     };
-    format!("<svg class=\"key\" viewBox=\"-30 -30 60 60\" aria-hidden=\"true\">{body}</svg>")
+    format!("<svg class=\"key\" viewBox=\"-22 -22 44 44\" aria-hidden=\"true\">{body}</svg>")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(step: u64, time: f64, drag: f64) -> SeriesRow {
+        SeriesRow {
+            step,
+            time,
+            distance: 2.0 * time,
+            force_mean: [drag, 0.0, 0.0],
+            ..SeriesRow::default()
+        }
+    }
+
+    #[test]
+    fn the_average_from_the_start_weighs_rows_by_their_steps() {
+        let rows = [row(10, 1.0, 6.0), row(40, 4.0, 2.0), row(60, 6.0, -1.0)];
+        let average: Vec<f64> = points(&rows).iter().map(|p| p.average).collect();
+        assert_eq!(average, [6.0, 3.0, 100.0 / 60.0]);
+    }
+
+    #[test]
+    fn rows_that_are_no_numbers_are_left_out() {
+        let rows = [
+            row(0, 0.0, 9.0),
+            row(1, 1.0, 4.0),
+            row(2, 2.0, f64::NAN),
+            row(3, 3.0, 2.0),
+        ];
+        let average: Vec<f64> = points(&rows).iter().map(|p| p.average).collect();
+        assert_eq!(average, [4.0, 3.0]);
+    }
+
+    #[test]
+    fn a_long_series_becomes_means_of_equal_groups() {
+        let rows: Vec<SeriesRow> = (1..=3000)
+            .map(|k| row(k, k as f64, (k % 2) as f64))
+            .collect();
+        let all = points(&rows);
+        let few = reduced(&all, 1500);
+        assert_eq!(few.len(), 1500);
+        assert!(few.iter().all(|p| p.drag == 0.5));
+        assert_eq!(few.last().unwrap().average, all.last().unwrap().average);
+        assert_eq!(reduced(&all[..1500], 1500), &all[..1500]);
+        assert!(reduced(&[], 1500).is_empty());
+    }
+
+    #[test]
+    fn the_window_begins_between_rows() {
+        let rows = [row(1, 1.0, 0.0), row(2, 2.0, 0.0)];
+        assert_eq!(time_at(&rows, 0.0), Some(0.0));
+        assert_eq!(time_at(&rows, 3.0), Some(1.5));
+        assert_eq!(time_at(&rows, 9.0), Some(2.0));
+        assert_eq!(time_at(&[], 9.0), None);
+    }
+
+    #[test]
+    fn ticks_are_round_numbers() {
+        let labels = |lo, hi| -> Vec<String> {
+            let ticks = axis(lo, hi, 5).ticks;
+            ticks.into_iter().map(|t| t.1).collect()
+        };
+        assert_eq!(labels(0.0, 100.0), ["0", "20", "40", "60", "80", "100"]);
+        assert_eq!(
+            labels(-0.2, 0.25),
+            ["\u{2212}0.2", "\u{2212}0.1", "0.0", "0.1", "0.2"]
+        );
+        assert_eq!(labels(0.0, 1e-7).len(), 6);
+        assert_eq!(labels(f64::NAN, 1.0), labels(0.0, 1.0));
+        assert_eq!(labels(3.0, 3.0), labels(0.0, 1.0));
+    }
 }

@@ -41,7 +41,7 @@ impl Scale {
         let left = 34.0 + 8.0 * longest.unwrap_or(1) as f64;
         let room = WIDTH - RIGHT - left;
         let factor = (room / size[0]).min(HEIGHT / size[1]);
-        let fits = factor.is_finite() && factor > 0.0;
+        let fits = size.iter().all(|l| *l > 0.0) && factor.is_finite() && factor > 0.0;
         fits.then(|| Scale {
             lo,
             hi,
@@ -104,10 +104,20 @@ pub(super) fn slice(bed: &BedPicture, unit: &str, index: usize) -> Option<String
     let scale = Scale::new([bed.lo[0], low], [bed.hi[0], top])?;
     let mut out = String::new();
     open(&mut out, bed, &scale, index);
-    circles(&mut out, &scale, &free, "fill=\"#dcd8cd\" stroke=\"#8a877d\"");
+    circles(
+        &mut out,
+        &scale,
+        &free,
+        "fill=\"#dcd8cd\" stroke=\"#8a877d\"",
+    );
     let hatch = format!("fill=\"url(#hatch-{index})\" stroke=\"{INK}\"");
     circles(&mut out, &scale, &frozen, &hatch);
-    circles(&mut out, &scale, &intruder, &format!("fill=\"{INK}\" stroke=\"#fff\""));
+    circles(
+        &mut out,
+        &scale,
+        &intruder,
+        &format!("fill=\"{INK}\" stroke=\"#fff\""),
+    );
     if let Some(cut) = intruder.first() {
         arrow(&mut out, &scale, cut);
     }
@@ -131,7 +141,7 @@ fn open(out: &mut String, bed: &BedPicture, scale: &Scale, index: usize) {
         out,
         format_args!(
             "<svg class=\"slice\" viewBox=\"0 0 {WIDTH} {height:.1}\" role=\"img\" \
-             aria-label=\"{title}\" font-family=\"sans-serif\" font-size=\"14\"><title>{title}\
+             aria-label=\"{title}\" font-family=\"sans-serif\" font-size=\"15\"><title>{title}\
              </title><defs><pattern id=\"hatch-{index}\" width=\"3.2\" height=\"3.2\" \
              patternUnits=\"userSpaceOnUse\" patternTransform=\"rotate(45)\">\
              <rect width=\"3.2\" height=\"3.2\" fill=\"#9aa1a8\"/>\
@@ -201,8 +211,16 @@ fn lines(out: &mut String, scale: &Scale, bed: &BedPicture) {
     if bed.surface.is_finite() {
         // A light line under the dashes keeps them apart from the outlines of grains.
         let surface = format!("M{x0:.1} {:.1}H{x1:.1}", scale.z(bed.surface));
-        line(surface.clone(), "#fff", "stroke-width=\"4\" opacity=\"0.8\"");
-        line(surface, INK, "stroke-width=\"1.8\" stroke-dasharray=\"8 5\"");
+        line(
+            surface.clone(),
+            "#fff",
+            "stroke-width=\"4\" opacity=\"0.8\"",
+        );
+        line(
+            surface,
+            INK,
+            "stroke-width=\"1.8\" stroke-dasharray=\"8 5\"",
+        );
     }
 }
 
@@ -211,7 +229,11 @@ fn ticks(out: &mut String, scale: &Scale, unit: &str) {
     let unit = escape(unit);
     let (x0, x1) = (scale.x(scale.lo[0]), scale.x(scale.hi[0]));
     let (z0, z1) = (scale.z(scale.lo[1]), scale.z(scale.hi[1]));
-    let across = axis(scale.lo[0], scale.hi[0], ((x1 - x0) / 60.0).max(2.0) as usize);
+    let across = axis(
+        scale.lo[0],
+        scale.hi[0],
+        ((x1 - x0) / 60.0).max(2.0) as usize,
+    );
     push(out, format_args!("<g fill=\"{INK}\" stroke=\"none\">"));
     for (x, label) in &across.ticks {
         let x = scale.x(*x);
@@ -298,7 +320,10 @@ mod tests {
     fn a_picture_is_to_scale_and_names_are_escaped() {
         let text = slice(&bed(&[([3.0, 1.0, 2.0], false)]), "d", 0).unwrap();
         let factor = (WIDTH - RIGHT - 42.0) / 10.0;
-        assert!(text.contains(&format!("r=\"{:.2}\"", 0.5 * factor)), "{text}");
+        assert!(
+            text.contains(&format!("r=\"{:.2}\"", 0.5 * factor)),
+            "{text}"
+        );
         assert!(text.contains(&format!("r=\"{factor:.2}\"")), "{text}");
         assert!(text.contains("&lt;a&gt;") && !text.contains("<a>"));
     }

@@ -1,0 +1,207 @@
+//! Checkpoints: a whole state in one safetensors file, from which a run goes on with the same bits.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use bitgrain_kernel::{BITS_VERSION, Bond, Domain, Group, Obstacle, Row};
+use safetensors::tensor::{Dtype, SafeTensors, TensorView, serialize};
+use serde::{Deserialize, Serialize};
+
+use crate::error::{Error, Result};
+use crate::files::write_whole;
+use crate::replay::hex;
+use crate::sim::{AnyLaw, Sim};
+
+/// Version of the file's layout.
+const FORMAT: u32 = 1;
+
+/// What is not an array of grains or contacts. One text under one key, so that a file's bytes do
+/// not depend on the order of a map.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Head {
+    format: u32,
+    bits_version: u32,
+    step: u64,
+    dt: f64,
+    skin: f64,
+    law: AnyLaw,
+    domain: Domain<f64>,
+    groups: Vec<Group<f64>>,
+    obstacles: Vec<Obstacle<f64>>,
+    /// Digest of the state, which reading computes anew.
+    digest: String,
+}
+
+const KEY: &str = "bitgrain";
+
+/// Writes the state of a simulation.
+///
+/// # Errors
+/// [`Error::Write`].
+pub fn write(path: &Path, sim: &mut Sim) -> Result<()> {
+    let head = Head {
+        format: FORMAT,
+        bits_version: BITS_VERSION,
+        step: sim.step_count(),
+        dt: sim.dt,
+        skin: sim.skin,
+        law: sim.law,
+        domain: sim.domain,
+        groups: sim.groups.clone(),
+        obstacles: sim.obstacles.clone(),
+        digest: hex(&sim.digest().whole),
+    };
+    let (mut bodies, mut springs, mut kinds) = (Vec::new(), Vec::new(), Vec::new());
+    for bond in sim.bonds() {
+        let (kind, i, partner, spring) = match bond {
+            Bond::Pair { i, j, spring } => (0u8, i, j, spring),
+            Bond::Touch {
+                i,
+                obstacle,
+                spring,
+            } => (1u8, i, obstacle, spring),
+        };
+        kinds.push(kind);
+        bodies.push([i, partner]);
+        springs.push(spring);
+    }
+    let n = sim.count();
+    let rows = |rows: &[Row<f64>]| -> (Dtype, Vec<usize>, Vec<u8>) {
+        let bytes = rows.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
+        (Dtype::F64, vec![n, 4], bytes)
+    };
+    let spring_bytes: Vec<u8> = springs.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
+    let body_bytes: Vec<u8> = bodies.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
+    let image: Vec<u8> = sim.image.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
+    let id: Vec<u8> = sim.id.iter().flat_map(|x| x.to_le_bytes()).collect();
+    let m = kinds.len();
+    let arrays = [
+        ("bond_bodies", (Dtype::U32, vec![m, 2], body_bytes)),
+        ("bond_kind", (Dtype::U8, vec![m], kinds)),
+        ("bond_spring", (Dtype::F64, vec![m, 3], spring_bytes)),
+        ("force", rows(&sim.force)),
+        ("group", (Dtype::U8, vec![n], sim.group.clone())),
+        ("id", (Dtype::U32, vec![n], id)),
+        ("image", (Dtype::I32, vec![n, 3], image)),
+        ("position", rows(&sim.position)),
+        ("spin", rows(&sim.spin)),
+        ("torque", rows(&sim.torque)),
+        ("velocity", rows(&sim.velocity)),
+    ];
+    let views = arrays.iter().map(|(name, (dtype, shape, bytes))| {
+        let view = TensorView::new(*dtype, shape.clone(), bytes).expect("sizes match by construction");
+        (*name, view)
+    });
+    let head = serde_json::to_string(&head).expect("a finite state is JSON");
+    let metadata = HashMap::from([(KEY.to_string(), head)]);
+    let bytes = serialize(views, Some(metadata)).expect("views match by construction");
+    write_whole(path, &bytes)
+}
+
+/// Reads a state back, ready to step on, and proves it by its digest.
+///
+/// # Errors
+/// [`Error::Input`] where the file is missing, damaged, cut off, or of another format or
+/// arithmetic.
+pub fn read(path: &Path) -> Result<Sim> {
+    let place = || path.display().to_string();
+    let bytes = std::fs::read(path).map_err(|e| Error::read(path, &e))?;
+    let damaged = |what: String| Error::input(place(), format!("not a whole checkpoint: {what}"));
+    let (_, metadata) =
+        SafeTensors::read_metadata(&bytes).map_err(|e| damaged(e.to_string()))?;
+    let file = SafeTensors::deserialize(&bytes).map_err(|e| damaged(e.to_string()))?;
+    let text = metadata.metadata().as_ref().and_then(|m| m.get(KEY));
+    let text = text.ok_or_else(|| damaged(format!("no `{KEY}` entry in its metadata")))?;
+    let head: Head = serde_json::from_str(text).map_err(|e| damaged(e.to_string()))?;
+    if head.format != FORMAT || head.bits_version != BITS_VERSION {
+        return Err(Error::input(
+            place(),
+            format!(
+                "written in format {} with arithmetic {}; this program reads format {FORMAT} with \
+                 arithmetic {BITS_VERSION}: make the bed again, or use the program that wrote it",
+                head.format, head.bits_version
+            ),
+        ));
+    }
+    let arrays = Arrays { file: &file };
+    let mut sim = arrays.sim(&head).map_err(damaged)?;
+    let bonds = arrays.bonds().map_err(damaged)?;
+    sim.set_step_count(head.step);
+    sim.resume(&bonds).map_err(|fault| damaged(fault.to_string()))?;
+    let digest = hex(&sim.digest().whole);
+    if digest != head.digest {
+        return Err(damaged(format!("its digest is {digest}, not {}", head.digest)));
+    }
+    Ok(sim)
+}
+
+struct Arrays<'a> {
+    file: &'a SafeTensors<'a>,
+}
+
+impl Arrays<'_> {
+    /// The bytes of a named array in words of `N`, with its type checked.
+    fn words<const N: usize>(
+        &self,
+        name: &str,
+        dtype: Dtype,
+    ) -> std::result::Result<Vec<[u8; N]>, String> {
+        let view = self.file.tensor(name).map_err(|e| format!("`{name}`: {e}"))?;
+        if view.dtype() != dtype {
+            return Err(format!("`{name}` is {:?}, not {dtype:?}", view.dtype()));
+        }
+        let (words, rest) = view.data().as_chunks::<N>();
+        if rest.is_empty() { Ok(words.to_vec()) } else { Err(format!("`{name}` is cut off")) }
+    }
+
+    fn reals<const W: usize>(&self, name: &str) -> std::result::Result<Vec<[f64; W]>, String> {
+        let words = self.words::<8>(name, Dtype::F64)?;
+        let reals: Vec<f64> = words.into_iter().map(f64::from_le_bytes).collect();
+        Ok(reals.as_chunks::<W>().0.to_vec())
+    }
+
+    fn sim(&self, head: &Head) -> std::result::Result<Sim, String> {
+        let id = self.words::<4>("id", Dtype::U32)?;
+        let group: Vec<[u8; 1]> = self.words("group", Dtype::U8)?;
+        let mut sim = Sim::new(head.law, head.domain, head.dt, head.groups.clone(), &[], vec![]);
+        sim.obstacles = head.obstacles.clone();
+        sim.skin = head.skin;
+        sim.id = id.into_iter().map(u32::from_le_bytes).collect();
+        sim.group = group.into_iter().map(|[g]| g).collect();
+        sim.position = self.reals("position")?;
+        sim.velocity = self.reals("velocity")?;
+        sim.spin = self.reals("spin")?;
+        sim.force = self.reals("force")?;
+        sim.torque = self.reals("torque")?;
+        let image = self.words::<4>("image", Dtype::I32)?;
+        let image: Vec<i32> = image.into_iter().map(i32::from_le_bytes).collect();
+        sim.image = image.as_chunks::<3>().0.to_vec();
+        sim.fit_storage();
+        Ok(sim)
+    }
+
+    fn bonds(&self) -> std::result::Result<Vec<Bond<f64>>, String> {
+        let kinds: Vec<[u8; 1]> = self.words("bond_kind", Dtype::U8)?;
+        let bodies = self.words::<4>("bond_bodies", Dtype::U32)?;
+        let bodies: Vec<u32> = bodies.into_iter().map(u32::from_le_bytes).collect();
+        let springs = self.reals::<3>("bond_spring")?;
+        if bodies.len() != 2 * kinds.len() || springs.len() != kinds.len() {
+            return Err("its contact arrays differ in length".into());
+        }
+        let pairs = bodies.as_chunks::<2>().0;
+        let bond = |k: usize| match (kinds[k], pairs[k]) {
+            ([0], [i, j]) => Bond::Pair {
+                i,
+                j,
+                spring: springs[k],
+            },
+            (_, [i, obstacle]) => Bond::Touch {
+                i,
+                obstacle,
+                spring: springs[k],
+            },
+        };
+        Ok((0..kinds.len()).map(bond).collect())
+    }
+}

@@ -1,0 +1,36 @@
+//! Writing files whole: beside the old one, then renamed, so that a reader never sees half a file.
+
+use std::io::Write;
+use std::path::Path;
+
+use crate::error::{Error, Result};
+
+/// Writes `bytes` to `path`, replacing what was there in one go. Folders on the way are made.
+///
+/// # Errors
+/// [`Error::Write`]; the old file is then still there.
+pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
+    let folder = path.parent().unwrap_or(Path::new("."));
+    make_folder(folder)?;
+    let mut name = path.file_name().unwrap_or_default().to_os_string();
+    name.push(".partial");
+    let partial = folder.join(name);
+    let written = std::fs::File::create(&partial).and_then(|mut file| {
+        file.write_all(bytes)?;
+        file.sync_all()
+    });
+    written.map_err(|e| {
+        // Half a file is of no use to anyone and may be what filled the disk.
+        let _ = std::fs::remove_file(&partial);
+        Error::write(path, e)
+    })?;
+    std::fs::rename(&partial, path).map_err(|e| Error::write(path, e))
+}
+
+/// Makes a folder and those above it.
+///
+/// # Errors
+/// [`Error::Write`].
+pub fn make_folder(folder: &Path) -> Result<()> {
+    std::fs::create_dir_all(folder).map_err(|e| Error::write(folder, e))
+}

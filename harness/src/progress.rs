@@ -1,0 +1,98 @@
+//! Progress: one bar a stage with its ETA, on a terminal; elsewhere one line as a stage ends.
+
+use std::time::Instant;
+
+use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
+
+/// All bars of a command.
+pub struct Progress {
+    bars: MultiProgress,
+}
+
+/// One stage under way. Dropping it removes its bar.
+pub struct Stage {
+    bar: ProgressBar,
+    name: String,
+    began: Instant,
+}
+
+impl Progress {
+    /// Bars on standard error; nothing is drawn where that is no terminal.
+    pub fn new() -> Self {
+        Self {
+            bars: MultiProgress::new(),
+        }
+    }
+
+    /// Begins a stage of about `steps` steps.
+    pub fn stage(&self, name: &str, steps: u64) -> Stage {
+        let bar = self.bars.add(ProgressBar::new(steps));
+        let look = "{prefix:<22} {bar:30} {percent:>3}%  ETA {eta:<5} {msg}";
+        if let Ok(style) = ProgressStyle::with_template(look) {
+            bar.set_style(style);
+        }
+        bar.set_prefix(name.to_string());
+        Stage {
+            bar,
+            name: name.to_string(),
+            began: Instant::now(),
+        }
+    }
+
+    /// Prints a line above the bars.
+    pub fn line(&self, text: &str) {
+        if self.bars.is_hidden() {
+            eprintln!("{text}");
+        } else {
+            let _ = self.bars.println(text);
+        }
+    }
+}
+
+impl Default for Progress {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Stage {
+    /// A stage that draws nothing: for tests and library use.
+    pub fn silent() -> Self {
+        Self {
+            bar: ProgressBar::hidden(),
+            name: String::new(),
+            began: Instant::now(),
+        }
+    }
+
+    /// Steps done, with a word on how it goes.
+    pub fn at(&self, step: u64, message: String) {
+        self.bar.set_position(step);
+        self.bar.set_message(message);
+    }
+
+    /// How far settling is: the fall first, then the kinetic energy, which falls by about a factor
+    /// of ten in half a fall's time.
+    pub fn settling(&self, step: u64, energy: f64, bound: f64, fall_steps: u64) {
+        let left = if energy > bound && bound > 0.0 {
+            0.5 * libm::log10(energy / bound) * fall_steps as f64
+        } else {
+            0.0
+        };
+        let fallen = if step < fall_steps { fall_steps - step } else { 0 };
+        let left = if left as u64 > fallen { left as u64 } else { fallen };
+        self.bar.set_length(step + left + 1);
+        self.at(step, format!("kinetic energy {energy:.1e}, settled below {bound:.0e}"));
+    }
+
+    /// Ends the stage and returns its seconds.
+    pub fn finish(self) -> f64 {
+        self.bar.finish_and_clear();
+        self.began.elapsed().as_secs_f64()
+    }
+
+    /// What the stage is called.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+}
