@@ -8,7 +8,7 @@
 use bitgrain_kernel::{Bond, Domain, Fault, Group, Obstacle};
 
 use crate::error::{Error, Result};
-use crate::observe::INTRUDER;
+use crate::observe::{INTRUDER, weight_and_support};
 use crate::order::spatial_order;
 use crate::progress::Stage;
 use crate::random::{Purpose, uniforms};
@@ -22,6 +22,9 @@ pub const FROZEN: u8 = 1;
 
 /// Steps between looks at the kinetic energy. Part of the recipe: it decides where settling ends.
 const LOOK: u64 = 500;
+
+/// A settled bed is carried by its base, planes and intruder to this fraction of its weight.
+const CARRIED: f64 = 5e-4;
 
 /// Longest settling, in units of the time a grain takes to fall from the top of the lattice.
 const PATIENCE: f64 = 60.0;
@@ -148,8 +151,8 @@ fn poured(scenario: &Scenario, plan: &BedPlan, lattice: &Lattice, grains: &[Grai
     Ok(Sim::new(law, domain, scenario.drag.dt, groups, grains, obstacles))
 }
 
-/// Steps on until the kinetic energy per free grain is under the scenario's bound, for at least
-/// `least` steps.
+/// Steps on until the kinetic energy per free grain is under the scenario's bound and the weight is
+/// carried, for at least `least` steps.
 fn settle(
     sim: &mut Sim,
     scenario: &Scenario,
@@ -163,7 +166,11 @@ fn settle(
     loop {
         sim.steps(LOOK).map_err(|f| stopped(&plan.name, sim, f))?;
         let energy = energy_per_grain(sim, scenario);
-        let done = sim.step_count() - begin >= least && energy < scenario.bed.settled;
+        let (_, weight, support) = weight_and_support(sim, scenario.gravity);
+        // A bed that still breathes carries more or less than its weight.
+        let carried = (support - weight).abs() < CARRIED * weight;
+        let quiet = energy < scenario.bed.settled && carried;
+        let done = sim.step_count() - begin >= least && quiet;
         stage.settling(sim.step_count(), energy, scenario.bed.settled, fall_steps);
         if done {
             return Ok(());

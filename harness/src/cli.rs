@@ -7,6 +7,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
+use crate::bench::bench;
 use crate::error::{Error, Result};
 use crate::progress::Progress;
 use crate::replay::{Replay, replay};
@@ -36,6 +37,23 @@ enum Command {
         /// Change a key of the scenario, as in --set law.mu=0.3; may be given several times.
         #[arg(long = "set", value_name = "KEY=VALUE")]
         sets: Vec<String>,
+    },
+    /// Time steps of a settled bed on this machine.
+    #[command(after_help = "Example: bitgrain bench --bed bedA_D4.data.gz --steps 4000 --json")]
+    Bench {
+        /// A LAMMPS data file, plain or gzip: type 2 the intruder, driven at V = 1 along x, type 3
+        /// frozen [default: the bed of the quick scenario, poured first].
+        #[arg(long)]
+        bed: Option<PathBuf>,
+        /// Steps to time, after 500 to warm up.
+        #[arg(long, default_value_t = 4000, value_parser = clap::value_parser!(u64).range(1..))]
+        steps: u64,
+        /// Threads, each stepping a copy of the bed.
+        #[arg(long, default_value = "1")]
+        threads: NonZeroUsize,
+        /// Print one JSON object.
+        #[arg(long)]
+        json: bool,
     },
     /// Replay a case file and print one JSON line for each sampled step.
     #[command(after_help = "Example: bitgrain replay case.json --steps 100 --every 10 --contacts")]
@@ -91,6 +109,23 @@ fn run(command: Command) -> Result<()> {
             let threads = threads.map_or(1, NonZeroUsize::get);
             let report = crate::run::run(&scenario, &out, threads, &Progress::new())?;
             writeln!(std::io::stdout(), "report: {}", report.display()).map_err(Error::Output)
+        }
+        Command::Bench {
+            bed,
+            steps,
+            threads,
+            json,
+        } => {
+            let speed = bench(bed.as_deref(), steps, threads.get(), &Progress::new())?;
+            let mut out = std::io::stdout();
+            let text = serde_json::to_value(&speed).map_err(|e| Error::Output(e.into()))?;
+            if json {
+                return writeln!(out, "{text}").map_err(Error::Output);
+            }
+            for (key, value) in text.as_object().into_iter().flatten() {
+                writeln!(out, "{key:<24}{value}").map_err(Error::Output)?;
+            }
+            Ok(())
         }
         Command::Replay {
             case,

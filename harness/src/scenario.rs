@@ -185,7 +185,7 @@ fn hundred() -> u64 {
     100
 }
 fn settled() -> f64 {
-    1e-7
+    1e-6
 }
 fn kumar_diameters() -> [f64; 2] {
     [0.9, 1.1]

@@ -23,8 +23,8 @@ use crate::pairs::{PLACE, TOUCHING};
 use crate::real::{Real, smaller};
 use crate::vec3::{Vec3, add, cross, dot, head, scale, sub};
 
-/// Contacts evaluated at once. It has no effect on any bit; eight fill the widest registers.
-pub const LANES: usize = 8;
+/// Contacts evaluated at once: four doubles fill a register of AVX2. It has no effect on any bit.
+pub const LANES: usize = 4;
 
 /// What the force phase reads: the whole world, shared by all ranges.
 #[derive(Clone, Copy)]
@@ -277,28 +277,21 @@ fn evaluate<R: Real, L: Law<R>>(
 ) -> Deep {
     type Lane<R> = [R; LANES];
     let zero = [R::ZERO; LANES];
-    let mut xi: [Lane<R>; 4] = [zero; 4];
-    let mut xj: [Lane<R>; 4] = [zero; 4];
-    let mut vi: [Lane<R>; 3] = [zero; 3];
-    let mut vj: [Lane<R>; 3] = [zero; 3];
-    let mut wi: [Lane<R>; 4] = [zero; 4];
-    let mut wj: [Lane<R>; 4] = [zero; 4];
-    let mut s: [Lane<R>; 3] = [zero; 3];
-    for k in 0..LANES {
-        let (i, j) = (block.i[k] as usize, block.j[k] as usize);
-        let (a, b) = (sight.position[i], sight.position[j]);
-        let (c, d) = (sight.spin[i], sight.spin[j]);
-        let (e, f) = (sight.velocity[i], sight.velocity[j]);
-        let old = spring[block.pair[k] as usize];
-        for w in 0..4 {
-            (xi[w][k], xj[w][k]) = (a[w], b[w]);
-            (wi[w][k], wj[w][k]) = (c[w], d[w]);
-        }
-        for w in 0..3 {
-            (vi[w][k], vj[w][k]) = (e[w], f[w]);
-            s[w][k] = old[w];
-        }
-    }
+    // Whole rows first, then the turn into lanes: the compiler keeps both in registers.
+    let at = |rows: &[Row<R>], places: &[u32; LANES]| -> [Row<R>; LANES] {
+        core::array::from_fn(|k| rows[places[k] as usize])
+    };
+    let turn = |rows: [Row<R>; LANES]| -> [Lane<R>; 4] {
+        core::array::from_fn(|w| core::array::from_fn(|k| rows[k][w]))
+    };
+    let (pi, pj) = (at(sight.position, &block.i), at(sight.position, &block.j));
+    let (ui, uj) = (at(sight.velocity, &block.i), at(sight.velocity, &block.j));
+    let (ti, tj) = (at(sight.spin, &block.i), at(sight.spin, &block.j));
+    let old = at(spring, &block.pair);
+    let (xi, xj) = (turn(pi), turn(pj));
+    let (vi, vj) = (turn(ui), turn(uj));
+    let (wi, wj) = (turn(ti), turn(tj));
+    let mut s = turn(old);
 
     let mut force: [Lane<R>; 3] = [zero; 3];
     let mut couple: [Lane<R>; 3] = [zero; 3];

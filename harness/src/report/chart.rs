@@ -5,7 +5,7 @@ use plotters::coord::Shift;
 use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 use plotters::prelude::*;
 
-use super::{escape, number, typeset};
+use super::text::{escape, number, typeset};
 use crate::summary::{RunSummary, SeriesRow, Units};
 
 /// Size of a drawing: three times that of the smallest screen it must be read on, because

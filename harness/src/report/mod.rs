@@ -5,8 +5,13 @@
 
 mod chart;
 mod picture;
+mod table;
+mod text;
 
-use crate::summary::{BedSummary, Mean, RunSummary, SeriesRow, Summary, Units};
+use table::{bed_table, plug_remark, run_table};
+use text::{escape, plus_minus, short, typeset};
+
+use crate::summary::{BedSummary, RunSummary, SeriesRow, Summary};
 
 /// A settled bed to draw.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,10 +40,6 @@ pub struct PictureGrain {
     /// Whether it belongs to the frozen base.
     pub frozen: bool,
 }
-
-/// Plug ratio from which the layers above the intruder may add to the drag, and the one from which
-/// they do; both measured for a friction coefficient of 0.5.
-const PLUG: [f64; 2] = [0.12, 0.3];
 
 /// One self-contained HTML page. The series come in the order of the runs of the summary, the
 /// pictures in that of its beds; where one is missing, the page says so.
@@ -257,206 +258,6 @@ fn numbers(summary: &Summary) -> String {
     )
 }
 
-/// Rows of a table under the names of its columns.
-struct Table<'a, T> {
-    items: &'a [T],
-    label: &'static str,
-    html: String,
-}
-
-impl<'a, T> Table<'a, T> {
-    fn new(label: &'static str, items: &'a [T], name: impl Fn(&T) -> &str) -> Self {
-        let head = |t: &T| format!("<th scope=\"col\">{}</th>", escape(name(t)));
-        let heads: String = items.iter().map(head).collect();
-        Table {
-            items,
-            label,
-            html: format!(
-                "<thead><tr><th scope=\"col\">Quantity</th>{heads}</tr></thead>\n<tbody>\n"
-            ),
-        }
-    }
-
-    fn row(&mut self, name: &str, unit: &str, note: &str, cell: impl Fn(&T) -> String) {
-        let unit = match unit {
-            "" => String::new(),
-            unit => format!(" <i>{}</i>", escape(&typeset(unit))),
-        };
-        let cells = self.items.iter().map(|t| format!("<td>{}</td>", cell(t)));
-        let cells: String = cells.collect();
-        let name = escape(name);
-        self.html.push_str(&format!(
-            "<tr><th scope=\"row\"><b>{name}</b>{unit}<small>{note}</small></th>{cells}</tr>\n"
-        ));
-    }
-
-    fn finish(self) -> String {
-        if self.items.is_empty() {
-            return "<p>None.</p>\n".to_owned();
-        }
-        format!(
-            "<div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"{}\"><table>\n{}\
-             </tbody>\n</table></div>\n",
-            self.label, self.html
-        )
-    }
-}
-
-fn bed_table(beds: &[BedSummary], units: &Units) -> String {
-    let mut t = Table::new("Beds", beds, |b| &b.name);
-    let (length, force, energy) = (&units.length, &units.force, &units.energy);
-    t.row(
-        "Grains",
-        "",
-        "frozen ones included, the intruder not",
-        |b| count(b.grains as u64),
-    );
-    t.row("Frozen grains", "", "of the rough base", |b| {
-        count(b.frozen as u64)
-    });
-    t.row(
-        "Steps",
-        "",
-        "from the first release to the settled bed",
-        |b| count(b.steps),
-    );
-    t.row(
-        "Free surface",
-        length,
-        "height, a median over columns",
-        |b| exact(b.surface),
-    );
-    t.row(
-        "Depth",
-        length,
-        "of the intruder's centre below the surface",
-        |b| exact(b.depth),
-    );
-    let note = "between 1 d above the base and 2 d below the surface";
-    t.row("Packing fraction", "", note, |b| exact(b.packing_fraction));
-    let note = "contacts of a free grain below the surface layer";
-    t.row("Coordination number", "", note, |b| {
-        exact(b.coordination_number)
-    });
-    t.row("Deepest overlap", "", "over the mean diameter", |b| {
-        exact(b.overlap_max)
-    });
-    t.row("Kinetic energy", energy, "per free grain", |b| {
-        exact(b.kinetic_energy_per_grain)
-    });
-    t.row("Weight", force, "of the free grains", |b| exact(b.weight));
-    let note = "upward force on the free grains; at rest their weight";
-    t.row("Support", force, note, |b| exact(b.support));
-    t.row("Digest", "", "of the settled state", |b| digest(&b.digest));
-    t.finish()
-}
-
-fn run_table(runs: &[RunSummary], units: &Units) -> String {
-    let mut t = Table::new("Drags", runs, |r| &r.name);
-    let (length, force) = (&units.length, &units.force);
-    t.row("Bed", "", "it was dragged through", |r| escape(&r.bed));
-    t.row("Froude number", "", "2 V &radic;(2 D/g)/(D + d)", |r| {
-        exact(r.froude)
-    });
-    t.row("Speed V", &units.speed, "of the intruder along x", |r| {
-        exact(r.speed)
-    });
-    t.row("Diameter D", length, "of the intruder", |r| {
-        exact(r.diameter)
-    });
-    t.row(
-        "Depth",
-        length,
-        "of its centre below the free surface",
-        |r| exact(r.depth),
-    );
-    t.row("Drag", force, "force against the motion", |r| {
-        plus_minus(r.drag)
-    });
-    t.row("Lift", force, "upward force, without the weight", |r| {
-        plus_minus(r.lift)
-    });
-    t.row("Side force", force, "along y", |r| plus_minus(r.side));
-    t.row("Contacts", "", "grains that touch the intruder", |r| {
-        plus_minus(r.contacts)
-    });
-    t.row("Drag, uncut", force, "mean over all steps", |r| {
-        exact(r.drag_uncut)
-    });
-    let note = "drag over the weight of the bed above the intruder's lowest point";
-    t.row("Plug ratio", "", note, |r| exact(r.plug_ratio));
-    t.row("Distance", length, "travelled", |r| exact(r.distance));
-    t.row("Steps", "", "of the drag", |r| count(r.steps));
-    t.row(
-        "Window start",
-        length,
-        "travel at which averaging began",
-        |r| exact(r.window_start),
-    );
-    t.row(
-        "Window end",
-        length,
-        "travel at which averaging ended",
-        |r| exact(r.window_end),
-    );
-    t.row(
-        "Window steps",
-        "",
-        "averaged; errors from 8 equal blocks",
-        |r| count(r.window_steps),
-    );
-    t.row("Digest", "", "of the final state", |r| digest(&r.digest));
-    let mut parts: Vec<&str> = Vec::new();
-    for (name, _) in runs.iter().flat_map(|r| &r.digest_parts) {
-        if !parts.contains(&name.as_str()) {
-            parts.push(name);
-        }
-    }
-    for part in parts {
-        t.row(
-            &format!("Digest: {part}"),
-            "",
-            "part of the final state",
-            |r| {
-                let mut found = r.digest_parts.iter().filter(|(name, _)| name == part);
-                found
-                    .next()
-                    .map_or("\u{2014}".to_owned(), |(_, hex)| digest(hex))
-            },
-        );
-    }
-    t.finish()
-}
-
-/// A warning where the drag is a large part of the weight above, in words.
-fn plug_remark(runs: &[RunSummary]) -> String {
-    let above = runs
-        .iter()
-        .filter(|r| r.plug_ratio.is_finite() && r.plug_ratio > PLUG[0]);
-    let says = |(k, r): (usize, &RunSummary)| {
-        let (froude, ratio) = (short(r.froude), short(r.plug_ratio));
-        let unusable = r.plug_ratio > PLUG[1];
-        let end = if unusable { " (unusable)" } else { "" };
-        match k {
-            0 => format!(
-                "At Fr&nbsp;=&nbsp;{froude} the drag is {ratio} of the weight of the bed above the \
-                 intruder{end}"
-            ),
-            _ => format!(", at Fr&nbsp;=&nbsp;{froude} it is {ratio}{end}"),
-        }
-    };
-    let says: String = above.enumerate().map(says).collect();
-    if says.is_empty() {
-        return says;
-    }
-    format!(
-        "<p class=\"remark\"><b>Plug ratio.</b> {says}: the layers above the intruder slide with \
-         it to some degree; a larger box is needed for a drag free of this. As measured for \
-         &mu;&nbsp;=&nbsp;0.5, a drag is sound below {} and unusable above {}.</p>\n",
-        PLUG[0], PLUG[1],
-    )
-}
-
 fn repeat(summary: &Summary, scenario_text: &str) -> String {
     format!(
         "<section>\n<h2>How to repeat it</h2>\n<p>Save the scenario below as \
@@ -470,135 +271,6 @@ fn repeat(summary: &Summary, scenario_text: &str) -> String {
     )
 }
 
-/// Text with no character that means something in HTML.
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
-        .replace('"', "&quot;")
-        .replace('\'', "&#39;")
-}
-
-/// A unit as it is printed: `rho d^3 g` with Greek letter and power, on one line.
-fn typeset(unit: &str) -> String {
-    ["rho", "sqrt", "^2", "^3", "^4", " "]
-        .iter()
-        .zip([
-            "\u{3c1}", "\u{221a}", "\u{b2}", "\u{b3}", "\u{2074}", "\u{a0}",
-        ])
-        .fold(unit.to_owned(), |text, (from, to)| text.replace(from, to))
-}
-
-/// Mantissa and power of ten of a number rounded to so many digits.
-fn scientific(x: f64, digits: usize) -> (String, i32) {
-    let text = format!("{x:.*e}", digits.max(1) - 1);
-    let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
-    (mantissa.to_owned(), exponent.parse().unwrap_or(0))
-}
-
-/// A number to so many significant digits; a dash for what is no number.
-fn significant(x: f64, digits: usize) -> String {
-    if !x.is_finite() {
-        return "\u{2014}".to_owned();
-    }
-    if x == 0.0 {
-        return "0".to_owned();
-    }
-    let (mantissa, exponent) = scientific(x, digits);
-    let trimmed = |text: &str| match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        false => text.to_owned(),
-    };
-    let text = if (-4..7).contains(&exponent) {
-        let decimals = digits as i32 - 1 - exponent;
-        trimmed(&format!("{x:.*}", usize::try_from(decimals).unwrap_or(0)))
-    } else {
-        format!("{}{}", trimmed(&mantissa), power(exponent))
-    };
-    text.replace('-', "\u{2212}")
-}
-
-/// ` × 10` to a power.
-fn power(exponent: i32) -> String {
-    let high = |c: char| match c.to_digit(10) {
-        Some(1) => '\u{b9}',
-        Some(k @ 2..=3) => char::from_u32(0xb0 + k).unwrap_or(c),
-        Some(k) => char::from_u32(0x2070 + k).unwrap_or(c),
-        None => '\u{207b}',
-    };
-    let high: String = exponent.to_string().chars().map(high).collect();
-    format!("\u{a0}\u{d7}\u{a0}10{high}")
-}
-
-/// Six significant digits.
-fn number(x: f64) -> String {
-    significant(x, 6)
-}
-
-/// Four, for running text.
-fn short(x: f64) -> String {
-    significant(x, 4)
-}
-
-/// Six digits to read, all of them in the markup.
-fn exact(x: f64) -> String {
-    match x.is_finite() {
-        true => format!("<data value=\"{x:?}\">{}</data>", number(x)),
-        false => number(x),
-    }
-}
-
-/// A whole number in groups of three.
-fn count(n: u64) -> String {
-    let digits = n.to_string();
-    let mut text = String::new();
-    for (k, c) in digits.chars().enumerate() {
-        if k > 0 && (digits.len() - k).is_multiple_of(3) && digits.len() > 4 {
-            text.push('\u{202f}');
-        }
-        text.push(c);
-    }
-    format!("<data value=\"{n}\">{text}</data>")
-}
-
-/// A mean to the second digit of its standard error.
-fn plus_minus(value: Mean) -> String {
-    let (mean, error) = (value.mean, value.standard_error);
-    if !mean.is_finite() || !error.is_finite() {
-        return format!("{}\u{a0}\u{b1}\u{a0}{}", exact(mean), exact(error));
-    }
-    let exponent = scientific(mean, 6).1;
-    let scaled = !(-4..7).contains(&exponent) && mean != 0.0;
-    let ten: f64 = format!("1e{exponent}").parse().unwrap_or(1.0);
-    let ten = if scaled { ten } else { 1.0 };
-    let places = 1 - scientific(error / ten, 2).1;
-    let most = 5 - if scaled { 0 } else { exponent };
-    let text = if error == 0.0 || places > most {
-        format!(
-            "{}\u{a0}\u{b1}\u{a0}{}",
-            number(mean / ten),
-            significant(error / ten, 2)
-        )
-    } else {
-        let places = usize::try_from(places).unwrap_or(0);
-        format!(
-            "{:.places$}\u{a0}\u{b1}\u{a0}{:.places$}",
-            mean / ten,
-            error / ten
-        )
-    };
-    let text = match scaled {
-        true => format!("({text}){}", power(exponent)),
-        false => text,
-    };
-    let text = text.replace('-', "\u{2212}");
-    format!("<data value=\"{mean:?}\" title=\"{mean:?} \u{b1} {error:?}\">{text}</data>")
-}
-
-fn digest(hex: &str) -> String {
-    format!("<code class=\"digest\">{}</code>", escape(hex))
-}
-
 /// What the lines of a force chart are.
 const LEGEND: &str = "<span><svg class=\"key\" viewBox=\"0 0 60 30\" aria-hidden=\"true\">\
 <path d=\"M2 20L14 8L24 24L36 6L46 22L58 10\" fill=\"none\" stroke=\"#68778a\" \
@@ -609,54 +281,12 @@ stroke-width=\"6\"/></svg>its average from the start</span><span>\
 <rect x=\"10\" width=\"50\" height=\"30\" fill=\"#f1ede2\"/><path d=\"M10 0V30\" \
 stroke=\"#161b22\" stroke-width=\"3\" stroke-dasharray=\"6 4\"/></svg>averaging window</span>";
 
-const CSS: &str = "
-:root{color-scheme:light;--ink:#161b22;--soft:#59626d;--line:#d9d7d0}
-*{box-sizing:border-box}
-body{margin:0;background:#fff;color:var(--ink);font:16px/1.55 system-ui,sans-serif;
--webkit-text-size-adjust:100%}
-main{max-width:1080px;margin:0 auto;padding:2rem 1rem 4rem}
-h1{font-size:1.9rem;line-height:1.2;margin:0;font-weight:600;overflow-wrap:anywhere}
-h2{font-size:1.3rem;font-weight:600;margin:2.8rem 0 .8rem;padding-top:.9rem;
-border-top:1px solid var(--line)}
-h3{font-size:1.05rem;font-weight:600;margin:1.6rem 0 .5rem}
-p{max-width:46rem;margin:.6rem 0}
-.kind{color:var(--soft);margin:.2rem 0 1.4rem}
-.lead{font-size:1.06rem}
-figure{margin:1rem 0;min-width:0}
-figure.bed{max-width:46rem}
-figure.narrow{max-width:35rem}
-figcaption{color:var(--soft);font-size:.9rem;line-height:1.45;margin-top:.4rem}
-figcaption b{color:var(--ink)}
-svg.chart,svg.slice{display:block;width:100%;height:auto}
-.grid{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,27rem),1fr));
-gap:.6rem 2.2rem}
-.legend{display:flex;flex-wrap:wrap;gap:.3rem 1.5rem;font-size:.9rem;color:var(--soft)}
-.legend span{display:inline-flex;align-items:center;gap:.5rem}
-svg.key{height:1rem;flex:none}
-.none{color:var(--soft)}
-.wide{overflow-x:auto;margin:.6rem 0 1rem}
-table{border-collapse:collapse;font-size:.9rem;font-variant-numeric:tabular-nums}
-th,td{text-align:left;vertical-align:top;padding:.45rem .9rem;border-bottom:1px solid var(--line)}
-thead th{border-bottom:2px solid var(--ink);vertical-align:bottom;overflow-wrap:anywhere}
-th:first-child{position:sticky;left:0;background:#fff;width:19rem;min-width:10rem;
-max-width:19rem;padding-left:0;font-weight:400}
-th b{font-weight:600}
-th i{color:var(--soft);font-style:normal;white-space:nowrap}
-th small{display:block;color:var(--soft);font-size:.8rem;line-height:1.35}
-td{min-width:8.5rem}
-td data{white-space:nowrap}
-.digest{display:block;font-size:.72rem;line-height:1.4;max-width:17ch;overflow-wrap:anywhere}
-.remark{border-left:3px solid var(--ink);padding:.1rem 0 .1rem 1rem;margin:1rem 0}
-code,pre{font-family:ui-monospace,monospace}
-pre{background:#f6f5f1;padding:.9rem 1rem;overflow-x:auto;font-size:.82rem;line-height:1.5}
-@media(min-width:700px){svg.slice text{font-size:10.5px}}
-@media(max-width:500px){th:first-child{min-width:8.6rem;max-width:8.6rem;padding-right:.5rem}}
-@media print{.wide,pre{overflow:visible}}
-";
+const CSS: &str = include_str!("style.css");
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::summary::{Mean, Units};
 
     fn mean(mean: f64, standard_error: f64) -> Mean {
         Mean {
@@ -683,7 +313,7 @@ mod tests {
         }
     }
 
-    fn run(x: f64) -> RunSummary {
+    pub fn run(x: f64) -> RunSummary {
         RunSummary {
             name: "fr".into(),
             bed: "bed".into(),
@@ -794,37 +424,5 @@ mod tests {
         page(&empty, "", &[], &[]);
         empty.beds.clear();
         assert!(page(&empty, "", &[], &[]).ends_with("</html>\n"));
-    }
-
-    #[test]
-    fn a_drag_that_moves_the_layers_above_is_remarked_on() {
-        let remark = |ratio| {
-            let mut run = run(1.5);
-            run.plug_ratio = ratio;
-            plug_remark(&[run])
-        };
-        assert_eq!(remark(0.11), "");
-        assert!(remark(0.2).contains("At Fr&nbsp;=&nbsp;1.5 the drag is 0.2 of the weight"));
-        assert!(!remark(0.2).contains("(unusable)") && remark(0.31).contains("(unusable)"));
-    }
-
-    #[test]
-    fn numbers_have_the_digits_they_deserve() {
-        assert_eq!(number(1_234_567.8), "1234568");
-        assert_eq!(number(-0.000_123_456_78), "\u{2212}0.000123457");
-        assert_eq!(number(1.5e-9), "1.5\u{a0}\u{d7}\u{a0}10\u{207b}\u{2079}");
-        let shown = |m, e| {
-            let text = plus_minus(mean(m, e)).replace('\u{a0}', " ");
-            let text = text.trim_end_matches("</data>");
-            text.rsplit('>').next().unwrap_or("").to_owned()
-        };
-        assert_eq!(shown(83.5678, 1.834), "83.6 \u{b1} 1.8");
-        assert_eq!(shown(-0.31, 0.0514), "\u{2212}0.310 \u{b1} 0.051");
-        assert_eq!(shown(1.5, 0.0), "1.5 \u{b1} 0");
-        assert_eq!(shown(1234.4, 560.0), "1234 \u{b1} 560");
-        assert_eq!(
-            shown(2.5e-8, 1.2e-9),
-            "(2.50 \u{b1} 0.12) \u{d7} 10\u{207b}\u{2078}"
-        );
     }
 }

@@ -2,8 +2,9 @@
 
 use std::fmt::Write;
 
+use super::BedPicture;
 use super::chart::{Axis, axis};
-use super::{BedPicture, escape, typeset};
+use super::text::{escape, typeset};
 
 /// Width of the drawing; the rest follows from the box, at equal aspect.
 const WIDTH: f64 = 500.0;

@@ -1,0 +1,235 @@
+//! Tables of the page: every number of the beds and drags.
+
+use super::text::{count, digest, escape, exact, plus_minus, short, typeset};
+use crate::summary::{BedSummary, RunSummary, Units};
+
+/// Plug ratio from which the layers above the intruder may add to the drag, and the one from which
+/// they do; both measured for a friction coefficient of 0.5.
+const PLUG: [f64; 2] = [0.12, 0.3];
+
+/// Rows of a table under the names of its columns.
+struct Table<'a, T> {
+    items: &'a [T],
+    label: &'static str,
+    html: String,
+}
+
+impl<'a, T> Table<'a, T> {
+    fn new(label: &'static str, items: &'a [T], name: impl Fn(&T) -> &str) -> Self {
+        let head = |t: &T| format!("<th scope=\"col\">{}</th>", escape(name(t)));
+        let heads: String = items.iter().map(head).collect();
+        Table {
+            items,
+            label,
+            html: format!(
+                "<thead><tr><th scope=\"col\">Quantity</th>{heads}</tr></thead>\n<tbody>\n"
+            ),
+        }
+    }
+
+    fn row(&mut self, name: &str, unit: &str, note: &str, cell: impl Fn(&T) -> String) {
+        let unit = match unit {
+            "" => String::new(),
+            unit => format!(" <i>{}</i>", escape(&typeset(unit))),
+        };
+        let cells = self.items.iter().map(|t| format!("<td>{}</td>", cell(t)));
+        let cells: String = cells.collect();
+        let name = escape(name);
+        self.html.push_str(&format!(
+            "<tr><th scope=\"row\"><b>{name}</b>{unit}<small>{note}</small></th>{cells}</tr>\n"
+        ));
+    }
+
+    fn finish(self) -> String {
+        if self.items.is_empty() {
+            return "<p>None.</p>\n".to_owned();
+        }
+        format!(
+            "<div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"{}\"><table>\n{}\
+             </tbody>\n</table></div>\n",
+            self.label, self.html
+        )
+    }
+}
+
+pub(super) fn bed_table(beds: &[BedSummary], units: &Units) -> String {
+    let mut t = Table::new("Beds", beds, |b| &b.name);
+    let (length, force, energy) = (&units.length, &units.force, &units.energy);
+    t.row(
+        "Grains",
+        "",
+        "frozen ones included, the intruder not",
+        |b| count(b.grains as u64),
+    );
+    t.row("Frozen grains", "", "of the rough base", |b| {
+        count(b.frozen as u64)
+    });
+    t.row(
+        "Steps",
+        "",
+        "from the first release to the settled bed",
+        |b| count(b.steps),
+    );
+    t.row(
+        "Free surface",
+        length,
+        "height, a median over columns",
+        |b| exact(b.surface),
+    );
+    t.row(
+        "Depth",
+        length,
+        "of the intruder's centre below the surface",
+        |b| exact(b.depth),
+    );
+    let note = "between 1 d above the base and 2 d below the surface";
+    t.row("Packing fraction", "", note, |b| exact(b.packing_fraction));
+    let note = "contacts of a free grain below the surface layer";
+    t.row("Coordination number", "", note, |b| {
+        exact(b.coordination_number)
+    });
+    t.row("Deepest overlap", "", "over the mean diameter", |b| {
+        exact(b.overlap_max)
+    });
+    t.row("Kinetic energy", energy, "per free grain", |b| {
+        exact(b.kinetic_energy_per_grain)
+    });
+    t.row("Weight", force, "of the free grains", |b| exact(b.weight));
+    let note = "upward force on the free grains; at rest their weight";
+    t.row("Support", force, note, |b| exact(b.support));
+    t.row("Digest", "", "of the settled state", |b| digest(&b.digest));
+    t.finish()
+}
+
+pub(super) fn run_table(runs: &[RunSummary], units: &Units) -> String {
+    let mut t = Table::new("Drags", runs, |r| &r.name);
+    let (length, force) = (&units.length, &units.force);
+    t.row("Bed", "", "it was dragged through", |r| escape(&r.bed));
+    t.row("Froude number", "", "2 V &radic;(2 D/g)/(D + d)", |r| {
+        exact(r.froude)
+    });
+    t.row("Speed V", &units.speed, "of the intruder along x", |r| {
+        exact(r.speed)
+    });
+    t.row("Diameter D", length, "of the intruder", |r| {
+        exact(r.diameter)
+    });
+    t.row(
+        "Depth",
+        length,
+        "of its centre below the free surface",
+        |r| exact(r.depth),
+    );
+    t.row("Drag", force, "force against the motion", |r| {
+        plus_minus(r.drag)
+    });
+    t.row("Lift", force, "upward force, without the weight", |r| {
+        plus_minus(r.lift)
+    });
+    t.row("Side force", force, "along y", |r| plus_minus(r.side));
+    t.row("Contacts", "", "grains that touch the intruder", |r| {
+        plus_minus(r.contacts)
+    });
+    t.row("Drag, uncut", force, "mean over all steps", |r| {
+        exact(r.drag_uncut)
+    });
+    let note = "drag over the weight of the bed above the intruder's lowest point";
+    t.row("Plug ratio", "", note, |r| exact(r.plug_ratio));
+    t.row("Distance", length, "travelled", |r| exact(r.distance));
+    t.row("Steps", "", "of the drag", |r| count(r.steps));
+    t.row(
+        "Window start",
+        length,
+        "travel at which averaging began",
+        |r| exact(r.window_start),
+    );
+    t.row(
+        "Window end",
+        length,
+        "travel at which averaging ended",
+        |r| exact(r.window_end),
+    );
+    t.row(
+        "Window steps",
+        "",
+        "averaged; errors from 8 equal blocks",
+        |r| count(r.window_steps),
+    );
+    t.row("Digest", "", "of the final state", |r| digest(&r.digest));
+    digest_rows(&mut t, runs);
+    t.finish()
+}
+
+/// A row for each named part of the final states, in the order of their first mention.
+fn digest_rows(t: &mut Table<RunSummary>, runs: &[RunSummary]) {
+    let mut parts: Vec<&str> = Vec::new();
+    for (name, _) in runs.iter().flat_map(|r| &r.digest_parts) {
+        if !parts.contains(&name.as_str()) {
+            parts.push(name);
+        }
+    }
+    for part in parts {
+        t.row(
+            &format!("Digest: {part}"),
+            "",
+            "part of the final state",
+            |r| {
+                let mut found = r.digest_parts.iter().filter(|(name, _)| name == part);
+                found
+                    .next()
+                    .map_or("\u{2014}".to_owned(), |(_, hex)| digest(hex))
+            },
+        );
+    }
+}
+
+/// A warning where the drag is a large part of the weight above, in words.
+pub(super) fn plug_remark(runs: &[RunSummary]) -> String {
+    let above = runs
+        .iter()
+        .filter(|r| r.plug_ratio.is_finite() && r.plug_ratio > PLUG[0]);
+    let several = runs.windows(2).any(|pair| pair[0].bed != pair[1].bed);
+    let says = |(k, r): (usize, &RunSummary)| {
+        let (mut froude, ratio) = (short(r.froude), short(r.plug_ratio));
+        if several {
+            froude = format!("{froude} ({})", escape(&r.bed));
+        }
+        let unusable = r.plug_ratio > PLUG[1];
+        let end = if unusable { " (unusable)" } else { "" };
+        match k {
+            0 => format!(
+                "At Fr&nbsp;=&nbsp;{froude} the drag is {ratio} of the weight of the bed above the \
+                 intruder{end}"
+            ),
+            _ => format!(", at Fr&nbsp;=&nbsp;{froude} it is {ratio}{end}"),
+        }
+    };
+    let says: String = above.enumerate().map(says).collect();
+    if says.is_empty() {
+        return says;
+    }
+    format!(
+        "<p class=\"remark\"><b>Plug ratio.</b> {says}: the layers above the intruder slide with \
+         it to some degree; a larger box is needed for a drag free of this. As measured for \
+         &mu;&nbsp;=&nbsp;0.5, a drag is sound below {} and unusable above {}.</p>\n",
+        PLUG[0], PLUG[1],
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::run;
+    use super::*;
+
+    #[test]
+    fn a_drag_that_moves_the_layers_above_is_remarked_on() {
+        let remark = |ratio| {
+            let mut run = run(1.5);
+            run.plug_ratio = ratio;
+            plug_remark(&[run])
+        };
+        assert_eq!(remark(0.11), "");
+        assert!(remark(0.2).contains("At Fr&nbsp;=&nbsp;1.5 the drag is 0.2 of the weight"));
+        assert!(!remark(0.2).contains("(unusable)") && remark(0.31).contains("(unusable)"));
+    }
+}
