@@ -17,7 +17,7 @@ const FORMAT: u32 = 1;
 
 /// What is not an array of grains or contacts. One text under one key, so that a file's bytes do
 /// not depend on the order of a map.
-#[derive(Serialize, Deserialize)]
+#[derive(Clone, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Head {
     format: u32,
@@ -31,6 +31,28 @@ struct Head {
     obstacles: Vec<Obstacle<f64>>,
     /// Digest of the state, which reading computes anew.
     digest: String,
+    /// BLAKE3 over this text, with the seal empty, and every array's name and bytes.
+    seal: String,
+}
+
+impl Head {
+    fn text(&self) -> String {
+        serde_json::to_string(self).expect("a finite state is JSON")
+    }
+
+    /// The seal that belongs to this head and these arrays, by name.
+    fn seal_over<'a>(&self, arrays: impl Iterator<Item = (&'a str, &'a [u8])>) -> String {
+        let open = Self {
+            seal: String::new(),
+            ..self.clone()
+        };
+        let mut hasher = blake3::Hasher::new();
+        hasher.update(open.text().as_bytes());
+        for (name, bytes) in arrays {
+            hasher.update(name.as_bytes()).update(bytes);
+        }
+        hex(hasher.finalize().as_bytes())
+    }
 }
 
 const KEY: &str = "bitgrain";
@@ -40,7 +62,7 @@ const KEY: &str = "bitgrain";
 /// # Errors
 /// [`Error::Write`].
 pub fn write(path: &Path, sim: &mut Sim) -> Result<()> {
-    let head = Head {
+    let mut head = Head {
         format: FORMAT,
         bits_version: BITS_VERSION,
         step: sim.step_count(),
@@ -51,6 +73,7 @@ pub fn write(path: &Path, sim: &mut Sim) -> Result<()> {
         groups: sim.groups.clone(),
         obstacles: sim.obstacles.clone(),
         digest: hex(&sim.digest().whole),
+        seal: String::new(),
     };
     let (mut bodies, mut springs, mut kinds) = (Vec::new(), Vec::new(), Vec::new());
     for bond in sim.bonds() {
@@ -93,8 +116,8 @@ pub fn write(path: &Path, sim: &mut Sim) -> Result<()> {
         let view = TensorView::new(*dtype, shape.clone(), bytes).expect("sizes match by construction");
         (*name, view)
     });
-    let head = serde_json::to_string(&head).expect("a finite state is JSON");
-    let metadata = HashMap::from([(KEY.to_string(), head)]);
+    head.seal = head.seal_over(arrays.iter().map(|(name, (_, _, bytes))| (*name, &bytes[..])));
+    let metadata = HashMap::from([(KEY.to_string(), head.text())]);
     let bytes = serialize(views, Some(metadata)).expect("views match by construction");
     write_whole(path, &bytes)
 }
@@ -123,6 +146,13 @@ pub fn read(path: &Path) -> Result<Sim> {
                 head.format, head.bits_version
             ),
         ));
+    }
+    let mut names = file.names();
+    names.sort_unstable();
+    let bytes_of = |name| file.tensor(name).map_or(&[][..], |view| view.data());
+    let seal = head.seal_over(names.into_iter().map(|name| (name, bytes_of(name))));
+    if head.text() != *text || seal != head.seal {
+        return Err(damaged("its seal does not fit what is in it".into()));
     }
     let arrays = Arrays { file: &file };
     let mut sim = arrays.sim(&head).map_err(damaged)?;

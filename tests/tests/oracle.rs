@@ -289,7 +289,12 @@ fn follow(seed: &[f64], law: AnyLaw, tsuji: bool, skin: f64) -> Result<(), TestC
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 24, failure_persistence: None, ..Default::default() })]
+    #![proptest_config(ProptestConfig {
+        cases: 24,
+        max_shrink_iters: 100,
+        failure_persistence: None,
+        ..Default::default()
+    })]
 
     #[test]
     fn the_step_equals_its_definition_hertz_history(

@@ -158,8 +158,8 @@ fn without_friction_energy_falls_monotonically() {
     assert!(last < 0.8 * first, "hardly anything was dissipated: {first} to {last}");
 }
 
-/// Without damping and friction an elastic collision gives back all energy but the integrator's
-/// error, which falls with the square of the step.
+/// Without damping and friction a collision gives back all energy but the integrator's error: under
+/// 1e-4 at 50 steps a contact and more.
 #[test]
 fn an_elastic_collision_keeps_its_energy() {
     let error = |dt: f64| {
@@ -172,9 +172,9 @@ fn an_elastic_collision_keeps_its_energy() {
         sim.steps((0.1 / dt) as u64).unwrap();
         (sim.kinetic_energy() / before - 1.0).abs()
     };
-    let (coarse, fine) = (error(2e-4), error(1e-4));
-    assert!(coarse < 1e-4, "{coarse}");
-    assert!(fine < 1e-4, "{fine}");
+    for dt in [2e-4, 1e-4, 5e-5] {
+        assert!(error(dt) < 1e-4, "dt = {dt}: {}", error(dt));
+    }
 }
 
 /// The force on one is exactly the opposite of the force on the other, so the momentum of a free

@@ -1,0 +1,223 @@
+//! What must not change a bit, and the digests that every build must give.
+
+use std::io::Write;
+
+use bitgrain::case::{self, Case};
+use bitgrain::checkpoint;
+use bitgrain::replay::hex;
+use bitgrain::sim::Sim;
+use bitgrain_kernel::law::HertzHistory;
+use bitgrain_kernel::push::{Part, Sight, Spill, TouchPart, push_obstacles, spill, sum};
+use bitgrain_kernel::{Group, Obstacle, Pushed, Store, start, step};
+use bitgrain_tests::golden;
+
+/// A golden case and its started simulation.
+fn begin(name: &str) -> Sim {
+    let case: Case = case::read(&golden("cases").join(name)).expect("a sound case");
+    case.start(name, |_| {}).expect("a sound case")
+}
+
+const CASES: [&str; 2] = ["collapse.json", "lid.json"];
+
+#[test]
+fn skins_and_search_schedules_change_nothing() {
+    for name in CASES {
+        let mut ends = Vec::new();
+        let unit = begin(name).skin;
+        for skin in [0.0, 0.01, 0.3, 1.0, 3.0, 12.0] {
+            let mut sim = begin(name);
+            sim.skin = skin * unit;
+            sim.start().unwrap();
+            sim.steps(1500).unwrap();
+            ends.push((sim.digest(), sim.search_counts().0));
+        }
+        assert!(ends.iter().all(|(digest, _)| *digest == ends[0].0), "{name}");
+        assert!(ends[0].1 > 1000 && ends[5].1 < 100, "the schedules differed: {ends:?}");
+    }
+}
+
+#[test]
+fn watching_saving_and_the_length_of_a_call_change_nothing() {
+    for name in CASES {
+        let mut plain = begin(name);
+        plain.steps(900).unwrap();
+        let mut watched = begin(name);
+        let folder = tempfile::tempdir().unwrap();
+        let mut seen = 0;
+        for n in 0..900u64 {
+            watched.step_watched(|_: Pushed<f64>| seen += 1).unwrap();
+            if n % 50 == 0 {
+                watched.digest();
+                checkpoint::write(&folder.path().join("state"), &mut watched).unwrap();
+            }
+        }
+        assert!(seen > 0);
+        assert_eq!(plain.digest(), watched.digest(), "{name}");
+    }
+}
+
+/// Saved and taken up again: equal at every later step, not only at the end.
+#[test]
+fn a_checkpoint_goes_on_with_the_same_bits() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("state.safetensors");
+    for name in CASES {
+        let mut sim = begin(name);
+        sim.steps(700).unwrap();
+        checkpoint::write(&path, &mut sim).unwrap();
+        let mut again = checkpoint::read(&path).unwrap();
+        assert_eq!(again.step_count(), 700);
+        for _ in 0..300 {
+            assert_eq!(sim.digest(), again.digest(), "{name} at step {}", sim.step_count());
+            sim.steps(1).unwrap();
+            again.steps(1).unwrap();
+        }
+    }
+}
+
+#[test]
+fn a_damaged_checkpoint_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("state.safetensors");
+    let mut sim = begin("collapse.json");
+    sim.steps(300).unwrap();
+    checkpoint::write(&path, &mut sim).unwrap();
+    let whole = std::fs::read(&path).unwrap();
+    for k in 0..200 {
+        let mut damaged = whole.clone();
+        let at = whole.len() * k / 200;
+        if k % 4 == 0 {
+            damaged.truncate(at);
+        } else {
+            damaged[at] ^= 1 << (k % 8);
+        }
+        std::fs::File::create(&path).unwrap().write_all(&damaged).unwrap();
+        assert!(checkpoint::read(&path).is_err(), "byte {at} of {}", whole.len());
+    }
+}
+
+/// Any cut of the grains into ranges gives the bits of one range: what threads will rely on.
+#[test]
+fn cuts_into_ranges_change_nothing() {
+    let mut sim = begin("collapse.json");
+    sim.steps(600).unwrap();
+    let law = match sim.law {
+        bitgrain::sim::AnyLaw::HertzHistory(law) => law,
+        _ => panic!("the case has this law"),
+    };
+    let whole = evaluate(&mut sim.clone(), &law, &[]);
+    for cuts in [vec![1], vec![7, 15], vec![10, 11, 12, 20], (1..30).collect()] {
+        let cut = evaluate(&mut sim.clone(), &law, &cuts);
+        assert_eq!(whole, cut, "cuts {cuts:?}");
+    }
+}
+
+type Forces = Vec<[u64; 6]>;
+
+fn evaluate(sim: &mut Sim, law: &HertzHistory<f64>, cuts: &[usize]) -> Forces {
+    let (n, touches) = (sim.count(), sim.search_counts().2);
+    let world = sim.world();
+    let g = world.grains;
+    let sight = Sight {
+        domain: world.domain,
+        position: g.position,
+        velocity: g.velocity,
+        spin: g.spin,
+        row: world.pairs.row,
+        dt: world.dt,
+    };
+    let mut touch = TouchPart {
+        grain: &world.pairs.touch_grain[..touches],
+        obstacle: &mut world.pairs.touch_obstacle[..touches],
+        spring: &mut world.pairs.touch_spring[..touches],
+        obstacles: world.obstacles,
+    };
+    push_obstacles(sight, &mut touch, g.force, g.torque, law, |_| {});
+    let mut parts = Vec::new();
+    let (mut force, mut torque) = (&mut *g.force, &mut *g.torque);
+    let (mut partner, mut spring) = (&mut *world.pairs.partner, &mut *world.pairs.spring);
+    let mut begin = 0;
+    for &end in cuts.iter().chain([&n]) {
+        let pairs = (sight.row[end] - sight.row[begin]) as usize;
+        let (f, t, p, s);
+        (f, force) = force.split_at_mut(end - begin);
+        (t, torque) = torque.split_at_mut(end - begin);
+        (p, partner) = partner.split_at_mut(pairs);
+        (s, spring) = spring.split_at_mut(pairs);
+        parts.push(Part {
+            rows: begin..end,
+            force: f,
+            torque: t,
+            partner: p,
+            spring: s,
+        });
+        begin = end;
+    }
+    let mut spills: Vec<Vec<Spill<f64>>> = Vec::new();
+    for part in &mut parts {
+        let mut out = vec![Spill::default(); part.partner.len()];
+        let (count, _) = spill(sight, part, law, &mut out).unwrap();
+        out.truncate(count);
+        spills.push(out);
+    }
+    // The last first: the order in which ranges are done must not matter.
+    for k in (0..parts.len()).rev() {
+        let lower: Vec<&[Spill<f64>]> = spills[..k].iter().map(Vec::as_slice).collect();
+        sum(sight, &mut parts[k], law, &lower, &spills[k], |_| {});
+    }
+    let (force, torque) = (&sim.force, &sim.torque);
+    let bits = |i: usize| {
+        let (f, t) = (force[i], torque[i]);
+        [f[0], f[1], f[2], t[0], t[1], t[2]].map(f64::to_bits)
+    };
+    (0..n).map(bits).collect()
+}
+
+/// The digests of every build: run these in debug and in release.
+#[test]
+fn digests_are_the_golden_ones() {
+    let mut text = String::new();
+    for name in CASES {
+        let mut sim = begin(name);
+        for _ in 0..=10 {
+            let step = sim.step_count();
+            text.push_str(&format!("{name} {step:>5} {}\n", hex(&sim.digest().whole)));
+            sim.steps(200).unwrap();
+        }
+    }
+    text.push_str(&format!("f32 column      {}\n", hex(&column_f32())));
+    let mut settings = insta::Settings::clone_current();
+    settings.set_snapshot_path(golden("digests"));
+    settings.set_prepend_module_to_snapshot(false);
+    settings.set_omit_expression(true);
+    settings.set_description("recipe: golden/cases; `cargo test -p bitgrain-tests --test knobs`");
+    settings.bind(|| insta::assert_snapshot!("cases", text));
+}
+
+/// Twelve grains in a column, in single precision and without an allocator.
+fn column_f32() -> [u8; 32] {
+    let mut store = Store::<f32, 12, 64, 2>::new(bitgrain_kernel::Domain::open(), 2e-4, 0.1);
+    let law = HertzHistory {
+        kn: 2e4,
+        kt: 2.45e4,
+        gamma_n: 200.0,
+        gamma_t: 200.0,
+        mu: 0.5,
+    };
+    store.add_group(Group::free([0.0, 0.0, -1.0])).unwrap();
+    store.add_obstacle(Obstacle::plane([0.0; 3], [0.0, 0.0, 1.0])).unwrap();
+    for k in 0..12u8 {
+        let lean = 0.05 * f32::from(k % 3);
+        let position = [lean, -lean, 0.55 + 1.02 * f32::from(k)];
+        store.add_grain(u32::from(k) + 1, 0, position, 0.5, 0.5236).unwrap();
+    }
+    let mut world = store.world();
+    start(&mut world, &law).unwrap();
+    let mut contacts = 0;
+    for _ in 0..6000 {
+        step(&mut world, &law).unwrap();
+        contacts += world.bonds().count();
+    }
+    assert!(contacts > 6000, "grains hit and rest on each other");
+    bitgrain_kernel::digest(&world).whole
+}
