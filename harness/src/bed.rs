@@ -48,7 +48,7 @@ pub fn pour(scenario: &Scenario, plan: &BedPlan, stage: &Stage) -> Result<Sim> {
 }
 
 fn stopped(bed: &str, sim: &Sim, fault: Fault) -> Error {
-    Error::run(format!("pouring {bed}"), sim.step_count(), fault)
+    Error::run(format!("pouring {bed}"), sim.step_count() + 1, fault)
 }
 
 /// Sites far enough apart for the largest grains, round the intruder, filled from below.

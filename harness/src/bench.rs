@@ -141,7 +141,7 @@ pub fn bench(bed: Option<&Path>, steps: u64, threads: usize, progress: &Progress
         }
     };
     let stepped = |sim: &mut Sim, count| {
-        sim.steps(count).map_err(|fault| Error::run(&name, sim.step_count(), fault))
+        sim.steps(count).map_err(|fault| Error::run(&name, sim.step_count() + 1, fault))
     };
     stepped(&mut sim, WARM_UP)?;
     let (before, ..) = sim.search_counts();

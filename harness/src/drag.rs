@@ -62,7 +62,6 @@ pub fn drag(
     stage: &Stage,
     series: &mut Vec<SeriesRow>,
 ) -> Result<Means> {
-    let begin = sim.step_count();
     sim.obstacles[INTRUDER as usize].velocity = [plan.speed, 0.0, 0.0];
     let dt = sim.dt;
     let travel = |n: u64| n as f64 * dt * plan.speed;
@@ -71,7 +70,7 @@ pub fn drag(
     let mut forces: [Vec<f64>; 4] = std::array::from_fn(|_| Vec::with_capacity(window));
     let (mut since_row, mut all) = (Sums::default(), Sums::default());
     for n in 1..=plan.steps {
-        sim.steps(1).map_err(|fault| Error::run(&plan.name, sim.step_count() - begin, fault))?;
+        sim.steps(1).map_err(|fault| Error::run(&plan.name, n, fault))?;
         let body = &sim.obstacles[INTRUDER as usize];
         // Drag against the motion, lift up, side along y.
         let force = [-body.force[0], body.force[2], body.force[1]];

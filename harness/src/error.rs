@@ -21,7 +21,7 @@ pub enum Error {
     Run {
         /// Which stage of which run.
         stage: String,
-        /// Steps finished before the one that failed.
+        /// The step that failed; 0 where the start did.
         step: u64,
         /// What the kernel found.
         fault: Fault,
@@ -117,8 +117,16 @@ fn hint(fault: Fault) -> &'static str {
 /// The result of most things here.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// Adds the nearest valid key to a parser's message about an unknown one.
+/// A parser's message with what helps most: the nearest valid key to an unknown one, or what a
+/// broken file probably is. The place is told elsewhere.
 pub fn teach(message: &str) -> String {
+    let message = message.split(" at line ").next().unwrap_or(message);
+    if message.starts_with("EOF") {
+        return format!("{message}: is the file cut off?");
+    }
+    if message == "expected value" {
+        return "expected a value; JSON has no NaN and no infinity".into();
+    }
     let mut quoted = message.split('`').skip(1).step_by(2);
     let unknown = message.contains("unknown field") || message.contains("unknown variant");
     let (true, Some(word)) = (unknown, quoted.next()) else {

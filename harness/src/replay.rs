@@ -78,7 +78,7 @@ pub fn replay(path: &Path, what: &Replay, out: &mut impl Write) -> Result<()> {
     let every = what.every.max(1);
     while sim.step_count() < what.steps {
         let next = (sim.step_count() / every * every + every).min(what.steps);
-        let fault = |sim: &Sim, f| Error::run(&name, sim.step_count(), f);
+        let fault = |sim: &Sim, f| Error::run(&name, sim.step_count() + 1, f);
         sim.steps(next - 1 - sim.step_count()).map_err(|f| fault(&sim, f))?;
         seen.clear();
         sim.step_watched(|p| seen.push(p)).map_err(|f| fault(&sim, f))?;

@@ -182,7 +182,7 @@ fn digests_are_the_golden_ones() {
         for _ in 0..=10 {
             let step = sim.step_count();
             text.push_str(&format!("{name} {step:>5} {}\n", hex(&sim.digest().whole)));
-            sim.steps(200).unwrap();
+            sim.steps(400).unwrap();
         }
     }
     text.push_str(&format!("f32 column      {}\n", hex(&column_f32())));

@@ -1,0 +1,265 @@
+//! What a user is told: refusals with exit status 2, runs that go wrong with 3, and what stays.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use bitgrain_tests::golden;
+
+fn bitgrain(folder: &Path, args: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_bitgrain-under-test"));
+    command.args(args).current_dir(folder).output().expect("the command starts")
+}
+
+/// Command, exit status and messages, as one text to review.
+fn told(folder: &Path, args: &[&str]) -> String {
+    let out = bitgrain(folder, args);
+    let status = out.status.code().map_or("none".into(), |c| c.to_string());
+    let text = String::from_utf8_lossy(&out.stderr).replace("bitgrain-under-test", "bitgrain");
+    format!("$ bitgrain {}\n{}[{status}]\n\n", args.join(" "), text)
+}
+
+fn snapshot(name: &str, text: &str) {
+    let mut settings = insta::Settings::clone_current();
+    settings.set_snapshot_path(golden("messages"));
+    settings.set_prepend_module_to_snapshot(false);
+    settings.set_omit_expression(true);
+    settings.set_description("recipe: `cargo test -p bitgrain-tests --test cli`");
+    settings.bind(|| insta::assert_snapshot!(name, text));
+}
+
+const SCENARIO: &str = r#"
+name = "small"
+units = "reduced"
+
+[bed]
+box = [8.0, 6.0, 6.0]
+grains = 300
+
+[law]
+kind = "hertz_history"
+kn = 2e5
+kt = 2.45e5
+gamma_n = 792.0
+gamma_t = 792.0
+mu = 0.5
+
+[intruder]
+diameter = 1.5
+height = 2.5
+speed = 1.0
+
+[drag]
+dt = 3e-4
+distance = 4.0
+"#;
+
+#[test]
+fn wrong_scenarios_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("bed.toml");
+    let edits = [
+        ("diameter = 1.5", "diametre = 1.5"),
+        ("speed = 1.0", "sped = 1.0"),
+        ("grains = 300", "grains = \"many\""),
+        ("grains = 300", "grains = 300\nfill_height = 4.0"),
+        ("grains = 300", "grains = 3000"),
+        ("grains = 300", "grains = -3"),
+        ("kn = 2e5", "kn = -2e5"),
+        ("mu = 0.5", "mu = nan"),
+        ("kind = \"hertz_history\"", "kind = \"hertz\""),
+        ("dt = 3e-4", "dt = 3e-3"),
+        ("dt = 3e-4", "dt = 0.0"),
+        ("height = 2.5", "height = 7.0"),
+        ("height = 2.5", "height = 2.5\ndepth = 1.0"),
+        ("diameter = 1.5", "diameter = 9.0"),
+        ("box = [8.0, 6.0, 6.0]", "box = [8.0, 2.0, 30.0]"),
+        ("box = [8.0, 6.0, 6.0]", "box = [8.0, 6.0]"),
+        ("distance = 4.0", "distance = 9.0"),
+        ("distance = 4.0", "distance = 1.0"),
+        ("distance = 4.0", "distance = [4.0, 5.0]"),
+        ("units = \"reduced\"", "units = \"reduced\"\ngravity = 9.81"),
+        ("units = \"reduced\"", "units = \"imperial\""),
+        ("name = \"small\"", "name = \"../small\""),
+        ("[law]", "[law"),
+    ];
+    let mut text = String::new();
+    for (from, to) in edits {
+        assert!(SCENARIO.contains(from));
+        std::fs::write(&file, SCENARIO.replacen(from, to, 1)).unwrap();
+        text.push_str(&format!("# {}\n", to.replace('\n', "; ")));
+        text.push_str(&told(folder.path(), &["run", "bed.toml"]));
+    }
+    text.push_str(&told(folder.path(), &["run", "quik"]));
+    text.push_str(&told(folder.path(), &["run", "nowhere.toml"]));
+    text.push_str(&told(folder.path(), &["run", "quick", "--set", "law.muu=0.3"]));
+    text.push_str(&told(folder.path(), &["run", "quick", "--set", "law.mu"]));
+    text.push_str(&told(folder.path(), &["run", "quick", "--set", "drag.dt=1"]));
+    std::fs::write(&file, [0x1f, 0x8b, 8, 0, 1, 2, 3]).unwrap();
+    text.push_str(&told(folder.path(), &["run", "bed.toml"]));
+    assert!(!folder.path().join("out").exists(), "nothing was begun");
+    assert_eq!(text.matches("[2]\n").count(), edits.len() + 6, "every one is refused with 2");
+    snapshot("scenarios", &text);
+}
+
+const CASE: &str = r#"{
+  "law": {"kind": "hertz_history", "kn": 2e5, "kt": 2.45e5, "gamma_n": 792.4, "gamma_t": 792.4, "mu": 0.5},
+  "box": {"lo": [0, 0, 0], "hi": [6, 6, 9], "periodic": [true, true, false]},
+  "gravity": [0, 0, -1],
+  "dt": 2e-4,
+  "obstacles": [{"shape": "plane", "point": [0, 0, 0], "normal": [0, 0, 1]}],
+  "grains": [
+    {"id": 1, "diameter": 1.0, "density": 1.0, "position": [1, 2, 3]},
+    {"id": 4, "diameter": 1.0, "density": 1.0, "position": [1, 2, 0.6], "motion": "frozen"}
+  ]
+}"#;
+
+#[test]
+fn wrong_cases_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("case.json");
+    let edits = [
+        ("\"gravity\"", "\"gravty\""),
+        ("\"position\": [1, 2, 3]", "\"position\": [1, 2]"),
+        ("\"position\": [1, 2, 3]", "\"position\": [1, NaN, 3]"),
+        ("\"position\": [1, 2, 3]", "\"position\": [1, 1e999, 3]"),
+        ("\"position\": [1, 2, 3]", "\"position\": [1, 2, 12]"),
+        ("\"id\": 4", "\"id\": 1"),
+        ("\"id\": 4, ", ""),
+        ("\"diameter\": 1.0", "\"diameter\": 0"),
+        ("\"mu\": 0.5", "\"mu\": -0.5"),
+        ("\"kind\": \"hertz_history\"", "\"kind\": \"hooke\""),
+        ("\"dt\": 2e-4", "\"dt\": 2e-3"),
+        ("\"hi\": [6, 6, 9]", "\"hi\": [2, 6, 9]"),
+        ("\"hi\": [6, 6, 9]", "\"hi\": [6, 6, -9]"),
+        ("\"normal\": [0, 0, 1]", "\"normal\": [1, 0, 1]"),
+        ("\"normal\": [0, 0, 1]", "\"normal\": [0, 0, 0]"),
+        ("\"motion\": \"frozen\"", "\"motion\": \"stuck\""),
+        ("\"motion\": \"frozen\"", "\"motion\": \"frozen\", \"velocity\": [1, 0, 0]"),
+        ("\"frozen\"}\n  ]\n}", "\"frozen\"}"),
+    ];
+    let mut text = String::new();
+    for (from, to) in edits {
+        assert!(CASE.contains(from), "{from}");
+        std::fs::write(&file, CASE.replacen(from, to, 1)).unwrap();
+        text.push_str(&format!("# {}\n", to.replace('\n', " ")));
+        text.push_str(&told(folder.path(), &["replay", "case.json", "--steps", "5"]));
+    }
+    assert_eq!(text.matches("[2]\n").count(), edits.len(), "every one is refused with 2");
+    snapshot("cases", &text);
+}
+
+/// Stops at the step, names it and the grains, keeps what was printed, ends with 3.
+#[test]
+fn runs_that_go_wrong_stop_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("case.json");
+    let edits = [
+        ("\"position\": [1, 2, 3]", "\"position\": [1, 2, 1.2]"),
+        ("\"position\": [1, 2, 3]", "\"position\": [1, 2, 0.6]"),
+        ("\"position\": [1, 2, 3]", "\"position\": [3, 2, 8.99], \"velocity\": [0, 0, 4]"),
+        ("\"position\": [1, 2, 3]", "\"position\": [1, 2, 1.7], \"velocity\": [0, 0, -160]"),
+    ];
+    let mut text = String::new();
+    for (from, to) in edits {
+        std::fs::write(&file, CASE.replacen(from, to, 1)).unwrap();
+        text.push_str(&format!("# {to}\n"));
+        let args = ["replay", "case.json", "--steps", "200", "--every", "5"];
+        let printed = bitgrain(folder.path(), &args).stdout;
+        let lines = printed.iter().filter(|&&b| b == b'\n').count();
+        text.push_str(&format!("({lines} samples printed)\n"));
+        text.push_str(&told(folder.path(), &args));
+    }
+    assert_eq!(text.matches("[3]\n").count(), edits.len(), "every one ends with 3");
+    snapshot("faults", &text);
+}
+
+#[test]
+fn wrong_beds_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = std::fs::read_to_string(golden("peers/bed200.data")).unwrap();
+    let file = folder.path().join("bed.data");
+    let cut = whole.len() / 2;
+    let beds: [(&str, String); 7] = [
+        ("cut off", whole[..cut].to_string()),
+        ("a repeated id", whole.replacen("\n2 3 ", "\n1 3 ", 1)),
+        ("a word for a number", whole.replacen("\n2 3 0.97", "\n2 3 x.97", 1)),
+        ("NaN", whole.replacen("\n2 3 0.97048064689525138", "\n2 3 nan", 1)),
+        ("no box", whole.replacen("0 5.5 xlo xhi", "", 1)),
+        ("another style", whole.replacen("Atoms # sphere", "Atoms # charge", 1)),
+        ("an unknown section", whole.replacen("Velocities", "Bonds", 1)),
+    ];
+    let mut text = String::new();
+    for (what, bed) in &beds {
+        assert_ne!(*bed, whole, "{what}");
+        std::fs::write(&file, bed).unwrap();
+        text.push_str(&format!("# {what}\n"));
+        text.push_str(&told(folder.path(), &["bench", "--bed", "bed.data", "--steps", "5"]));
+    }
+    assert_eq!(text.matches("[2]\n").count(), beds.len(), "every one is refused with 2");
+    snapshot("beds", &text);
+}
+
+/// JSON Lines as documented: steps 0, K, 2K, ..., N; contacts when asked for.
+#[test]
+fn a_replay_prints_its_samples() {
+    let case = golden("cases/collapse.json");
+    let case = case.to_str().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let args = ["replay", case, "--steps", "1500", "--every", "400", "--contacts"];
+    let out = bitgrain(folder.path(), &args);
+    assert!(out.status.success());
+    let lines: Vec<serde_json::Value> = String::from_utf8(out.stdout)
+        .unwrap()
+        .lines()
+        .map(|line| serde_json::from_str(line).unwrap())
+        .collect();
+    let steps: Vec<u64> = lines.iter().map(|l| l["step"].as_u64().unwrap()).collect();
+    assert_eq!(steps, [0, 400, 800, 1200, 1500]);
+    let golden_digests = std::fs::read_to_string(golden("digests/cases.snap")).unwrap();
+    for line in &lines[..4] {
+        assert!(golden_digests.contains(line["digest"].as_str().unwrap()));
+        assert_eq!(line["grains"].as_array().unwrap().len(), 30);
+        assert_eq!(line["obstacles"].as_array().unwrap().len(), 2);
+    }
+    // The contact forces on each grain add up to its force.
+    let last = &lines[4];
+    let contacts = last["contacts"].as_array().unwrap();
+    assert!(contacts.len() > 5);
+    for grain in last["grains"].as_array().unwrap() {
+        let mut sum = [0.0; 3];
+        for c in contacts {
+            let sign = match (c["i"] == grain["id"], c["j"] == grain["id"]) {
+                (true, _) => 1.0,
+                (_, true) => -1.0,
+                _ => 0.0,
+            };
+            for a in 0..3 {
+                let both = [&c["normal_force"][a], &c["tangential_force"][a]];
+                sum[a] += sign * both.map(|f| f.as_f64().unwrap()).iter().sum::<f64>();
+            }
+        }
+        for a in 0..3 {
+            // Rounding of sums of forces of some thousands.
+            assert!((sum[a] - grain["force"][a].as_f64().unwrap()).abs() < 1e-9);
+        }
+    }
+}
+
+/// The dragging stage keeps the series measured before a fault, and says where it stopped.
+#[test]
+fn a_drag_that_goes_wrong_keeps_its_series() {
+    let folder = tempfile::tempdir().unwrap();
+    // So fast that it drives grains into each other beyond the limit.
+    let text = SCENARIO.replacen("speed = 1.0", "speed = 150.0", 1);
+    let text = text.replacen("grains = 300", "grains = 300\nsettled = 1e-2", 1);
+    let text = text.replacen("distance = 4.0", "distance = 6.0", 1);
+    std::fs::write(folder.path().join("fast.toml"), format!("{text}\n[measure]\nevery = 1\n")).unwrap();
+    let out = bitgrain(folder.path(), &["run", "fast.toml", "--out", "fast"]);
+    let message = String::from_utf8_lossy(&out.stderr);
+    assert_eq!(out.status.code(), Some(3), "{message}");
+    assert!(message.contains("run-1 stopped at step"), "{message}");
+    let fast = folder.path().join("fast");
+    assert!(fast.join("beds/bed.safetensors").exists());
+    assert!(fast.join("runs/run-1.csv").exists());
+    assert!(!fast.join("summary.json").exists());
+}
