@@ -76,7 +76,11 @@ impl Lattice {
             let z = (f64::from(layer) + 0.5) * spacing[2];
             for iy in 0..ny as usize {
                 for ix in 0..nx as usize {
-                    let at = [(ix as f64 + 0.5) * spacing[0], (iy as f64 + 0.5) * spacing[1], z];
+                    let at = [
+                        (ix as f64 + 0.5) * spacing[0],
+                        (iy as f64 + 0.5) * spacing[1],
+                        z,
+                    ];
                     let d = domain.separation(at, plan.center);
                     if length(d) > clear && sites.len() < scenario.grain_count() {
                         sites.push(at);
@@ -130,10 +134,17 @@ fn length(d: [f64; 3]) -> f64 {
 fn poured(scenario: &Scenario, plan: &BedPlan, lattice: &Lattice, grains: &[Grain]) -> Result<Sim> {
     let [x, y, z] = scenario.bed.size;
     let refuse = |what: String| Error::input(format!("scenario {}", scenario.name), what);
-    let law = scenario.law.build().map_err(|(key, p)| refuse(format!("law.{key} {p}")))?;
+    let law = scenario
+        .law
+        .build()
+        .map_err(|(key, p)| refuse(format!("law.{key} {p}")))?;
     // Grains thrown up by a fast intruder fall back; only one that leaves this far is an error.
     let ceiling = 2.0 * (if lattice.top > z { lattice.top } else { z });
-    let floor = if scenario.bed.floor { 0.0 } else { -scenario.bed.diameters[1] };
+    let floor = if scenario.bed.floor {
+        0.0
+    } else {
+        -scenario.bed.diameters[1]
+    };
     let lowest = floor - scenario.bed.diameters[1];
     let domain = Domain::new([0.0, 0.0, lowest], [x, y, ceiling], [true, true, false])
         .map_err(|f| refuse(f.to_string()))?;
@@ -148,7 +159,14 @@ fn poured(scenario: &Scenario, plan: &BedPlan, lattice: &Lattice, grains: &[Grai
     // Without a floor of its own the bed is poured on one all the same: the base is frozen from it.
     obstacles.push(Obstacle::plane([0.0; 3], [0.0, 0.0, 1.0]));
     let groups = vec![Group::free(gravity), Group::frozen()];
-    Ok(Sim::new(law, domain, scenario.drag.dt, groups, grains, obstacles))
+    Ok(Sim::new(
+        law,
+        domain,
+        scenario.drag.dt,
+        groups,
+        grains,
+        obstacles,
+    ))
 }
 
 /// Steps on until the kinetic energy per free grain is under the scenario's bound and the weight is

@@ -77,14 +77,18 @@ pub fn read_bed(path: &Path) -> Result<Sim> {
     let (balls, atoms): (Vec<&Atom>, Vec<&Atom>) =
         data.atoms.iter().partition(|a| a.kind == INTRUDER_TYPE);
     if !atoms.iter().any(|a| a.kind != FROZEN_TYPE) {
-        return Err(Error::input(place, "holds no grain of a type other than 2 and 3"));
+        return Err(Error::input(
+            place,
+            "holds no grain of a type other than 2 and 3",
+        ));
     }
     let refuse = |what: String| Error::input(place.clone(), what);
     let [x, y, z] = data.hi;
     // Beds are cut close; grains that fly up must not leave the box.
     let height = z - data.lo[2];
     let hi = [x, y, z + 4.0 * height];
-    let domain = Domain::new(data.lo, hi, [true, true, false]).map_err(|f| refuse(f.to_string()))?;
+    let domain =
+        Domain::new(data.lo, hi, [true, true, false]).map_err(|f| refuse(f.to_string()))?;
     let obstacles = balls.iter().map(|a| Obstacle {
         velocity: [1.0, 0.0, 0.0],
         inverse_mass: 1.0 / sphere_mass(a.diameter, a.density),
@@ -114,9 +118,18 @@ pub fn read_bed(path: &Path) -> Result<Sim> {
             }
         })
         .collect();
-    let law = soft_law().build().map_err(|(key, p)| refuse(format!("law.{key} {p}")))?;
+    let law = soft_law()
+        .build()
+        .map_err(|(key, p)| refuse(format!("law.{key} {p}")))?;
     let groups = vec![Group::free([0.0, 0.0, -1.0]), Group::frozen()];
-    Ok(Sim::new(law, domain, SOFT_TIME_STEP, groups, &grains, obstacles.collect()))
+    Ok(Sim::new(
+        law,
+        domain,
+        SOFT_TIME_STEP,
+        groups,
+        &grains,
+        obstacles.collect(),
+    ))
 }
 
 /// Times `steps` steps of a bed, on `threads` copies side by side.
@@ -126,7 +139,11 @@ pub fn read_bed(path: &Path) -> Result<Sim> {
 pub fn bench(bed: Option<&Path>, steps: u64, threads: usize, progress: &Progress) -> Result<Speed> {
     let (name, mut sim) = match bed {
         Some(path) => {
-            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            let name = path
+                .file_name()
+                .unwrap_or_default()
+                .to_string_lossy()
+                .into_owned();
             let mut sim = read_bed(path)?;
             sim.start().map_err(|fault| Error::run(&name, 0, fault))?;
             (name, sim)
@@ -141,7 +158,8 @@ pub fn bench(bed: Option<&Path>, steps: u64, threads: usize, progress: &Progress
         }
     };
     let stepped = |sim: &mut Sim, count| {
-        sim.steps(count).map_err(|fault| Error::run(&name, sim.step_count() + 1, fault))
+        sim.steps(count)
+            .map_err(|fault| Error::run(&name, sim.step_count() + 1, fault))
     };
     stepped(&mut sim, WARM_UP)?;
     let (before, ..) = sim.search_counts();
@@ -168,7 +186,9 @@ pub fn bench(bed: Option<&Path>, steps: u64, threads: usize, progress: &Progress
                 })
             })
             .collect();
-        let ends = workers.into_iter().map(|w| w.join().expect("a worker does not panic"));
+        let ends = workers
+            .into_iter()
+            .map(|w| w.join().expect("a worker does not panic"));
         ends.collect::<Result<Vec<()>>>()
     })?;
     let seconds = began.elapsed().as_secs_f64();

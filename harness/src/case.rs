@@ -141,12 +141,22 @@ pub fn parse(text: &str, name: &str) -> Result<Case> {
         } else {
             name.to_string()
         };
-        let key = if key == "." { String::new() } else { format!("`{key}`: ") };
-        Error::input(place, format!("{key}{}", crate::error::teach(&e.inner().to_string())))
+        let key = if key == "." {
+            String::new()
+        } else {
+            format!("`{key}`: ")
+        };
+        Error::input(
+            place,
+            format!("{key}{}", crate::error::teach(&e.inner().to_string())),
+        )
     })?;
     json.end().map_err(|e| {
         let place = format!("{name}:{}", e.line());
-        Error::input(place, "text after the end of the case; expected one JSON object")
+        Error::input(
+            place,
+            "text after the end of the case; expected one JSON object",
+        )
     })?;
     check(&case).map_err(|(key, problem)| Error::input(format!("{name}: `{key}`"), problem))?;
     Ok(case)
@@ -159,7 +169,10 @@ fn check(case: &Case) -> std::result::Result<(), Refusal> {
         .build()
         .map_err(|(key, problem)| (format!("law.{key}"), problem))?;
     if case.grains.is_empty() {
-        return Err(("grains".into(), "is empty; expected at least one grain".into()));
+        return Err((
+            "grains".into(),
+            "is empty; expected at least one grain".into(),
+        ));
     }
     finite("gravity", &case.gravity)?;
     for (k, g) in case.grains.iter().enumerate() {
@@ -175,7 +188,9 @@ fn check(case: &Case) -> std::result::Result<(), Refusal> {
         check_obstacle(o, &format!("obstacles[{k}]"))?;
     }
     let sizes = case.grains.iter().map(|g| (0.5 * g.diameter, g.density));
-    case.law.check_time_step(case.dt, sizes).map_err(|p| ("dt".to_string(), p))
+    case.law
+        .check_time_step(case.dt, sizes)
+        .map_err(|p| ("dt".to_string(), p))
 }
 
 fn check_grain(g: &GrainSpec, place: &str) -> std::result::Result<(), Refusal> {
@@ -250,7 +265,10 @@ fn positive(key: &str, value: f64) -> std::result::Result<(), Refusal> {
     if value > 0.0 && value.is_finite() {
         return Ok(());
     }
-    Err((key.into(), format!("is {value}; expected a positive number")))
+    Err((
+        key.into(),
+        format!("is {value}; expected a positive number"),
+    ))
 }
 
 fn finite(key: &str, v: &[f64; 3]) -> std::result::Result<(), Refusal> {
@@ -266,7 +284,10 @@ fn direction(key: &str, v: &[f64; 3]) -> std::result::Result<(), Refusal> {
     if squared.is_normal() {
         return Ok(());
     }
-    Err((key.into(), "has no length; expected a direction such as [0, 0, 1]".into()))
+    Err((
+        key.into(),
+        "has no length; expected a direction such as [0, 0, 1]".into(),
+    ))
 }
 
 impl ObstacleSpec {
@@ -316,7 +337,10 @@ impl Case {
         name: &str,
         watch: impl FnMut(bitgrain_kernel::Pushed<f64>),
     ) -> Result<Sim> {
-        let law = self.law.build().map_err(|(k, p)| Error::input(format!("{name}: `law.{k}`"), p))?;
+        let law = self
+            .law
+            .build()
+            .map_err(|(k, p)| Error::input(format!("{name}: `law.{k}`"), p))?;
         let domain = match &self.bounds {
             None => Domain::open(),
             Some(b) => Domain::new(b.lo, b.hi, b.periodic).map_err(|_| {
@@ -350,7 +374,8 @@ impl Case {
         }
         let groups = vec![Group::free(self.gravity), Group::frozen(), Group::carried()];
         let mut sim = Sim::new(law, domain, self.dt, groups, &grains, obstacles);
-        sim.start_watched(watch).map_err(|fault| refuse(name, fault))?;
+        sim.start_watched(watch)
+            .map_err(|fault| refuse(name, fault))?;
         Ok(sim)
     }
 }

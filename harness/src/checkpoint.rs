@@ -91,12 +91,29 @@ pub fn write(path: &Path, sim: &mut Sim) -> Result<()> {
     }
     let n = sim.count();
     let rows = |rows: &[Row<f64>]| -> (Dtype, Vec<usize>, Vec<u8>) {
-        let bytes = rows.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
+        let bytes = rows
+            .iter()
+            .flatten()
+            .flat_map(|x| x.to_le_bytes())
+            .collect();
         (Dtype::F64, vec![n, 4], bytes)
     };
-    let spring_bytes: Vec<u8> = springs.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
-    let body_bytes: Vec<u8> = bodies.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
-    let image: Vec<u8> = sim.image.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
+    let spring_bytes: Vec<u8> = springs
+        .iter()
+        .flatten()
+        .flat_map(|x| x.to_le_bytes())
+        .collect();
+    let body_bytes: Vec<u8> = bodies
+        .iter()
+        .flatten()
+        .flat_map(|x| x.to_le_bytes())
+        .collect();
+    let image: Vec<u8> = sim
+        .image
+        .iter()
+        .flatten()
+        .flat_map(|x| x.to_le_bytes())
+        .collect();
     let id: Vec<u8> = sim.id.iter().flat_map(|x| x.to_le_bytes()).collect();
     let m = kinds.len();
     let arrays = [
@@ -113,10 +130,15 @@ pub fn write(path: &Path, sim: &mut Sim) -> Result<()> {
         ("velocity", rows(&sim.velocity)),
     ];
     let views = arrays.iter().map(|(name, (dtype, shape, bytes))| {
-        let view = TensorView::new(*dtype, shape.clone(), bytes).expect("sizes match by construction");
+        let view =
+            TensorView::new(*dtype, shape.clone(), bytes).expect("sizes match by construction");
         (*name, view)
     });
-    head.seal = head.seal_over(arrays.iter().map(|(name, (_, _, bytes))| (*name, &bytes[..])));
+    head.seal = head.seal_over(
+        arrays
+            .iter()
+            .map(|(name, (_, _, bytes))| (*name, &bytes[..])),
+    );
     let metadata = HashMap::from([(KEY.to_string(), head.text())]);
     let bytes = serialize(views, Some(metadata)).expect("views match by construction");
     write_whole(path, &bytes)
@@ -131,8 +153,7 @@ pub fn read(path: &Path) -> Result<Sim> {
     let place = || path.display().to_string();
     let bytes = std::fs::read(path).map_err(|e| Error::read(path, &e))?;
     let damaged = |what: String| Error::input(place(), format!("not a whole checkpoint: {what}"));
-    let (_, metadata) =
-        SafeTensors::read_metadata(&bytes).map_err(|e| damaged(e.to_string()))?;
+    let (_, metadata) = SafeTensors::read_metadata(&bytes).map_err(|e| damaged(e.to_string()))?;
     let file = SafeTensors::deserialize(&bytes).map_err(|e| damaged(e.to_string()))?;
     let text = metadata.metadata().as_ref().and_then(|m| m.get(KEY));
     let text = text.ok_or_else(|| damaged(format!("no `{KEY}` entry in its metadata")))?;
@@ -158,10 +179,14 @@ pub fn read(path: &Path) -> Result<Sim> {
     let mut sim = arrays.sim(&head).map_err(damaged)?;
     let bonds = arrays.bonds().map_err(damaged)?;
     sim.set_step_count(head.step);
-    sim.resume(&bonds).map_err(|fault| damaged(fault.to_string()))?;
+    sim.resume(&bonds)
+        .map_err(|fault| damaged(fault.to_string()))?;
     let digest = hex(&sim.digest().whole);
     if digest != head.digest {
-        return Err(damaged(format!("its digest is {digest}, not {}", head.digest)));
+        return Err(damaged(format!(
+            "its digest is {digest}, not {}",
+            head.digest
+        )));
     }
     Ok(sim)
 }
@@ -177,12 +202,19 @@ impl Arrays<'_> {
         name: &str,
         dtype: Dtype,
     ) -> std::result::Result<Vec<[u8; N]>, String> {
-        let view = self.file.tensor(name).map_err(|e| format!("`{name}`: {e}"))?;
+        let view = self
+            .file
+            .tensor(name)
+            .map_err(|e| format!("`{name}`: {e}"))?;
         if view.dtype() != dtype {
             return Err(format!("`{name}` is {:?}, not {dtype:?}", view.dtype()));
         }
         let (words, rest) = view.data().as_chunks::<N>();
-        if rest.is_empty() { Ok(words.to_vec()) } else { Err(format!("`{name}` is cut off")) }
+        if rest.is_empty() {
+            Ok(words.to_vec())
+        } else {
+            Err(format!("`{name}` is cut off"))
+        }
     }
 
     fn reals<const W: usize>(&self, name: &str) -> std::result::Result<Vec<[f64; W]>, String> {
@@ -194,7 +226,14 @@ impl Arrays<'_> {
     fn sim(&self, head: &Head) -> std::result::Result<Sim, String> {
         let id = self.words::<4>("id", Dtype::U32)?;
         let group: Vec<[u8; 1]> = self.words("group", Dtype::U8)?;
-        let mut sim = Sim::new(head.law, head.domain, head.dt, head.groups.clone(), &[], vec![]);
+        let mut sim = Sim::new(
+            head.law,
+            head.domain,
+            head.dt,
+            head.groups.clone(),
+            &[],
+            vec![],
+        );
         sim.obstacles = head.obstacles.clone();
         sim.skin = head.skin;
         sim.id = id.into_iter().map(u32::from_le_bytes).collect();

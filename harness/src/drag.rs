@@ -65,12 +65,15 @@ pub fn drag(
     sim.obstacles[INTRUDER as usize].velocity = [plan.speed, 0.0, 0.0];
     let dt = sim.dt;
     let travel = |n: u64| n as f64 * dt * plan.speed;
-    let first = (1..=plan.steps).find(|&n| travel(n) > plan.discard).unwrap_or(plan.steps);
+    let first = (1..=plan.steps)
+        .find(|&n| travel(n) > plan.discard)
+        .unwrap_or(plan.steps);
     let window = (plan.steps - first + 1) as usize;
     let mut forces: [Vec<f64>; 4] = std::array::from_fn(|_| Vec::with_capacity(window));
     let (mut since_row, mut all) = (Sums::default(), Sums::default());
     for n in 1..=plan.steps {
-        sim.steps(1).map_err(|fault| Error::run(&plan.name, n, fault))?;
+        sim.steps(1)
+            .map_err(|fault| Error::run(&plan.name, n, fault))?;
         let body = &sim.obstacles[INTRUDER as usize];
         // Drag against the motion, lift up, side along y.
         let force = [-body.force[0], body.force[2], body.force[1]];
@@ -79,7 +82,11 @@ pub fn drag(
         all.add(force);
         let row = n % every == 0 || n == plan.steps;
         let counted = n >= first;
-        let contacts = if row || counted { sim.touch_count(INTRUDER) } else { 0 };
+        let contacts = if row || counted {
+            sim.touch_count(INTRUDER)
+        } else {
+            0
+        };
         if counted {
             for a in 0..3 {
                 forces[a].push(force[a]);

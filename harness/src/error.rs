@@ -44,7 +44,9 @@ pub enum Error {
         bound: f64,
     },
     /// A file could not be written.
-    #[error("cannot write {path}: {source}; free some space or choose another --out, then run again")]
+    #[error(
+        "cannot write {path}: {source}; free some space or choose another --out, then run again"
+    )]
     Write {
         /// The file.
         path: PathBuf,

@@ -46,14 +46,19 @@ pub fn read_text(path: &Path) -> Result<String> {
         let mut plain = Vec::new();
         flate2::read::MultiGzDecoder::new(bytes.as_slice())
             .read_to_end(&mut plain)
-            .map_err(|e| Error::input(place(), format!("the gzip data is damaged or cut off: {e}")))?;
+            .map_err(|e| {
+                Error::input(place(), format!("the gzip data is damaged or cut off: {e}"))
+            })?;
         plain
     } else {
         bytes
     };
     String::from_utf8(bytes).map_err(|e| {
         let at = e.utf8_error().valid_up_to();
-        Error::input(place(), format!("byte {at} is not text (UTF-8 was expected)"))
+        Error::input(
+            place(),
+            format!("byte {at} is not text (UTF-8 was expected)"),
+        )
     })
 }
 
@@ -89,9 +94,12 @@ pub fn parse_data(text: &str, name: &str) -> Result<DataFile> {
         let words: Vec<&str> = content.split_whitespace().collect();
         if words[0].starts_with(|c: char| c.is_ascii_alphabetic()) {
             if !matches!(words[0], "Atoms" | "Velocities") {
-                return Err(fail(line, format!(
-                    "section `{content}` is not understood; Atoms (sphere) and Velocities are"
-                )));
+                return Err(fail(
+                    line,
+                    format!(
+                        "section `{content}` is not understood; Atoms (sphere) and Velocities are"
+                    ),
+                ));
             }
             let style = raw.split('#').nth(1).map(str::trim);
             if words[0] == "Atoms" && style.is_some_and(|s| s != "sphere") {
@@ -104,7 +112,8 @@ pub fn parse_data(text: &str, name: &str) -> Result<DataFile> {
             "" => {
                 if words.len() == 2 && words[1] == "atoms" {
                     let n = words[0].parse::<usize>();
-                    expected = Some(n.map_err(|_| fail(line, format!("`{}` is not a count", words[0])))?);
+                    expected =
+                        Some(n.map_err(|_| fail(line, format!("`{}` is not a count", words[0])))?);
                 } else if words.len() == 4 {
                     let axis = ["xlo", "ylo", "zlo"].iter().position(|w| *w == words[2]);
                     let Some(a) = axis else {
@@ -117,10 +126,13 @@ pub fn parse_data(text: &str, name: &str) -> Result<DataFile> {
             }
             "Atoms" => {
                 if words.len() != 7 && words.len() != 10 {
-                    return Err(fail(line, format!(
-                        "expected id, type, diameter, density, x, y, z (and perhaps three image counts), found {} words",
-                        words.len()
-                    )));
+                    return Err(fail(
+                        line,
+                        format!(
+                            "expected id, type, diameter, density, x, y, z (and perhaps three image counts), found {} words",
+                            words.len()
+                        ),
+                    ));
                 }
                 let v = numbers::<5>(&words[2..7]).map_err(|p| fail(line, p))?;
                 if v[0] <= 0.0 || v[1] <= 0.0 {
@@ -138,38 +150,57 @@ pub fn parse_data(text: &str, name: &str) -> Result<DataFile> {
             }
             _ => {
                 if words.len() != 7 {
-                    return Err(fail(line, format!(
-                        "expected id, velocity and spin (7 words), found {}",
-                        words.len()
-                    )));
+                    return Err(fail(
+                        line,
+                        format!(
+                            "expected id, velocity and spin (7 words), found {}",
+                            words.len()
+                        ),
+                    ));
                 }
                 let id = id_of(words[0]).map_err(|p| fail(line, p))?;
-                velocities.push((id, numbers::<6>(&words[1..]).map_err(|p| fail(line, p))?, line));
+                velocities.push((
+                    id,
+                    numbers::<6>(&words[1..]).map_err(|p| fail(line, p))?,
+                    line,
+                ));
             }
         }
     }
     if let Some(a) = edges.iter().position(|e| !e) {
         let axis = ["x", "y", "z"][a];
-        return Err(fail(last, format!("the box has no `{axis}lo {axis}hi` line")));
+        return Err(fail(
+            last,
+            format!("the box has no `{axis}lo {axis}hi` line"),
+        ));
     }
     if expected != Some(atoms.len()) {
         let want = expected.map_or("no `atoms` line".into(), |n| format!("{n} announced"));
-        return Err(fail(last, format!("{} atoms found, {want}: is the file cut off?", atoms.len())));
+        return Err(fail(
+            last,
+            format!("{} atoms found, {want}: is the file cut off?", atoms.len()),
+        ));
     }
     atoms.sort_by_key(|a| a.id);
     if let Some(pair) = atoms.windows(2).find(|p| p[0].id == p[1].id) {
         return Err(fail(last, format!("atom id {} appears twice", pair[0].id)));
     }
     if !velocities.is_empty() && velocities.len() != atoms.len() {
-        return Err(fail(last, format!(
-            "{} velocities for {} atoms: is the file cut off?",
-            velocities.len(),
-            atoms.len()
-        )));
+        return Err(fail(
+            last,
+            format!(
+                "{} velocities for {} atoms: is the file cut off?",
+                velocities.len(),
+                atoms.len()
+            ),
+        ));
     }
     for (id, v, line) in velocities {
         let Ok(at) = atoms.binary_search_by_key(&id, |a| a.id) else {
-            return Err(fail(line, format!("velocity of atom {id}, which is not among the atoms")));
+            return Err(fail(
+                line,
+                format!("velocity of atom {id}, which is not among the atoms"),
+            ));
         };
         atoms[at].velocity = [v[0], v[1], v[2]];
         atoms[at].spin = [v[3], v[4], v[5]];

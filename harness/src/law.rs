@@ -106,7 +106,9 @@ impl LawSpec {
                 let poisson = if ratio >= 1.5 { 0.0 } else { poisson };
                 (0.75 * (1.0 - poisson) * kn, poisson)
             }
-            LawSpec::HertzTsuji { young, poisson, .. } => (young / (2.0 * (1.0 + poisson)), poisson),
+            LawSpec::HertzTsuji { young, poisson, .. } => {
+                (young / (2.0 * (1.0 + poisson)), poisson)
+            }
         };
         let wave = 0.1631 * poisson + 0.8766;
         std::f64::consts::PI * radius * (density / shear).sqrt() / wave
@@ -180,7 +182,10 @@ mod tests {
             restitution: 0.5,
             mu: 0.5,
         };
-        let (a, b) = (kumar.rayleigh_time(0.5, 1.0), guillard.rayleigh_time(0.5, 1.0));
+        let (a, b) = (
+            kumar.rayleigh_time(0.5, 1.0),
+            guillard.rayleigh_time(0.5, 1.0),
+        );
         assert!((a / b - 1.0).abs() < 1e-12, "{a} {b}");
     }
 

@@ -62,12 +62,18 @@ pub fn coordination_number(sim: &mut Sim, top: f64) -> f64 {
     let mut contacts = 0usize;
     for bond in &bonds {
         match *bond {
-            Bond::Pair { i, j, .. } => contacts += usize::from(counted(i)) + usize::from(counted(j)),
+            Bond::Pair { i, j, .. } => {
+                contacts += usize::from(counted(i)) + usize::from(counted(j))
+            }
             Bond::Touch { i, .. } => contacts += usize::from(counted(i)),
         }
     }
     let grains = (0..sim.count() as u32).filter(|&i| counted(i)).count();
-    if grains == 0 { 0.0 } else { contacts as f64 / grains as f64 }
+    if grains == 0 {
+        0.0
+    } else {
+        contacts as f64 / grains as f64
+    }
 }
 
 /// Deepest overlap of two grains, from the positions; 0 where none touch.
@@ -78,7 +84,9 @@ pub fn deepest_overlap(sim: &mut Sim) -> f64 {
             continue;
         };
         let (x, y) = (sim.position[i as usize], sim.position[j as usize]);
-        let d = sim.domain.separation([x[0], x[1], x[2]], [y[0], y[1], y[2]]);
+        let d = sim
+            .domain
+            .separation([x[0], x[1], x[2]], [y[0], y[1], y[2]]);
         let overlap = x[3] + y[3] - (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
         if overlap > deepest {
             deepest = overlap;

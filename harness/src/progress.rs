@@ -79,10 +79,17 @@ impl Stage {
         } else {
             0.0
         };
-        let fallen = if step < fall_steps { fall_steps - step } else { 0 };
-        let left = if left as u64 > fallen { left as u64 } else { fallen };
+        let fallen = fall_steps.saturating_sub(step);
+        let left = if left as u64 > fallen {
+            left as u64
+        } else {
+            fallen
+        };
         self.bar.set_length(step + left + 1);
-        self.at(step, format!("kinetic energy {energy:.1e}, settled below {bound:.0e}"));
+        self.at(
+            step,
+            format!("kinetic energy {energy:.1e}, settled below {bound:.0e}"),
+        );
     }
 
     /// Ends the stage and returns its seconds.

@@ -40,16 +40,26 @@ mod tests {
         assert_eq!(one[0], first[0]);
         assert_ne!(one[0], uniforms::<1>(7, Purpose::Velocity, 12)[0]);
         assert_ne!(one[0], uniforms::<1>(8, Purpose::Shift, 12)[0]);
-        let mean = (0..4000).map(|g| uniforms::<1>(1, Purpose::Diameter, g)[0]).sum::<f64>() / 4e3;
+        let mean = (0..4000)
+            .map(|g| uniforms::<1>(1, Purpose::Diameter, g)[0])
+            .sum::<f64>()
+            / 4e3;
         // Five standard errors of the mean of 4000 uniform numbers.
-        assert!((mean - 0.5).abs() < 5.0 * (1.0f64 / 12.0 / 4000.0).sqrt(), "{mean}");
+        assert!(
+            (mean - 0.5).abs() < 5.0 * (1.0f64 / 12.0 / 4000.0).sqrt(),
+            "{mean}"
+        );
     }
 
     /// The published stream: a change of generator, seeding or mapping shows here.
     #[test]
     fn the_stream_is_the_published_one() {
         let draws: [f64; 3] = uniforms(1, Purpose::Diameter, 1);
-        let golden = [4606860145624558180, 4599878316558205254, 4606195799858485695];
+        let golden = [
+            4606860145624558180,
+            4599878316558205254,
+            4606195799858485695,
+        ];
         assert_eq!(draws.map(f64::to_bits), golden);
     }
 }

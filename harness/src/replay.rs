@@ -79,9 +79,11 @@ pub fn replay(path: &Path, what: &Replay, out: &mut impl Write) -> Result<()> {
     while sim.step_count() < what.steps {
         let next = (sim.step_count() / every * every + every).min(what.steps);
         let fault = |sim: &Sim, f| Error::run(&name, sim.step_count() + 1, f);
-        sim.steps(next - 1 - sim.step_count()).map_err(|f| fault(&sim, f))?;
+        sim.steps(next - 1 - sim.step_count())
+            .map_err(|f| fault(&sim, f))?;
         seen.clear();
-        sim.step_watched(|p| seen.push(p)).map_err(|f| fault(&sim, f))?;
+        sim.step_watched(|p| seen.push(p))
+            .map_err(|f| fault(&sim, f))?;
         write_sample(&mut sim, what.contacts.then_some(&seen), out)?;
     }
     out.flush().map_err(Error::Output)
@@ -101,11 +103,15 @@ fn write_sample(
         force: vec3::head(sim.force[i]),
         torque: vec3::head(sim.torque[i]),
     });
-    let obstacles = sim.obstacles.iter().enumerate().map(|(index, body)| ObstacleState {
-        index,
-        force: body.force,
-        torque: body.torque,
-    });
+    let obstacles = sim
+        .obstacles
+        .iter()
+        .enumerate()
+        .map(|(index, body)| ObstacleState {
+            index,
+            force: body.force,
+            torque: body.torque,
+        });
     let name = |place: u32| sim.id[place as usize];
     let contacts = contacts.map(|seen| {
         seen.iter()

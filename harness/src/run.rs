@@ -68,25 +68,43 @@ struct StagePerformance {
 ///
 /// # Errors
 /// The first stage that went wrong, in the order of the scenario; what the others wrote stays.
-pub fn run(scenario: &Scenario, out: &Path, threads: usize, progress: &Progress) -> Result<PathBuf> {
+pub fn run(
+    scenario: &Scenario,
+    out: &Path,
+    threads: usize,
+    progress: &Progress,
+) -> Result<PathBuf> {
     let began = Instant::now();
     let folder = Folder(out);
     claim(&folder, scenario)?;
-    let pool = ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| {
-        Error::input("--threads", format!("{threads} threads cannot be started: {e}"))
-    })?;
+    let pool = ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|e| {
+            Error::input(
+                "--threads",
+                format!("{threads} threads cannot be started: {e}"),
+            )
+        })?;
     let (plans, runs) = (scenario.beds(), scenario.runs());
 
-    let beds = side_by_side(&pool, plans.len(), |k| plans[k].center[2] as u64, |k| {
-        pour_one(scenario, &plans[k], &folder, progress)
-    });
+    let beds = side_by_side(
+        &pool,
+        plans.len(),
+        |k| plans[k].center[2] as u64,
+        |k| pour_one(scenario, &plans[k], &folder, progress),
+    );
     let beds: Vec<(BedSummary, StagePerformance)> = beds.into_iter().collect::<Result<_>>()?;
     let (beds, mut stages): (Vec<_>, Vec<_>) = beds.into_iter().unzip();
 
-    let dragged = side_by_side(&pool, runs.len(), |k| runs[k].steps, |k| {
-        drag_one(scenario, &runs[k], &beds[runs[k].bed], &folder, progress)
-    });
-    let dragged: Vec<(RunSummary, StagePerformance)> = dragged.into_iter().collect::<Result<_>>()?;
+    let dragged = side_by_side(
+        &pool,
+        runs.len(),
+        |k| runs[k].steps,
+        |k| drag_one(scenario, &runs[k], &beds[runs[k].bed], &folder, progress),
+    );
+    let dragged: Vec<(RunSummary, StagePerformance)> =
+        dragged.into_iter().collect::<Result<_>>()?;
     let (runs, timed): (Vec<_>, Vec<_>) = dragged.into_iter().unzip();
     stages.extend(timed);
 
@@ -145,7 +163,10 @@ fn side_by_side<T: Send>(
             scope.spawn_fifo(move |_| *slot = Some(job(k)));
         }
     });
-    results.into_iter().map(|r| r.expect("the scope waits for every job")).collect()
+    results
+        .into_iter()
+        .map(|r| r.expect("the scope waits for every job"))
+        .collect()
 }
 
 fn timed(stage: Stage, sim: &Sim, steps: u64) -> StagePerformance {
@@ -168,7 +189,10 @@ fn pour_one(
     progress: &Progress,
 ) -> Result<(BedSummary, StagePerformance)> {
     let fall = (4.0 * scenario.expected_surface() / scenario.gravity).sqrt();
-    let stage = progress.stage(&format!("pouring {}", plan.name), (2.0 * fall / scenario.drag.dt) as u64);
+    let stage = progress.stage(
+        &format!("pouring {}", plan.name),
+        (2.0 * fall / scenario.drag.dt) as u64,
+    );
     let mut sim = bed::pour(scenario, plan, &stage)?;
     checkpoint::write(&folder.bed(&plan.name), &mut sim)?;
     let performance = timed(stage, &sim, sim.step_count());
@@ -176,8 +200,13 @@ fn pour_one(
     progress.line(&format!(
         "{}: {} grains settled in {} steps ({:.1} s); surface at {:.2}, depth {:.2}, packing \
          fraction {:.3}",
-        plan.name, summary.grains, summary.steps, performance.seconds, summary.surface,
-        summary.depth, summary.packing_fraction
+        plan.name,
+        summary.grains,
+        summary.steps,
+        performance.seconds,
+        summary.surface,
+        summary.depth,
+        summary.packing_fraction
     ));
     Ok((summary, performance))
 }
@@ -271,9 +300,15 @@ fn write_report(folder: &Folder<'_>) -> Result<()> {
     let whole = summary::read_summary(&folder.summary())?;
     let text = std::fs::read_to_string(folder.scenario())
         .map_err(|e| Error::read(&folder.scenario(), &e))?;
-    let series = whole.runs.iter().map(|run| summary::read_series(&folder.series(&run.name)));
+    let series = whole
+        .runs
+        .iter()
+        .map(|run| summary::read_series(&folder.series(&run.name)));
     let series: Vec<Vec<SeriesRow>> = series.collect::<Result<_>>()?;
-    let pictures = whole.beds.iter().map(|bed| picture(bed, &folder.bed(&bed.name)));
+    let pictures = whole
+        .beds
+        .iter()
+        .map(|bed| picture(bed, &folder.bed(&bed.name)));
     let pictures: Vec<BedPicture> = pictures.collect::<Result<_>>()?;
     let page = report::page(&whole, &text, &series, &pictures);
     write_whole(&folder.report(), page.as_bytes())

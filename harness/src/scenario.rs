@@ -260,7 +260,10 @@ fn unknown_name(name: &str) -> Error {
     let ask = nearest.map_or(String::new(), |key| format!("; did you mean `{key}`?"));
     Error::input(
         name,
-        format!("no such scenario; shipped are {}, or give a TOML file{ask}", names.join(", ")),
+        format!(
+            "no such scenario; shipped are {}, or give a TOML file{ask}",
+            names.join(", ")
+        ),
     )
 }
 
@@ -297,7 +300,10 @@ pub fn parse(text: &str, place: &str, sets: &[String]) -> Result<Scenario> {
 fn apply(table: &mut toml::Table, set: &str) -> Result<()> {
     let place = || format!("--set {set}");
     let Some((key, value)) = set.split_once('=') else {
-        return Err(Error::input(place(), "expected key=value, as in law.mu=0.3"));
+        return Err(Error::input(
+            place(),
+            "expected key=value, as in law.mu=0.3",
+        ));
     };
     let parsed: Option<toml::Table> = toml::from_str(&format!("value = {value}")).ok();
     let value = parsed
@@ -316,7 +322,11 @@ fn apply(table: &mut toml::Table, set: &str) -> Result<()> {
     }
     let last = words[words.len() - 1];
     // One of two spellings replaces the other: asking for speeds drops the Froude numbers.
-    for (a, b) in [("speed", "froude"), ("height", "depth"), ("grains", "fill_height")] {
+    for (a, b) in [
+        ("speed", "froude"),
+        ("height", "depth"),
+        ("grains", "fill_height"),
+    ] {
         if last == a {
             at.remove(b);
         } else if last == b {
@@ -355,7 +365,12 @@ impl Scenario {
     pub fn units(&self) -> Units {
         let names = match self.units {
             UnitSystem::Reduced => [
-                "d", "sqrt(d/g)", "sqrt(g d)", "rho d^3 g", "rho d^4 g", "rho d^4 g",
+                "d",
+                "sqrt(d/g)",
+                "sqrt(g d)",
+                "rho d^3 g",
+                "rho d^4 g",
+                "rho d^4 g",
             ],
             UnitSystem::Si => ["m", "s", "m/s", "N", "N m", "J"],
         };
@@ -419,11 +434,19 @@ impl Scenario {
     /// Speeds with their Froude numbers, whichever of the two was given kept as it is.
     fn speeds(&self) -> Vec<(f64, f64)> {
         match (&self.intruder.speed, &self.intruder.froude) {
-            (Some(speeds), _) => speeds.values().iter().map(|&v| (v, self.froude(v))).collect(),
+            (Some(speeds), _) => speeds
+                .values()
+                .iter()
+                .map(|&v| (v, self.froude(v)))
+                .collect(),
             (None, Some(numbers)) => {
                 let width = self.intruder.diameter + self.mean_diameter();
                 let per_froude = width / (2.0 * self.fall_time());
-                numbers.values().iter().map(|&fr| (fr * per_froude, fr)).collect()
+                numbers
+                    .values()
+                    .iter()
+                    .map(|&fr| (fr * per_froude, fr))
+                    .collect()
             }
             (None, None) => vec![],
         }
@@ -437,7 +460,11 @@ impl Scenario {
             .iter()
             .enumerate()
             .map(|(k, &z)| BedPlan {
-                name: if heights.len() == 1 { "bed".into() } else { format!("bed-{}", k + 1) },
+                name: if heights.len() == 1 {
+                    "bed".into()
+                } else {
+                    format!("bed-{}", k + 1)
+                },
                 center: [0.5 * x, 0.5 * y, z],
             })
             .collect()
@@ -451,7 +478,11 @@ impl Scenario {
             for (k, &(speed, froude)) in speeds.iter().enumerate() {
                 let distance = distances[if distances.len() == 1 { 0 } else { k }];
                 let run = format!("run-{}", k + 1);
-                let name = if beds.len() == 1 { run } else { format!("{}-{run}", plan.name) };
+                let name = if beds.len() == 1 {
+                    run
+                } else {
+                    format!("{}-{run}", plan.name)
+                };
                 let default = if 0.1 * distance > self.intruder.diameter {
                     0.1 * distance
                 } else {
@@ -474,7 +505,10 @@ impl Scenario {
     fn check(&self) -> Check {
         let plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
         if self.name.is_empty() || !self.name.chars().all(plain) {
-            return refuse("name", "expected letters, digits, `-` and `_`: it names a folder");
+            return refuse(
+                "name",
+                "expected letters, digits, `-` and `_`: it names a folder",
+            );
         }
         positive("gravity", self.gravity)?;
         self.check_bed()?;
@@ -499,13 +533,19 @@ impl Scenario {
             if (value - 1.0).abs() < 1e-12 {
                 return Ok(());
             }
-            refuse(key, format!("is {value}; in reduced units it is 1. For others set units = \"si\""))
+            refuse(
+                key,
+                format!("is {value}; in reduced units it is 1. For others set units = \"si\""),
+            )
         };
         one("gravity", self.gravity)?;
         one("bed.density", self.bed.density)?;
         if (self.mean_diameter() - 1.0).abs() > 1e-12 {
             let mean = self.mean_diameter();
-            return refuse("bed.diameters", format!("have the mean {mean}; in reduced units it is 1"));
+            return refuse(
+                "bed.diameters",
+                format!("have the mean {mean}; in reduced units it is 1"),
+            );
         }
         Ok(())
     }
@@ -520,12 +560,18 @@ impl Scenario {
             return refuse("bed.diameters", "expected the smaller first");
         }
         if most > 4.0 * least {
-            return refuse("bed.diameters", "expected the larger at most 4 times the smaller");
+            return refuse(
+                "bed.diameters",
+                "expected the larger at most 4 times the smaller",
+            );
         }
         positive("bed.density", self.bed.density)?;
         positive("bed.settled", self.bed.settled)?;
         if !(self.bed.base >= 0.0 && self.bed.base < self.bed.size[2]) {
-            return refuse("bed.base", "expected a height inside the box, or 0 for none");
+            return refuse(
+                "bed.base",
+                "expected a height inside the box, or 0 for none",
+            );
         }
         if self.bed.base == 0.0 && !self.bed.floor {
             return refuse("bed.floor", "without a base the grains need a floor");
@@ -557,11 +603,17 @@ impl Scenario {
             _ => {}
         }
         match (&i.speed, &i.froude) {
-            (Some(_), Some(_)) => return refuse("intruder.speed", "give speed or froude, not both"),
+            (Some(_), Some(_)) => {
+                return refuse("intruder.speed", "give speed or froude, not both");
+            }
             (None, None) => return refuse("intruder.speed", "give speed or froude"),
             _ => {}
         }
-        let key = if i.speed.is_some() { "intruder.speed" } else { "intruder.froude" };
+        let key = if i.speed.is_some() {
+            "intruder.speed"
+        } else {
+            "intruder.froude"
+        };
         let speeds = self.speeds();
         if speeds.is_empty() {
             return refuse(key, "is empty; expected at least one value");
@@ -573,7 +625,11 @@ impl Scenario {
         let [x, y, z] = self.bed.size;
         let most = self.bed.diameters[1];
         let diameter = self.intruder.diameter;
-        let widest = if diameter > most { 0.5 * (most + diameter) } else { most };
+        let widest = if diameter > most {
+            0.5 * (most + diameter)
+        } else {
+            most
+        };
         for (length, axis) in [(x, "x"), (y, "y")] {
             if length <= diameter {
                 return refuse(
@@ -596,10 +652,16 @@ impl Scenario {
         if surface > 1.15 * z {
             return refuse(
                 "bed.box",
-                format!("has a height of {z}, but the grains would fill {surface:.1}: make it higher"),
+                format!(
+                    "has a height of {z}, but the grains would fill {surface:.1}: make it higher"
+                ),
             );
         }
-        let key = if self.intruder.height.is_some() { "intruder.height" } else { "intruder.depth" };
+        let key = if self.intruder.height.is_some() {
+            "intruder.height"
+        } else {
+            "intruder.depth"
+        };
         let heights = self.heights();
         if heights.is_empty() {
             return refuse(key, "is empty; expected at least one value");
@@ -610,7 +672,9 @@ impl Scenario {
             if !inside {
                 return refuse(
                     key,
-                    format!("puts the intruder's centre at z = {height}: outside the box, 0 to {z}"),
+                    format!(
+                        "puts the intruder's centre at z = {height}: outside the box, 0 to {z}"
+                    ),
                 );
             }
         }
@@ -628,7 +692,11 @@ impl Scenario {
         if distances.len() != 1 && distances.len() != speeds.len() {
             return refuse(
                 "drag.distance",
-                format!("has {} values for {} speeds; expected one, or one for each", distances.len(), speeds.len()),
+                format!(
+                    "has {} values for {} speeds; expected one, or one for each",
+                    distances.len(),
+                    speeds.len()
+                ),
             );
         }
         for distance in &distances {

@@ -2,8 +2,8 @@
 
 use bitgrain_kernel::law::{HertzHistory, HertzTsuji};
 use bitgrain_kernel::{
-    Bond, Cells, Clock, Digest, Domain, Fault, Grains, Group, Obstacle, Pairs, Pushed, Row, TOUCHING,
-    World, start_watched, step_watched,
+    Bond, Cells, Clock, Digest, Domain, Fault, Grains, Group, Obstacle, Pairs, Pushed, Row,
+    TOUCHING, World, start_watched, step_watched,
 };
 use multiversion::multiversion;
 use serde::{Deserialize, Serialize};
@@ -137,7 +137,10 @@ impl Sim {
             id: grains.iter().map(|g| g.id).collect(),
             group: grains.iter().map(|g| g.group).collect(),
             groups,
-            position: grains.iter().map(|g| row(g.position, 0.5 * g.diameter)).collect(),
+            position: grains
+                .iter()
+                .map(|g| row(g.position, 0.5 * g.diameter))
+                .collect(),
             velocity: grains
                 .iter()
                 .map(|g| row(g.velocity, sphere_mass(g.diameter, g.density)))
@@ -194,12 +197,18 @@ impl Sim {
     /// How many grains touch an obstacle.
     pub fn touch_count(&self, obstacle: u32) -> u32 {
         let listed = &self.lists[0].touch_obstacle[..self.clock.touches];
-        listed.iter().filter(|&&word| word == (obstacle | TOUCHING)).count() as u32
+        listed
+            .iter()
+            .filter(|&&word| word == (obstacle | TOUCHING))
+            .count() as u32
     }
 
     fn reserve(&mut self, pairs: usize, touches: usize) {
         for list in &mut self.lists {
-            let (p, t) = (list.partner.len().max(pairs), list.touch_grain.len().max(touches));
+            let (p, t) = (
+                list.partner.len().max(pairs),
+                list.touch_grain.len().max(touches),
+            );
             list.resize(self.id.len(), p, t);
         }
     }
@@ -282,9 +291,7 @@ impl Sim {
     /// # Errors
     /// What the kernel finds wrong with the world.
     pub fn resume(&mut self, bonds: &[Bond<f64>]) -> Result<(), Fault> {
-        self.grow_while_full(|sim| {
-            bitgrain_kernel::resume(&mut sim.world(), bonds.iter().copied())
-        })
+        self.grow_while_full(|sim| bitgrain_kernel::resume(&mut sim.world(), bonds.iter().copied()))
     }
 
     /// Advances by `count` steps.

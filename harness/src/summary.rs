@@ -147,8 +147,19 @@ pub struct SeriesRow {
 
 /// Column names of a series file, in order.
 pub const SERIES_COLUMNS: [&str; 13] = [
-    "step", "time", "distance", "drag", "lift", "side", "drag_mean", "lift_mean", "side_mean",
-    "torque_x", "torque_y", "torque_z", "contacts",
+    "step",
+    "time",
+    "distance",
+    "drag",
+    "lift",
+    "side",
+    "drag_mean",
+    "lift_mean",
+    "side_mean",
+    "torque_x",
+    "torque_y",
+    "torque_z",
+    "contacts",
 ];
 
 /// The text of a series file: a line of units, the column names, the rows; shortest decimals that
@@ -159,7 +170,10 @@ pub fn series_text(units: &Units, measure: &Measure, rows: &[SeriesRow]) -> Stri
         "contacts" => measure.contacts,
         _ => true,
     };
-    let columns: Vec<&str> = SERIES_COLUMNS.into_iter().filter(|name| wanted(name)).collect();
+    let columns: Vec<&str> = SERIES_COLUMNS
+        .into_iter()
+        .filter(|name| wanted(name))
+        .collect();
     let mut out = format!(
         "# units: time {}; distance {}; drag, lift, side {}; torque {}\n{}\n",
         units.time,

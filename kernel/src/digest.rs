@@ -70,7 +70,9 @@ pub fn digest<R: Real>(world: &World<'_, R>) -> Digest {
     let histories = hash(|h| {
         for bond in world.bonds() {
             match bond {
-                Bond::Pair { i, j, spring } => spring_of(h, 0, g.id[i as usize], g.id[j as usize], spring),
+                Bond::Pair { i, j, spring } => {
+                    spring_of(h, 0, g.id[i as usize], g.id[j as usize], spring)
+                }
                 Bond::Touch {
                     i,
                     obstacle,
@@ -95,7 +97,14 @@ pub fn digest<R: Real>(world: &World<'_, R>) -> Digest {
         }
     });
     let whole = hash(|h| {
-        for part in [&positions, &velocities, &spins, &histories, &forces, &obstacles] {
+        for part in [
+            &positions,
+            &velocities,
+            &spins,
+            &histories,
+            &forces,
+            &obstacles,
+        ] {
             h.update(part);
         }
     });

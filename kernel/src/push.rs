@@ -122,7 +122,11 @@ pub fn spill<R: Real, L: Law<R>>(
         let inner = partner[row.clone()].partition_point(|&p| p & PLACE < end);
         row.start + inner..row.end
     };
-    let needed = part.rows.clone().map(|i| beyond(part.partner, i).len()).sum();
+    let needed = part
+        .rows
+        .clone()
+        .map(|i| beyond(part.partner, i).len())
+        .sum();
     if needed > out.len() {
         return Err(Fault::PairsFull { needed });
     }

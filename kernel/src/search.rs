@@ -109,23 +109,30 @@ impl<R: Real> Grid<R> {
     }
 }
 
-/// Lists every pair and every obstacle contact closer than touching by up to `skin`, with the
-/// springs that the old list holds.
+/// What a search reads.
+pub(crate) struct Scene<'a, R> {
+    pub domain: &'a Domain<R>,
+    pub grains: &'a Grains<'a, R>,
+    pub obstacles: &'a [Obstacle<R>],
+    /// How far beyond touching a pair is listed.
+    pub skin: R,
+    /// How far the fastest body moves in the next step: the list covers that, whatever the skin.
+    pub step_travel: R,
+}
+
+/// Lists every pair and every obstacle contact closer than touching by up to the skin, with the
+/// springs that the old list of `old_touches` obstacle contacts holds.
 ///
-/// `step_travel` is how far the fastest body moves in the next step: the list covers at least that,
-/// whatever the skin. Margins: coordinates, separations and travels are each rounded by at most a
-/// few units in the last place of the largest coordinate, and 64 such units are added.
+/// Margins: coordinates, separations and travels are each rounded by at most a few units in the
+/// last place of the largest coordinate, and 64 such units are added.
 pub(crate) fn search<R: Real>(
-    domain: &Domain<R>,
-    grains: &Grains<'_, R>,
-    obstacles: &[Obstacle<R>],
+    scene: &Scene<'_, R>,
     pairs: &mut Pairs<'_, R>,
     spare: &mut Pairs<'_, R>,
     cells: &mut Cells<'_>,
-    skin: R,
-    step_travel: R,
     old_touches: usize,
 ) -> Result<Found<R>, Fault> {
+    let (domain, grains, obstacles) = (scene.domain, scene.grains, scene.obstacles);
     let position = &*grains.position;
     let n = position.len();
     let mut extent = R::ONE * R::EPSILON;
@@ -144,14 +151,60 @@ pub(crate) fn search<R: Real>(
         }
     }
     let slack = (extent + widest) * (R::EPSILON * R::from_f64(64.0));
-    let need = step_travel + step_travel;
+    let need = scene.step_travel + scene.step_travel;
     // However wide the skin: a pair is listed by its nearest image, and no other image comes first.
-    let skin = larger(skin, need) + slack;
+    let skin = larger(scene.skin, need) + slack;
 
     let width = (radius + radius) + skin + slack;
     let grid = Grid::new(domain, position, width, cells.start.len() - 1);
     sort_into_cells(&grid, position, cells);
 
+    let listed = list_pairs(scene, &grid, cells, spare, skin)?;
+    let touches = list_touches(domain, grains, obstacles, spare, skin)?;
+    take_springs(pairs, spare, n);
+    take_touch_springs(pairs, old_touches, spare, touches);
+    copy_back(pairs, spare, n, listed, touches);
+    Ok(Found {
+        pairs: listed,
+        touches,
+        budget: (skin - slack) * R::HALF,
+        rounding: extent * (R::EPSILON + R::EPSILON),
+    })
+}
+
+fn sort_into_cells<R: Real>(grid: &Grid<R>, position: &[Row<R>], cells: &mut Cells<'_>) {
+    let count = grid.count[0] * grid.count[1] * grid.count[2];
+    cells.start[..=count].fill(0);
+    for x in position {
+        cells.start[grid.number(grid.place(x)) + 1] += 1;
+    }
+    for c in 0..count {
+        cells.start[c + 1] += cells.start[c];
+    }
+    // Filling from the last grain down moves each cell's end to its beginning and keeps order.
+    for i in (0..position.len()).rev() {
+        let c = grid.number(grid.place(&position[i]));
+        cells.start[c + 1] -= 1;
+        cells.grain[cells.start[c + 1] as usize] = i as u32;
+    }
+    // Now start[c + 1] is where cell c begins; shift down and close the last cell.
+    for c in 0..count {
+        cells.start[c] = cells.start[c + 1];
+    }
+    cells.start[count] = position.len() as u32;
+}
+
+/// Fills the rows of the spare list, partners ascending, and returns how many pairs there are.
+fn list_pairs<R: Real>(
+    scene: &Scene<'_, R>,
+    grid: &Grid<R>,
+    cells: &Cells<'_>,
+    spare: &mut Pairs<'_, R>,
+    skin: R,
+) -> Result<usize, Fault> {
+    let (domain, grains) = (scene.domain, scene.grains);
+    let position = &*grains.position;
+    let n = position.len();
     let frozen = |i: usize| grains.groups[grains.group[i] as usize].heavy;
     let capacity = spare.partner.len();
     let mut listed = 0usize;
@@ -194,39 +247,7 @@ pub(crate) fn search<R: Real>(
         return Err(Fault::PairsFull { needed: listed });
     }
     spare.row[n] = listed as u32;
-
-    let touches = list_touches(domain, grains, obstacles, spare, skin)?;
-    take_springs(pairs, spare, n);
-    take_touch_springs(pairs, old_touches, spare, touches);
-    copy_back(pairs, spare, n, listed, touches);
-    Ok(Found {
-        pairs: listed,
-        touches,
-        budget: (skin - slack) * R::HALF,
-        rounding: extent * (R::EPSILON + R::EPSILON),
-    })
-}
-
-fn sort_into_cells<R: Real>(grid: &Grid<R>, position: &[Row<R>], cells: &mut Cells<'_>) {
-    let count = grid.count[0] * grid.count[1] * grid.count[2];
-    cells.start[..=count].fill(0);
-    for x in position {
-        cells.start[grid.number(grid.place(x)) + 1] += 1;
-    }
-    for c in 0..count {
-        cells.start[c + 1] += cells.start[c];
-    }
-    // Filling from the last grain down moves each cell's end to its beginning and keeps order.
-    for i in (0..position.len()).rev() {
-        let c = grid.number(grid.place(&position[i]));
-        cells.start[c + 1] -= 1;
-        cells.grain[cells.start[c + 1] as usize] = i as u32;
-    }
-    // Now start[c + 1] is where cell c begins; shift down and close the last cell.
-    for c in 0..count {
-        cells.start[c] = cells.start[c + 1];
-    }
-    cells.start[count] = position.len() as u32;
+    Ok(listed)
 }
 
 fn list_touches<R: Real>(

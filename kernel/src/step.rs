@@ -7,7 +7,7 @@ use crate::motion::{Kick, begin_kick, drift, end_kick};
 use crate::pairs::Bond;
 use crate::push::{Part, Pushed, Sight, TouchPart, push_obstacles, sum};
 use crate::real::Real;
-use crate::search::search;
+use crate::search::{Scene, search};
 use crate::vec3::dot;
 use crate::world::World;
 
@@ -130,15 +130,18 @@ fn find_who_may_touch<R: Real>(world: &mut World<'_, R>) -> Result<(), Fault> {
 #[inline(never)]
 fn search_now<R: Real>(world: &mut World<'_, R>, travel: R) -> Result<(), Fault> {
     let clock = &mut *world.clock;
+    let scene = Scene {
+        domain: world.domain,
+        grains: &world.grains,
+        obstacles: world.obstacles,
+        skin: world.skin,
+        step_travel: travel,
+    };
     let found = search(
-        world.domain,
-        &world.grains,
-        world.obstacles,
+        &scene,
         &mut world.pairs,
         &mut world.spare,
         &mut world.cells,
-        world.skin,
-        travel,
         clock.touches,
     )?;
     clock.searches += 1;
@@ -155,7 +158,14 @@ fn drift_all<R: Real>(world: &mut World<'_, R>) -> Result<(), Fault> {
         body.advance(world.domain, world.dt);
     }
     let g = &mut world.grains;
-    drift(world.domain, g.id, g.position, g.image, g.velocity, world.dt)
+    drift(
+        world.domain,
+        g.id,
+        g.position,
+        g.image,
+        g.velocity,
+        world.dt,
+    )
 }
 
 /// Obstacles first, then pairs: the order of every grain's sum.

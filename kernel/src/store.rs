@@ -133,7 +133,9 @@ impl<R: Real, const GRAINS: usize, const PAIRS: usize, const BODIES: usize>
         // Every list has the same capacity, so none of these can be full now.
         let _ = self.id.push(id);
         let _ = self.group.push(group);
-        let _ = self.position.push([position[0], position[1], position[2], radius]);
+        let _ = self
+            .position
+            .push([position[0], position[1], position[2], radius]);
         let _ = self.velocity.push([R::ZERO, R::ZERO, R::ZERO, mass]);
         let _ = self.spin.push(rest);
         let _ = self.force.push(rest);

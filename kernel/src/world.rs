@@ -89,7 +89,9 @@ impl<R: Real> World<'_, R> {
                 return Err(Fault::BadGrain { id });
             }
             let numbers = [g.position[i], g.velocity[i], g.spin[i]];
-            let finite = numbers.iter().all(|row| row[..3].iter().all(|x| x.is_finite()));
+            let finite = numbers
+                .iter()
+                .all(|row| row[..3].iter().all(|x| x.is_finite()));
             if !finite {
                 return Err(Fault::NotFinite { id });
             }

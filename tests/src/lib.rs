@@ -7,7 +7,9 @@ use serde_json::Value;
 
 /// A file or folder under `golden/`.
 pub fn golden(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../golden").join(name)
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../golden")
+        .join(name)
 }
 
 /// A JSON golden, packed or plain.
@@ -16,7 +18,9 @@ pub fn json(name: &str) -> Value {
     let mut text = String::new();
     if name.ends_with(".gz") {
         let mut unpacked = flate2::read::GzDecoder::new(bytes.as_slice());
-        unpacked.read_to_string(&mut text).expect("the golden is whole");
+        unpacked
+            .read_to_string(&mut text)
+            .expect("the golden is whole");
     } else {
         text = String::from_utf8(bytes).expect("the golden is text");
     }
@@ -30,7 +34,12 @@ pub fn number(value: &Value) -> f64 {
 
 /// A list of numbers of a JSON value.
 pub fn numbers(value: &Value) -> Vec<f64> {
-    value.as_array().expect("a list").iter().map(number).collect()
+    value
+        .as_array()
+        .expect("a list")
+        .iter()
+        .map(number)
+        .collect()
 }
 
 /// Three numbers beginning at `at`.
@@ -40,5 +49,7 @@ pub fn triple(row: &[f64], at: usize) -> [f64; 3] {
 
 /// The largest magnitude among numbers.
 pub fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
-    values.into_iter().fold(0.0, |a, b| if b.abs() > a { b.abs() } else { a })
+    values
+        .into_iter()
+        .fold(0.0, |a, b| if b.abs() > a { b.abs() } else { a })
 }

@@ -31,8 +31,14 @@ fn skins_and_search_schedules_change_nothing() {
             sim.steps(1500).unwrap();
             ends.push((sim.digest(), sim.search_counts().0));
         }
-        assert!(ends.iter().all(|(digest, _)| *digest == ends[0].0), "{name}");
-        assert!(ends[0].1 > 1000 && ends[5].1 < 100, "the schedules differed: {ends:?}");
+        assert!(
+            ends.iter().all(|(digest, _)| *digest == ends[0].0),
+            "{name}"
+        );
+        assert!(
+            ends[0].1 > 1000 && ends[5].1 < 100,
+            "the schedules differed: {ends:?}"
+        );
     }
 }
 
@@ -68,7 +74,12 @@ fn a_checkpoint_goes_on_with_the_same_bits() {
         let mut again = checkpoint::read(&path).unwrap();
         assert_eq!(again.step_count(), 700);
         for _ in 0..300 {
-            assert_eq!(sim.digest(), again.digest(), "{name} at step {}", sim.step_count());
+            assert_eq!(
+                sim.digest(),
+                again.digest(),
+                "{name} at step {}",
+                sim.step_count()
+            );
             sim.steps(1).unwrap();
             again.steps(1).unwrap();
         }
@@ -91,8 +102,15 @@ fn a_damaged_checkpoint_is_refused() {
         } else {
             damaged[at] ^= 1 << (k % 8);
         }
-        std::fs::File::create(&path).unwrap().write_all(&damaged).unwrap();
-        assert!(checkpoint::read(&path).is_err(), "byte {at} of {}", whole.len());
+        std::fs::File::create(&path)
+            .unwrap()
+            .write_all(&damaged)
+            .unwrap();
+        assert!(
+            checkpoint::read(&path).is_err(),
+            "byte {at} of {}",
+            whole.len()
+        );
     }
 }
 
@@ -106,7 +124,12 @@ fn cuts_into_ranges_change_nothing() {
         _ => panic!("the case has this law"),
     };
     let whole = evaluate(&mut sim.clone(), &law, &[]);
-    for cuts in [vec![1], vec![7, 15], vec![10, 11, 12, 20], (1..30).collect()] {
+    for cuts in [
+        vec![1],
+        vec![7, 15],
+        vec![10, 11, 12, 20],
+        (1..30).collect(),
+    ] {
         let cut = evaluate(&mut sim.clone(), &law, &cuts);
         assert_eq!(whole, cut, "cuts {cuts:?}");
     }
@@ -182,7 +205,7 @@ fn digests_are_the_golden_ones() {
         for _ in 0..=10 {
             let step = sim.step_count();
             text.push_str(&format!("{name} {step:>5} {}\n", hex(&sim.digest().whole)));
-            sim.steps(400).unwrap();
+            sim.steps(1000).unwrap();
         }
     }
     text.push_str(&format!("f32 column      {}\n", hex(&column_f32())));
@@ -205,11 +228,15 @@ fn column_f32() -> [u8; 32] {
         mu: 0.5,
     };
     store.add_group(Group::free([0.0, 0.0, -1.0])).unwrap();
-    store.add_obstacle(Obstacle::plane([0.0; 3], [0.0, 0.0, 1.0])).unwrap();
+    store
+        .add_obstacle(Obstacle::plane([0.0; 3], [0.0, 0.0, 1.0]))
+        .unwrap();
     for k in 0..12u8 {
         let lean = 0.05 * f32::from(k % 3);
         let position = [lean, -lean, 0.55 + 1.02 * f32::from(k)];
-        store.add_grain(u32::from(k) + 1, 0, position, 0.5, 0.5236).unwrap();
+        store
+            .add_grain(u32::from(k) + 1, 0, position, 0.5, 0.52)
+            .unwrap();
     }
     let mut world = store.world();
     start(&mut world, &law).unwrap();

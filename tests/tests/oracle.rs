@@ -34,7 +34,11 @@ impl Slow {
     }
 
     fn inverse_mass(&self, i: usize) -> f64 {
-        if self.heavy(i) { 0.0 } else { 1.0 / self.sim.velocity[i][3] }
+        if self.heavy(i) {
+            0.0
+        } else {
+            1.0 / self.sim.velocity[i][3]
+        }
     }
 
     fn forces(&mut self, dt: f64) {
@@ -92,7 +96,9 @@ impl Slow {
 
     fn of_two(&self, i: usize, j: usize) -> Option<Contact<f64>> {
         let s = &self.sim;
-        let d = s.domain.separation(head(s.position[i]), head(s.position[j]));
+        let d = s
+            .domain
+            .separation(head(s.position[i]), head(s.position[j]));
         let distance = vec3::dot(d, d).sqrt();
         let (ri, rj) = (s.position[i][3], s.position[j][3]);
         let overlap = (ri + rj) - distance;
@@ -134,7 +140,11 @@ impl Slow {
             overlap,
             radius_i: radius,
             radius_j: curve,
-            radius_effective: if curve > 0.0 { (radius * curve) / (radius + curve) } else { radius },
+            radius_effective: if curve > 0.0 {
+                (radius * curve) / (radius + curve)
+            } else {
+                radius
+            },
             mass_effective: 1.0 / (self.inverse_mass(i) + body.inverse_mass),
             velocity: vec3::sub(head(s.velocity[i]), body.velocity),
             spin_i: head(s.spin[i]),
@@ -190,8 +200,12 @@ fn crowd(seed: &[f64], law: AnyLaw, tsuji: bool) -> Sim {
     let density = if tsuji { 2500.0 } else { 1.0 };
     let dt = if tsuji { 1e-5 } else { 1e-4 };
     let side = 5.0 * scale;
-    let domain =
-        Domain::new([0.0, 0.0, -scale], [side, side, 40.0 * scale], [true, true, false]).unwrap();
+    let domain = Domain::new(
+        [0.0, 0.0, -scale],
+        [side, side, 40.0 * scale],
+        [true, true, false],
+    )
+    .unwrap();
     let mut grains = Vec::new();
     for (k, u) in seed.as_chunks::<5>().0.iter().enumerate() {
         let site = [k % 4, k / 4 % 4, k / 16].map(|c| c as f64);
@@ -202,7 +216,11 @@ fn crowd(seed: &[f64], law: AnyLaw, tsuji: bool) -> Sim {
             2 => [0.3 * scale, 0.0, 0.0],
             _ => [u[0] - 0.5, u[1] - 0.5, u[2] - 1.0].map(|v| v * speed),
         };
-        let spin = if group == 0 { [u[3], u[4], u[0]].map(|w| 4.0 * w) } else { [0.0; 3] };
+        let spin = if group == 0 {
+            [u[3], u[4], u[0]].map(|w| 4.0 * w)
+        } else {
+            [0.0; 3]
+        };
         grains.push(Grain {
             // Ids ascend but are not consecutive.
             id: 3 * k as u32 + 2,
@@ -220,8 +238,12 @@ fn crowd(seed: &[f64], law: AnyLaw, tsuji: bool) -> Sim {
     }
     let g: f64 = if tsuji { 9.81 } else { 1.0 };
     let down = [0.0, 0.0, -g];
-    let groups =
-        vec![Group::free(down), Group::frozen(), Group::carried(), Group::lid([0.0, 0.0, -2.0 * g])];
+    let groups = vec![
+        Group::free(down),
+        Group::frozen(),
+        Group::carried(),
+        Group::lid([0.0, 0.0, -2.0 * g]),
+    ];
     let top = 1.05 * (seed.len() / 80) as f64 * scale + 2.2 * scale;
     let obstacles = vec![
         Obstacle::plane([0.0; 3], [0.0, 0.0, 1.0]),
@@ -256,7 +278,12 @@ fn same(fast: &Sim, slow: &Slow, step: u64) -> Result<(), TestCaseError> {
         prop_assert_eq!(bits(a), bits(b), "{} at step {}", name, step);
     }
     for (a, b) in fast.obstacles.iter().zip(&s.obstacles) {
-        prop_assert_eq!(a.force.map(f64::to_bits), b.force.map(f64::to_bits), "step {}", step);
+        prop_assert_eq!(
+            a.force.map(f64::to_bits),
+            b.force.map(f64::to_bits),
+            "step {}",
+            step
+        );
     }
     Ok(())
 }

@@ -44,19 +44,24 @@ fn history_law(params: &Value) -> LawSpec {
 /// the case (spins at least to speed over radius, torques to force times radius).
 fn compare(name: &str, case: &Case, traj: &[Vec<PeerRow>], skip_force: &[bool]) {
     let mut sim = case.start(name, |_| {}).expect("the peers ran it");
-    let all = |at: usize| {
-        largest(traj.iter().flatten().flat_map(|row| triple(row, at)))
-    };
+    let all = |at: usize| largest(traj.iter().flatten().flat_map(|row| triple(row, at)));
     let radius = 0.5 * largest(case.grains.iter().map(|g| g.diameter));
     let (x, v, f) = (all(1), all(4), all(10));
     let scales = [x, v, all(7).max(v / radius), f, all(13).max(f * radius)];
     let names = ["position", "velocity", "spin", "force", "torque"];
     for sample in traj {
         let step = sample[0][0] as u64;
-        sim.steps(step - sim.step_count()).expect("the peers ran it");
+        sim.steps(step - sim.step_count())
+            .expect("the peers ran it");
         let tolerance = if step == 0 { STEP_0 } else { TRAJECTORY };
         for (i, row) in sample.iter().enumerate() {
-            let ours = [sim.position[i], sim.velocity[i], sim.spin[i], sim.force[i], sim.torque[i]];
+            let ours = [
+                sim.position[i],
+                sim.velocity[i],
+                sim.spin[i],
+                sim.force[i],
+                sim.torque[i],
+            ];
             for (q, ours) in ours.iter().enumerate() {
                 // The peers blank the force on spheres that they freeze.
                 if q >= 3 && skip_force[i] {
@@ -87,7 +92,9 @@ fn trajectory(case: &Value) -> Vec<Vec<PeerRow>> {
 }
 
 fn flags(value: &Value, count: usize) -> Vec<bool> {
-    (0..count).map(|k| value[k].as_bool().unwrap_or(false)).collect()
+    (0..count)
+        .map(|k| value[k].as_bool().unwrap_or(false))
+        .collect()
 }
 
 fn open_case(law: LawSpec, dt: f64, grains: Vec<GrainSpec>, obstacles: Vec<ObstacleSpec>) -> Case {
@@ -118,7 +125,12 @@ fn lammps_pair_collisions() {
             };
             grain(i as u32 + 1, number(&c["diameter"][i]), 1.0, row, motion)
         });
-        let case = open_case(history_law(&c["params"]), number(&c["dt"]), grains.collect(), vec![]);
+        let case = open_case(
+            history_law(&c["params"]),
+            number(&c["dt"]),
+            grains.collect(),
+            vec![],
+        );
         compare(c["name"].as_str().expect("a name"), &case, &traj, &frozen);
     }
 }
@@ -129,7 +141,10 @@ fn lammps_pair_collisions() {
 fn lammps_driven_sphere_as_obstacle() {
     let file = json("peers/lammps_pairs.json.gz");
     let cases = file["cases"].as_array().expect("cases");
-    let c = cases.iter().find(|c| c["name"] == "moved_partner_soft").expect("the case");
+    let c = cases
+        .iter()
+        .find(|c| c["name"] == "moved_partner_soft")
+        .expect("the case");
     let traj = trajectory(c);
     let body = &traj[0][1];
     let sphere = ObstacleSpec::Sphere {
@@ -138,19 +153,31 @@ fn lammps_driven_sphere_as_obstacle() {
         density: Some(1.0),
         velocity: triple(body, 4),
     };
-    let free = grain(1, number(&c["diameter"][0]), 1.0, &traj[0][0], MotionSpec::Free);
+    let free = grain(
+        1,
+        number(&c["diameter"][0]),
+        1.0,
+        &traj[0][0],
+        MotionSpec::Free,
+    );
     let law = history_law(&c["params"]);
     let case = open_case(law, number(&c["dt"]), vec![free], vec![sphere]);
     let only: Vec<Vec<PeerRow>> = traj.iter().map(|s| vec![s[0].clone()]).collect();
     compare("moved_partner_soft", &case, &only, &[false]);
 
-    let mut sim = case.start("moved_partner_soft", |_| {}).expect("the peers ran it");
+    let mut sim = case
+        .start("moved_partner_soft", |_| {})
+        .expect("the peers ran it");
     let scale = largest(traj.iter().flat_map(|s| triple(&s[1], 10)));
     for sample in &traj {
-        sim.steps(sample[1][0] as u64 - sim.step_count()).expect("the peers ran it");
+        sim.steps(sample[1][0] as u64 - sim.step_count())
+            .expect("the peers ran it");
         let theirs = triple(&sample[1], 10);
         let off = largest((0..3).map(|a| sim.obstacles[0].force[a] - theirs[a]));
-        assert!(off <= TRAJECTORY * scale, "force on the sphere is off by {off:e}");
+        assert!(
+            off <= TRAJECTORY * scale,
+            "force on the sphere is off by {off:e}"
+        );
     }
 }
 
@@ -170,8 +197,18 @@ fn liggghts_pair_and_wall_collisions() {
         let count = traj[0].len();
         let frozen = flags(&c["frozen"], count);
         let grains = (0..count).map(|i| {
-            let motion = if frozen[i] { MotionSpec::Frozen } else { MotionSpec::Free };
-            grain(i as u32 + 1, number(&c["diameter"][i]), 2500.0, &traj[0][i], motion)
+            let motion = if frozen[i] {
+                MotionSpec::Frozen
+            } else {
+                MotionSpec::Free
+            };
+            grain(
+                i as u32 + 1,
+                number(&c["diameter"][i]),
+                2500.0,
+                &traj[0][i],
+                motion,
+            )
         });
         let obstacles = match c["wall"].as_str() {
             None => vec![],
@@ -203,7 +240,13 @@ fn lammps_oblique_wall_collisions() {
     let file = json("peers/lammps_wall_oblique.json");
     for c in file["cases"].as_array().expect("cases") {
         let traj = trajectory(c);
-        let ball = grain(1, number(&c["diameter"]), 1.0, &traj[0][0], MotionSpec::Free);
+        let ball = grain(
+            1,
+            number(&c["diameter"]),
+            1.0,
+            &traj[0][0],
+            MotionSpec::Free,
+        );
         let case = open_case(history_law(c), number(&c["dt"]), vec![ball], vec![floor()]);
         compare(c["name"].as_str().expect("a name"), &case, &traj, &[false]);
     }
@@ -211,7 +254,8 @@ fn lammps_oblique_wall_collisions() {
 
 #[test]
 fn lammps_wall_restitution() {
-    let text = std::fs::read_to_string(golden("peers/lammps_wall_restitution.csv")).expect("a file");
+    let text =
+        std::fs::read_to_string(golden("peers/lammps_wall_restitution.csv")).expect("a file");
     let rows: Vec<Vec<f64>> = text
         .lines()
         .filter(|l| l.starts_with(|c: char| c.is_ascii_digit()))
@@ -219,7 +263,9 @@ fn lammps_wall_restitution() {
         .collect();
     assert_eq!(rows.len(), 24);
     for row in rows {
-        let [kn, gamma, dt, v, e] = row[..5] else { panic!("five columns") };
+        let [kn, gamma, dt, v, e] = row[..5] else {
+            panic!("five columns")
+        };
         let law = LawSpec::HertzHistory {
             kn,
             kt: 1.225 * kn,
@@ -233,7 +279,10 @@ fn lammps_wall_restitution() {
         let mut sim = case.start("wall", |_| {}).expect("the peers ran it");
         sim.steps(row[8] as u64).expect("the peers ran it");
         let ours = sim.velocity[0][2] / v;
-        assert!((ours - e).abs() <= 1e-9, "kn {kn} v {v} dt {dt}: {ours} against {e}");
+        assert!(
+            (ours - e).abs() <= 1e-9,
+            "kn {kn} v {v} dt {dt}: {ours} against {e}"
+        );
     }
 }
 
@@ -241,16 +290,25 @@ fn lammps_wall_restitution() {
 #[test]
 fn lammps_bed_of_200() {
     let file = json("peers/bed200.json.gz");
-    let frozen: Vec<u32> = numbers(&file["frozen_ids"]).iter().map(|&k| k as u32).collect();
+    let frozen: Vec<u32> = numbers(&file["frozen_ids"])
+        .iter()
+        .map(|&k| k as u32)
+        .collect();
     let state = |step: u64| -> Vec<Vec<f64>> {
-        let rows = file["states"][step.to_string()].as_array().expect("a state");
+        let rows = file["states"][step.to_string()]
+            .as_array()
+            .expect("a state");
         let mut rows: Vec<Vec<f64>> = rows.iter().map(numbers).collect();
         rows.sort_by(|a, b| a[0].total_cmp(&b[0]));
         rows
     };
     let grains = state(0).into_iter().map(|row| {
         let id = row[0] as u32;
-        let motion = if frozen.contains(&id) { MotionSpec::Frozen } else { MotionSpec::Free };
+        let motion = if frozen.contains(&id) {
+            MotionSpec::Frozen
+        } else {
+            MotionSpec::Free
+        };
         grain(id, row[1], 1.0, &row[2..], motion)
     });
     let case = Case {
@@ -266,11 +324,19 @@ fn lammps_bed_of_200() {
         grains: grains.collect(),
     };
     let mut seen = Vec::new();
-    let mut sim = case.start("bed200", |p| seen.push(p)).expect("the peers ran it");
+    let mut sim = case
+        .start("bed200", |p| seen.push(p))
+        .expect("the peers ran it");
     check_contacts(&sim, &seen, &file["contacts"]["0"]);
     for step in [0, 1, 10, 100] {
-        sim.steps(step - sim.step_count()).expect("the peers ran it");
-        check_bed(&sim, &state(step), &frozen, if step == 0 { STEP_0 } else { TRAJECTORY });
+        sim.steps(step - sim.step_count())
+            .expect("the peers ran it");
+        check_bed(
+            &sim,
+            &state(step),
+            &frozen,
+            if step == 0 { STEP_0 } else { TRAJECTORY },
+        );
     }
 }
 
@@ -279,7 +345,13 @@ fn check_bed(sim: &Sim, rows: &[Vec<f64>], frozen: &[u32], tolerance: f64) {
     let scales = [5.5, scale(6), scale(9), scale(12), scale(15)];
     for (i, row) in rows.iter().enumerate() {
         let mass = sim.velocity[i][3];
-        let ours = [sim.position[i], sim.velocity[i], sim.spin[i], sim.force[i], sim.torque[i]];
+        let ours = [
+            sim.position[i],
+            sim.velocity[i],
+            sim.spin[i],
+            sim.force[i],
+            sim.torque[i],
+        ];
         for q in 0..5 {
             if q >= 3 && frozen.contains(&sim.id[i]) {
                 continue;
@@ -296,19 +368,32 @@ fn check_bed(sim: &Sim, rows: &[Vec<f64>], frozen: &[u32], tolerance: f64) {
                     off -= 5.5 * (off / 5.5).round();
                 }
                 let (id, limit) = (sim.id[i], tolerance * scales[q]);
-                assert!(off.abs() <= limit, "grain {id} quantity {q} is off by {off:e}");
+                assert!(
+                    off.abs() <= limit,
+                    "grain {id} quantity {q} is off by {off:e}"
+                );
             }
         }
     }
 }
 
 fn check_contacts(sim: &Sim, seen: &[bitgrain_kernel::Pushed<f64>], theirs: &Value) {
-    let theirs: Vec<Vec<f64>> = theirs.as_array().expect("contacts").iter().map(numbers).collect();
+    let theirs: Vec<Vec<f64>> = theirs
+        .as_array()
+        .expect("contacts")
+        .iter()
+        .map(numbers)
+        .collect();
     assert_eq!(seen.len(), theirs.len(), "number of contacts");
     let scale = largest(theirs.iter().map(|c| c[3]));
     for c in seen {
-        let Partner::Grain(j) = c.partner else { panic!("no obstacle here") };
-        let (i, j) = (f64::from(sim.id[c.i as usize]), f64::from(sim.id[j as usize]));
+        let Partner::Grain(j) = c.partner else {
+            panic!("no obstacle here")
+        };
+        let (i, j) = (
+            f64::from(sim.id[c.i as usize]),
+            f64::from(sim.id[j as usize]),
+        );
         let same = |t: &&Vec<f64>| (t[0] == i && t[1] == j) || (t[0] == j && t[1] == i);
         let t = theirs.iter().find(same).expect("the same pairs touch");
         let sign = if t[0] == i { 1.0 } else { -1.0 };

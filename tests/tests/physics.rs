@@ -76,7 +76,10 @@ fn restitution(speed: f64, dt: f64) -> f64 {
 fn restitution_on_a_wall_against_speed() {
     for (speed, expected) in [(0.1, 0.8022), (1.0, 0.7072), (5.0, 0.6221), (20.0, 0.5364)] {
         let e = restitution(speed, 5e-7);
-        assert!((e - expected).abs() < 2e-4, "v = {speed}: {e} against {expected}");
+        assert!(
+            (e - expected).abs() < 2e-4,
+            "v = {speed}: {e} against {expected}"
+        );
     }
 }
 
@@ -92,13 +95,18 @@ fn restitution_follows_the_viscoelastic_series() {
         let x = mass * gamma / kn * (kn * radius.sqrt() / mass).powf(0.4) * speed.powf(0.2);
         let series = 1.0 - C[0] * x + C[1] * x * x - C[2] * x.powi(3) + C[3] * x.powi(4);
         let e = restitution(speed, 1e-6);
-        assert!((e / series - 1.0).abs() < 0.01, "v = {speed}: {e} against {series}");
+        assert!(
+            (e / series - 1.0).abs() < 0.01,
+            "v = {speed}: {e} against {series}"
+        );
     }
 }
 
 /// Kinetic, gravitational and Hertz energy (2/5 K sqrt(R) delta^(5/2)) of a frictionless world.
 fn energy(sim: &mut Sim, gravity: f64) -> f64 {
-    let AnyLaw::HertzHistory(law) = sim.law else { panic!("this law stores another energy") };
+    let AnyLaw::HertzHistory(law) = sim.law else {
+        panic!("this law stores another energy")
+    };
     let mut total = sim.kinetic_energy();
     for i in 0..sim.count() {
         total += sim.velocity[i][3] * gravity * sim.position[i][2];
@@ -107,7 +115,9 @@ fn energy(sim: &mut Sim, gravity: f64) -> f64 {
         let (radius, overlap) = match bond {
             Bond::Pair { i, j, .. } => {
                 let (x, y) = (sim.position[i as usize], sim.position[j as usize]);
-                let d = sim.domain.separation([x[0], x[1], x[2]], [y[0], y[1], y[2]]);
+                let d = sim
+                    .domain
+                    .separation([x[0], x[1], x[2]], [y[0], y[1], y[2]]);
                 let distance = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
                 (x[3] * y[3] / (x[3] + y[3]), x[3] + y[3] - distance)
             }
@@ -152,10 +162,16 @@ fn without_friction_energy_falls_monotonically() {
     for _ in 0..2000 {
         sim.steps(25).expect("a sound case");
         let now = energy(&mut sim, 1.0);
-        assert!(now <= last + 2e-6 * first, "energy rose from {last} to {now}");
+        assert!(
+            now <= last + 2e-6 * first,
+            "energy rose from {last} to {now}"
+        );
         last = now;
     }
-    assert!(last < 0.8 * first, "hardly anything was dissipated: {first} to {last}");
+    assert!(
+        last < 0.8 * first,
+        "hardly anything was dissipated: {first} to {last}"
+    );
 }
 
 /// Without damping and friction a collision gives back all energy but the integrator's error: under
@@ -167,7 +183,9 @@ fn an_elastic_collision_keeps_its_energy() {
             ball(1, [0.0; 3], [1.0, 0.0, 0.0]),
             ball(2, [1.000_05, 0.0, 0.0], [-1.0, 0.0, 0.0]),
         ];
-        let mut sim = case(soft(0.0, 0.0), dt, grains, vec![]).start("elastic", |_| {}).unwrap();
+        let mut sim = case(soft(0.0, 0.0), dt, grains, vec![])
+            .start("elastic", |_| {})
+            .unwrap();
         let before = sim.kinetic_energy();
         sim.steps((0.1 / dt) as u64).unwrap();
         (sim.kinetic_energy() / before - 1.0).abs()
@@ -184,7 +202,9 @@ fn a_free_pair_keeps_its_momentum_to_the_last_bits() {
     let mut spun = ball(1, [0.0; 3], [1.0, 0.4, -0.3]);
     spun.spin = [3.0, -2.0, 5.0];
     let grains = vec![spun, ball(2, [1.000_05, 0.1, 0.0], [-0.5, 0.2, 0.1])];
-    let mut sim = case(soft(0.5, 792.0), 1e-4, grains, vec![]).start("pair", |_| {}).unwrap();
+    let mut sim = case(soft(0.5, 792.0), 1e-4, grains, vec![])
+        .start("pair", |_| {})
+        .unwrap();
     let momentum = |sim: &Sim, a: usize| {
         sim.velocity[0][3] * sim.velocity[0][a] + sim.velocity[1][3] * sim.velocity[1][a]
     };
@@ -208,8 +228,13 @@ fn forces_on_an_obstacle_have_the_stated_sign() {
         density: Some(1.0),
         velocity: [1.0, 0.0, 0.0],
     };
-    let grains = vec![ball(1, [1.499, 0.0, 0.0], [0.0; 3]), ball(2, [0.0, 0.0, 1.499], [0.0; 3])];
-    let sim = case(soft(0.5, 792.0), 1e-4, grains, vec![pushed]).start("push", |_| {}).unwrap();
+    let grains = vec![
+        ball(1, [1.499, 0.0, 0.0], [0.0; 3]),
+        ball(2, [0.0, 0.0, 1.499], [0.0; 3]),
+    ];
+    let sim = case(soft(0.5, 792.0), 1e-4, grains, vec![pushed])
+        .start("push", |_| {})
+        .unwrap();
     let force = sim.obstacles[0].force;
     assert!(force[0] < 0.0 && force[2] < 0.0, "{force:?}");
     assert!(sim.force[0][0] > 0.0 && sim.force[1][2] > 0.0);
@@ -221,9 +246,14 @@ fn forces_on_an_obstacle_have_the_stated_sign() {
 #[test]
 fn sliding_friction_turns_a_grain_with_its_radius_as_lever() {
     let grains = vec![ball(1, [0.0, 0.0, 0.49], [2.0, 0.0, 0.0])];
-    let mut sim = case(soft(0.5, 0.0), 1e-5, grains, vec![floor()]).start("slide", |_| {}).unwrap();
+    let mut sim = case(soft(0.5, 0.0), 1e-5, grains, vec![floor()])
+        .start("slide", |_| {})
+        .unwrap();
     sim.steps(3).unwrap();
     let (force, torque) = (sim.force[0], sim.torque[0]);
     assert!(force[0] < 0.0, "friction is against the motion: {force:?}");
-    assert!((torque[1] + 0.5 * force[0]).abs() < 1e-12 * force[0].abs(), "{torque:?} {force:?}");
+    assert!(
+        (torque[1] + 0.5 * force[0]).abs() < 1e-12 * force[0].abs(),
+        "{torque:?} {force:?}"
+    );
 }

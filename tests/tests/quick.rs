@@ -18,7 +18,12 @@ fn results(folder: &Path) -> BTreeMap<String, Vec<u8>> {
             if path.is_dir() {
                 open.push(path);
             } else if !path.ends_with("performance.json") {
-                let name = path.strip_prefix(folder).unwrap().to_str().unwrap().replace('\\', "/");
+                let name = path
+                    .strip_prefix(folder)
+                    .unwrap()
+                    .to_str()
+                    .unwrap()
+                    .replace('\\', "/");
                 found.insert(name, std::fs::read(&path).unwrap());
             }
         }
@@ -38,7 +43,10 @@ fn snapshot(name: &str, recipe: &str, text: &str) {
 /// Forces to read, every number and digest to hold, and the hash of each file but the report, whose
 /// looks may change while its numbers do not.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "a minute in release, half an hour in debug")]
+#[cfg_attr(
+    debug_assertions,
+    ignore = "a minute in release, half an hour in debug"
+)]
 fn the_quick_scenario_gives_its_goldens() {
     let quick = scenario::load("quick", &[]).unwrap();
     let folder = tempfile::tempdir().unwrap();
@@ -48,28 +56,60 @@ fn the_quick_scenario_gives_its_goldens() {
     assert_eq!(
         names,
         [
-            "beds/bed.safetensors", "report.html", "runs/run-1.csv", "runs/run-2.csv",
-            "runs/run-3.csv", "runs/run-4.csv", "scenario.toml", "summary.json",
+            "beds/bed.safetensors",
+            "report.html",
+            "runs/run-1.csv",
+            "runs/run-2.csv",
+            "runs/run-3.csv",
+            "runs/run-4.csv",
+            "scenario.toml",
+            "summary.json",
         ]
     );
     let whole = summary::read_summary(&folder.path().join("summary.json")).unwrap();
     let bed = &whole.beds[0];
-    assert!((bed.support / bed.weight - 1.0).abs() < 1e-3, "the settled bed carries its weight");
-    assert!((0.58..0.62).contains(&bed.packing_fraction), "{}", bed.packing_fraction);
-    assert!((4.0..6.0).contains(&bed.coordination_number), "{}", bed.coordination_number);
-    assert!(whole.runs.iter().all(|r| r.drag.mean > 0.0 && r.lift.mean > 0.0));
+    assert!(
+        (bed.support / bed.weight - 1.0).abs() < 1e-3,
+        "the settled bed carries its weight"
+    );
+    assert!(
+        (0.58..0.62).contains(&bed.packing_fraction),
+        "{}",
+        bed.packing_fraction
+    );
+    assert!(
+        (4.0..6.0).contains(&bed.coordination_number),
+        "{}",
+        bed.coordination_number
+    );
+    assert!(
+        whole
+            .runs
+            .iter()
+            .all(|r| r.drag.mean > 0.0 && r.lift.mean > 0.0)
+    );
 
     let recipe = "recipe: `bitgrain run quick`";
-    let mut table = String::from("   Fr        V   drag +- error        lift +- error    contacts\n");
+    let mut table =
+        String::from("   Fr        V   drag +- error        lift +- error    contacts\n");
     for r in &whole.runs {
         table.push_str(&format!(
             "{:5.2} {:8.4} {:8.2} +- {:5.2} {:10.2} +- {:5.2} {:10.2}\n",
-            r.froude, r.speed, r.drag.mean, r.drag.standard_error, r.lift.mean,
-            r.lift.standard_error, r.contacts.mean
+            r.froude,
+            r.speed,
+            r.drag.mean,
+            r.drag.standard_error,
+            r.lift.mean,
+            r.lift.standard_error,
+            r.contacts.mean
         ));
     }
     snapshot("forces", recipe, &table);
-    snapshot("summary", recipe, std::str::from_utf8(&files["summary.json"]).unwrap());
+    snapshot(
+        "summary",
+        recipe,
+        std::str::from_utf8(&files["summary.json"]).unwrap(),
+    );
     let hashes: String = files
         .iter()
         .filter(|(name, _)| *name != "report.html")
@@ -90,17 +130,31 @@ fn a_second_run_gives_the_same_bytes() {
         let folder = tempfile::tempdir().unwrap();
         let out = folder.path().join(format!("out{threads}"));
         let mut command = Command::new(env!("CARGO_BIN_EXE_bitgrain-under-test"));
-        command.args(["run", "quick", "--threads", threads, "--out"]).arg(&out);
+        command
+            .args(["run", "quick", "--threads", threads, "--out"])
+            .arg(&out);
         for set in [
-            "bed.grains=150", "bed.box=[6.0, 5.0, 5.0]", "bed.settled=1e-3",
-            "intruder.diameter=1.5", "intruder.height=2.8", "intruder.froude=[1.0, 2.0]",
+            "bed.grains=150",
+            "bed.box=[6.0, 5.0, 5.0]",
+            "bed.settled=1e-3",
+            "intruder.diameter=1.5",
+            "intruder.height=2.8",
+            "intruder.froude=[1.0, 2.0]",
             "drag.distance=3.0",
         ] {
             command.args(["--set", set]);
         }
-        let run = command.current_dir(folder.path()).env("TZ", zone).env("LANG", locale).output();
+        let run = command
+            .current_dir(folder.path())
+            .env("TZ", zone)
+            .env("LANG", locale)
+            .output();
         let run = run.unwrap();
-        assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+        assert!(
+            run.status.success(),
+            "{}",
+            String::from_utf8_lossy(&run.stderr)
+        );
         assert!(String::from_utf8_lossy(&run.stdout).contains("report.html"));
         results_of.push(results(&out));
     }
