@@ -324,7 +324,8 @@ fn picture(bed: &BedSummary, path: &Path) -> Result<BedPicture> {
     };
     Ok(BedPicture {
         name: bed.name.clone(),
-        lo: sim.domain.lo(),
+        // The floor of the bed; the box goes on below it so that a leak is seen.
+        lo: [sim.domain.lo()[0], sim.domain.lo()[1], 0.0],
         hi: sim.domain.hi(),
         surface: bed.surface,
         grains: (0..sim.count()).map(grain).collect(),

@@ -129,3 +129,54 @@ pub fn smaller<R: Real>(a: R, b: R) -> R {
 pub fn magnitude<R: Real>(a: R) -> R {
     if a < R::ZERO { -a } else { a }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The two square roots that a build may choose from give the same bits: over edge cases and
+    /// ten million random words, spread over all exponents.
+    #[test]
+    fn square_roots_of_std_and_libm_are_equal() {
+        let same = |bits: u64| {
+            let (x, y) = (
+                f64::from_bits(bits),
+                f32::from_bits((bits >> 32) as u32 % 0x7f80_0001),
+            );
+            assert_eq!(libm::sqrt(x).to_bits(), x.sqrt().to_bits(), "{x:e}");
+            assert_eq!(libm::sqrtf(y).to_bits(), y.sqrt().to_bits(), "{y:e}");
+        };
+        let edges = [
+            0.0,
+            f64::MIN_POSITIVE,
+            5e-324,
+            f64::MAX,
+            f64::INFINITY,
+            1.0,
+            2.0,
+            0.5,
+        ];
+        for x in edges {
+            for ulp in 0..3u64 {
+                same(x.to_bits().saturating_sub(ulp));
+                same((x.to_bits() + ulp).min(f64::INFINITY.to_bits()));
+            }
+        }
+        let mut word = 0x9e37_79b9_7f4a_7c15u64;
+        for _ in 0..10_000_000 {
+            // A linear congruence is random enough to spread over mantissas and exponents.
+            word = word
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            // Positive and not NaN in both widths.
+            same((word >> 1) % f64::INFINITY.to_bits());
+        }
+    }
+
+    #[test]
+    fn comparisons_choose_the_first_of_equals() {
+        assert_eq!(larger(0.0f64, -0.0).to_bits(), 0.0f64.to_bits());
+        assert_eq!(smaller(-0.0f64, 0.0).to_bits(), (-0.0f64).to_bits());
+        assert_eq!(magnitude(-3.5), 3.5);
+    }
+}

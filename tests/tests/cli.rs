@@ -262,9 +262,9 @@ fn a_replay_prints_its_samples() {
         "replay",
         case,
         "--steps",
-        "1500",
+        "9500",
         "--every",
-        "400",
+        "3000",
         "--contacts",
     ];
     let out = bitgrain(folder.path(), &args);

@@ -31,13 +31,27 @@ fn results(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     found
 }
 
-fn snapshot(name: &str, recipe: &str, text: &str) {
+fn settings(recipe: &str) -> insta::Settings {
     let mut settings = insta::Settings::clone_current();
     settings.set_snapshot_path(golden("quick"));
     settings.set_prepend_module_to_snapshot(false);
     settings.set_omit_expression(true);
     settings.set_description(recipe);
-    settings.bind(|| insta::assert_snapshot!(name, text));
+    settings
+}
+
+fn snapshot(name: &str, recipe: &str, text: &str) {
+    settings(recipe).bind(|| insta::assert_snapshot!(name, text));
+}
+
+/// The first picture of a report as a file of its own: the one that the README shows.
+fn first_picture(report: &[u8]) -> Vec<u8> {
+    let page = std::str::from_utf8(report).unwrap();
+    let begin = page.find("<svg ").unwrap();
+    let end = begin + page[begin..].find("</svg>").unwrap() + "</svg>".len();
+    let picture = &page[begin..end];
+    let alone = "<svg xmlns=\"http://www.w3.org/2000/svg\" ";
+    picture.replacen("<svg ", alone, 1).into_bytes()
 }
 
 /// Forces to read, every number and digest to hold, and the hash of each file but the report, whose
@@ -116,6 +130,8 @@ fn the_quick_scenario_gives_its_goldens() {
         .map(|(name, bytes)| format!("{}  {name}\n", blake3::hash(bytes).to_hex()))
         .collect();
     snapshot("files", recipe, &hashes);
+    let bed = first_picture(&files["report.html"]);
+    settings(recipe).bind(|| insta::assert_binary_snapshot!("bed.svg", bed));
     let series = std::str::from_utf8(&files["runs/run-4.csv"]).unwrap();
     let some: Vec<&str> = series.lines().take(12).collect();
     snapshot("series-head", recipe, &some.join("\n"));

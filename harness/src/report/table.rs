@@ -194,8 +194,8 @@ pub(super) fn plug_remark(runs: &[RunSummary]) -> String {
         if several {
             froude = format!("{froude} ({})", escape(&r.bed));
         }
-        let unusable = r.plug_ratio > PLUG[1];
-        let end = if unusable { " (unusable)" } else { "" };
+        let too_much = r.plug_ratio > PLUG[1];
+        let end = if too_much { " (too much)" } else { "" };
         match k {
             0 => format!(
                 "At Fr&nbsp;=&nbsp;{froude} the drag is {ratio} of the weight of the bed above the \
@@ -209,9 +209,9 @@ pub(super) fn plug_remark(runs: &[RunSummary]) -> String {
         return says;
     }
     format!(
-        "<p class=\"remark\"><b>Plug ratio.</b> {says}: the layers above the intruder slide with \
-         it to some degree; a larger box is needed for a drag free of this. As measured for \
-         &mu;&nbsp;=&nbsp;0.5, a drag is sound below {} and unusable above {}.</p>\n",
+        "<p class=\"remark\"><b>Plug ratio.</b> {says}: nothing but friction holds the layers \
+         above in a periodic box, and part of them may slide along with the intruder. Slow drags at \
+         &mu;&nbsp;=&nbsp;0.5 are free of this below {}; above {} use a larger box.</p>\n",
         PLUG[0], PLUG[1],
     )
 }
@@ -230,6 +230,6 @@ mod tests {
         };
         assert_eq!(remark(0.11), "");
         assert!(remark(0.2).contains("At Fr&nbsp;=&nbsp;1.5 the drag is 0.2 of the weight"));
-        assert!(!remark(0.2).contains("(unusable)") && remark(0.31).contains("(unusable)"));
+        assert!(!remark(0.2).contains("(too much)") && remark(0.31).contains("(too much)"));
     }
 }
