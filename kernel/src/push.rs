@@ -204,13 +204,12 @@ pub fn sum<R: Real, L: Law<R>>(
     deep
 }
 
-/// Contacts waiting for a full block: places of both grains and of the pair in its list.
-struct Block {
-    i: [u32; LANES],
-    j: [u32; LANES],
-    pair: [u32; LANES],
-    count: usize,
-}
+/// Contacts that passed the filter and wait for evaluation, so that filter and law each run over
+/// many at a time. A multiple of [`LANES`] and a power of two.
+const BATCH: usize = 64;
+
+/// Places of both grains of a contact and of the pair in its list.
+type Waiting = [u32; 3];
 
 /// Walks the pairs that `take` gives for each row, filters them, evaluates those that may touch in
 /// blocks, keeps their springs, and hands each touching contact to `emit` in order.
@@ -228,43 +227,54 @@ fn sweep<R: Real, L: Law<R>>(
     let margin = R::ONE + R::EPSILON * R::from_f64(16.0);
     let position = sight.position;
     let mut deep = None;
-    let mut block = Block {
-        i: [0; LANES],
-        j: [0; LANES],
-        pair: [0; LANES],
-        count: 0,
-    };
+    let mut batch: [Waiting; BATCH] = [[0; 3]; BATCH];
+    let mut count = 0;
     for i in rows {
         let x = position[i];
         for p in take(partner, i) {
             let word = partner[p];
             let y = position[(word & PLACE) as usize];
-            let d = sight.domain.separation(head(x), head(y));
+            let d = sight.domain.row_separation(x, y);
             let reach = x[3] + y[3];
-            let near = dot(d, d) < reach * reach * margin;
+            let near = dot(head(d), head(d)) < reach * reach * margin;
             // Written always, kept only when near: no branch to mispredict.
-            block.i[block.count] = i as u32;
-            block.j[block.count] = word & PLACE;
-            block.pair[block.count] = p as u32;
-            block.count += near as usize;
+            batch[count % BATCH] = [i as u32, word & PLACE, p as u32];
+            count += near as usize;
             if !near && word & TOUCHING != 0 {
                 partner[p] = word & PLACE;
                 spring[p] = [R::ZERO; 4];
             }
-            if block.count == LANES {
-                let found = evaluate(sight, &block, partner, spring, law, &mut emit);
+            if count == BATCH {
+                let found = evaluate_all(sight, &batch, count, partner, spring, law, &mut emit);
                 deep = deep.or(found);
-                block.count = 0;
+                count = 0;
             }
         }
     }
-    if block.count > 0 {
-        // Idle lanes repeat a contact and are ignored.
-        for k in block.count..LANES {
-            (block.i[k], block.j[k], block.pair[k]) = (block.i[0], block.j[0], block.pair[0]);
-        }
-        let found = evaluate(sight, &block, partner, spring, law, &mut emit);
+    deep.or(evaluate_all(sight, &batch, count, partner, spring, law, &mut emit))
+}
+
+/// The first `count` contacts of a batch, block by block.
+#[inline(always)]
+fn evaluate_all<R: Real, L: Law<R>>(
+    sight: Sight<'_, R>,
+    batch: &[Waiting; BATCH],
+    count: usize,
+    partner: &mut [u32],
+    spring: &mut [Row<R>],
+    law: &L,
+    emit: &mut impl FnMut(Spill<R>, Pushed<R>),
+) -> Deep {
+    let mut deep = None;
+    let mut done = 0;
+    while done < count {
+        // Idle lanes of the last block repeat its first contact and are ignored.
+        let used = if count - done < LANES { count - done } else { LANES };
+        let block: [Waiting; LANES] =
+            core::array::from_fn(|k| batch[(done + if k < used { k } else { 0 }) % BATCH]);
+        let found = evaluate(sight, &block, used, partner, spring, law, emit);
         deep = deep.or(found);
+        done += LANES;
     }
     deep
 }
@@ -273,7 +283,8 @@ fn sweep<R: Real, L: Law<R>>(
 #[inline(always)]
 fn evaluate<R: Real, L: Law<R>>(
     sight: Sight<'_, R>,
-    block: &Block,
+    block: &[Waiting; LANES],
+    used: usize,
     partner: &mut [u32],
     spring: &mut [Row<R>],
     law: &L,
@@ -281,21 +292,14 @@ fn evaluate<R: Real, L: Law<R>>(
 ) -> Deep {
     type Lane<R> = [R; LANES];
     let zero = [R::ZERO; LANES];
-    // Whole rows first, then the turn into lanes: the compiler keeps both in registers.
-    let at = |rows: &[Row<R>], places: &[u32; LANES]| -> [Row<R>; LANES] {
-        core::array::from_fn(|k| rows[places[k] as usize])
+    let turn = |rows: &[Row<R>], body: usize| -> [Lane<R>; 4] {
+        let row: [&Row<R>; LANES] = core::array::from_fn(|k| &rows[block[k][body] as usize]);
+        core::array::from_fn(|w| core::array::from_fn(|k| row[k][w]))
     };
-    let turn = |rows: [Row<R>; LANES]| -> [Lane<R>; 4] {
-        core::array::from_fn(|w| core::array::from_fn(|k| rows[k][w]))
-    };
-    let (pi, pj) = (at(sight.position, &block.i), at(sight.position, &block.j));
-    let (ui, uj) = (at(sight.velocity, &block.i), at(sight.velocity, &block.j));
-    let (ti, tj) = (at(sight.spin, &block.i), at(sight.spin, &block.j));
-    let old = at(spring, &block.pair);
-    let (xi, xj) = (turn(pi), turn(pj));
-    let (vi, vj) = (turn(ui), turn(uj));
-    let (wi, wj) = (turn(ti), turn(tj));
-    let mut s = turn(old);
+    let (xi, xj) = (turn(sight.position, 0), turn(sight.position, 1));
+    let (vi, vj) = (turn(sight.velocity, 0), turn(sight.velocity, 1));
+    let (wi, wj) = (turn(sight.spin, 0), turn(sight.spin, 1));
+    let mut s = turn(spring, 2);
 
     let mut force: [Lane<R>; 3] = [zero; 3];
     let mut couple: [Lane<R>; 3] = [zero; 3];
@@ -334,24 +338,24 @@ fn evaluate<R: Real, L: Law<R>>(
     }
 
     let mut deep = None;
-    for k in 0..block.count {
-        let pair = block.pair[k] as usize;
+    for k in 0..used {
+        let pair = block[k][2] as usize;
         let at = |v: &[Lane<R>]| [v[0][k], v[1][k], v[2][k]];
         // Only the law's own overlap opens or erases a contact.
         if overlap[k] > R::ZERO {
             partner[pair] |= TOUCHING;
             spring[pair] = [s[0][k], s[1][k], s[2][k], R::ZERO];
             let spill = Spill {
-                i: block.i[k],
-                j: block.j[k],
+                i: block[k][0],
+                j: block[k][1],
                 force: at(&force),
                 couple: at(&couple),
                 arm_i: arm[0][k],
                 arm_j: arm[1][k],
             };
             let pushed = Pushed {
-                i: block.i[k],
-                partner: Partner::Grain(block.j[k]),
+                i: block[k][0],
+                partner: Partner::Grain(block[k][1]),
                 overlap: overlap[k],
                 normal: at(&normal),
                 normal_force: normal_force[k],
@@ -359,7 +363,7 @@ fn evaluate<R: Real, L: Law<R>>(
             };
             emit(spill, pushed);
             if overlap[k] > smaller(xi[3][k], xj[3][k]) * R::HALF && deep.is_none() {
-                deep = Some((block.i[k], block.j[k]));
+                deep = Some((block[k][0], block[k][1]));
             }
         } else if partner[pair] & TOUCHING != 0 {
             partner[pair] &= PLACE;
