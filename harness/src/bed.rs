@@ -75,6 +75,9 @@ impl Lattice {
         while sites.len() < scenario.grain_count() {
             let z = (f64::from(layer) + 0.5) * spacing[2];
             for iy in 0..ny as usize {
+                if sites.len() == scenario.grain_count() {
+                    break;
+                }
                 for ix in 0..nx as usize {
                     let at = [
                         (ix as f64 + 0.5) * spacing[0],
@@ -186,7 +189,7 @@ fn settle(
         let energy = energy_per_grain(sim, scenario);
         let (_, weight, support) = weight_and_support(sim, scenario.gravity);
         // A bed that still breathes carries more or less than its weight.
-        let carried = (support - weight).abs() < CARRIED * weight;
+        let carried = (support - weight).abs() <= CARRIED * weight;
         let quiet = energy < scenario.bed.settled && carried;
         let done = sim.step_count() - begin >= least && quiet;
         stage.settling(sim.step_count(), energy, scenario.bed.settled, fall_steps);
@@ -199,6 +202,7 @@ fn settle(
                 step: sim.step_count(),
                 energy,
                 bound: scenario.bed.settled,
+                carried: support / weight,
             });
         }
     }

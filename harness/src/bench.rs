@@ -7,6 +7,7 @@ use bitgrain_kernel::{Domain, Group, Obstacle};
 use serde::Serialize;
 
 use crate::bed;
+use crate::case::refuse;
 use crate::error::{Error, Result};
 use crate::lammps::{Atom, read_data};
 use crate::law::LawSpec;
@@ -70,7 +71,8 @@ pub const SOFT_TIME_STEP: f64 = 1.5e-4;
 /// free under gravity 1), numbered in spatial order, not yet started.
 ///
 /// # Errors
-/// [`Error::Input`] where the file cannot be read or holds no free grain.
+/// [`Error::Input`] where the file cannot be read, holds no free grain, an impossible box, or grains
+/// too small or light for [`SOFT_TIME_STEP`].
 pub fn read_bed(path: &Path) -> Result<Sim> {
     let data = read_data(path)?;
     let place = path.display().to_string();
@@ -82,17 +84,20 @@ pub fn read_bed(path: &Path) -> Result<Sim> {
             "holds no grain of a type other than 2 and 3",
         ));
     }
-    let refuse = |what: String| Error::input(place.clone(), what);
+    let wrong = |what: String| Error::input(place.clone(), what);
     let [x, y, z] = data.hi;
     // Beds are cut close; grains that fly up must not leave the box.
     let height = z - data.lo[2];
     let hi = [x, y, z + 4.0 * height];
-    let domain =
-        Domain::new(data.lo, hi, [true, true, false]).map_err(|f| refuse(f.to_string()))?;
-    let obstacles = balls.iter().map(|a| Obstacle {
-        velocity: [1.0, 0.0, 0.0],
-        inverse_mass: 1.0 / sphere_mass(a.diameter, a.density),
-        ..Obstacle::sphere(a.position, 0.5 * a.diameter)
+    let domain = Domain::new(data.lo, hi, [true, true, false]).map_err(|f| wrong(f.to_string()))?;
+    let obstacles = balls.iter().map(|a| {
+        let mut center = a.position;
+        domain.wrap(&mut center, &mut [0; 3]);
+        Obstacle {
+            velocity: [1.0, 0.0, 0.0],
+            inverse_mass: 1.0 / sphere_mass(a.diameter, a.density),
+            ..Obstacle::sphere(center, 0.5 * a.diameter)
+        }
     });
     let points: Vec<[f64; 4]> = atoms
         .iter()
@@ -118,9 +123,12 @@ pub fn read_bed(path: &Path) -> Result<Sim> {
             }
         })
         .collect();
+    let sizes = atoms.iter().map(|a| (0.5 * a.diameter, a.density));
+    let checked = soft_law().check_time_step(SOFT_TIME_STEP, sizes);
+    checked.map_err(|p| wrong(format!("the time step {p}")))?;
     let law = soft_law()
         .build()
-        .map_err(|(key, p)| refuse(format!("law.{key} {p}")))?;
+        .map_err(|(key, p)| wrong(format!("law.{key} {p}")))?;
     let groups = vec![Group::free([0.0, 0.0, -1.0]), Group::frozen()];
     Ok(Sim::new(
         law,
@@ -145,7 +153,9 @@ pub fn bench(bed: Option<&Path>, steps: u64, threads: usize, progress: &Progress
                 .to_string_lossy()
                 .into_owned();
             let mut sim = read_bed(path)?;
-            sim.start().map_err(|fault| Error::run(&name, 0, fault))?;
+            sim.start().map_err(|fault| {
+                refuse(&name, fault, |id| format!("a grain (numbered {id} here)"))
+            })?;
             (name, sim)
         }
         None => {

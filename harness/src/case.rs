@@ -374,29 +374,43 @@ impl Case {
         }
         let groups = vec![Group::free(self.gravity), Group::frozen(), Group::carried()];
         let mut sim = Sim::new(law, domain, self.dt, groups, &grains, obstacles);
-        sim.start_watched(watch)
-            .map_err(|fault| refuse(name, fault))?;
+        sim.start_watched(watch).map_err(|fault| {
+            refuse(name, fault, |id| {
+                let at = self.grains.iter().position(|g| g.id == id).unwrap_or(0);
+                format!(
+                    "grain {id} (`grains[{at}]`, at {:?})",
+                    self.grains[at].position
+                )
+            })
+        })?;
         Ok(sim)
     }
 }
 
-/// What the kernel finds before the first step is the case's fault, except overlaps: those are the
+/// What the kernel finds before the first step is the input's fault, except overlaps: those are the
 /// first step of a run that went wrong.
-fn refuse(name: &str, fault: Fault) -> Error {
+pub(crate) fn refuse(name: &str, fault: Fault, place_of: impl Fn(u32) -> String) -> Error {
     let problem = match fault {
-        Fault::Escaped { id } => format!("grain {id} lies outside the box"),
+        Fault::Escaped { id } => format!("{} lies outside the box", place_of(id)),
         Fault::PeriodTooShort { axis } => format!(
             "the periodic box is too short along {}: a grain could touch two images of one body; \
              make it longer than twice the largest contact distance",
             ["x", "y", "z"][axis as usize]
         ),
         Fault::BadObstacle { obstacle } => format!(
-            "obstacle {obstacle} does not fit the box: a plane may not face along a periodic axis, \
-             and with periodic axes a cylinder must lie along x, y or z"
+            "obstacle {obstacle} does not fit the box: a ball or bar must have its centre inside \
+             and be no larger; a plane may not face along a periodic axis; with periodic axes a \
+             cylinder must lie along x, y or z; and its mass must be a sound number"
         ),
-        Fault::TooFast { id } => {
-            format!("grain {id} would move more than its own radius in one step; shorten dt")
-        }
+        Fault::ObstacleTooFast { .. } => format!("{fault}; shorten dt"),
+        Fault::TooFast { id } => format!(
+            "{} would move more than its own radius in one step; shorten dt",
+            place_of(id)
+        ),
+        Fault::NotFinite { id } => format!(
+            "{} has a velocity, spin or force too large to compute with",
+            place_of(id)
+        ),
         Fault::OverlapTooDeep { .. } | Fault::ObstacleTooDeep { .. } => {
             return Error::run(name, 0, fault);
         }

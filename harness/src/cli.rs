@@ -1,7 +1,6 @@
 //! The command line: what each command takes, and how each ending is told.
 
 use std::io::{BufWriter, Write};
-use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -32,8 +31,8 @@ enum Command {
         #[arg(long)]
         out: Option<PathBuf>,
         /// Beds and speeds to run side by side [default: one for each processor].
-        #[arg(long)]
-        threads: Option<NonZeroUsize>,
+        #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+        threads: Option<u16>,
         /// Change a key of the scenario, as in --set law.mu=0.3; may be given several times.
         #[arg(long = "set", value_name = "KEY=VALUE")]
         sets: Vec<String>,
@@ -49,8 +48,8 @@ enum Command {
         #[arg(long, default_value_t = 4000, value_parser = clap::value_parser!(u64).range(1..))]
         steps: u64,
         /// Threads, each stepping a copy of the bed.
-        #[arg(long, default_value = "1")]
-        threads: NonZeroUsize,
+        #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
+        threads: u16,
         /// Print one JSON object.
         #[arg(long)]
         json: bool,
@@ -105,8 +104,8 @@ fn run(command: Command) -> Result<()> {
         } => {
             let scenario = scenario::load(&scenario, &sets)?;
             let out = out.unwrap_or_else(|| PathBuf::from("out").join(&scenario.name));
-            let threads = threads.or_else(|| std::thread::available_parallelism().ok());
-            let threads = threads.map_or(1, NonZeroUsize::get);
+            let processors = || std::thread::available_parallelism().map_or(1, usize::from);
+            let threads = threads.map_or_else(processors, usize::from);
             let report = crate::run::run(&scenario, &out, threads, &Progress::new())?;
             writeln!(std::io::stdout(), "report: {}", report.display()).map_err(Error::Output)
         }
@@ -116,7 +115,12 @@ fn run(command: Command) -> Result<()> {
             threads,
             json,
         } => {
-            let speed = bench(bed.as_deref(), steps, threads.get(), &Progress::new())?;
+            let speed = bench(
+                bed.as_deref(),
+                steps,
+                usize::from(threads),
+                &Progress::new(),
+            )?;
             let mut out = std::io::stdout();
             let text = serde_json::to_value(&speed).map_err(|e| Error::Output(e.into()))?;
             if json {

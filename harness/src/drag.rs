@@ -2,7 +2,7 @@
 //! summed at every step.
 
 use crate::error::{Error, Result};
-use crate::observe::{INTRUDER, block_mean};
+use crate::observe::{BlockSums, INTRUDER};
 use crate::progress::Stage;
 use crate::scenario::RunPlan;
 use crate::sim::Sim;
@@ -65,18 +65,16 @@ pub fn drag(
     sim.obstacles[INTRUDER as usize].velocity = [plan.speed, 0.0, 0.0];
     let dt = sim.dt;
     let travel = |n: u64| n as f64 * dt * plan.speed;
-    let first = (1..=plan.steps)
-        .find(|&n| travel(n) > plan.discard)
-        .unwrap_or(plan.steps);
-    let window = (plan.steps - first + 1) as usize;
-    let mut forces: [Vec<f64>; 4] = std::array::from_fn(|_| Vec::with_capacity(window));
+    let first = plan.first_averaged(dt);
+    let window = plan.steps + 1 - first;
+    let mut sums: [BlockSums; 4] = std::array::from_fn(|_| BlockSums::new(window));
     let (mut since_row, mut all) = (Sums::default(), Sums::default());
     for n in 1..=plan.steps {
         sim.steps(1)
             .map_err(|fault| Error::run(&plan.name, n, fault))?;
         let body = &sim.obstacles[INTRUDER as usize];
-        // Drag against the motion, lift up, side along y.
-        let force = [-body.force[0], body.force[2], body.force[1]];
+        // Drag against the motion (a difference, so that no force is +0), lift up, side along y.
+        let force = [0.0 - body.force[0], body.force[2], body.force[1]];
         let torque = body.torque;
         since_row.add(force);
         all.add(force);
@@ -89,9 +87,9 @@ pub fn drag(
         };
         if counted {
             for a in 0..3 {
-                forces[a].push(force[a]);
+                sums[a].add(force[a]);
             }
-            forces[3].push(f64::from(contacts));
+            sums[3].add(f64::from(contacts));
         }
         if row {
             series.push(SeriesRow {
@@ -106,15 +104,18 @@ pub fn drag(
             since_row = Sums::default();
         }
         if n % SHOW == 0 {
-            stage.at(n, format!("drag so far {:.1}", all.mean()[0]));
+            stage.at(
+                n,
+                format!("drag so far {}", crate::report::short(all.mean()[0])),
+            );
         }
     }
     Ok(Means {
-        drag: block_mean(&forces[0]),
-        lift: block_mean(&forces[1]),
-        side: block_mean(&forces[2]),
-        contacts: block_mean(&forces[3]),
+        drag: sums[0].mean(),
+        lift: sums[1].mean(),
+        side: sums[2].mean(),
+        contacts: sums[3].mean(),
         drag_uncut: all.mean()[0],
-        window_steps: window as u64,
+        window_steps: window,
     })
 }

@@ -30,8 +30,9 @@ pub enum Error {
     },
     /// A bed did not come to rest.
     #[error(
-        "{bed} did not settle: after {step} steps its kinetic energy per grain is {energy:.2e}, not \
-         below {bound:.0e}; raise bed.settled or look for a grain that cannot rest"
+        "{bed} did not settle: after {step} steps its kinetic energy per grain is {energy:.2e} (to be \
+         below {bound:.0e}) and {carried:.4} of its weight is carried (to be within 0.0005 of 1); \
+         raise bed.settled or look for a grain that cannot rest"
     )]
     Unsettled {
         /// Which bed.
@@ -42,6 +43,8 @@ pub enum Error {
         energy: f64,
         /// The scenario's bound.
         bound: f64,
+        /// Upward force of base, planes and intruder over the weight.
+        carried: f64,
     },
     /// A file could not be written.
     #[error(

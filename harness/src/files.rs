@@ -13,18 +13,20 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
     let folder = path.parent().unwrap_or(Path::new("."));
     make_folder(folder)?;
     let mut name = path.file_name().unwrap_or_default().to_os_string();
-    name.push(".partial");
+    // Two processes never write into one file.
+    name.push(format!(".{}.partial", std::process::id()));
     let partial = folder.join(name);
     let written = std::fs::File::create(&partial).and_then(|mut file| {
         file.write_all(bytes)?;
         file.sync_all()
     });
-    written.map_err(|e| {
-        // Half a file is of no use to anyone and may be what filled the disk.
-        let _ = std::fs::remove_file(&partial);
-        Error::write(path, e)
-    })?;
-    std::fs::rename(&partial, path).map_err(|e| Error::write(path, e))
+    written
+        .and_then(|()| std::fs::rename(&partial, path))
+        .map_err(|e| {
+            // Half a file is of no use to anyone and may be what filled the disk.
+            let _ = std::fs::remove_file(&partial);
+            Error::write(path, e)
+        })
 }
 
 /// Makes a folder and those above it.

@@ -119,9 +119,17 @@ pub fn parse_data(text: &str, name: &str) -> Result<DataFile> {
                     let Some(a) = axis else {
                         return Err(fail(line, format!("`{content}` is not understood")));
                     };
+                    if words[3] != ["xhi", "yhi", "zhi"][a] {
+                        return Err(fail(line, format!("`{content}` is not understood")));
+                    }
                     lo[a] = number_of(words[0]).map_err(|p| fail(line, p))?;
                     hi[a] = number_of(words[1]).map_err(|p| fail(line, p))?;
+                    if lo[a] >= hi[a] {
+                        return Err(fail(line, "the lower edge must lie below the upper".into()));
+                    }
                     edges[a] = true;
+                } else if words.len() == 6 {
+                    return Err(fail(line, "tilted boxes are not understood".into()));
                 }
             }
             "Atoms" => {
@@ -133,6 +141,9 @@ pub fn parse_data(text: &str, name: &str) -> Result<DataFile> {
                             words.len()
                         ),
                     ));
+                }
+                if words[7..].iter().any(|w| w.parse::<i32>().is_err()) {
+                    return Err(fail(line, "image counts must be whole numbers".into()));
                 }
                 let v = numbers::<5>(&words[2..7]).map_err(|p| fail(line, p))?;
                 if v[0] <= 0.0 || v[1] <= 0.0 {
@@ -193,6 +204,14 @@ pub fn parse_data(text: &str, name: &str) -> Result<DataFile> {
                 velocities.len(),
                 atoms.len()
             ),
+        ));
+    }
+    let mut seen: Vec<u32> = velocities.iter().map(|(id, ..)| *id).collect();
+    seen.sort_unstable();
+    if let Some(pair) = seen.windows(2).find(|p| p[0] == p[1]) {
+        return Err(fail(
+            last,
+            format!("the velocity of atom {} appears twice", pair[0]),
         ));
     }
     for (id, v, line) in velocities {

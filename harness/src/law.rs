@@ -17,7 +17,7 @@ pub enum LawSpec {
     HertzHistory {
         /// Normal stiffness `K_n` (pressure), positive.
         kn: f64,
-        /// Tangential stiffness `K_t` (pressure), positive.
+        /// Tangential stiffness `K_t` (pressure), positive, at most twice `K_n`.
         kt: f64,
         /// Normal damping `gamma_n` (1 / (time length)), zero or more.
         gamma_n: f64,
@@ -55,6 +55,12 @@ impl LawSpec {
             } => {
                 positive("kn", kn)?;
                 positive("kt", kt)?;
+                if kt > 2.0 * kn {
+                    let problem = format!(
+                        "is {kt}, more than twice kn; K_t/K_n = 3 (1 - nu)/(2 - nu) stays below 2"
+                    );
+                    return Err(("kt", problem));
+                }
                 not_negative("gamma_n", gamma_n)?;
                 not_negative("gamma_t", gamma_t)?;
                 not_negative("mu", mu)?;

@@ -113,23 +113,51 @@ pub fn weight_and_support(sim: &Sim, gravity: f64) -> (usize, f64, f64) {
     (free, weight, support)
 }
 
-/// Mean of `values` and its standard error from the means of 8 equal blocks. Values left over after
-/// the eighth block count in the mean alone.
-pub fn block_mean(values: &[f64]) -> Mean {
-    const BLOCKS: usize = 8;
-    let mean = values.iter().sum::<f64>() / values.len() as f64;
-    let size = values.len() / BLOCKS;
-    let blocks = (0..BLOCKS).map(|b| {
-        let block = &values[b * size..(b + 1) * size];
-        block.iter().sum::<f64>() / size as f64
-    });
-    let blocks: Vec<f64> = blocks.collect();
-    let middle = blocks.iter().sum::<f64>() / BLOCKS as f64;
-    let spread: f64 = blocks.iter().map(|b| (b - middle) * (b - middle)).sum();
-    let variance = spread / (BLOCKS - 1) as f64;
-    Mean {
-        mean,
-        standard_error: (variance / BLOCKS as f64).sqrt(),
+/// Number of blocks that standard errors come from.
+pub const BLOCKS: u64 = 8;
+
+/// Sums of a quantity over a window of a known number of steps, in step order: over all of it and
+/// over each of 8 equal blocks.
+#[derive(Clone, Debug)]
+pub struct BlockSums {
+    window: u64,
+    steps: u64,
+    all: f64,
+    blocks: [f64; BLOCKS as usize],
+}
+
+impl BlockSums {
+    /// For a window of this many steps, at least 8.
+    pub fn new(window: u64) -> Self {
+        Self {
+            window,
+            steps: 0,
+            all: 0.0,
+            blocks: [0.0; BLOCKS as usize],
+        }
+    }
+
+    /// Adds the next step's value. Steps left over after the eighth block count in the mean alone.
+    pub fn add(&mut self, value: f64) {
+        self.all += value;
+        let block = self.steps / (self.window / BLOCKS).max(1);
+        if let Some(sum) = self.blocks.get_mut(block as usize) {
+            *sum += value;
+        }
+        self.steps += 1;
+    }
+
+    /// The mean, and its standard error from the means of the blocks.
+    pub fn mean(&self) -> Mean {
+        let size = (self.window / BLOCKS).max(1) as f64;
+        let means = self.blocks.map(|sum| sum / size);
+        let middle = means.iter().sum::<f64>() / BLOCKS as f64;
+        let spread: f64 = means.iter().map(|b| (b - middle) * (b - middle)).sum();
+        let variance = spread / (BLOCKS - 1) as f64;
+        Mean {
+            mean: self.all / self.steps as f64,
+            standard_error: (variance / BLOCKS as f64).sqrt(),
+        }
     }
 }
 
@@ -147,8 +175,10 @@ mod tests {
 
     #[test]
     fn block_mean_of_eight_known_blocks() {
-        let values: Vec<f64> = (0..16).map(|k| f64::from(k / 2)).collect();
-        let mean = block_mean(&values);
+        let mut sums = BlockSums::new(17);
+        (0..16).for_each(|k| sums.add(f64::from(k / 2)));
+        sums.add(3.5);
+        let mean = sums.mean();
         assert_eq!(mean.mean, 3.5);
         // Variance of 0..7 is 6; over 8 blocks.
         assert!((mean.standard_error - (6.0f64 / 8.0).sqrt()).abs() < 1e-15);

@@ -1,5 +1,6 @@
 //! Progress: one bar a stage with its ETA, on a terminal; elsewhere one line as a stage ends.
 
+use std::io::Write;
 use std::time::Instant;
 
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
@@ -42,7 +43,8 @@ impl Progress {
     /// Prints a line above the bars.
     pub fn line(&self, text: &str) {
         if self.bars.is_hidden() {
-            eprintln!("{text}");
+            // A closed standard error must not end a run.
+            let _ = writeln!(std::io::stderr(), "{text}");
         } else {
             let _ = self.bars.println(text);
         }

@@ -141,7 +141,7 @@ fn claim(folder: &Folder<'_>, scenario: &Scenario) -> Result<()> {
             make_folder(folder.0)?;
             write_whole(&path, text.as_bytes())
         }
-        Err(e) => Err(Error::read(&path, &e)),
+        Err(e) => Err(Error::write(&path, e)),
     }
 }
 
@@ -198,14 +198,14 @@ fn pour_one(
     let performance = timed(stage, &sim, sim.step_count());
     let summary = survey(scenario, plan, checkpoint::read(&folder.bed(&plan.name))?);
     progress.line(&format!(
-        "{}: {} grains settled in {} steps ({:.1} s); surface at {:.2}, depth {:.2}, packing \
+        "{}: {} grains settled in {} steps ({:.1} s); surface at {}, depth {}, packing \
          fraction {:.3}",
         plan.name,
         summary.grains,
         summary.steps,
         performance.seconds,
-        summary.surface,
-        summary.depth,
+        report::short(summary.surface),
+        report::short(summary.depth),
         summary.packing_fraction
     ));
     Ok((summary, performance))
@@ -284,11 +284,11 @@ fn drag_one(
             .collect(),
     };
     progress.line(&format!(
-        "{}: Fr {:.2}, drag {:.1} +- {:.1} {} ({:.1} s)",
+        "{}: Fr {}, drag {} +- {} {} ({:.1} s)",
         plan.name,
-        plan.froude,
-        summary.drag.mean,
-        summary.drag.standard_error,
+        report::short(plan.froude),
+        report::short(summary.drag.mean),
+        report::short(summary.drag.standard_error),
         scenario.units().force,
         performance.seconds
     ));
@@ -333,9 +333,25 @@ fn picture(bed: &BedSummary, path: &Path) -> Result<BedPicture> {
     })
 }
 
+/// Writes a value as JSON; a number that is not finite, which JSON would turn into null, is refused.
 fn write_json(path: &Path, value: &impl Serialize) -> Result<()> {
+    let tree =
+        serde_json::to_value(value).map_err(|e| Error::write(path, std::io::Error::other(e)))?;
+    if has_null(&tree) {
+        let problem = std::io::Error::other("a number in it is not finite");
+        return Err(Error::write(path, problem));
+    }
     let mut text = serde_json::to_string_pretty(value)
         .map_err(|e| Error::write(path, std::io::Error::other(e)))?;
     text.push('\n');
     write_whole(path, text.as_bytes())
+}
+
+fn has_null(tree: &serde_json::Value) -> bool {
+    match tree {
+        serde_json::Value::Null => true,
+        serde_json::Value::Array(list) => list.iter().any(has_null),
+        serde_json::Value::Object(map) => map.values().any(has_null),
+        _ => false,
+    }
 }

@@ -21,6 +21,12 @@ pub const SHIPPED: [(&str, &str); 3] = [
     ),
 ];
 
+/// Most steps of one drag: a guard against a slip of the pen, a year on one core.
+const STEPS_MAX: u64 = 1_000_000_000_000;
+
+/// Fewest steps of an averaging window: ten for each block of the standard error.
+const AVERAGED_MIN: u64 = 80;
+
 /// Packing fraction that plans assume before a bed has been poured.
 pub const PACKING_GUESS: f64 = 0.6;
 
@@ -94,13 +100,45 @@ pub struct Bed {
 }
 
 /// One value or several.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Several {
     /// One.
     One(f64),
     /// Several, in order.
     Many(Vec<f64>),
+}
+
+impl<'de> Deserialize<'de> for Several {
+    fn deserialize<D: serde::Deserializer<'de>>(from: D) -> std::result::Result<Self, D::Error> {
+        struct Either;
+        impl<'de> serde::de::Visitor<'de> for Either {
+            type Value = Several;
+            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str("a number or a list of numbers")
+            }
+            fn visit_f64<E>(self, x: f64) -> std::result::Result<Several, E> {
+                Ok(Several::One(x))
+            }
+            fn visit_i64<E>(self, x: i64) -> std::result::Result<Several, E> {
+                Ok(Several::One(x as f64))
+            }
+            fn visit_u64<E>(self, x: u64) -> std::result::Result<Several, E> {
+                Ok(Several::One(x as f64))
+            }
+            fn visit_seq<A: serde::de::SeqAccess<'de>>(
+                self,
+                mut list: A,
+            ) -> std::result::Result<Several, A::Error> {
+                let mut values = Vec::new();
+                while let Some(x) = list.next_element()? {
+                    values.push(x);
+                }
+                Ok(Several::Many(values))
+            }
+        }
+        from.deserialize_any(Either)
+    }
 }
 
 impl Several {
@@ -231,6 +269,21 @@ pub struct RunPlan {
     pub discard: f64,
 }
 
+impl RunPlan {
+    /// The first step that is averaged: the first that ends beyond the discarded travel.
+    pub fn first_averaged(&self, dt: f64) -> u64 {
+        let travel = |n: u64| n as f64 * dt * self.speed;
+        let mut first = (self.discard / (self.speed * dt)) as u64;
+        while first > 0 && travel(first) > self.discard {
+            first -= 1;
+        }
+        while travel(first) <= self.discard && first < self.steps {
+            first += 1;
+        }
+        first.max(1)
+    }
+}
+
 /// Loads a scenario by the name of a shipped one or the path of a file, changes keys as `sets` say
 /// (`key.subkey=value`), and checks it.
 ///
@@ -277,19 +330,24 @@ pub fn parse(text: &str, place: &str, sets: &[String]) -> Result<Scenario> {
         let place = line.map_or(place.to_string(), |line| format!("{place}:{line}"));
         Error::input(place, teach(e.message()))
     };
-    // A file that is wrong by itself is told with its line, whatever is set besides.
-    let scenario: Scenario = if sets.is_empty() {
-        toml::from_str(text).map_err(from_file)?
+    let alone = toml::from_str::<Scenario>(text);
+    let scenario = if sets.is_empty() {
+        alone.map_err(from_file)?
     } else {
         let mut table: toml::Table = toml::from_str(text).map_err(from_file)?;
         for set in sets {
             apply(&mut table, set)?;
         }
-        let deserialized = serde_path_to_error::deserialize(toml::Value::Table(table));
-        deserialized.map_err(|e| {
-            let at = format!("{place} with --set: `{}`", e.path());
-            Error::input(at, teach(e.inner().message()))
-        })?
+        let together = serde_path_to_error::deserialize(toml::Value::Table(table));
+        match (together, alone) {
+            (Ok(scenario), _) => scenario,
+            // A file that is wrong by itself is told with its line.
+            (Err(_), Err(own)) => return Err(from_file(own)),
+            (Err(e), Ok(_)) => {
+                let at = format!("{place} with --set: `{}`", e.path());
+                return Err(Error::input(at, teach(e.inner().message())));
+            }
+        }
     };
     scenario
         .check()
@@ -310,6 +368,11 @@ fn apply(table: &mut toml::Table, set: &str) -> Result<()> {
         .and_then(|mut t| t.remove("value"))
         .unwrap_or_else(|| toml::Value::String(value.to_string()));
     let words: Vec<&str> = key.split('.').map(str::trim).collect();
+    if words[0] == "law" && !table.contains_key("law") {
+        // One key of the law that is the default: the others come with it.
+        let law = toml::Table::try_from(kumar_law()).expect("a law is a table of numbers");
+        table.insert("law".into(), toml::Value::Table(law));
+    }
     let mut at = table;
     for word in &words[..words.len() - 1] {
         let next = at
@@ -649,6 +712,21 @@ impl Scenario {
             }
         }
         let surface = self.expected_surface();
+        let thinnest = self.bed.base + self.mean_diameter();
+        if surface < thinnest {
+            let key = if self.bed.grains.is_some() {
+                "bed.grains"
+            } else {
+                "bed.fill_height"
+            };
+            return refuse(
+                key,
+                format!(
+                    "fills the box to a height of {surface:.3}; expected at least {thinnest}, a \
+                     layer of grains above the base"
+                ),
+            );
+        }
         if surface > 1.15 * z {
             return refuse(
                 "bed.box",
@@ -669,6 +747,16 @@ impl Scenario {
         for height in heights {
             // Written so that NaN is refused too.
             let inside = height - 0.5 * diameter >= 0.0 && height + 0.5 * diameter <= z;
+            let buried = height - 0.5 * diameter < surface;
+            if inside && !buried {
+                return refuse(
+                    key,
+                    format!(
+                        "puts the intruder's centre at z = {height}, wholly above the bed, which \
+                         is expected to reach {surface:.2}"
+                    ),
+                );
+            }
             if !inside {
                 return refuse(
                     key,
@@ -717,16 +805,38 @@ impl Scenario {
                 return refuse("drag.dt", "lets the intruder jump over a grain in one step");
             }
             if !(run.discard >= 0.0 && run.discard < run.distance) {
+                let (key, given) = match self.drag.discard {
+                    Some(_) => ("drag.discard", run.discard),
+                    None => ("drag.distance", run.distance),
+                };
                 return refuse(
-                    "drag.distance",
+                    key,
                     format!(
-                        "is {}, of which {} is discarded: nothing is left to average",
+                        "is {given}: of a distance of {}, {} is discarded, and nothing is left",
                         run.distance, run.discard
                     ),
                 );
             }
-            if run.steps < 16 {
-                return refuse("drag.distance", "takes fewer than 16 steps");
+            if run.steps > STEPS_MAX {
+                return refuse(
+                    "drag.distance",
+                    format!(
+                        "takes {:.0e} steps; expected at most {STEPS_MAX:.0e}",
+                        run.steps as f64
+                    ),
+                );
+            }
+            let averaged = run.steps + 1 - run.first_averaged(self.drag.dt);
+            if averaged < AVERAGED_MIN {
+                let key = if self.drag.discard.is_some() {
+                    "drag.discard"
+                } else {
+                    "drag.distance"
+                };
+                return refuse(
+                    key,
+                    format!("leaves {averaged} steps to average; expected at least {AVERAGED_MIN}"),
+                );
             }
         }
         Ok(())

@@ -184,7 +184,11 @@ impl Sim {
 
     /// Searches done, pairs listed and obstacle contacts listed: for timings, never for results.
     pub fn search_counts(&self) -> (u64, usize, usize) {
-        (self.clock.searches, self.clock.listed, self.clock.touches)
+        (
+            self.clock.searches(),
+            self.clock.listed(),
+            self.clock.touches(),
+        )
     }
 
     /// Bytes that the simulation holds.
@@ -196,7 +200,7 @@ impl Sim {
 
     /// How many grains touch an obstacle.
     pub fn touch_count(&self, obstacle: u32) -> u32 {
-        let listed = &self.lists[0].touch_obstacle[..self.clock.touches];
+        let listed = &self.lists[0].touch_obstacle[..self.clock.touches()];
         listed
             .iter()
             .filter(|&&word| word == (obstacle | TOUCHING))
@@ -319,7 +323,7 @@ impl Sim {
         self.world().bonds().collect()
     }
 
-    /// Kinetic energy of the grains that are not heavy, translation and rotation, summed by id.
+    /// Kinetic energy of all grains, translation and rotation, summed by id.
     pub fn kinetic_energy(&self) -> f64 {
         let mut energy = 0.0;
         for i in 0..self.count() {

@@ -33,8 +33,10 @@ pub enum Fault {
         /// The obstacle.
         obstacle: u32,
     },
-    /// The time step is not positive and finite.
+    /// The time step is not positive and finite, or the skin is negative or NaN.
     BadTimeStep,
+    /// A saved contact is not finite or joins bodies that are not near each other.
+    BadBond,
     /// The lent pair list is too short; nothing was changed.
     PairsFull {
         /// Entries that would have been enough.
@@ -45,12 +47,22 @@ pub enum Fault {
         /// Entries that would have been enough.
         needed: usize,
     },
-    /// A position, velocity or spin became infinite or NaN.
+    /// A velocity, spin, force or torque became NaN, infinite or too large to square.
     NotFinite {
         /// The grain.
         id: u32,
     },
-    /// A grain moves more than half a period or box edge in one step.
+    /// The force or torque on an obstacle became infinite or NaN.
+    ObstacleNotFinite {
+        /// The obstacle.
+        obstacle: u32,
+    },
+    /// An obstacle would move more than the smallest grain radius in one step.
+    ObstacleTooFast {
+        /// The obstacle.
+        obstacle: u32,
+    },
+    /// A grain would move more than its own radius in one step.
     TooFast {
         /// The grain.
         id: u32,
@@ -67,14 +79,14 @@ pub enum Fault {
         /// The higher id.
         j: u32,
     },
-    /// A grain overlaps an obstacle by more than a quarter of the grain's diameter.
+    /// A grain overlaps an obstacle by more than a quarter of the smaller diameter.
     ObstacleTooDeep {
         /// The grain.
         id: u32,
         /// The obstacle.
         obstacle: u32,
     },
-    /// A step was asked of a world that was not started, or was changed since.
+    /// A step was asked of a world that was not started, or was stopped by a fault.
     NotStarted,
 }
 
@@ -97,13 +109,26 @@ impl fmt::Display for Fault {
             Fault::BadObstacle { obstacle } => {
                 write!(f, "obstacle {obstacle} is impossible in this box")
             }
-            Fault::BadTimeStep => write!(f, "time step is not positive and finite"),
+            Fault::BadTimeStep => write!(f, "time step or skin is not positive and finite"),
+            Fault::BadBond => write!(f, "a saved contact fits no bodies near each other"),
             Fault::PairsFull { needed } => write!(f, "pair list is full, {needed} entries needed"),
             Fault::TouchesFull { needed } => {
                 write!(f, "obstacle list is full, {needed} entries needed")
             }
             Fault::NotFinite { id } => write!(f, "the state of grain {id} is not finite"),
-            Fault::TooFast { id } => write!(f, "grain {id} crosses too far in one step"),
+            Fault::ObstacleNotFinite { obstacle } => {
+                write!(f, "the force on obstacle {obstacle} is not finite")
+            }
+            Fault::ObstacleTooFast { obstacle } => write!(
+                f,
+                "obstacle {obstacle} would move more than the smallest grain radius in one step"
+            ),
+            Fault::TooFast { id } => {
+                write!(
+                    f,
+                    "grain {id} would move more than its own radius in one step"
+                )
+            }
             Fault::Escaped { id } => write!(f, "grain {id} left the box"),
             Fault::OverlapTooDeep { i, j } => write!(
                 f,
@@ -111,7 +136,7 @@ impl fmt::Display for Fault {
             ),
             Fault::ObstacleTooDeep { id, obstacle } => write!(
                 f,
-                "grain {id} overlaps obstacle {obstacle} by more than a quarter of its diameter"
+                "grain {id} overlaps obstacle {obstacle} by more than a quarter of the smaller diameter"
             ),
             Fault::NotStarted => write!(f, "the world was not started"),
         }

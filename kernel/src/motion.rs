@@ -88,9 +88,11 @@ pub fn end_kick<R: Real>(k: &mut Kick<'_, R>, half: R, dt: R, apply: bool) -> Re
         let next = [full[0] + dv[0], full[1] + dv[1], full[2] + dv[2]];
         let speed2 = dot(next, next);
         let spin2 = dot(head(spun), head(spun));
-        // Comparisons with NaN are false, so one test finds everything that is not sound.
+        let (force, torque) = (head(k.force[i]), head(k.torque[i]));
+        let pushed2 = dot(force, force) + dot(torque, torque);
+        // Comparisons with NaN are false, so these find everything that is not sound.
         let slow = speed2 * (dt * dt) < radius * radius;
-        sound = sound && slow && spin2 <= R::MAX;
+        sound = sound && slow && spin2 + pushed2 <= R::MAX;
         fastest = if speed2 > fastest { speed2 } else { fastest };
     }
     if sound {
@@ -109,7 +111,9 @@ fn blame<R: Real>(k: &Kick<'_, R>, half: R, dt: R) -> Fault {
         let (dv, _) = half_kick(group, v[3], radius, k.force[i], k.torque[i], half);
         let next = [v[0] + dv[0], v[1] + dv[1], v[2] + dv[2]];
         let (speed2, spin2) = (dot(next, next), dot(head(w), head(w)));
-        if !speed2.is_finite() || !spin2.is_finite() {
+        let (force, torque) = (head(k.force[i]), head(k.torque[i]));
+        let pushed2 = dot(force, force) + dot(torque, torque);
+        if !speed2.is_finite() || !(spin2 + pushed2).is_finite() {
             return Fault::NotFinite { id };
         }
         let slow = speed2 * (dt * dt) < radius * radius;

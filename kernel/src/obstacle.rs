@@ -92,7 +92,8 @@ impl<R: Real> Obstacle<R> {
         Self::new(Shape::Plane { normal }, point)
     }
 
-    /// Checks size, place and direction against the box.
+    /// Checks size, place and direction against the box: a ball lies in it with its centre and is
+    /// no larger; so does a bar across its axis; directions have length 1.
     ///
     /// A plane's normal may have no part along a periodic axis; where an axis is periodic, a bar
     /// must lie along one of the three axes.
@@ -117,12 +118,27 @@ impl<R: Real> Obstacle<R> {
             }
             Shape::Plane { .. } => true,
         };
+        let direction = self.direction();
+        let length = dot(direction, direction);
+        let off = length - R::ONE;
+        let unit = length == R::ZERO || off * off < R::EPSILON;
         let heavy = self.inverse_mass >= R::ZERO && self.inverse_mass.is_finite();
-        if direction_fits && finite && sized && heavy {
+        if direction_fits && finite && sized && heavy && unit && self.is_within(domain) {
             Ok(())
         } else {
             Err(Fault::BadObstacle { obstacle: number })
         }
+    }
+
+    fn is_within(&self, domain: &Domain<R>) -> bool {
+        let (lo, hi) = (domain.lo(), domain.hi());
+        let along = self.direction();
+        let plane = matches!(self.shape, Shape::Plane { .. });
+        (0..3).all(|a| {
+            let inside = self.point[a] >= lo[a] && self.point[a] <= hi[a];
+            let fits = (self.reach() + self.reach()) <= hi[a] - lo[a];
+            plane || along[a] != R::ZERO || (inside && fits)
+        })
     }
 
     fn direction(&self) -> Vec3<R> {

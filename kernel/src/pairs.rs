@@ -81,7 +81,7 @@ impl<R: Real> Pairs<'_, R> {
                     spring: crate::vec3::head(self.spring[p]),
                 })
         });
-        let touches = (0..touches)
+        let touches = (0..touches.min(self.touch_grain.len()))
             .filter(|&t| self.touch_obstacle[t] & TOUCHING != 0)
             .map(|t| Bond::Touch {
                 i: self.touch_grain[t],
@@ -93,6 +93,10 @@ impl<R: Real> Pairs<'_, R> {
 
     /// Puts a bond back into a list that was just built; `false` where the list has no such entry.
     pub(crate) fn restore(&mut self, bond: &Bond<R>, touches: usize) -> bool {
+        let (Bond::Pair { spring, .. } | Bond::Touch { spring, .. }) = bond;
+        if !spring.iter().all(|s| s.is_finite()) {
+            return false;
+        }
         match *bond {
             Bond::Pair { i, j, spring } => {
                 if i as usize + 1 >= self.row.len() {

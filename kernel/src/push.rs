@@ -251,7 +251,9 @@ fn sweep<R: Real, L: Law<R>>(
             }
         }
     }
-    deep.or(evaluate_all(sight, &batch, count, partner, spring, law, &mut emit))
+    deep.or(evaluate_all(
+        sight, &batch, count, partner, spring, law, &mut emit,
+    ))
 }
 
 /// The first `count` contacts of a batch, block by block.
@@ -269,7 +271,11 @@ fn evaluate_all<R: Real, L: Law<R>>(
     let mut done = 0;
     while done < count {
         // Idle lanes of the last block repeat its first contact and are ignored.
-        let used = if count - done < LANES { count - done } else { LANES };
+        let used = if count - done < LANES {
+            count - done
+        } else {
+            LANES
+        };
         let block: [Waiting; LANES] =
             core::array::from_fn(|k| batch[(done + if k < used { k } else { 0 }) % BATCH]);
         let found = evaluate(sight, &block, used, partner, spring, law, emit);
@@ -434,7 +440,13 @@ pub fn push_obstacles<R: Real, L: Law<R>>(
             normal_force: r.normal,
             tangential_force: r.tangential,
         });
-        if contact.overlap > contact.radius_i * R::HALF && deep.is_none() {
+        let own = body.reach();
+        let least = if own > R::ZERO {
+            smaller(contact.radius_i, own)
+        } else {
+            contact.radius_i
+        };
+        if contact.overlap > least * R::HALF && deep.is_none() {
             deep = Some((i as u32, k));
         }
     }

@@ -6,7 +6,7 @@ use crate::law::Law;
 use crate::motion::{Kick, begin_kick, drift, end_kick};
 use crate::pairs::Bond;
 use crate::push::{Part, Pushed, Sight, TouchPart, push_obstacles, sum};
-use crate::real::Real;
+use crate::real::{Real, smaller};
 use crate::search::{Scene, search};
 use crate::vec3::dot;
 use crate::world::World;
@@ -33,6 +33,8 @@ pub fn step_watched<R: Real, L: Law<R>>(
     watch: impl FnMut(Pushed<R>),
 ) -> Result<(), Fault> {
     find_who_may_touch(world)?;
+    // A fault below stops the world in the middle of a step.
+    world.clock.started = false;
 
     let half = world.dt * R::HALF;
     begin_kick(&mut kick_of(world), half);
@@ -41,6 +43,7 @@ pub fn step_watched<R: Real, L: Law<R>>(
     finish_kick(world, half)?;
 
     world.clock.step += 1;
+    world.clock.started = true;
     Ok(())
 }
 
@@ -48,7 +51,8 @@ pub fn step_watched<R: Real, L: Law<R>>(
 /// with the velocities as given.
 ///
 /// # Errors
-/// Whatever is wrong with the world, before anything is changed; or a full list, as in [`step`].
+/// Whatever is wrong with the world, before anything is changed; a full list: enlarge the storage
+/// and start again; or what the forces show: overlaps too deep, speeds too high.
 #[inline(always)]
 pub fn start<R: Real, L: Law<R>>(world: &mut World<'_, R>, law: &L) -> Result<(), Fault> {
     start_watched(world, law, |_| {})
@@ -66,14 +70,17 @@ pub fn start_watched<R: Real, L: Law<R>>(
 ) -> Result<(), Fault> {
     prepare(world)?;
     push_and_sum(world, law, R::ZERO, watch)?;
-    foresee(world)
+    foresee(world)?;
+    world.clock.started = true;
+    Ok(())
 }
 
 /// Checks a world, makes its pair list and puts back the histories of its touching contacts; the
 /// forces are those that its rows hold. Going on from here gives the bits of the run that was saved.
 ///
 /// # Errors
-/// As [`start`]; [`Fault::BadStorage`] for a bond between bodies that are not near each other.
+/// As [`start`]; [`Fault::BadBond`] for a bond that is not finite or joins bodies that are not near
+/// each other.
 #[inline(always)]
 pub fn resume<R: Real>(
     world: &mut World<'_, R>,
@@ -82,27 +89,33 @@ pub fn resume<R: Real>(
     prepare(world)?;
     for bond in bonds {
         if !world.pairs.restore(&bond, world.clock.touches) {
-            return Err(Fault::BadStorage);
+            return Err(Fault::BadBond);
         }
     }
-    foresee(world)
+    foresee(world)?;
+    world.clock.started = true;
+    Ok(())
 }
 
 #[inline(always)]
 fn prepare<R: Real>(world: &mut World<'_, R>) -> Result<(), Fault> {
     world.clock.started = false;
+    world.clock.listed = 0;
+    world.clock.touches = 0;
     world.check()?;
+    world.clock.radius_min = R::MAX;
     for i in 0..world.grains.count() {
         let heavy = world.grains.groups[world.grains.group[i] as usize].heavy;
         let per_mass = R::ONE / world.grains.velocity[i][3];
         world.grains.spin[i][3] = if heavy { R::ZERO } else { per_mass };
+        let radius = world.grains.position[i][3];
+        world.clock.radius_min = smaller(world.clock.radius_min, radius);
     }
     world.pairs.row.fill(0);
-    world.clock.touches = 0;
     world.clock.budget = -R::ONE;
     world.clock.next_travel = R::ZERO;
-    world.clock.started = true;
-    find_who_may_touch(world)
+    let travel = next_travel(world)?;
+    search_now(world, travel)
 }
 
 /// Searches when the list might not hold through the coming drift. Which step that is has no effect
@@ -112,19 +125,30 @@ fn find_who_may_touch<R: Real>(world: &mut World<'_, R>) -> Result<(), Fault> {
     if !world.clock.started {
         return Err(Fault::NotStarted);
     }
-    let mut travel = world.clock.next_travel;
-    for body in world.obstacles.iter() {
-        let way = dot(body.velocity, body.velocity).sqrt() * world.dt;
-        travel = if way > travel { way } else { travel };
-    }
-    // The speed was rounded; a part in a thousand covers that and is nothing to the skin.
-    travel = travel * R::from_f64(1.001) + world.clock.rounding;
+    world.check_storage()?;
+    let mut travel = next_travel(world)?;
     if travel > world.clock.budget {
         search_now(world, travel)?;
         travel = travel + world.clock.rounding;
     }
     world.clock.budget = world.clock.budget - travel;
     Ok(())
+}
+
+/// Bound of what the fastest body moves in the next step.
+#[inline(always)]
+fn next_travel<R: Real>(world: &World<'_, R>) -> Result<R, Fault> {
+    let mut travel = world.clock.next_travel;
+    for (k, body) in world.obstacles.iter().enumerate() {
+        let way = dot(body.velocity, body.velocity).sqrt() * world.dt;
+        let slow = way < world.clock.radius_min;
+        if !slow {
+            return Err(Fault::ObstacleTooFast { obstacle: k as u32 });
+        }
+        travel = if way > travel { way } else { travel };
+    }
+    // The speed was rounded; a part in a thousand covers that and is nothing to the skin.
+    Ok(travel * R::from_f64(1.001) + world.clock.rounding)
 }
 
 #[inline(never)]
@@ -202,6 +226,11 @@ fn push_and_sum<R: Real, L: Law<R>>(
         spring: world.pairs.spring,
     };
     let deep = sum(sight, &mut part, law, &[], &[], &mut watch);
+    for (k, body) in world.obstacles.iter().enumerate() {
+        if !body.force.iter().chain(&body.torque).all(|f| f.is_finite()) {
+            return Err(Fault::ObstacleNotFinite { obstacle: k as u32 });
+        }
+    }
     if let Some((i, obstacle)) = hit {
         let id = g.id[i as usize];
         return Err(Fault::ObstacleTooDeep { id, obstacle });

@@ -97,12 +97,20 @@ impl<R: Real, const GRAINS: usize, const PAIRS: usize, const BODIES: usize>
         }
     }
 
+    /// How far beyond touching pairs are listed from now on (length): speed only, never a bit.
+    pub fn set_skin(&mut self, skin: R) {
+        self.skin = skin;
+    }
+
     /// Adds a group and returns its number.
     ///
     /// # Errors
-    /// The group, where `BODIES` are there already.
+    /// The group, where `BODIES` or 256 are there already.
     pub fn add_group(&mut self, group: Group<R>) -> Result<u8, Group<R>> {
-        let number = self.groups.len() as u8;
+        let Ok(number) = u8::try_from(self.groups.len()) else {
+            return Err(group);
+        };
+        self.clock.started = false;
         self.groups.push(group).map(|()| number)
     }
 
@@ -111,6 +119,7 @@ impl<R: Real, const GRAINS: usize, const PAIRS: usize, const BODIES: usize>
     /// # Errors
     /// The obstacle, where `BODIES` are there already.
     pub fn add_obstacle(&mut self, obstacle: Obstacle<R>) -> Result<(), Obstacle<R>> {
+        self.clock.started = false;
         self.obstacles.push(obstacle)
     }
 
@@ -129,6 +138,7 @@ impl<R: Real, const GRAINS: usize, const PAIRS: usize, const BODIES: usize>
         if self.id.is_full() {
             return Err(Fault::BadStorage);
         }
+        self.clock.started = false;
         let rest = [R::ZERO; 4];
         // Every list has the same capacity, so none of these can be full now.
         let _ = self.id.push(id);

@@ -14,12 +14,11 @@ use crate::search::Cells;
 pub struct Clock<R> {
     /// Steps done; time is `step * dt`.
     pub step: u64,
-    /// Searches done.
-    pub searches: u64,
-    /// Grain pairs listed.
-    pub listed: usize,
-    /// Obstacle contacts listed.
-    pub touches: usize,
+    pub(crate) searches: u64,
+    pub(crate) listed: usize,
+    pub(crate) touches: usize,
+    /// The smallest grain radius: what an obstacle may move in one step.
+    pub(crate) radius_min: R,
     /// Travel that the pair list still allows (length).
     pub(crate) budget: R,
     /// Bound of the next step's travel (length).
@@ -27,6 +26,23 @@ pub struct Clock<R> {
     /// What rounding may add to it.
     pub(crate) rounding: R,
     pub(crate) started: bool,
+}
+
+impl<R> Clock<R> {
+    /// Searches done.
+    pub fn searches(&self) -> u64 {
+        self.searches
+    }
+
+    /// Grain pairs listed.
+    pub fn listed(&self) -> usize {
+        self.listed
+    }
+
+    /// Obstacle contacts listed.
+    pub fn touches(&self) -> usize {
+        self.touches
+    }
 }
 
 /// A world of grains and obstacles, in any consistent units.
@@ -60,19 +76,28 @@ impl<R: Real> World<'_, R> {
         self.pairs.bonds(self.clock.touches)
     }
 
-    /// Checks storage, ids, grains, obstacles and box.
-    pub(crate) fn check(&self) -> Result<(), Fault> {
+    /// Checks that the lent slices fit together: what a step relies on.
+    #[inline(always)]
+    pub(crate) fn check_storage(&self) -> Result<(), Fault> {
         let n = self.grains.count();
         let lists = self.pairs.is_whole(n)
             && self.spare.is_whole(n)
             && self.pairs.partner.len() >= self.spare.partner.len()
-            && self.pairs.touch_grain.len() >= self.spare.touch_grain.len();
-        if !self.grains.is_whole() || !lists {
-            return Err(Fault::BadStorage);
+            && self.pairs.touch_grain.len() >= self.spare.touch_grain.len()
+            && self.pairs.partner.len() >= self.clock.listed
+            && self.pairs.touch_grain.len() >= self.clock.touches;
+        let cells = self.cells.start.len() >= 2 && self.cells.grain.len() >= n;
+        if self.grains.is_whole() && lists && cells {
+            Ok(())
+        } else {
+            Err(Fault::BadStorage)
         }
-        if self.cells.start.len() < 2 || self.cells.grain.len() < n {
-            return Err(Fault::BadStorage);
-        }
+    }
+
+    /// Checks storage, ids, grains, obstacles and box.
+    pub(crate) fn check(&self) -> Result<(), Fault> {
+        let n = self.grains.count();
+        self.check_storage()?;
         if !(self.dt > R::ZERO && self.dt.is_finite() && self.skin >= R::ZERO) {
             return Err(Fault::BadTimeStep);
         }

@@ -9,7 +9,8 @@ mod table;
 mod text;
 
 use table::{bed_table, plug_remark, run_table};
-use text::{escape, plus_minus, short, typeset};
+pub(crate) use text::short;
+use text::{escape, plus_minus, typeset};
 
 use crate::summary::{BedSummary, RunSummary, SeriesRow, Summary};
 

@@ -68,7 +68,7 @@ pub(super) fn number(x: f64) -> String {
 }
 
 /// Four, for running text.
-pub(super) fn short(x: f64) -> String {
+pub(crate) fn short(x: f64) -> String {
     significant(x, 4)
 }
 
