@@ -306,6 +306,44 @@ fn a_replay_prints_its_samples() {
     }
 }
 
+/// The case that the README shows is a case.
+#[test]
+fn the_case_of_the_readme_runs() {
+    let readme = std::fs::read_to_string(golden("../README.md")).unwrap();
+    let begin = readme.find("    {\n      \"law\"").unwrap();
+    let end = begin + readme[begin..].find("\n    }\n").unwrap() + "\n    }\n".len();
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("case.json"), &readme[begin..end]).unwrap();
+    let out = bitgrain(folder.path(), &["replay", "case.json", "--steps", "50"]);
+    assert!(
+        out.status.success(),
+        "{}",
+        String::from_utf8_lossy(&out.stderr)
+    );
+    assert_eq!(out.stdout.iter().filter(|&&b| b == b'\n').count(), 2);
+}
+
+/// Every shipped scenario is sound, and so is its resolved form.
+#[test]
+fn shipped_scenarios_are_sound() {
+    for (name, _) in bitgrain::scenario::SHIPPED {
+        let scenario = bitgrain::scenario::load(name, &[]).unwrap();
+        let again = bitgrain::scenario::parse(&scenario.to_toml(), name, &[]).unwrap();
+        assert_eq!(scenario, again);
+        assert_eq!(scenario.name, name);
+    }
+    let one = bitgrain::scenario::load("kumar-system-1", &[]).unwrap();
+    assert_eq!(
+        (one.grain_count(), one.beds()[0].center),
+        (70_000, [20.0, 20.0, 13.5])
+    );
+    let two = bitgrain::scenario::load("kumar-system-2", &[]).unwrap();
+    assert_eq!(
+        (two.grain_count(), two.beds().len(), two.runs().len()),
+        (300_000, 7, 35)
+    );
+}
+
 /// The dragging stage keeps the series measured before a fault, and says where it stopped.
 #[test]
 fn a_drag_that_goes_wrong_keeps_its_series() {
