@@ -1,7 +1,6 @@
 //! The box: where it ends, which of its axes are periodic, and the nearest image across them.
 
 use crate::fault::Fault;
-use crate::grains::Row;
 use crate::real::Real;
 use crate::vec3::Vec3;
 
@@ -12,10 +11,10 @@ pub struct Domain<R> {
     lo: Vec3<R>,
     hi: Vec3<R>,
     periodic: [bool; 3],
-    /// Period of each periodic axis, 0 elsewhere; a fourth word so that rows are handled whole.
-    period: Row<R>,
+    /// Period of each periodic axis, 0 elsewhere.
+    period: Vec3<R>,
     /// Half a period; on other axes a number that no separation exceeds.
-    half: Row<R>,
+    half: Vec3<R>,
 }
 
 impl<R: Real> Domain<R> {
@@ -24,8 +23,8 @@ impl<R: Real> Domain<R> {
     /// # Errors
     /// [`Fault::BadDomain`] unless `lo < hi` on every axis and all are finite.
     pub fn new(lo: Vec3<R>, hi: Vec3<R>, periodic: [bool; 3]) -> Result<Self, Fault> {
-        let mut period = [R::ZERO; 4];
-        let mut half = [R::MAX; 4];
+        let mut period = [R::ZERO; 3];
+        let mut half = [R::MAX; 3];
         for a in 0..3 {
             let ordered = lo[a] < hi[a];
             if !ordered || !(hi[a] - lo[a]).is_finite() {
@@ -51,8 +50,8 @@ impl<R: Real> Domain<R> {
             lo: [-R::MAX; 3],
             hi: [R::MAX; 3],
             periodic: [false; 3],
-            period: [R::ZERO; 4],
-            half: [R::MAX; 4],
+            period: [R::ZERO; 3],
+            half: [R::MAX; 3],
         }
     }
 
@@ -87,20 +86,6 @@ impl<R: Real> Domain<R> {
     pub fn separation(&self, a: Vec3<R>, b: Vec3<R>) -> Vec3<R> {
         let mut d = [R::ZERO; 3];
         for k in 0..3 {
-            let raw = a[k] - b[k];
-            let down = raw - self.period[k];
-            let up = raw + self.period[k];
-            let high = if raw > self.half[k] { down } else { raw };
-            d[k] = if raw < -self.half[k] { up } else { high };
-        }
-        d
-    }
-
-    /// [`Domain::separation`] of two rows at once; the fourth word is their plain difference.
-    #[inline(always)]
-    pub(crate) fn row_separation(&self, a: Row<R>, b: Row<R>) -> Row<R> {
-        let mut d = [R::ZERO; 4];
-        for k in 0..4 {
             let raw = a[k] - b[k];
             let down = raw - self.period[k];
             let up = raw + self.period[k];

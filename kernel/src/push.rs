@@ -231,29 +231,61 @@ fn sweep<R: Real, L: Law<R>>(
     let mut count = 0;
     for i in rows {
         let x = position[i];
-        for p in take(partner, i) {
-            let word = partner[p];
-            let y = position[(word & PLACE) as usize];
-            let d = sight.domain.row_separation(x, y);
-            let reach = x[3] + y[3];
-            let near = dot(head(d), head(d)) < reach * reach * margin;
-            // Written always, kept only when near: no branch to mispredict.
-            batch[count % BATCH] = [i as u32, word & PLACE, p as u32];
-            count += near as usize;
-            if !near && word & TOUCHING != 0 {
-                partner[p] = word & PLACE;
-                spring[p] = [R::ZERO; 4];
+        let row = take(partner, i);
+        let mut p = row.start;
+        while p < row.end {
+            // Idle lanes at the end of a row repeat its first and are never kept.
+            let used = if row.end - p < LANES {
+                row.end - p
+            } else {
+                LANES
+            };
+            let word: [u32; LANES] =
+                core::array::from_fn(|k| partner[p + if k < used { k } else { 0 }]);
+            let y = lanes(position, core::array::from_fn(|k| word[k] & PLACE));
+            let near: [bool; LANES] = core::array::from_fn(|k| {
+                let d = sight
+                    .domain
+                    .separation(head(x), [y[0][k], y[1][k], y[2][k]]);
+                let reach = x[3] + y[3][k];
+                dot(d, d) < reach * reach * margin
+            });
+            let mut parted = false;
+            for k in 0..LANES {
+                // Written always, kept only when near: no branch to mispredict.
+                batch[count % BATCH] = [i as u32, word[k] & PLACE, (p + k) as u32];
+                count += (near[k] && k < used) as usize;
+                parted |= !near[k] && word[k] & TOUCHING != 0;
             }
-            if count == BATCH {
+            if parted {
+                for k in 0..used {
+                    if !near[k] {
+                        partner[p + k] = word[k] & PLACE;
+                        spring[p + k] = [R::ZERO; 4];
+                    }
+                }
+            }
+            if count > BATCH - LANES {
                 let found = evaluate_all(sight, &batch, count, partner, spring, law, &mut emit);
                 deep = deep.or(found);
                 count = 0;
             }
+            p += LANES;
         }
     }
     deep.or(evaluate_all(
         sight, &batch, count, partner, spring, law, &mut emit,
     ))
+}
+
+/// One word of several rows side by side.
+type Lane<R> = [R; LANES];
+
+/// The rows at these places, turned into lanes.
+#[inline(always)]
+fn lanes<R: Real>(rows: &[Row<R>], places: [u32; LANES]) -> [Lane<R>; 4] {
+    let row: [&Row<R>; LANES] = core::array::from_fn(|k| &rows[places[k] as usize]);
+    core::array::from_fn(|w| core::array::from_fn(|k| row[k][w]))
 }
 
 /// The first `count` contacts of a batch, block by block.
@@ -296,12 +328,8 @@ fn evaluate<R: Real, L: Law<R>>(
     law: &L,
     emit: &mut impl FnMut(Spill<R>, Pushed<R>),
 ) -> Deep {
-    type Lane<R> = [R; LANES];
     let zero = [R::ZERO; LANES];
-    let turn = |rows: &[Row<R>], body: usize| -> [Lane<R>; 4] {
-        let row: [&Row<R>; LANES] = core::array::from_fn(|k| &rows[block[k][body] as usize]);
-        core::array::from_fn(|w| core::array::from_fn(|k| row[k][w]))
-    };
+    let turn = |rows: &[Row<R>], body: usize| lanes(rows, core::array::from_fn(|k| block[k][body]));
     let (xi, xj) = (turn(sight.position, 0), turn(sight.position, 1));
     let (vi, vj) = (turn(sight.velocity, 0), turn(sight.velocity, 1));
     let (wi, wj) = (turn(sight.spin, 0), turn(sight.spin, 1));
