@@ -13,9 +13,8 @@ use crate::lammps::{Atom, read_data};
 use crate::law::LawSpec;
 use crate::order::spatial_order;
 use crate::progress::Progress;
-use crate::replay::hex;
 use crate::scenario;
-use crate::sim::{Grain, Sim, sphere_mass};
+use crate::sim::{Grain, Sim, hex, sphere_mass};
 
 /// Steps before the clock starts.
 const WARM_UP: u64 = 500;

@@ -124,7 +124,7 @@ pub struct GrainSpec {
 /// # Errors
 /// [`Error::Input`] with line or key, and what was expected.
 pub fn read(path: &Path) -> Result<Case> {
-    let text = crate::lammps::read_text(path)?;
+    let text = crate::files::read_text(path)?;
     parse(&text, &path.display().to_string())
 }
 

@@ -9,8 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
 use crate::files::write_whole;
-use crate::replay::hex;
-use crate::sim::{AnyLaw, Sim};
+use crate::sim::{AnyLaw, Sim, hex};
 
 /// Version of the file's layout.
 const FORMAT: u32 = 1;

@@ -5,8 +5,9 @@ use crate::error::{Error, Result};
 use crate::observe::{BlockSums, INTRUDER};
 use crate::progress::Stage;
 use crate::scenario::RunPlan;
+use crate::series::SeriesRow;
 use crate::sim::Sim;
-use crate::summary::{Mean, SeriesRow};
+use crate::summary::Mean;
 
 /// Steps between updates of the progress bar; no result depends on it.
 const SHOW: u64 = 200;

@@ -1,9 +1,37 @@
-//! Writing files whole: beside the old one, then renamed, so that a reader never sees half a file.
+//! Files read whole, packed or plain, and written whole: beside the old one, then renamed, so that a
+//! reader never sees half a file.
 
-use std::io::Write;
+use std::io::{Read, Write};
 use std::path::Path;
 
 use crate::error::{Error, Result};
+
+/// Reads a whole file, unpacking gzip where its first bytes say so.
+///
+/// # Errors
+/// [`Error::Input`] where it cannot be read or unpacked.
+pub fn read_text(path: &Path) -> Result<String> {
+    let bytes = std::fs::read(path).map_err(|e| Error::read(path, &e))?;
+    let place = || path.display().to_string();
+    let bytes = if bytes.starts_with(&[0x1f, 0x8b]) {
+        let mut plain = Vec::new();
+        flate2::read::MultiGzDecoder::new(bytes.as_slice())
+            .read_to_end(&mut plain)
+            .map_err(|e| {
+                Error::input(place(), format!("the gzip data is damaged or cut off: {e}"))
+            })?;
+        plain
+    } else {
+        bytes
+    };
+    String::from_utf8(bytes).map_err(|e| {
+        let at = e.utf8_error().valid_up_to();
+        Error::input(
+            place(),
+            format!("byte {at} is not text (UTF-8 was expected)"),
+        )
+    })
+}
 
 /// Writes `bytes` to `path`, replacing what was there in one go. Folders on the way are made.
 ///

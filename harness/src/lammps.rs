@@ -1,9 +1,9 @@
 //! LAMMPS data files, atom_style sphere: the beds that others hand around.
 
-use std::io::Read;
 use std::path::Path;
 
 use crate::error::{Error, Result};
+use crate::files::read_text;
 
 /// One atom of a data file.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,33 +33,6 @@ pub struct DataFile {
     pub hi: [f64; 3],
     /// The atoms.
     pub atoms: Vec<Atom>,
-}
-
-/// Reads a whole file, unpacking gzip where its first bytes say so.
-///
-/// # Errors
-/// [`Error::Input`] where it cannot be read or unpacked.
-pub fn read_text(path: &Path) -> Result<String> {
-    let bytes = std::fs::read(path).map_err(|e| Error::read(path, &e))?;
-    let place = || path.display().to_string();
-    let bytes = if bytes.starts_with(&[0x1f, 0x8b]) {
-        let mut plain = Vec::new();
-        flate2::read::MultiGzDecoder::new(bytes.as_slice())
-            .read_to_end(&mut plain)
-            .map_err(|e| {
-                Error::input(place(), format!("the gzip data is damaged or cut off: {e}"))
-            })?;
-        plain
-    } else {
-        bytes
-    };
-    String::from_utf8(bytes).map_err(|e| {
-        let at = e.utf8_error().valid_up_to();
-        Error::input(
-            place(),
-            format!("byte {at} is not text (UTF-8 was expected)"),
-        )
-    })
 }
 
 /// Reads a LAMMPS data file, plain or gzip.

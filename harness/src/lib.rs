@@ -5,7 +5,8 @@
 //!
 //! * [`scenario`] is what a user asks for, [`law`] the contact laws by name, [`run`] the pipeline;
 //! * [`bed`] pours and settles grains ([`random`], [`order`]), [`checkpoint`] saves a state;
-//! * [`drag`] pulls the intruder, [`observe`] and [`summary`] hold what was measured;
+//! * [`drag`] pulls the intruder, [`observe`], [`series`] and [`summary`] hold what was
+//!   measured, in [`units`];
 //! * [`report`] draws it.
 //!
 //! Beside the pipeline: [`case`](mod@case) and [`replay`] for the smallest unit of work, [`bench`](mod@bench)
@@ -30,5 +31,7 @@ pub mod replay;
 pub mod report;
 pub mod run;
 pub mod scenario;
+pub mod series;
 pub mod sim;
 pub mod summary;
+pub mod units;

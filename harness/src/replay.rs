@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use crate::case;
 use crate::error::{Error, Result};
-use crate::sim::Sim;
+use crate::sim::{Sim, hex};
 
 /// What to replay.
 #[derive(Clone, Debug)]
@@ -58,11 +58,6 @@ struct ContactState {
     obstacle: Option<u32>,
     normal_force: [f64; 3],
     tangential_force: [f64; 3],
-}
-
-/// Lower-case hexadecimal.
-pub fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|b| format!("{b:02x}")).collect()
 }
 
 /// Replays the case in `path` and writes JSON Lines to `out`.

@@ -12,11 +12,11 @@ use crate::error::{Error, Result};
 use crate::files::{make_folder, write_whole};
 use crate::observe::{self, INTRUDER};
 use crate::progress::{Progress, Stage};
-use crate::replay::hex;
 use crate::report::{self, BedPicture, PictureGrain};
 use crate::scenario::{BedPlan, RunPlan, Scenario};
-use crate::sim::Sim;
-use crate::summary::{BedSummary, RunSummary, SeriesRow, Summary, series_text};
+use crate::series::{SeriesRow, read_series, series_text};
+use crate::sim::{Sim, hex};
+use crate::summary::{BedSummary, RunSummary, Summary};
 use crate::{bed, checkpoint, drag, summary};
 
 /// Where everything of a run directory is.
@@ -303,7 +303,7 @@ fn write_report(folder: &Folder<'_>) -> Result<()> {
     let series = whole
         .runs
         .iter()
-        .map(|run| summary::read_series(&folder.series(&run.name)));
+        .map(|run| read_series(&folder.series(&run.name)));
     let series: Vec<Vec<SeriesRow>> = series.collect::<Result<_>>()?;
     let pictures = whole
         .beds

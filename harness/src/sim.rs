@@ -42,6 +42,11 @@ pub fn sphere_mass(diameter: f64, density: f64) -> f64 {
     density * (std::f64::consts::PI / 6.0 * (diameter * diameter * diameter))
 }
 
+/// Lower-case hexadecimal.
+pub fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|b| format!("{b:02x}")).collect()
+}
+
 /// A world and everything it borrows, owned.
 #[derive(Clone, Debug)]
 pub struct Sim {

@@ -99,6 +99,5 @@ impl<R: Real> Grains<'_, R> {
             && self.force.len() == n
             && self.torque.len() == n
             && self.image.len() == n
-            && n < crate::pairs::TOUCHING as usize
     }
 }

@@ -4,7 +4,7 @@ use crate::domain::Domain;
 use crate::fault::Fault;
 use crate::grains::Grains;
 use crate::obstacle::Obstacle;
-use crate::pairs::{Bond, Pairs};
+use crate::pairs::{Bond, Pairs, TOUCHING};
 use crate::real::{Real, larger};
 use crate::search::Cells;
 
@@ -87,7 +87,8 @@ impl<R: Real> World<'_, R> {
             && self.pairs.partner.len() >= self.clock.listed
             && self.pairs.touch_grain.len() >= self.clock.touches;
         let cells = self.cells.start.len() >= 2 && self.cells.grain.len() >= n;
-        if self.grains.is_whole() && lists && cells {
+        let countable = n < TOUCHING as usize;
+        if self.grains.is_whole() && lists && cells && countable {
             Ok(())
         } else {
             Err(Fault::BadStorage)

@@ -4,8 +4,7 @@ use std::io::Write;
 
 use bitgrain::case::{self, Case};
 use bitgrain::checkpoint;
-use bitgrain::replay::hex;
-use bitgrain::sim::Sim;
+use bitgrain::sim::{Sim, hex};
 use bitgrain_kernel::law::HertzHistory;
 use bitgrain_kernel::push::{Part, Sight, Spill, TouchPart, push_obstacles, spill, sum};
 use bitgrain_kernel::{Group, Obstacle, Pushed, Store, start, step};

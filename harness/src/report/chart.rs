@@ -6,7 +6,9 @@ use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, Value
 use plotters::prelude::*;
 
 use super::text::{escape, number, typeset};
-use crate::summary::{RunSummary, SeriesRow, Units};
+use crate::series::SeriesRow;
+use crate::summary::RunSummary;
+use crate::units::Units;
 
 /// Size of a drawing: three times that of the smallest screen it must be read on, because
 /// coordinates are whole numbers and curves would show steps at a coarser scale.

@@ -12,7 +12,8 @@ use table::{bed_table, plug_remark, run_table};
 pub(crate) use text::short;
 use text::{escape, plus_minus, typeset};
 
-use crate::summary::{BedSummary, RunSummary, SeriesRow, Summary};
+use crate::series::SeriesRow;
+use crate::summary::{BedSummary, RunSummary, Summary};
 
 /// A settled bed to draw.
 #[derive(Clone, Debug, PartialEq)]
@@ -287,7 +288,8 @@ const CSS: &str = include_str!("style.css");
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::summary::{Mean, Units};
+    use crate::summary::Mean;
+    use crate::units::Units;
 
     fn mean(mean: f64, standard_error: f64) -> Mean {
         Mean {

@@ -1,7 +1,8 @@
 //! Tables of the page: every number of the beds and drags.
 
 use super::text::{count, digest, escape, exact, plus_minus, short, typeset};
-use crate::summary::{BedSummary, RunSummary, Units};
+use crate::summary::{BedSummary, RunSummary};
+use crate::units::Units;
 
 /// Plug ratio from which the layers above the intruder may add to the drag, and the one from which
 /// they do; both measured for a friction coefficient of 0.5.

@@ -1,0 +1,301 @@
+//! What is refused before anything runs.
+
+use super::{Scenario, UnitSystem};
+
+/// Most steps of one drag: a guard against a slip of the pen, a year on one core.
+const STEPS_MAX: u64 = 1_000_000_000_000;
+
+/// Fewest steps of an averaging window: ten for each block of the standard error.
+const AVERAGED_MIN: u64 = 80;
+
+type Check = std::result::Result<(), (String, String)>;
+
+fn refuse(key: &str, problem: impl Into<String>) -> Check {
+    Err((key.to_string(), problem.into()))
+}
+
+fn positive(key: &str, value: f64) -> Check {
+    if value > 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    refuse(key, format!("is {value}; expected a positive number"))
+}
+
+impl Scenario {
+    pub(super) fn check(&self) -> Check {
+        let plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+        if self.name.is_empty() || !self.name.chars().all(plain) {
+            return refuse(
+                "name",
+                "expected letters, digits, `-` and `_`: it names a folder",
+            );
+        }
+        positive("gravity", self.gravity)?;
+        self.check_bed()?;
+        self.check_units()?;
+        self.law
+            .build()
+            .map_err(|(key, problem)| (format!("law.{key}"), problem))?;
+        self.check_intruder()?;
+        self.check_box()?;
+        self.check_drag()?;
+        if self.measure.every == 0 {
+            return refuse("measure.every", "is 0; expected at least 1 step");
+        }
+        Ok(())
+    }
+
+    fn check_units(&self) -> Check {
+        if self.units == UnitSystem::Si {
+            return Ok(());
+        }
+        let one = |key: &str, value: f64| {
+            if (value - 1.0).abs() < 1e-12 {
+                return Ok(());
+            }
+            refuse(
+                key,
+                format!("is {value}; in reduced units it is 1. For others set units = \"si\""),
+            )
+        };
+        one("gravity", self.gravity)?;
+        one("bed.density", self.bed.density)?;
+        if (self.mean_diameter() - 1.0).abs() > 1e-12 {
+            let mean = self.mean_diameter();
+            return refuse(
+                "bed.diameters",
+                format!("have the mean {mean}; in reduced units it is 1"),
+            );
+        }
+        Ok(())
+    }
+
+    fn check_bed(&self) -> Check {
+        for length in self.bed.size {
+            positive("bed.box", length)?;
+        }
+        let [least, most] = self.bed.diameters;
+        positive("bed.diameters", least)?;
+        if !(most >= least && most.is_finite()) {
+            return refuse("bed.diameters", "expected the smaller first");
+        }
+        if most > 4.0 * least {
+            return refuse(
+                "bed.diameters",
+                "expected the larger at most 4 times the smaller",
+            );
+        }
+        positive("bed.density", self.bed.density)?;
+        positive("bed.settled", self.bed.settled)?;
+        if !(self.bed.base >= 0.0 && self.bed.base < self.bed.size[2]) {
+            return refuse(
+                "bed.base",
+                "expected a height inside the box, or 0 for none",
+            );
+        }
+        if self.bed.base == 0.0 && !self.bed.floor {
+            return refuse("bed.floor", "without a base the grains need a floor");
+        }
+        match (self.bed.grains, self.bed.fill_height) {
+            (Some(_), Some(_)) => {
+                return refuse("bed.fill_height", "give grains or fill_height, not both");
+            }
+            (None, None) => return refuse("bed.grains", "give grains or fill_height"),
+            (None, Some(height)) => positive("bed.fill_height", height)?,
+            (Some(0), None) => return refuse("bed.grains", "is 0; expected at least 1"),
+            (Some(n), None) if n > 100_000_000 => {
+                return refuse("bed.grains", "expected at most 100,000,000");
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn check_intruder(&self) -> Check {
+        let i = &self.intruder;
+        positive("intruder.diameter", i.diameter)?;
+        positive("intruder.density", i.density)?;
+        match (&i.height, &i.depth) {
+            (Some(_), Some(_)) => {
+                return refuse("intruder.depth", "give height or depth, not both");
+            }
+            (None, None) => return refuse("intruder.height", "give height or depth"),
+            _ => {}
+        }
+        match (&i.speed, &i.froude) {
+            (Some(_), Some(_)) => {
+                return refuse("intruder.speed", "give speed or froude, not both");
+            }
+            (None, None) => return refuse("intruder.speed", "give speed or froude"),
+            _ => {}
+        }
+        let key = if i.speed.is_some() {
+            "intruder.speed"
+        } else {
+            "intruder.froude"
+        };
+        let speeds = self.speeds();
+        if speeds.is_empty() {
+            return refuse(key, "is empty; expected at least one value");
+        }
+        speeds.iter().try_for_each(|&(v, _)| positive(key, v))
+    }
+
+    fn check_box(&self) -> Check {
+        let [x, y, z] = self.bed.size;
+        let most = self.bed.diameters[1];
+        let diameter = self.intruder.diameter;
+        let widest = if diameter > most {
+            0.5 * (most + diameter)
+        } else {
+            most
+        };
+        for (length, axis) in [(x, "x"), (y, "y")] {
+            if length <= diameter {
+                return refuse(
+                    "intruder.diameter",
+                    format!("is {diameter}, no smaller than the box along {axis}, {length}"),
+                );
+            }
+            if length <= 2.0 * widest {
+                return refuse(
+                    "bed.box",
+                    format!(
+                        "is {length} along {axis}; a periodic axis must be longer than {}, twice \
+                         the largest contact distance",
+                        2.0 * widest
+                    ),
+                );
+            }
+        }
+        let surface = self.expected_surface();
+        let thinnest = self.bed.base + self.mean_diameter();
+        if surface < thinnest {
+            let key = if self.bed.grains.is_some() {
+                "bed.grains"
+            } else {
+                "bed.fill_height"
+            };
+            return refuse(
+                key,
+                format!(
+                    "fills the box to a height of {surface:.3}; expected at least {thinnest}, a \
+                     layer of grains above the base"
+                ),
+            );
+        }
+        if surface > 1.15 * z {
+            return refuse(
+                "bed.box",
+                format!(
+                    "has a height of {z}, but the grains would fill {surface:.1}: make it higher"
+                ),
+            );
+        }
+        let key = if self.intruder.height.is_some() {
+            "intruder.height"
+        } else {
+            "intruder.depth"
+        };
+        let heights = self.heights();
+        if heights.is_empty() {
+            return refuse(key, "is empty; expected at least one value");
+        }
+        for height in heights {
+            // Written so that NaN is refused too.
+            let inside = height - 0.5 * diameter >= 0.0 && height + 0.5 * diameter <= z;
+            let buried = height - 0.5 * diameter < surface;
+            if inside && !buried {
+                return refuse(
+                    key,
+                    format!(
+                        "puts the intruder's centre at z = {height}, wholly above the bed, which \
+                         is expected to reach {surface:.2}"
+                    ),
+                );
+            }
+            if !inside {
+                return refuse(
+                    key,
+                    format!(
+                        "puts the intruder's centre at z = {height}: outside the box, 0 to {z}"
+                    ),
+                );
+            }
+        }
+        Ok(())
+    }
+
+    fn check_drag(&self) -> Check {
+        let least = 0.5 * self.bed.diameters[0];
+        let radius = 0.5 * self.intruder.diameter;
+        let sizes = [(least, self.bed.density), (radius, self.intruder.density)];
+        self.law
+            .check_time_step(self.drag.dt, sizes.into_iter())
+            .map_err(|p| ("drag.dt".to_string(), p))?;
+        let (speeds, distances) = (self.speeds(), self.drag.distance.values());
+        if distances.len() != 1 && distances.len() != speeds.len() {
+            return refuse(
+                "drag.distance",
+                format!(
+                    "has {} values for {} speeds; expected one, or one for each",
+                    distances.len(),
+                    speeds.len()
+                ),
+            );
+        }
+        for distance in &distances {
+            positive("drag.distance", *distance)?;
+            if *distance > self.bed.size[0] {
+                return refuse(
+                    "drag.distance",
+                    format!(
+                        "is {distance}, beyond one box length, {}: the intruder would meet its own \
+                         wake",
+                        self.bed.size[0]
+                    ),
+                );
+            }
+        }
+        for run in self.runs() {
+            if run.speed * self.drag.dt > least {
+                return refuse("drag.dt", "lets the intruder jump over a grain in one step");
+            }
+            if !(run.discard >= 0.0 && run.discard < run.distance) {
+                let (key, given) = match self.drag.discard {
+                    Some(_) => ("drag.discard", run.discard),
+                    None => ("drag.distance", run.distance),
+                };
+                return refuse(
+                    key,
+                    format!(
+                        "is {given}: of a distance of {}, {} is discarded, and nothing is left",
+                        run.distance, run.discard
+                    ),
+                );
+            }
+            if run.steps > STEPS_MAX {
+                return refuse(
+                    "drag.distance",
+                    format!(
+                        "takes {:.0e} steps; expected at most {STEPS_MAX:.0e}",
+                        run.steps as f64
+                    ),
+                );
+            }
+            let averaged = run.steps + 1 - run.first_averaged(self.drag.dt);
+            if averaged < AVERAGED_MIN {
+                let key = if self.drag.discard.is_some() {
+                    "drag.discard"
+                } else {
+                    "drag.distance"
+                };
+                return refuse(
+                    key,
+                    format!("leaves {averaged} steps to average; expected at least {AVERAGED_MIN}"),
+                );
+            }
+        }
+        Ok(())
+    }
+}
