@@ -33,7 +33,7 @@ const PATIENCE: f64 = 60.0;
 ///
 /// # Errors
 /// [`Error::Run`] where grains escape, overlap too deep or do not come to rest in time.
-pub fn pour(scenario: &Scenario, plan: &BedPlan, stage: &Stage) -> Result<Sim> {
+pub fn pour(scenario: &Scenario, plan: &BedPlan, stage: &mut Stage) -> Result<Sim> {
     let lattice = Lattice::new(scenario, plan);
     let grains = lattice.grains(scenario);
     let mut sim = poured(scenario, plan, &lattice, &grains)?;
@@ -180,7 +180,7 @@ fn settle(
     plan: &BedPlan,
     least: u64,
     fall_steps: u64,
-    stage: &Stage,
+    stage: &mut Stage,
 ) -> Result<()> {
     let begin = sim.step_count();
     let limit = begin + (PATIENCE * fall_steps as f64) as u64 + 100 * LOOK;
@@ -192,7 +192,13 @@ fn settle(
         let carried = (support - weight).abs() <= CARRIED * weight;
         let quiet = energy < scenario.bed.settled && carried;
         let done = sim.step_count() - begin >= least && quiet;
-        stage.settling(sim.step_count(), energy, scenario.bed.settled, fall_steps);
+        stage.settling(
+            sim.step_count(),
+            energy,
+            scenario.bed.settled,
+            support / weight,
+            fall_steps,
+        );
         if done {
             return Ok(());
         }

@@ -160,8 +160,8 @@ pub fn bench(bed: Option<&Path>, steps: u64, threads: usize, progress: &Progress
         None => {
             let quick = scenario::load("quick", &[])?;
             let plan = &quick.beds()[0];
-            let stage = progress.stage("pouring the quick bed", 0);
-            let sim = bed::pour(&quick, plan, &stage)?;
+            let mut stage = progress.stage("pouring the quick bed", 0);
+            let sim = bed::pour(&quick, plan, &mut stage)?;
             stage.finish();
             ("quick".to_string(), sim)
         }

@@ -23,7 +23,6 @@ struct Head {
     bits_version: u32,
     step: u64,
     dt: f64,
-    skin: f64,
     law: AnyLaw,
     domain: Domain<f64>,
     groups: Vec<Group<f64>>,
@@ -66,7 +65,6 @@ pub fn write(path: &Path, sim: &mut Sim) -> Result<()> {
         bits_version: BITS_VERSION,
         step: sim.step_count(),
         dt: sim.dt,
-        skin: sim.skin,
         law: sim.law,
         domain: sim.domain,
         groups: sim.groups.clone(),
@@ -234,7 +232,6 @@ impl Arrays<'_> {
             vec![],
         );
         sim.obstacles = head.obstacles.clone();
-        sim.skin = head.skin;
         sim.id = id.into_iter().map(u32::from_le_bytes).collect();
         sim.group = group.into_iter().map(|[g]| g).collect();
         sim.position = self.reals("position")?;
@@ -246,6 +243,7 @@ impl Arrays<'_> {
         let image: Vec<i32> = image.into_iter().map(i32::from_le_bytes).collect();
         sim.image = image.as_chunks::<3>().0.to_vec();
         sim.fit_storage();
+        sim.choose_skin();
         Ok(sim)
     }
 
@@ -258,18 +256,22 @@ impl Arrays<'_> {
             return Err("its contact arrays differ in length".into());
         }
         let pairs = bodies.as_chunks::<2>().0;
-        let bond = |k: usize| match (kinds[k], pairs[k]) {
-            ([0], [i, j]) => Bond::Pair {
-                i,
-                j,
-                spring: springs[k],
-            },
-            (_, [i, obstacle]) => Bond::Touch {
-                i,
-                obstacle,
-                spring: springs[k],
-            },
+        let bond = |k: usize| {
+            let (spring, [i, partner]) = (springs[k], pairs[k]);
+            match kinds[k] {
+                [0] => Ok(Bond::Pair {
+                    i,
+                    j: partner,
+                    spring,
+                }),
+                [1] => Ok(Bond::Touch {
+                    i,
+                    obstacle: partner,
+                    spring,
+                }),
+                [other] => Err(format!("contact {k} is of the unknown kind {other}")),
+            }
         };
-        Ok((0..kinds.len()).map(bond).collect())
+        (0..kinds.len()).map(bond).collect()
     }
 }

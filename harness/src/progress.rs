@@ -15,6 +15,8 @@ pub struct Stage {
     bar: ProgressBar,
     name: String,
     began: Instant,
+    /// Largest share of a settling shown so far.
+    best: f64,
 }
 
 impl Progress {
@@ -37,6 +39,7 @@ impl Progress {
             bar,
             name: name.to_string(),
             began: Instant::now(),
+            best: 0.0,
         }
     }
 
@@ -64,6 +67,7 @@ impl Stage {
             bar: ProgressBar::hidden(),
             name: String::new(),
             began: Instant::now(),
+            best: 0.0,
         }
     }
 
@@ -74,24 +78,24 @@ impl Stage {
     }
 
     /// How far settling is: the fall first, then the kinetic energy, which falls by about a factor
-    /// of ten in half a fall's time.
-    pub fn settling(&self, step: u64, energy: f64, bound: f64, fall_steps: u64) {
-        let left = if energy > bound && bound > 0.0 {
-            0.5 * libm::log10(energy / bound) * fall_steps as f64
+    /// of ten in half a fall's time, then the weight. The bar never goes back.
+    pub fn settling(&mut self, step: u64, energy: f64, bound: f64, carried: f64, fall_steps: u64) {
+        let decades = if energy > bound && bound > 0.0 {
+            libm::log10(energy / bound)
         } else {
-            0.0
+            0.2
         };
-        let fallen = fall_steps.saturating_sub(step);
-        let left = if left as u64 > fallen {
-            left as u64
-        } else {
-            fallen
-        };
-        self.bar.set_length(step + left + 1);
-        self.at(
-            step,
-            format!("kinetic energy {energy:.1e}, settled below {bound:.0e}"),
+        let quiet = (0.5 * decades * fall_steps as f64) as u64;
+        let left = quiet.max(fall_steps.saturating_sub(step));
+        let share = step as f64 / (step + left) as f64;
+        if share > self.best {
+            self.best = share;
+        }
+        self.bar.set_length((step as f64 / self.best) as u64);
+        let message = format!(
+            "kinetic energy {energy:.0e} (settled below {bound:.0e}), weight carried {carried:.4}"
         );
+        self.at(step, message);
     }
 
     /// Ends the stage and returns its seconds.

@@ -189,11 +189,11 @@ fn pour_one(
     progress: &Progress,
 ) -> Result<(BedSummary, StagePerformance)> {
     let fall = (4.0 * scenario.expected_surface() / scenario.gravity).sqrt();
-    let stage = progress.stage(
+    let mut stage = progress.stage(
         &format!("pouring {}", plan.name),
         (2.0 * fall / scenario.drag.dt) as u64,
     );
-    let mut sim = bed::pour(scenario, plan, &stage)?;
+    let mut sim = bed::pour(scenario, plan, &mut stage)?;
     checkpoint::write(&folder.bed(&plan.name), &mut sim)?;
     let performance = timed(stage, &sim, sim.step_count());
     let summary = survey(scenario, plan, checkpoint::read(&folder.bed(&plan.name))?);

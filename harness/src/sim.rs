@@ -132,13 +132,12 @@ impl Sim {
         obstacles: Vec<Obstacle<f64>>,
     ) -> Self {
         let n = grains.len();
-        let mean = grains.iter().map(|g| g.diameter).sum::<f64>() / n.max(1) as f64;
         let row = |v: [f64; 3], w: f64| [v[0], v[1], v[2], w];
         let mut sim = Self {
             law,
             domain,
             dt,
-            skin: 0.1 * mean,
+            skin: 0.0,
             id: grains.iter().map(|g| g.id).collect(),
             group: grains.iter().map(|g| g.group).collect(),
             groups,
@@ -161,7 +160,14 @@ impl Sim {
             clock: Clock::default(),
         };
         sim.fit_storage();
+        sim.choose_skin();
         sim
+    }
+
+    /// Sets the skin to a tenth of the mean diameter.
+    pub fn choose_skin(&mut self) {
+        let radii = self.position.iter().map(|x| x[3]).sum::<f64>();
+        self.skin = 0.2 * radii / self.count().max(1) as f64;
     }
 
     /// Fits the lists and cells to the number of grains, after grains were added or read.

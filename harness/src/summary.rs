@@ -40,7 +40,7 @@ pub struct BedSummary {
     pub surface: f64,
     /// Depth of the intruder's centre below the surface.
     pub depth: f64,
-    /// Solid fraction between 1 d above the base and 2 d below the surface, intruder left out.
+    /// Solid fraction from z = 1 d to 2 d below the surface, intruder left out.
     pub packing_fraction: f64,
     /// Mean number of contacts of a free grain below the surface layer.
     pub coordination_number: f64,
@@ -100,8 +100,8 @@ pub struct RunSummary {
     pub contacts: Mean,
     /// Mean drag over all steps, nothing cut.
     pub drag_uncut: f64,
-    /// Drag over the weight of the bed above the intruder's lowest point: above 0.3 the layers above
-    /// slide with the intruder.
+    /// Drag over the weight of the bed above the intruder's lowest point. Nothing but friction holds
+    /// that part back in a periodic box: the larger the ratio, the more of it slides along.
     pub plug_ratio: f64,
     /// Digest of the final state, in hex.
     pub digest: String,

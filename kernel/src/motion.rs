@@ -121,7 +121,8 @@ fn blame<R: Real>(k: &Kick<'_, R>, half: R, dt: R) -> Fault {
             return Fault::TooFast { id };
         }
     }
-    Fault::NotStarted
+    // Unreachable: the pass above found one of these.
+    Fault::NotFinite { id: 0 }
 }
 
 /// Moves each grain by one step and wraps it.

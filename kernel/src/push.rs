@@ -452,14 +452,19 @@ pub fn push_obstacles<R: Real, L: Law<R>>(
         let r = law.react(&contact, head(touch.spring[t]), sight.dt);
         let push = add(scale(contact.normal, r.normal), r.tangential);
         let couple = cross(contact.normal, r.tangential);
-        // The force acts where the grain's lever ends; its moment is about the obstacle's point.
-        let lever = sub(offset, scale(contact.normal, r.arm_i));
+        // A ball's lever is the law's, as for two grains. Elsewhere the force acts where the grain's
+        // lever ends, and its moment is about the obstacle's point.
+        let moment = if contact.radius_j > R::ZERO {
+            scale(couple, r.arm_j)
+        } else {
+            cross(sub(offset, scale(contact.normal, r.arm_i)), push)
+        };
         touch.obstacle[t] = k | TOUCHING;
         touch.spring[t] = [r.spring[0], r.spring[1], r.spring[2], R::ZERO];
         force[i] = plus(force[i], push);
         torque[i] = minus(torque[i], scale(couple, r.arm_i));
         body.force = sub(body.force, push);
-        body.torque = sub(body.torque, cross(lever, push));
+        body.torque = sub(body.torque, moment);
         watch(Pushed {
             i: i as u32,
             partner: Partner::Obstacle(k),

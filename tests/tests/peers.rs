@@ -169,6 +169,7 @@ fn lammps_driven_sphere_as_obstacle() {
         .start("moved_partner_soft", |_| {})
         .expect("the peers ran it");
     let scale = largest(traj.iter().flat_map(|s| triple(&s[1], 10)));
+    let torques = largest(traj.iter().flat_map(|s| triple(&s[1], 13)));
     for sample in &traj {
         sim.steps(sample[1][0] as u64 - sim.step_count())
             .expect("the peers ran it");
@@ -177,6 +178,12 @@ fn lammps_driven_sphere_as_obstacle() {
         assert!(
             off <= TRAJECTORY * scale,
             "force on the sphere is off by {off:e}"
+        );
+        let theirs = triple(&sample[1], 13);
+        let off = largest((0..3).map(|a| sim.obstacles[0].torque[a] - theirs[a]));
+        assert!(
+            off <= TRAJECTORY * torques,
+            "torque on the sphere is off by {off:e}"
         );
     }
 }
@@ -238,7 +245,9 @@ fn floor() -> ObstacleSpec {
 #[test]
 fn lammps_oblique_wall_collisions() {
     let file = json("peers/lammps_wall_oblique.json");
-    for c in file["cases"].as_array().expect("cases") {
+    let cases = file["cases"].as_array().expect("cases");
+    assert_eq!(cases.len(), 2);
+    for c in cases {
         let traj = trajectory(c);
         let ball = grain(
             1,

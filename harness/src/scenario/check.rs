@@ -218,7 +218,9 @@ impl Scenario {
                 return refuse(
                     key,
                     format!(
-                        "puts the intruder's centre at z = {height}: outside the box, 0 to {z}"
+                        "puts the intruder between z = {} and {}: the box holds 0 to {z}",
+                        height - 0.5 * diameter,
+                        height + 0.5 * diameter
                     ),
                 );
             }

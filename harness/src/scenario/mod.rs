@@ -283,13 +283,14 @@ pub fn parse(text: &str, place: &str, sets: &[String]) -> Result<Scenario> {
         Error::input(place, teach(e.message()))
     };
     let alone = toml::from_str::<Scenario>(text);
+    let mut table: toml::Table = toml::from_str(text).map_err(from_file)?;
+    for set in sets {
+        apply(&mut table, set)?;
+    }
+    refuse_reduced_defaults(&table, place)?;
     let scenario = if sets.is_empty() {
         alone.map_err(from_file)?
     } else {
-        let mut table: toml::Table = toml::from_str(text).map_err(from_file)?;
-        for set in sets {
-            apply(&mut table, set)?;
-        }
         let together = serde_path_to_error::deserialize(toml::Value::Table(table));
         match (together, alone) {
             (Ok(scenario), _) => scenario,
@@ -305,6 +306,34 @@ pub fn parse(text: &str, place: &str, sets: &[String]) -> Result<Scenario> {
         .check()
         .map_err(|(key, problem)| Error::input(format!("{place}: `{key}`"), problem))?;
     Ok(scenario)
+}
+
+/// The defaults are the paper's, in reduced units: in SI units every one of them must be given.
+fn refuse_reduced_defaults(table: &toml::Table, place: &str) -> Result<()> {
+    if table.get("units").and_then(toml::Value::as_str) != Some("si") {
+        return Ok(());
+    }
+    let needed = [
+        "gravity",
+        "law",
+        "bed.density",
+        "bed.diameters",
+        "bed.base",
+        "intruder.density",
+    ];
+    for key in needed {
+        let found = match key.split_once('.') {
+            None => table.get(key),
+            Some((outer, inner)) => table.get(outer).and_then(|t| t.get(inner)),
+        };
+        if found.is_none() {
+            return Err(Error::input(
+                format!("{place}: `{key}`"),
+                "is missing; its default is in reduced units, so with units = \"si\" give it",
+            ));
+        }
+    }
+    Ok(())
 }
 
 fn apply(table: &mut toml::Table, set: &str) -> Result<()> {

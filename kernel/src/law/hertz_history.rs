@@ -20,7 +20,7 @@ use crate::vec3::{Vec3, add, cross, dot, scale, sub};
 pub struct HertzHistory<R> {
     /// Normal stiffness `K_n` (pressure), positive. Kumar eq. 3: `4 G / (3 (1 - nu))`.
     pub kn: R,
-    /// Tangential stiffness `K_t` (pressure), positive. Kumar eq. 3: `4 G / (2 - nu)`.
+    /// Tangential stiffness `K_t` (pressure), zero or more. Kumar eq. 3: `4 G / (2 - nu)`.
     pub kt: R,
     /// Normal damping `gamma_n` (1 / (time length)), zero or more.
     pub gamma_n: R,
@@ -52,13 +52,18 @@ impl<R: Real> Law<R> for HertzHistory<R> {
         let slides = ft > cap;
         let f = if slides { cap / ft } else { R::ONE };
 
-        let shrunk = scale(sub(scale(q, f), damp), R::ONE / self.kt);
+        let per_kt = if self.kt > R::ZERO {
+            R::ONE / self.kt
+        } else {
+            R::ZERO
+        };
+        let shrunk = scale(sub(scale(q, f), damp), per_kt);
         let keep = !slides;
         let hold = slides && empty;
         let g = if hold { R::ZERO } else { -(h * f) };
         let mut left = [R::ZERO; 3];
         for k in 0..3 {
-            let slid = if hold { grown[k] } else { shrunk[k] };
+            let slid = if hold { s[k] } else { shrunk[k] };
             left[k] = if keep { s[k] } else { slid };
         }
         Reaction {
