@@ -48,166 +48,190 @@ pub fn read_data(path: &Path) -> Result<DataFile> {
 /// # Errors
 /// As [`read_data`].
 pub fn parse_data(text: &str, name: &str) -> Result<DataFile> {
-    let fail = |line: usize, problem: String| Error::input(format!("{name}:{line}"), problem);
-    let mut expected = None;
-    let (mut lo, mut hi) = ([0.0; 3], [0.0; 3]);
-    let mut edges = [false; 3];
-    let mut atoms: Vec<Atom> = Vec::new();
-    let mut section = String::new();
-    let mut velocities: Vec<(u32, [f64; 6], usize)> = Vec::new();
+    let mut parts = Parts::default();
+    let mut section = Section::Header;
     let mut last = 0;
     for (number, raw) in text.lines().enumerate() {
-        let line = number + 1;
-        last = line;
+        last = number + 1;
         let content = raw.split('#').next().unwrap_or("").trim();
         // The first line is a title whatever it says.
-        if line == 1 || content.is_empty() {
+        if number == 0 || content.is_empty() {
             continue;
         }
         let words: Vec<&str> = content.split_whitespace().collect();
-        if words[0].starts_with(|c: char| c.is_ascii_alphabetic()) {
-            if !matches!(words[0], "Atoms" | "Velocities") {
-                return Err(fail(
-                    line,
-                    format!(
-                        "section `{content}` is not understood; Atoms (sphere) and Velocities are"
-                    ),
-                ));
-            }
-            let style = raw.split('#').nth(1).map(str::trim);
-            if words[0] == "Atoms" && style.is_some_and(|s| s != "sphere") {
-                return Err(fail(line, "expected `Atoms # sphere`".into()));
-            }
-            section = words[0].to_string();
-            continue;
-        }
-        match section.as_str() {
-            "" => {
-                if words.len() == 2 && words[1] == "atoms" {
-                    let n = words[0].parse::<usize>();
-                    expected =
-                        Some(n.map_err(|_| fail(line, format!("`{}` is not a count", words[0])))?);
-                } else if words.len() == 4 {
-                    let axis = ["xlo", "ylo", "zlo"].iter().position(|w| *w == words[2]);
-                    let Some(a) = axis else {
-                        return Err(fail(line, format!("`{content}` is not understood")));
-                    };
-                    if words[3] != ["xhi", "yhi", "zhi"][a] {
-                        return Err(fail(line, format!("`{content}` is not understood")));
-                    }
-                    lo[a] = number_of(words[0]).map_err(|p| fail(line, p))?;
-                    hi[a] = number_of(words[1]).map_err(|p| fail(line, p))?;
-                    if lo[a] >= hi[a] {
-                        return Err(fail(line, "the lower edge must lie below the upper".into()));
-                    }
-                    edges[a] = true;
-                } else if words.len() == 6 {
-                    return Err(fail(line, "tilted boxes are not understood".into()));
-                }
-            }
-            "Atoms" => {
-                if words.len() != 7 && words.len() != 10 {
-                    return Err(fail(
-                        line,
-                        format!(
-                            "expected id, type, diameter, density, x, y, z (and perhaps three image counts), found {} words",
-                            words.len()
-                        ),
-                    ));
-                }
-                if words[7..].iter().any(|w| w.parse::<i32>().is_err()) {
-                    return Err(fail(line, "image counts must be whole numbers".into()));
-                }
-                let v = numbers::<5>(&words[2..7]).map_err(|p| fail(line, p))?;
-                if v[0] <= 0.0 || v[1] <= 0.0 {
-                    return Err(fail(line, "diameter and density must be positive".into()));
-                }
-                atoms.push(Atom {
-                    id: id_of(words[0]).map_err(|p| fail(line, p))?,
-                    kind: id_of(words[1]).map_err(|p| fail(line, p))?,
-                    diameter: v[0],
-                    density: v[1],
-                    position: [v[2], v[3], v[4]],
-                    velocity: [0.0; 3],
-                    spin: [0.0; 3],
-                });
-            }
-            _ => {
-                if words.len() != 7 {
-                    return Err(fail(
-                        line,
-                        format!(
-                            "expected id, velocity and spin (7 words), found {}",
-                            words.len()
-                        ),
-                    ));
-                }
-                let id = id_of(words[0]).map_err(|p| fail(line, p))?;
-                velocities.push((
-                    id,
-                    numbers::<6>(&words[1..]).map_err(|p| fail(line, p))?,
-                    line,
-                ));
-            }
-        }
-    }
-    if let Some(a) = edges.iter().position(|e| !e) {
-        let axis = ["x", "y", "z"][a];
-        return Err(fail(
-            last,
-            format!("the box has no `{axis}lo {axis}hi` line"),
-        ));
-    }
-    if expected != Some(atoms.len()) {
-        let want = expected.map_or("no `atoms` line".into(), |n| format!("{n} announced"));
-        return Err(fail(
-            last,
-            format!("{} atoms found, {want}: is the file cut off?", atoms.len()),
-        ));
-    }
-    atoms.sort_by_key(|a| a.id);
-    if let Some(pair) = atoms.windows(2).find(|p| p[0].id == p[1].id) {
-        return Err(fail(last, format!("atom id {} appears twice", pair[0].id)));
-    }
-    if !velocities.is_empty() && velocities.len() != atoms.len() {
-        return Err(fail(
-            last,
-            format!(
-                "{} velocities for {} atoms: is the file cut off?",
-                velocities.len(),
-                atoms.len()
-            ),
-        ));
-    }
-    let mut seen: Vec<u32> = velocities.iter().map(|(id, ..)| *id).collect();
-    seen.sort_unstable();
-    if let Some(pair) = seen.windows(2).find(|p| p[0] == p[1]) {
-        return Err(fail(
-            last,
-            format!("the velocity of atom {} appears twice", pair[0]),
-        ));
-    }
-    for (id, v, line) in velocities {
-        let Ok(at) = atoms.binary_search_by_key(&id, |a| a.id) else {
-            return Err(fail(
-                line,
-                format!("velocity of atom {id}, which is not among the atoms"),
-            ));
+        let read = match (Section::begin(&words, raw), section) {
+            (Some(begun), _) => begun.map(|begun| section = begun),
+            (None, Section::Header) => parts.header(&words),
+            (None, Section::Atoms) => parts.atom(&words),
+            (None, Section::Velocities) => parts.velocity(&words, last),
         };
-        atoms[at].velocity = [v[0], v[1], v[2]];
-        atoms[at].spin = [v[3], v[4], v[5]];
+        read.map_err(|problem| Error::input(format!("{name}:{last}"), problem))?;
     }
-    Ok(DataFile { lo, hi, atoms })
+    parts
+        .finish(last)
+        .map_err(|(line, problem)| Error::input(format!("{name}:{line}"), problem))
 }
 
-fn number_of(word: &str) -> std::result::Result<f64, String> {
+type Read<T> = std::result::Result<T, String>;
+
+/// Part of a data file.
+#[derive(Clone, Copy)]
+enum Section {
+    Header,
+    Atoms,
+    Velocities,
+}
+
+impl Section {
+    /// The section that a line begins, if it begins one.
+    fn begin(words: &[&str], raw: &str) -> Option<Read<Self>> {
+        if !words[0].starts_with(|c: char| c.is_ascii_alphabetic()) {
+            return None;
+        }
+        let style = raw.split('#').nth(1).map(str::trim);
+        Some(match words[0] {
+            "Atoms" if style.is_some_and(|s| s != "sphere") => {
+                Err("expected `Atoms # sphere`".into())
+            }
+            "Atoms" => Ok(Section::Atoms),
+            "Velocities" => Ok(Section::Velocities),
+            _ => Err(format!(
+                "section `{}` is not understood; Atoms (sphere) and Velocities are",
+                words.join(" ")
+            )),
+        })
+    }
+}
+
+/// What has been read so far.
+#[derive(Default)]
+struct Parts {
+    expected: Option<usize>,
+    lo: [f64; 3],
+    hi: [f64; 3],
+    edges: [bool; 3],
+    atoms: Vec<Atom>,
+    /// Id, velocity and spin, line.
+    velocities: Vec<(u32, [f64; 6], usize)>,
+}
+
+impl Parts {
+    fn header(&mut self, words: &[&str]) -> Read<()> {
+        let strange = || format!("`{}` is not understood", words.join(" "));
+        if words.len() == 2 && words[1] == "atoms" {
+            let count = words[0].parse::<usize>();
+            self.expected = Some(count.map_err(|_| format!("`{}` is not a count", words[0]))?);
+        } else if words.len() == 4 {
+            let axis = ["xlo", "ylo", "zlo"].iter().position(|w| *w == words[2]);
+            let a = axis.ok_or_else(strange)?;
+            if words[3] != ["xhi", "yhi", "zhi"][a] {
+                return Err(strange());
+            }
+            self.lo[a] = number_of(words[0])?;
+            self.hi[a] = number_of(words[1])?;
+            self.edges[a] = true;
+            if self.lo[a] >= self.hi[a] {
+                return Err("the lower edge must lie below the upper".into());
+            }
+        } else if words.len() == 6 {
+            return Err("tilted boxes are not understood".into());
+        }
+        Ok(())
+    }
+
+    fn atom(&mut self, words: &[&str]) -> Read<()> {
+        if words.len() != 7 && words.len() != 10 {
+            return Err(format!(
+                "expected id, type, diameter, density, x, y, z (and perhaps three image counts), \
+                 found {} words",
+                words.len()
+            ));
+        }
+        if words[7..].iter().any(|w| w.parse::<i32>().is_err()) {
+            return Err("image counts must be whole numbers".into());
+        }
+        let [diameter, density, x, y, z] = numbers::<5>(&words[2..7])?;
+        if diameter <= 0.0 || density <= 0.0 {
+            return Err("diameter and density must be positive".into());
+        }
+        self.atoms.push(Atom {
+            id: id_of(words[0])?,
+            kind: id_of(words[1])?,
+            diameter,
+            density,
+            position: [x, y, z],
+            velocity: [0.0; 3],
+            spin: [0.0; 3],
+        });
+        Ok(())
+    }
+
+    fn velocity(&mut self, words: &[&str], line: usize) -> Read<()> {
+        if words.len() != 7 {
+            let found = words.len();
+            return Err(format!(
+                "expected id, velocity and spin (7 words), found {found}"
+            ));
+        }
+        let numbers = numbers::<6>(&words[1..])?;
+        self.velocities.push((id_of(words[0])?, numbers, line));
+        Ok(())
+    }
+
+    /// Puts the parts together; an error comes with its line.
+    fn finish(mut self, last: usize) -> std::result::Result<DataFile, (usize, String)> {
+        if let Some(a) = self.edges.iter().position(|e| !e) {
+            let axis = ["x", "y", "z"][a];
+            return Err((last, format!("the box has no `{axis}lo {axis}hi` line")));
+        }
+        let found = self.atoms.len();
+        if self.expected != Some(found) {
+            let want = self
+                .expected
+                .map_or("no `atoms` line".into(), |n| format!("{n} announced"));
+            return Err((
+                last,
+                format!("{found} atoms found, {want}: is the file cut off?"),
+            ));
+        }
+        self.atoms.sort_by_key(|a| a.id);
+        if let Some(pair) = self.atoms.windows(2).find(|p| p[0].id == p[1].id) {
+            return Err((last, format!("atom id {} appears twice", pair[0].id)));
+        }
+        self.velocities.sort_by_key(|(id, _, line)| (*id, *line));
+        if let Some(pair) = self.velocities.windows(2).find(|p| p[0].0 == p[1].0) {
+            let (id, _, line) = pair[1];
+            return Err((line, format!("the velocity of atom {id} appears twice")));
+        }
+        let given = self.velocities.len();
+        if given != 0 && given != found {
+            let problem = format!("{given} velocities for {found} atoms: is the file cut off?");
+            return Err((last, problem));
+        }
+        for (atom, (id, v, line)) in self.atoms.iter_mut().zip(self.velocities) {
+            if atom.id != id {
+                let problem = format!("velocity of atom {id}, which is not among the atoms");
+                return Err((line, problem));
+            }
+            atom.velocity = [v[0], v[1], v[2]];
+            atom.spin = [v[3], v[4], v[5]];
+        }
+        Ok(DataFile {
+            lo: self.lo,
+            hi: self.hi,
+            atoms: self.atoms,
+        })
+    }
+}
+
+fn number_of(word: &str) -> Read<f64> {
     match word.parse::<f64>() {
         Ok(x) if x.is_finite() => Ok(x),
         _ => Err(format!("`{word}` is not a finite number")),
     }
 }
 
-fn numbers<const N: usize>(words: &[&str]) -> std::result::Result<[f64; N], String> {
+fn numbers<const N: usize>(words: &[&str]) -> Read<[f64; N]> {
     let mut out = [0.0; N];
     for (k, word) in words.iter().enumerate() {
         out[k] = number_of(word)?;
@@ -215,7 +239,7 @@ fn numbers<const N: usize>(words: &[&str]) -> std::result::Result<[f64; N], Stri
     Ok(out)
 }
 
-fn id_of(word: &str) -> std::result::Result<u32, String> {
+fn id_of(word: &str) -> Read<u32> {
     match word.parse::<u32>() {
         Ok(id) if id > 0 => Ok(id),
         _ => Err(format!("`{word}` is not a positive whole number")),
