@@ -70,17 +70,6 @@ impl<R: Real> Domain<R> {
         self.periodic
     }
 
-    /// Half the shortest period; the largest finite number where no axis is periodic.
-    pub fn half_period(&self) -> R {
-        let mut least = R::MAX;
-        for a in 0..3 {
-            if self.half[a] < least {
-                least = self.half[a];
-            }
-        }
-        least
-    }
-
     /// `a - b` to the nearest image: subtract first, then one selection per axis.
     #[inline(always)]
     pub fn separation(&self, a: Vec3<R>, b: Vec3<R>) -> Vec3<R> {

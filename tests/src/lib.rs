@@ -1,8 +1,10 @@
-//! What several tests share: where the goldens are, and how the peers' data is read.
+//! What several tests share: where the goldens are, how the peers' data is read, and small cases.
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use bitgrain::case::{Case, GrainSpec, ObstacleSpec};
+use bitgrain::law::LawSpec;
 use serde_json::Value;
 
 /// A file or folder under `golden/`.
@@ -52,4 +54,30 @@ pub fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
     values
         .into_iter()
         .fold(0.0, |a, b| if b.abs() > a { b.abs() } else { a })
+}
+
+/// A case in open space, without gravity.
+pub fn open_case(
+    law: LawSpec,
+    dt: f64,
+    grains: Vec<GrainSpec>,
+    obstacles: Vec<ObstacleSpec>,
+) -> Case {
+    Case {
+        law,
+        bounds: None,
+        gravity: [0.0; 3],
+        dt,
+        obstacles,
+        grains,
+    }
+}
+
+/// A resting wall at z = 0 with the grains above it.
+pub fn floor() -> ObstacleSpec {
+    ObstacleSpec::Plane {
+        point: [0.0; 3],
+        normal: [0.0, 0.0, 1.0],
+        velocity: [0.0; 3],
+    }
 }

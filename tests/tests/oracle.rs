@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 
 use bitgrain::sim::{AnyLaw, Grain, Sim, sphere_mass};
 use bitgrain_kernel::law::{Contact, HertzHistory, HertzTsuji, Law, Reaction};
+use bitgrain_kernel::vec3::head;
 use bitgrain_kernel::{Domain, Group, Obstacle, Shape, vec3};
 use proptest::prelude::*;
 
@@ -22,10 +23,6 @@ fn react(law: &AnyLaw, contact: &Contact<f64>, spring: V, dt: f64) -> Reaction<f
         AnyLaw::HertzHistory(law) => law.react(contact, spring, dt),
         AnyLaw::HertzTsuji(law) => law.react(contact, spring, dt),
     }
-}
-
-fn head(row: [f64; 4]) -> V {
-    [row[0], row[1], row[2]]
 }
 
 impl Slow {

@@ -7,7 +7,7 @@ use bitgrain::case::{BoxSpec, Case, GrainSpec, MotionSpec, ObstacleSpec};
 use bitgrain::law::LawSpec;
 use bitgrain::sim::Sim;
 use bitgrain_kernel::{Partner, vec3};
-use bitgrain_tests::{golden, json, largest, number, numbers, triple};
+use bitgrain_tests::{floor, golden, json, largest, number, numbers, open_case, triple};
 use serde_json::Value;
 
 const STEP_0: f64 = 1e-12;
@@ -95,17 +95,6 @@ fn flags(value: &Value, count: usize) -> Vec<bool> {
     (0..count)
         .map(|k| value[k].as_bool().unwrap_or(false))
         .collect()
-}
-
-fn open_case(law: LawSpec, dt: f64, grains: Vec<GrainSpec>, obstacles: Vec<ObstacleSpec>) -> Case {
-    Case {
-        law,
-        bounds: None,
-        gravity: [0.0; 3],
-        dt,
-        obstacles,
-        grains,
-    }
 }
 
 #[test]
@@ -231,14 +220,6 @@ fn liggghts_pair_and_wall_collisions() {
         let case = open_case(law, number(&c["dt"]), grains.collect(), obstacles);
         let name = format!("{} dt {}", c["name"], c["dt"]);
         compare(&name, &case, &traj, &frozen);
-    }
-}
-
-fn floor() -> ObstacleSpec {
-    ObstacleSpec::Plane {
-        point: [0.0; 3],
-        normal: [0.0, 0.0, 1.0],
-        velocity: [0.0; 3],
     }
 }
 

@@ -1,9 +1,10 @@
 //! Closed forms and conservation laws.
 
-use bitgrain::case::{BoxSpec, Case, GrainSpec, MotionSpec, ObstacleSpec};
+use bitgrain::case::{BoxSpec, GrainSpec, MotionSpec, ObstacleSpec};
 use bitgrain::law::LawSpec;
 use bitgrain::sim::{AnyLaw, Sim};
 use bitgrain_kernel::{Bond, Shape};
+use bitgrain_tests::{floor, open_case};
 
 fn kumar(mu: f64) -> LawSpec {
     LawSpec::HertzHistory {
@@ -37,29 +38,10 @@ fn ball(id: u32, position: [f64; 3], velocity: [f64; 3]) -> GrainSpec {
     }
 }
 
-fn floor() -> ObstacleSpec {
-    ObstacleSpec::Plane {
-        point: [0.0; 3],
-        normal: [0.0, 0.0, 1.0],
-        velocity: [0.0; 3],
-    }
-}
-
-fn case(law: LawSpec, dt: f64, grains: Vec<GrainSpec>, obstacles: Vec<ObstacleSpec>) -> Case {
-    Case {
-        law,
-        bounds: None,
-        gravity: [0.0; 3],
-        dt,
-        obstacles,
-        grains,
-    }
-}
-
 /// Speed after over speed before of a ball of diameter 1 on a flat wall (Kumar 2018, Fig. 2).
 fn restitution(speed: f64, dt: f64) -> f64 {
     let start = ball(1, [0.0, 0.0, 0.5 + 1e-7], [0.0, 0.0, -speed]);
-    let mut sim = case(kumar(0.5), dt, vec![start], vec![floor()])
+    let mut sim = open_case(kumar(0.5), dt, vec![start], vec![floor()])
         .start("wall", |_| {})
         .expect("a sound case");
     for _ in 0..1_000_000 {
@@ -149,7 +131,7 @@ fn without_friction_energy_falls_monotonically() {
         ];
         grains.push(ball(k + 1, position, [wobble, -wobble, 0.0]));
     }
-    let mut world = case(soft(0.0, 792.4465962305567), 1e-4, grains, vec![floor()]);
+    let mut world = open_case(soft(0.0, 792.4465962305567), 1e-4, grains, vec![floor()]);
     world.gravity = [0.0, 0.0, -1.0];
     world.bounds = Some(BoxSpec {
         lo: [0.0, 0.0, -1.0],
@@ -191,7 +173,7 @@ fn an_elastic_collision_keeps_its_energy() {
             ball(1, [0.0; 3], [1.0, 0.0, 0.0]),
             ball(2, [1.000_05, 0.0, 0.0], [-1.0, 0.0, 0.0]),
         ];
-        let mut sim = case(soft(0.0, 0.0), dt, grains, vec![])
+        let mut sim = open_case(soft(0.0, 0.0), dt, grains, vec![])
             .start("elastic", |_| {})
             .unwrap();
         let before = sim.kinetic_energy();
@@ -210,7 +192,7 @@ fn a_free_pair_keeps_its_momentum_to_the_last_bits() {
     let mut spun = ball(1, [0.0; 3], [1.0, 0.4, -0.3]);
     spun.spin = [3.0, -2.0, 5.0];
     let grains = vec![spun, ball(2, [1.000_05, 0.1, 0.0], [-0.5, 0.2, 0.1])];
-    let mut sim = case(soft(0.5, 792.0), 1e-4, grains, vec![])
+    let mut sim = open_case(soft(0.5, 792.0), 1e-4, grains, vec![])
         .start("pair", |_| {})
         .unwrap();
     let momentum = |sim: &Sim, a: usize| {
@@ -240,7 +222,7 @@ fn forces_on_an_obstacle_have_the_stated_sign() {
         ball(1, [1.499, 0.0, 0.0], [0.0; 3]),
         ball(2, [0.0, 0.0, 1.499], [0.0; 3]),
     ];
-    let sim = case(soft(0.5, 792.0), 1e-4, grains, vec![pushed])
+    let sim = open_case(soft(0.5, 792.0), 1e-4, grains, vec![pushed])
         .start("push", |_| {})
         .unwrap();
     let force = sim.obstacles[0].force;
@@ -254,7 +236,7 @@ fn forces_on_an_obstacle_have_the_stated_sign() {
 #[test]
 fn sliding_friction_turns_a_grain_with_its_radius_as_lever() {
     let grains = vec![ball(1, [0.0, 0.0, 0.49], [2.0, 0.0, 0.0])];
-    let mut sim = case(soft(0.5, 0.0), 1e-5, grains, vec![floor()])
+    let mut sim = open_case(soft(0.5, 0.0), 1e-5, grains, vec![floor()])
         .start("slide", |_| {})
         .unwrap();
     sim.steps(3).unwrap();
