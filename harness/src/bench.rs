@@ -3,26 +3,20 @@
 use std::path::Path;
 use std::time::Instant;
 
-use bitgrain_kernel::{Domain, Group, Obstacle};
 use serde::Serialize;
 
-use crate::bed;
+use crate::bed::{self, import};
 use crate::case::refuse;
 use crate::error::{Error, Result};
-use crate::lammps::{Atom, read_data};
+use crate::export::OBSTACLE_TYPE;
+use crate::lammps::read_atoms;
 use crate::law::LawSpec;
-use crate::order::spatial_order;
 use crate::progress::Progress;
 use crate::scenario;
-use crate::sim::{Grain, Sim, hex, sphere_mass};
+use crate::sim::{Sim, hex};
 
 /// Steps before the clock starts.
 const WARM_UP: u64 = 500;
-
-/// Data files: atoms of this type are the intruder, driven at speed 1 along x.
-const INTRUDER_TYPE: u32 = 2;
-/// Data files: atoms of this type are the frozen base.
-const FROZEN_TYPE: u32 = 3;
 
 /// What a bench measured.
 #[derive(Clone, Debug, Serialize)]
@@ -73,70 +67,21 @@ pub const SOFT_TIME_STEP: f64 = 1.5e-4;
 /// [`Error::Input`] where the file cannot be read, holds no free grain, an impossible box, or grains
 /// too small or light for [`SOFT_TIME_STEP`].
 pub fn read_bed(path: &Path) -> Result<Sim> {
-    let data = read_data(path)?;
+    let data = read_atoms(path)?;
     let place = path.display().to_string();
-    let (balls, atoms): (Vec<&Atom>, Vec<&Atom>) =
-        data.atoms.iter().partition(|a| a.kind == INTRUDER_TYPE);
-    if !atoms.iter().any(|a| a.kind != FROZEN_TYPE) {
-        return Err(Error::input(
-            place,
-            "holds no grain of a type other than 2 and 3",
-        ));
-    }
     let wrong = |what: String| Error::input(place.clone(), what);
-    let [x, y, z] = data.hi;
-    // Beds are cut close; grains that fly up must not leave the box.
-    let height = z - data.lo[2];
-    let hi = [x, y, z + 4.0 * height];
-    let domain = Domain::new(data.lo, hi, [true, true, false]).map_err(|f| wrong(f.to_string()))?;
-    let obstacles = balls.iter().map(|a| {
-        let mut center = a.position;
-        domain.wrap(&mut center, &mut [0; 3]);
-        Obstacle {
-            velocity: [1.0, 0.0, 0.0],
-            inverse_mass: 1.0 / sphere_mass(a.diameter, a.density),
-            ..Obstacle::sphere(center, 0.5 * a.diameter)
-        }
-    });
-    let points: Vec<[f64; 4]> = atoms
-        .iter()
-        .map(|a| [a.position[0], a.position[1], a.position[2], 0.0])
-        .collect();
-    let width = atoms.iter().map(|a| a.diameter).sum::<f64>() / atoms.len() as f64;
-    let grains: Vec<Grain> = spatial_order(&points, width)
-        .into_iter()
-        .enumerate()
-        .map(|(k, from)| {
-            let a = atoms[from];
-            let frozen = a.kind == FROZEN_TYPE;
-            let mut position = a.position;
-            domain.wrap(&mut position, &mut [0; 3]);
-            Grain {
-                id: k as u32 + 1,
-                group: if frozen { bed::FROZEN } else { bed::FREE },
-                diameter: a.diameter,
-                density: a.density,
-                position,
-                velocity: if frozen { [0.0; 3] } else { a.velocity },
-                spin: if frozen { [0.0; 3] } else { a.spin },
-            }
-        })
-        .collect();
-    let sizes = atoms.iter().map(|a| (0.5 * a.diameter, a.density));
-    let checked = soft_law().check_time_step(SOFT_TIME_STEP, sizes);
-    checked.map_err(|p| wrong(format!("the time step {p}")))?;
     let law = soft_law()
         .build()
         .map_err(|(key, p)| wrong(format!("law.{key} {p}")))?;
-    let groups = vec![Group::free([0.0, 0.0, -1.0]), Group::frozen()];
-    Ok(Sim::new(
-        law,
-        domain,
-        SOFT_TIME_STEP,
-        groups,
-        &grains,
-        obstacles.collect(),
-    ))
+    let (mut sim, _) = import::world(&data, law, SOFT_TIME_STEP, 1.0).map_err(wrong)?;
+    for ball in &mut sim.obstacles {
+        ball.velocity = [1.0, 0.0, 0.0];
+    }
+    let grains = data.atoms.iter().filter(|a| a.kind != OBSTACLE_TYPE);
+    let sizes = grains.map(|a| (0.5 * a.diameter, a.density));
+    let checked = soft_law().check_time_step(SOFT_TIME_STEP, sizes);
+    checked.map_err(|p| wrong(format!("the time step {p}")))?;
+    Ok(sim)
 }
 
 /// Times `steps` steps of a bed, on `threads` copies side by side.
@@ -188,7 +133,7 @@ pub fn bench(bed: Option<&Path>, steps: u64, threads: usize, progress: &Progress
                         stepped(sim, some)?;
                         done += some;
                         if k == 0 {
-                            stage.at(done, String::new());
+                            stage.at(done, sim.count(), "")?;
                         }
                     }
                     Ok(())

@@ -62,8 +62,12 @@ pub enum ObstacleSpec {
         center: [f64; 3],
         /// Diameter.
         diameter: f64,
-        /// Mass density.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
+        /// Mass density; a null is no way to leave it out.
+        #[serde(
+            default,
+            deserialize_with = "number",
+            skip_serializing_if = "Option::is_none"
+        )]
         density: Option<f64>,
         /// Velocity.
         #[serde(default)]
@@ -117,6 +121,10 @@ pub struct GrainSpec {
     /// How it moves.
     #[serde(default)]
     pub motion: MotionSpec,
+}
+
+fn number<'de, D: serde::Deserializer<'de>>(from: D) -> std::result::Result<Option<f64>, D::Error> {
+    f64::deserialize(from).map(Some)
 }
 
 /// Reads and checks a case file.

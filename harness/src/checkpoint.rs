@@ -12,7 +12,7 @@ use crate::files::write_whole;
 use crate::sim::{AnyLaw, Sim, hex};
 
 /// Version of the file's layout.
-const FORMAT: u32 = 1;
+pub const FORMAT: u32 = 2;
 
 /// What is not an array of grains or contacts. One text under one key, so that a file's bytes do
 /// not depend on the order of a map.
@@ -27,10 +27,19 @@ struct Head {
     domain: Domain<f64>,
     groups: Vec<Group<f64>>,
     obstacles: Vec<Obstacle<f64>>,
+    /// Digest of the recipe the bed was poured by; empty for other states.
+    recipe: String,
     /// Digest of the state, which reading computes anew.
     digest: String,
     /// BLAKE3 over this text, with the seal empty, and every array's name and bytes.
     seal: String,
+}
+
+/// The versions that wrote a checkpoint.
+#[derive(Deserialize)]
+struct Made {
+    format: u32,
+    bits_version: u32,
 }
 
 impl Head {
@@ -60,6 +69,11 @@ const KEY: &str = "bitgrain";
 /// # Errors
 /// [`Error::Write`].
 pub fn write(path: &Path, sim: &mut Sim) -> Result<()> {
+    write_whole(path, &bytes(sim, ""))
+}
+
+/// The bytes of a checkpoint; `recipe` is the digest of the recipe the bed was poured by, or empty.
+pub fn bytes(sim: &mut Sim, recipe: &str) -> Vec<u8> {
     let mut head = Head {
         format: FORMAT,
         bits_version: BITS_VERSION,
@@ -69,63 +83,11 @@ pub fn write(path: &Path, sim: &mut Sim) -> Result<()> {
         domain: sim.domain,
         groups: sim.groups.clone(),
         obstacles: sim.obstacles.clone(),
+        recipe: recipe.to_string(),
         digest: hex(&sim.digest().whole),
         seal: String::new(),
     };
-    let (mut bodies, mut springs, mut kinds) = (Vec::new(), Vec::new(), Vec::new());
-    for bond in sim.bonds() {
-        let (kind, i, partner, spring) = match bond {
-            Bond::Pair { i, j, spring } => (0u8, i, j, spring),
-            Bond::Touch {
-                i,
-                obstacle,
-                spring,
-            } => (1u8, i, obstacle, spring),
-        };
-        kinds.push(kind);
-        bodies.push([i, partner]);
-        springs.push(spring);
-    }
-    let n = sim.count();
-    let rows = |rows: &[Row<f64>]| -> (Dtype, Vec<usize>, Vec<u8>) {
-        let bytes = rows
-            .iter()
-            .flatten()
-            .flat_map(|x| x.to_le_bytes())
-            .collect();
-        (Dtype::F64, vec![n, 4], bytes)
-    };
-    let spring_bytes: Vec<u8> = springs
-        .iter()
-        .flatten()
-        .flat_map(|x| x.to_le_bytes())
-        .collect();
-    let body_bytes: Vec<u8> = bodies
-        .iter()
-        .flatten()
-        .flat_map(|x| x.to_le_bytes())
-        .collect();
-    let image: Vec<u8> = sim
-        .image
-        .iter()
-        .flatten()
-        .flat_map(|x| x.to_le_bytes())
-        .collect();
-    let id: Vec<u8> = sim.id.iter().flat_map(|x| x.to_le_bytes()).collect();
-    let m = kinds.len();
-    let arrays = [
-        ("bond_bodies", (Dtype::U32, vec![m, 2], body_bytes)),
-        ("bond_kind", (Dtype::U8, vec![m], kinds)),
-        ("bond_spring", (Dtype::F64, vec![m, 3], spring_bytes)),
-        ("force", rows(&sim.force)),
-        ("group", (Dtype::U8, vec![n], sim.group.clone())),
-        ("id", (Dtype::U32, vec![n], id)),
-        ("image", (Dtype::I32, vec![n, 3], image)),
-        ("position", rows(&sim.position)),
-        ("spin", rows(&sim.spin)),
-        ("torque", rows(&sim.torque)),
-        ("velocity", rows(&sim.velocity)),
-    ];
+    let arrays = arrays(sim);
     let views = arrays.iter().map(|(name, (dtype, shape, bytes))| {
         let view =
             TensorView::new(*dtype, shape.clone(), bytes).expect("sizes match by construction");
@@ -137,8 +99,47 @@ pub fn write(path: &Path, sim: &mut Sim) -> Result<()> {
             .map(|(name, (_, _, bytes))| (*name, &bytes[..])),
     );
     let metadata = HashMap::from([(KEY.to_string(), head.text())]);
-    let bytes = serialize(views, Some(metadata)).expect("views match by construction");
-    write_whole(path, &bytes)
+    serialize(views, Some(metadata)).expect("views match by construction")
+}
+
+/// A named array: its type, shape and little-endian bytes.
+type Array = (&'static str, (Dtype, Vec<usize>, Vec<u8>));
+
+/// Grains and contacts as arrays, by name.
+fn arrays(sim: &mut Sim) -> [Array; 11] {
+    let (mut bodies, mut springs, mut kinds) = (Vec::new(), Vec::new(), Vec::new());
+    for bond in sim.bonds() {
+        let (kind, i, partner, spring) = match bond {
+            Bond::Pair { i, j, spring } => (0u8, i, j, spring),
+            Bond::Touch {
+                i,
+                obstacle,
+                spring,
+            } => (1u8, i, obstacle, spring),
+        };
+        kinds.push(kind);
+        bodies.extend([i, partner]);
+        springs.extend(spring);
+    }
+    let (n, m) = (sim.count(), kinds.len());
+    let reals = |x: &[f64]| -> Vec<u8> { x.iter().flat_map(|x| x.to_le_bytes()).collect() };
+    let words = |x: &[u32]| -> Vec<u8> { x.iter().flat_map(|x| x.to_le_bytes()).collect() };
+    let rows = |rows: &[Row<f64>]| (Dtype::F64, vec![n, 4], reals(rows.as_flattened()));
+    let image = sim.image.as_flattened().iter();
+    let image: Vec<u8> = image.flat_map(|x| x.to_le_bytes()).collect();
+    [
+        ("bond_bodies", (Dtype::U32, vec![m, 2], words(&bodies))),
+        ("bond_kind", (Dtype::U8, vec![m], kinds)),
+        ("bond_spring", (Dtype::F64, vec![m, 3], reals(&springs))),
+        ("force", rows(&sim.force)),
+        ("group", (Dtype::U8, vec![n], sim.group.clone())),
+        ("id", (Dtype::U32, vec![n], words(&sim.id))),
+        ("image", (Dtype::I32, vec![n, 3], image)),
+        ("position", rows(&sim.position)),
+        ("spin", rows(&sim.spin)),
+        ("torque", rows(&sim.torque)),
+        ("velocity", rows(&sim.velocity)),
+    ]
 }
 
 /// Reads a state back, ready to step on, and proves it by its digest.
@@ -147,30 +148,47 @@ pub fn write(path: &Path, sim: &mut Sim) -> Result<()> {
 /// [`Error::Input`] where the file is missing, damaged, cut off, or of another format or
 /// arithmetic.
 pub fn read(path: &Path) -> Result<Sim> {
-    let place = || path.display().to_string();
     let bytes = std::fs::read(path).map_err(|e| Error::read(path, &e))?;
+    parse(&bytes, &path.display().to_string(), None)
+}
+
+/// The state that the bytes of a checkpoint hold; `name` is what errors call it. Where a `recipe` is
+/// given, its digest must be the one that the bed was poured by.
+///
+/// # Errors
+/// As [`read`].
+pub fn parse(bytes: &[u8], name: &str, recipe: Option<&str>) -> Result<Sim> {
+    let place = || name.to_string();
     let damaged = |what: String| Error::input(place(), format!("not a whole checkpoint: {what}"));
-    let (_, metadata) = SafeTensors::read_metadata(&bytes).map_err(|e| damaged(e.to_string()))?;
-    let file = SafeTensors::deserialize(&bytes).map_err(|e| damaged(e.to_string()))?;
+    let (_, metadata) = SafeTensors::read_metadata(bytes).map_err(|e| damaged(e.to_string()))?;
+    let file = SafeTensors::deserialize(bytes).map_err(|e| damaged(e.to_string()))?;
     let text = metadata.metadata().as_ref().and_then(|m| m.get(KEY));
     let text = text.ok_or_else(|| damaged(format!("no `{KEY}` entry in its metadata")))?;
-    let head: Head = serde_json::from_str(text).map_err(|e| damaged(e.to_string()))?;
-    if head.format != FORMAT || head.bits_version != BITS_VERSION {
+    // The versions first: another format may have other fields.
+    let made: Made = serde_json::from_str(text).map_err(|e| damaged(e.to_string()))?;
+    if made.format != FORMAT || made.bits_version != BITS_VERSION {
         return Err(Error::input(
             place(),
             format!(
                 "written in format {} with arithmetic {}; this program reads format {FORMAT} with \
                  arithmetic {BITS_VERSION}: make the bed again, or use the program that wrote it",
-                head.format, head.bits_version
+                made.format, made.bits_version
             ),
         ));
     }
+    let head: Head = serde_json::from_str(text).map_err(|e| damaged(e.to_string()))?;
     let mut names = file.names();
     names.sort_unstable();
     let bytes_of = |name| file.tensor(name).map_or(&[][..], |view| view.data());
     let seal = head.seal_over(names.into_iter().map(|name| (name, bytes_of(name))));
     if head.text() != *text || seal != head.seal {
         return Err(damaged("its seal does not fit what is in it".into()));
+    }
+    if recipe.is_some_and(|digest| digest != head.recipe) {
+        return Err(Error::input(
+            place(),
+            "holds a bed that was poured by another recipe",
+        ));
     }
     let arrays = Arrays { file: &file };
     let mut sim = arrays.sim(&head).map_err(damaged)?;

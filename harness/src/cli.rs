@@ -3,14 +3,16 @@
 use std::io::{BufWriter, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::atomic::Ordering;
 
-use clap::{Parser, Subcommand};
+use clap::{Args, Parser, Subcommand};
 
+use crate::bed::library::Library;
 use crate::bench::bench;
 use crate::error::{Error, Result};
 use crate::progress::Progress;
 use crate::replay::{Replay, replay};
-use crate::scenario;
+use crate::{forecast, scenario, shelf};
 
 /// Granular beds whose every run is reproducible to the last bit.
 #[derive(Parser)]
@@ -24,62 +26,135 @@ struct Cli {
 enum Command {
     /// Run a scenario: pour its beds, drag its intruder, write the results and a report.
     #[command(after_help = RUN_HELP)]
-    Run {
-        /// A TOML file, or the name of a shipped scenario: quick, kumar-system-1, kumar-system-2.
-        scenario: String,
-        /// Folder for the results [default: out/NAME, NAME the scenario's name].
-        #[arg(long)]
-        out: Option<PathBuf>,
-        /// Beds and speeds to run side by side [default: one for each processor].
-        #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
-        threads: Option<u16>,
-        /// Change a key of the scenario, as in --set law.mu=0.3; may be given several times.
-        #[arg(long = "set", value_name = "KEY=VALUE")]
-        sets: Vec<String>,
-    },
+    Run(Run),
+    /// List, show and remove the settled beds that runs reuse.
+    #[command(subcommand, after_help = BED_HELP)]
+    Bed(Bed),
     /// Time steps of a settled bed on this machine.
-    #[command(after_help = "Example: bitgrain bench --bed bedA_D4.data.gz --steps 4000 --json")]
-    Bench {
-        /// A LAMMPS data file, plain or gzip: type 2 the intruder, driven at V = 1 along x, type 3
-        /// frozen [default: the bed of the quick scenario, poured first].
-        #[arg(long)]
-        bed: Option<PathBuf>,
-        /// Steps to time, after 500 to warm up.
-        #[arg(long, default_value_t = 4000, value_parser = clap::value_parser!(u64).range(1..))]
-        steps: u64,
-        /// Threads, each stepping a copy of the bed.
-        #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
-        threads: u16,
-        /// Print one JSON object.
-        #[arg(long)]
-        json: bool,
-    },
+    #[command(after_help = BENCH_HELP)]
+    Bench(Bench),
     /// Replay a case file and print one JSON line for each sampled step.
-    #[command(after_help = "Example: bitgrain replay case.json --steps 100 --every 10 --contacts")]
-    Replay {
-        /// The case: one JSON file with the whole state and law, plain or gzip.
-        case: PathBuf,
-        /// Steps to run.
-        #[arg(long)]
-        steps: u64,
-        /// Steps between samples [default: only the first and the last].
-        #[arg(long, value_parser = clap::value_parser!(u64).range(1..))]
-        every: Option<u64>,
-        /// List the contacts of each sample.
-        #[arg(long)]
-        contacts: bool,
+    #[command(after_help = REPLAY_HELP)]
+    Replay(Case),
+}
+
+#[derive(Args)]
+struct Run {
+    /// A TOML file, or the name of a shipped scenario: quick, kumar-system-1, kumar-system-2.
+    scenario: String,
+    /// Folder for the results [default: out/NAME, NAME the scenario's name].
+    #[arg(long)]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    beds: Beds,
+    /// Beds and speeds to run side by side [default: one for each processor].
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Change a key of the scenario, as in --set law.mu=0.3; may be given several times.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    sets: Vec<String>,
+    /// Print what it would take (steps, memory, disk, time, dimensionless groups), and run nothing.
+    #[arg(long)]
+    dry_run: bool,
+    /// Print a line as each stage ends also where standard error is no terminal.
+    #[arg(long, short)]
+    verbose: bool,
+}
+
+/// Where settled beds are kept.
+#[derive(Args)]
+struct Beds {
+    /// Folder of the settled beds that runs share.
+    #[arg(long = "beds", value_name = "DIR", default_value = "beds")]
+    folder: PathBuf,
+}
+
+#[derive(Subcommand)]
+enum Bed {
+    /// List the beds: name, what is in them, and the disk they use.
+    #[command(after_help = "Example:\n  bitgrain bed list")]
+    List {
+        #[command(flatten)]
+        beds: Beds,
     },
+    /// Show a bed: its recipe, and what is measured on it.
+    #[command(after_help = "Example:\n  bitgrain bed show 4f1c")]
+    Show {
+        /// Its name, or as much of the beginning as no other shares.
+        name: String,
+        #[command(flatten)]
+        beds: Beds,
+    },
+    /// Remove beds.
+    #[command(after_help = "Examples:\n  bitgrain bed remove 4f1c\n  bitgrain bed remove --all")]
+    Remove {
+        /// Names, or as much of the beginning of each as no other shares.
+        #[arg(required_unless_present = "all")]
+        names: Vec<String>,
+        /// Remove every bed of the folder.
+        #[arg(long, conflicts_with = "names")]
+        all: bool,
+        #[command(flatten)]
+        beds: Beds,
+    },
+}
+
+#[derive(Args)]
+struct Bench {
+    /// A LAMMPS data file or dump, plain or gzip: type 2 the intruder, driven at V = 1 along x, type
+    /// 3 frozen [default: the bed of the quick scenario, poured first].
+    #[arg(long)]
+    bed: Option<PathBuf>,
+    /// Steps to time, after 500 to warm up.
+    #[arg(long, default_value_t = 4000, value_parser = clap::value_parser!(u64).range(1..))]
+    steps: u64,
+    /// Threads, each stepping a copy of the bed.
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: u16,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Args)]
+struct Case {
+    /// The case: one JSON file with the whole state and law, plain or gzip.
+    case: PathBuf,
+    /// Steps to run.
+    #[arg(long)]
+    steps: u64,
+    /// Steps between samples [default: only the first and the last].
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..))]
+    every: Option<u64>,
+    /// List the contacts of each sample.
+    #[arg(long)]
+    contacts: bool,
 }
 
 const RUN_HELP: &str = "\
 Examples:
   bitgrain run quick
-  bitgrain run quick --out thick --set intruder.diameter=3 --set 'intruder.froude=[1, 4]' \\
+  bitgrain run kumar-system-1 --dry-run
+  bitgrain run quick --out out/thick --set intruder.diameter=3 --set 'intruder.froude=[1, 4]' \\
       --set drag.distance=12
-  bitgrain run my-bed.toml --threads 2
 
-Results do not depend on --threads. Exit status: 0 done, 2 the scenario was refused, 3 a run went
-wrong, 1 results could not be written.";
+Results depend neither on --threads nor on whether a bed was poured or reused. Exit status: 0 done,
+2 the scenario was refused, 3 a run went wrong, 1 results could not be written, 130 interrupted.";
+
+const BED_HELP: &str = "\
+Examples:
+  bitgrain bed list
+  bitgrain bed show 4f1c
+  bitgrain bed remove --all";
+
+const BENCH_HELP: &str = "\
+Examples:
+  bitgrain bench --steps 2000
+  bitgrain bench --bed golden/peers/bed200.data --steps 4000 --json";
+
+const REPLAY_HELP: &str = "\
+Example:
+  bitgrain replay golden/cases/collapse.json --steps 100 --every 10 --contacts";
 
 /// Runs the command that the process was called with.
 pub fn main() -> ExitCode {
@@ -96,53 +171,81 @@ pub fn main() -> ExitCode {
 
 fn run(command: Command) -> Result<()> {
     match command {
-        Command::Run {
-            scenario,
-            out,
-            threads,
-            sets,
-        } => {
-            let scenario = scenario::load(&scenario, &sets)?;
-            let out = out.unwrap_or_else(|| PathBuf::from("out").join(&scenario.name));
-            let processors = || std::thread::available_parallelism().map_or(1, usize::from);
-            let threads = threads.map_or_else(processors, usize::from);
-            let report = crate::run::run(&scenario, &out, threads, &Progress::new())?;
-            writeln!(std::io::stdout(), "report: {}", report.display()).map_err(Error::Output)
-        }
-        Command::Bench {
-            bed,
-            steps,
-            threads,
-            json,
-        } => {
-            let speed = bench(
-                bed.as_deref(),
-                steps,
-                usize::from(threads),
-                &Progress::new(),
-            )?;
-            let mut out = std::io::stdout();
-            let text = serde_json::to_value(&speed).map_err(|e| Error::Output(e.into()))?;
-            if json {
-                return writeln!(out, "{text}").map_err(Error::Output);
-            }
-            for (key, value) in text.as_object().into_iter().flatten() {
-                writeln!(out, "{key:<24}{value}").map_err(Error::Output)?;
-            }
-            Ok(())
-        }
-        Command::Replay {
-            case,
-            steps,
-            every,
-            contacts,
-        } => {
+        Command::Run(run) => run_scenario(run),
+        Command::Bed(bed) => run_bed(bed),
+        Command::Bench(what) => run_bench(&what),
+        Command::Replay(case) => {
             let what = Replay {
-                steps,
-                every: every.unwrap_or(steps.max(1)),
-                contacts,
+                steps: case.steps,
+                every: case.every.unwrap_or(case.steps.max(1)),
+                contacts: case.contacts,
             };
-            replay(&case, &what, &mut BufWriter::new(std::io::stdout().lock()))
+            replay(
+                &case.case,
+                &what,
+                &mut BufWriter::new(std::io::stdout().lock()),
+            )
         }
     }
+}
+
+fn print(text: &str) -> Result<()> {
+    let mut out = std::io::stdout();
+    out.write_all(text.as_bytes())
+        .and_then(|()| out.flush())
+        .map_err(Error::Output)
+}
+
+/// Progress of a command whose stages stop at Ctrl-C or a polite kill.
+fn stoppable(verbose: bool) -> Progress {
+    let progress = Progress::new(verbose);
+    let stop = progress.stop_flag();
+    // Without a handler the signal ends the process at once, which loses no file either.
+    let _ = ctrlc::set_handler(move || {
+        if stop.swap(true, Ordering::Relaxed) {
+            // Asked twice: now.
+            std::process::exit(130);
+        }
+    });
+    progress
+}
+
+fn run_scenario(run: Run) -> Result<()> {
+    let scenario = scenario::load(&run.scenario, &run.sets)?;
+    let library = Library::new(run.beds.folder);
+    let processors = || std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = run.threads.map_or_else(processors, usize::from);
+    if run.dry_run {
+        return print(&forecast::forecast(&scenario, &library, threads)?);
+    }
+    let out = run
+        .out
+        .unwrap_or_else(|| PathBuf::from("out").join(&scenario.name));
+    let progress = stoppable(run.verbose);
+    let report = crate::run::run(&scenario, &out, &library, threads, &progress)?;
+    print(&format!("report: {}\n", report.display()))
+}
+
+fn run_bed(bed: Bed) -> Result<()> {
+    match bed {
+        Bed::List { beds } => print(&shelf::list(&Library::new(beds.folder))?),
+        Bed::Show { name, beds } => print(&shelf::show(&Library::new(beds.folder), &name)?),
+        Bed::Remove { names, all, beds } => {
+            print(&shelf::remove(&Library::new(beds.folder), &names, all)?)
+        }
+    }
+}
+
+fn run_bench(what: &Bench) -> Result<()> {
+    let threads = usize::from(what.threads);
+    let speed = bench(what.bed.as_deref(), what.steps, threads, &stoppable(false))?;
+    let tree = serde_json::to_value(&speed).map_err(|e| Error::Output(e.into()))?;
+    if what.json {
+        return print(&format!("{tree}\n"));
+    }
+    let lines = tree.as_object().into_iter().flatten();
+    let text: String = lines
+        .map(|(key, value)| format!("{key:<24}{value}\n"))
+        .collect();
+    print(&text)
 }

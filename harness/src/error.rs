@@ -32,7 +32,8 @@ pub enum Error {
     #[error(
         "{bed} did not settle: after {step} steps its kinetic energy per grain is {energy:.2e} (to be \
          below {bound:.0e}) and {carried:.4} of its weight is carried (to be within 0.0005 of 1); \
-         raise bed.settled or look for a grain that cannot rest"
+         where the first is wrong raise bed.settled or the friction, where the second is, see that \
+         the grains have a base or a floor under them"
     )]
     Unsettled {
         /// Which bed.
@@ -46,10 +47,19 @@ pub enum Error {
         /// Upward force of base, planes and intruder over the weight.
         carried: f64,
     },
-    /// A file could not be written.
+    /// The command was asked to stop, as by Ctrl-C.
     #[error(
-        "cannot write {path}: {source}; free some space or choose another --out, then run again"
+        "{stage} interrupted at step {step}; the beds that had settled and the files written so far \
+         are kept: the same command takes the beds from there and drags anew"
     )]
+    Interrupted {
+        /// Which stage of which run.
+        stage: String,
+        /// Steps done.
+        step: u64,
+    },
+    /// A file could not be written.
+    #[error("cannot write {path}: {source}; {hint}", hint = write_hint(source))]
     Write {
         /// The file.
         path: PathBuf,
@@ -62,12 +72,14 @@ pub enum Error {
 }
 
 impl Error {
-    /// 2 for refused input, 3 for a run that went wrong, 1 for output that could not be written.
+    /// 2 for refused input, 3 for a run that went wrong, 1 for output that could not be written, 130
+    /// for a command that was interrupted.
     pub fn exit_status(&self) -> u8 {
         match self {
             Error::Input { .. } => 2,
             Error::Run { .. } | Error::Unsettled { .. } => 3,
             Error::Write { .. } | Error::Output(_) => 1,
+            Error::Interrupted { .. } => 130,
         }
     }
 
@@ -106,9 +118,29 @@ impl Error {
     }
 }
 
+fn write_hint(source: &std::io::Error) -> &'static str {
+    use std::io::ErrorKind as Kind;
+    match source.kind() {
+        Kind::StorageFull | Kind::QuotaExceeded | Kind::FileTooLarge => {
+            "free some space, then give the same command again"
+        }
+        Kind::PermissionDenied | Kind::ReadOnlyFilesystem => {
+            "choose a folder that you may write to (--out, --beds)"
+        }
+        Kind::NotADirectory | Kind::IsADirectory | Kind::AlreadyExists => {
+            "something else has that name: move it away or choose another folder (--out, --beds)"
+        }
+        _ => "see that the folder can be written to, or choose another (--out, --beds)",
+    }
+}
+
 fn hint(fault: Fault) -> &'static str {
     match fault {
-        Fault::OverlapTooDeep { .. } | Fault::ObstacleTooDeep { .. } => {
+        Fault::ObstacleTooDeep { .. } => {
+            "; in a scenario obstacle 0 is the intruder and 1 the floor; bodies this deep in each other \
+             come from too fast an intruder, too soft a contact or too long a time step"
+        }
+        Fault::OverlapTooDeep { .. } => {
             "; grains this deep in each other come from a bad start, too soft a contact or too long a time step"
         }
         Fault::Escaped { .. } => "; make the box higher, or see what pushed the grain out",
@@ -126,6 +158,11 @@ pub type Result<T> = std::result::Result<T, Error>;
 /// broken file probably is. The place is told elsewhere.
 pub fn teach(message: &str) -> String {
     let message = message.split(" at line ").next().unwrap_or(message);
+    // The names of Rust's types say little to others.
+    let message = &message
+        .replace("expected usize", "expected a whole number")
+        .replace("expected u64", "expected a whole number")
+        .replace("expected f64", "expected a number");
     if message.starts_with("EOF") {
         return format!("{message}: is the file cut off?");
     }

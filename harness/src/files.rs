@@ -2,9 +2,16 @@
 //! reader never sees half a file.
 
 use std::io::{Read, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use flate2::Compression;
+use flate2::write::GzEncoder;
 
 use crate::error::{Error, Result};
+
+/// Files written so far by this process.
+static WRITES: AtomicU64 = AtomicU64::new(0);
 
 /// Reads a whole file, unpacking gzip where its first bytes say so.
 ///
@@ -41,8 +48,9 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
     let folder = path.parent().unwrap_or(Path::new("."));
     make_folder(folder)?;
     let mut name = path.file_name().unwrap_or_default().to_os_string();
-    // Two processes never write into one file.
-    name.push(format!(".{}.partial", std::process::id()));
+    // Two processes never write into one file, nor do two threads.
+    let number = WRITES.fetch_add(1, Ordering::Relaxed);
+    name.push(format!(".{}-{number}.partial", std::process::id()));
     let partial = folder.join(name);
     let written = std::fs::File::create(&partial).and_then(|mut file| {
         file.write_all(bytes)?;
@@ -55,6 +63,42 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
             let _ = std::fs::remove_file(&partial);
             Error::write(path, e)
         })
+}
+
+/// Writes text to `path`, or where `packed` to `path` with `.gz` at its end, packed with gzip: the same
+/// bytes every time, without a date or a name in them.
+///
+/// # Errors
+/// As [`write_whole`].
+pub fn write_text(path: &Path, text: &str, packed: bool) -> Result<()> {
+    if !packed {
+        return write_whole(path, text.as_bytes());
+    }
+    let path = packed_name(path);
+    let mut gzip = GzEncoder::new(Vec::new(), Compression::default());
+    let bytes = gzip
+        .write_all(text.as_bytes())
+        .and_then(|()| gzip.finish())
+        .map_err(|e| Error::write(&path, e))?;
+    write_whole(&path, &bytes)
+}
+
+/// The path with `.gz` at its end.
+pub fn packed_name(path: &Path) -> PathBuf {
+    let mut name = path.as_os_str().to_os_string();
+    name.push(".gz");
+    PathBuf::from(name)
+}
+
+/// Makes sure that files can be written to a folder, which is made where it is missing.
+///
+/// # Errors
+/// [`Error::Write`].
+pub fn check_writable(folder: &Path) -> Result<()> {
+    make_folder(folder)?;
+    let probe = folder.join(format!(".{}.partial", std::process::id()));
+    std::fs::write(&probe, b"").map_err(|e| Error::write(folder, e))?;
+    std::fs::remove_file(&probe).map_err(|e| Error::write(folder, e))
 }
 
 /// Makes a folder and those above it.

@@ -88,6 +88,35 @@ impl LawSpec {
         }
     }
 
+    /// The law with damping strong enough to take the last motion out of a bed that has fallen, in
+    /// steps of `dt`, grains of diameter `d`; the forces at rest are the law's own.
+    ///
+    /// `hertz_history`: `gamma = 2/(d dt)` where the law has less, which damps a contact of a
+    /// hundredth of `d` by a tenth in a step: stable with a dozen contacts. `hertz_tsuji`:
+    /// restitution 0.1, the same fraction of critical damping at every overlap.
+    ///
+    /// # Panics
+    /// Where [`LawSpec::build`] refuses the law.
+    pub fn quenching(&self, dt: f64, d: f64) -> AnyLaw {
+        let strong = 2.0 / (d * dt);
+        let more = |gamma: f64| if gamma > strong { gamma } else { strong };
+        let mut law = *self;
+        match &mut law {
+            LawSpec::HertzHistory {
+                gamma_n, gamma_t, ..
+            } => (*gamma_n, *gamma_t) = (more(*gamma_n), more(*gamma_t)),
+            LawSpec::HertzTsuji { restitution, .. } => {
+                *restitution = if *restitution < 0.1 {
+                    *restitution
+                } else {
+                    0.1
+                };
+            }
+        }
+        law.build()
+            .expect("a sound law stays sound with more damping")
+    }
+
     /// Friction coefficient.
     pub fn mu(&self) -> f64 {
         match *self {

@@ -3,28 +3,37 @@
 //! The physics of a step is the `bitgrain-kernel` crate's; this crate makes whole experiments of it.
 //! One module a stage, each reading and writing files, so that any stage can be redone alone:
 //!
-//! * [`scenario`] is what a user asks for, [`law`] the contact laws by name, [`run`] the pipeline;
-//! * [`bed`] pours and settles grains ([`random`], [`order`]), [`checkpoint`] saves a state;
-//! * [`drag`] pulls the intruder, [`observe`], [`series`] and [`summary`] hold what was
-//!   measured, in [`units`];
-//! * [`report`] draws it.
+//! * [`scenario`] is what a user asks for, [`law`] the contact laws by name, [`forecast`] what it
+//!   would take, [`run`] the pipeline, [`folder`] the run directory;
+//! * [`bed`] pours and settles grains ([`random`], [`order`]), keeps beds for the next run and takes
+//!   those of others; [`checkpoint`] saves a state;
+//! * [`drag`] pulls the intruder; [`observe`], [`series`], [`histogram`], [`blocks`] and [`summary`]
+//!   hold what was measured, in [`units`];
+//! * [`export`] and [`lammps`] write fields that others read, [`report`] draws the page from what
+//!   [`present`] finds in the run directory.
 //!
 //! Beside the pipeline: [`case`](mod@case) and [`replay`] for the smallest unit of work, [`bench`](mod@bench)
-//! and [`lammps`] for the beds of others, [`sim`] for whoever wants a simulation in a program,
-//! [`cli`], [`progress`], [`files`] and [`error`].
+//! for speed, [`sim`] for whoever wants a simulation in a program, [`cli`], [`shelf`] (what
+//! `bitgrain bed` prints), [`progress`], [`files`] and [`error`].
 
 pub mod bed;
 pub mod bench;
+pub mod blocks;
 pub mod case;
 pub mod checkpoint;
 pub mod cli;
 pub mod drag;
 pub mod error;
+pub mod export;
 pub mod files;
+pub mod folder;
+pub mod forecast;
+pub mod histogram;
 pub mod lammps;
 pub mod law;
 pub mod observe;
 pub mod order;
+pub mod present;
 pub mod progress;
 pub mod random;
 pub mod replay;
@@ -32,6 +41,7 @@ pub mod report;
 pub mod run;
 pub mod scenario;
 pub mod series;
+pub mod shelf;
 pub mod sim;
 pub mod summary;
 pub mod units;

@@ -5,7 +5,6 @@
 use bitgrain_kernel::Bond;
 
 use crate::sim::Sim;
-use crate::summary::Mean;
 
 /// Number of the intruder among the obstacles of a bed.
 pub const INTRUDER: u32 = 0;
@@ -76,6 +75,49 @@ pub fn coordination_number(sim: &mut Sim, top: f64) -> f64 {
     }
 }
 
+/// Centre of a grain less the intruder's, minimum image.
+fn from_intruder(sim: &Sim, i: usize) -> [f64; 3] {
+    let x = sim.position[i];
+    let body = &sim.obstacles[INTRUDER as usize];
+    sim.domain.separation([x[0], x[1], x[2]], body.point)
+}
+
+/// What is round the intruder: the angles at which grains touch it, by ascending grain, and the numbers
+/// of contacts, with grains and obstacles, of the free grains whose centres lie within `reach` of its
+/// surface, those without contacts among them (Kumar 2018, Figs. 6 and 7).
+///
+/// `cos theta = (x_grain - x_intruder) / distance`, minimum image, in radians, 0 straight ahead: the sign
+/// of eq. 6 is a misprint, for eq. 7 needs this one.
+pub fn neighbourhood(sim: &mut Sim, reach: f64) -> (Vec<f64>, Vec<f64>) {
+    let mut contacts = vec![0u32; sim.count()];
+    let mut angles = Vec::new();
+    for bond in sim.bonds() {
+        match bond {
+            Bond::Pair { i, j, .. } => {
+                contacts[i as usize] += 1;
+                contacts[j as usize] += 1;
+            }
+            Bond::Touch { i, obstacle, .. } => {
+                contacts[i as usize] += 1;
+                if obstacle == INTRUDER {
+                    let d = from_intruder(sim, i as usize);
+                    let distance = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
+                    angles.push(libm::acos(d[0] / distance));
+                }
+            }
+        }
+    }
+    let limit = sim.obstacles[INTRUDER as usize].reach() + reach;
+    let near = |i: usize| {
+        let d = from_intruder(sim, i);
+        let heavy = sim.groups[sim.group[i] as usize].heavy;
+        !heavy && d[0] * d[0] + d[1] * d[1] + d[2] * d[2] <= limit * limit
+    };
+    let grains = (0..sim.count()).filter(|&i| near(i));
+    let numbers = grains.map(|i| f64::from(contacts[i])).collect();
+    (angles, numbers)
+}
+
 /// Deepest overlap of two grains, from the positions; 0 where none touch.
 pub fn deepest_overlap(sim: &mut Sim) -> f64 {
     let mut deepest = 0.0;
@@ -113,54 +155,6 @@ pub fn weight_and_support(sim: &Sim, gravity: f64) -> (usize, f64, f64) {
     (free, weight, support)
 }
 
-/// Number of blocks that standard errors come from.
-pub const BLOCKS: u64 = 8;
-
-/// Sums of a quantity over a window of a known number of steps, in step order: over all of it and
-/// over each of 8 equal blocks.
-#[derive(Clone, Debug)]
-pub struct BlockSums {
-    window: u64,
-    steps: u64,
-    all: f64,
-    blocks: [f64; BLOCKS as usize],
-}
-
-impl BlockSums {
-    /// For a window of this many steps, at least 8.
-    pub fn new(window: u64) -> Self {
-        Self {
-            window,
-            steps: 0,
-            all: 0.0,
-            blocks: [0.0; BLOCKS as usize],
-        }
-    }
-
-    /// Adds the next step's value. Steps left over after the eighth block count in the mean alone.
-    pub fn add(&mut self, value: f64) {
-        self.all += value;
-        let block = self.steps / (self.window / BLOCKS).max(1);
-        if let Some(sum) = self.blocks.get_mut(block as usize) {
-            *sum += value;
-        }
-        self.steps += 1;
-    }
-
-    /// The mean, and its standard error from the means of the blocks.
-    pub fn mean(&self) -> Mean {
-        let size = (self.window / BLOCKS).max(1) as f64;
-        let means = self.blocks.map(|sum| sum / size);
-        let middle = means.iter().sum::<f64>() / BLOCKS as f64;
-        let spread: f64 = means.iter().map(|b| (b - middle) * (b - middle)).sum();
-        let variance = spread / (BLOCKS - 1) as f64;
-        Mean {
-            mean: self.all / self.steps as f64,
-            standard_error: (variance / BLOCKS as f64).sqrt(),
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -171,16 +165,5 @@ mod tests {
         assert!((whole - std::f64::consts::PI / 6.0).abs() < 1e-15);
         assert!((ball_below(0.0, 0.5, 0.0) - whole / 2.0).abs() < 1e-15);
         assert_eq!(ball_below(0.0, 0.5, -0.5), 0.0);
-    }
-
-    #[test]
-    fn block_mean_of_eight_known_blocks() {
-        let mut sums = BlockSums::new(17);
-        (0..16).for_each(|k| sums.add(f64::from(k / 2)));
-        sums.add(3.5);
-        let mean = sums.mean();
-        assert_eq!(mean.mean, 3.5);
-        // Variance of 0..7 is 6; over 8 blocks.
-        assert!((mean.standard_error - (6.0f64 / 8.0).sqrt()).abs() < 1e-15);
     }
 }

@@ -1,13 +1,23 @@
-//! Progress: one bar a stage with its ETA, on a terminal; elsewhere one line as a stage ends.
+//! Progress: one bar a stage with its ETA, and a line as a stage ends, on a terminal; elsewhere
+//! nothing, or the lines alone where they were asked for. And the wish to stop, which every stage
+//! looks at.
 
 use std::io::Write;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 
+use crate::error::{Error, Result};
+use crate::sim::Sim;
+
 /// All bars of a command.
 pub struct Progress {
     bars: MultiProgress,
+    /// Whether lines are printed where there is no terminal.
+    verbose: bool,
+    stop: Arc<AtomicBool>,
 }
 
 /// One stage under way. Dropping it removes its bar.
@@ -17,20 +27,29 @@ pub struct Stage {
     began: Instant,
     /// Largest share of a settling shown so far.
     best: f64,
+    stop: Arc<AtomicBool>,
 }
 
 impl Progress {
-    /// Bars on standard error; nothing is drawn where that is no terminal.
-    pub fn new() -> Self {
+    /// Bars and lines on standard error where that is a terminal; elsewhere only lines, and those
+    /// only where `verbose`.
+    pub fn new(verbose: bool) -> Self {
         Self {
             bars: MultiProgress::new(),
+            verbose,
+            stop: Arc::new(AtomicBool::new(false)),
         }
+    }
+
+    /// The flag that stops every stage once it is set, as by Ctrl-C.
+    pub fn stop_flag(&self) -> Arc<AtomicBool> {
+        Arc::clone(&self.stop)
     }
 
     /// Begins a stage of about `steps` steps.
     pub fn stage(&self, name: &str, steps: u64) -> Stage {
         let bar = self.bars.add(ProgressBar::new(steps));
-        let look = "{prefix:<22} {bar:30} {percent:>3}%  ETA {eta:<5} {msg}";
+        let look = "{prefix:<22} {bar:20} {percent:>3}%  step {pos}  ETA {eta:<5} {msg}";
         if let Ok(style) = ProgressStyle::with_template(look) {
             bar.set_style(style);
         }
@@ -40,46 +59,67 @@ impl Progress {
             name: name.to_string(),
             began: Instant::now(),
             best: 0.0,
+            stop: Arc::clone(&self.stop),
         }
     }
 
     /// Prints a line above the bars.
     pub fn line(&self, text: &str) {
-        if self.bars.is_hidden() {
+        if !self.bars.is_hidden() {
+            let _ = self.bars.println(text);
+        } else if self.verbose {
             // A closed standard error must not end a run.
             let _ = writeln!(std::io::stderr(), "{text}");
-        } else {
-            let _ = self.bars.println(text);
         }
     }
 }
 
-impl Default for Progress {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
 impl Stage {
-    /// A stage that draws nothing: for tests and library use.
+    /// A stage that draws nothing and is never stopped: for tests and library use.
     pub fn silent() -> Self {
         Self {
             bar: ProgressBar::hidden(),
             name: String::new(),
             began: Instant::now(),
             best: 0.0,
+            stop: Arc::new(AtomicBool::new(false)),
         }
     }
 
-    /// Steps done, with a word on how it goes.
-    pub fn at(&self, step: u64, message: String) {
-        self.bar.set_position(step);
-        self.bar.set_message(message);
+    /// Shows the steps done, their speed and a word on how it goes.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`] once the command was asked to stop.
+    pub fn at(&self, step: u64, grains: usize, message: &str) -> Result<()> {
+        if self.stop.load(Ordering::Relaxed) {
+            return Err(Error::Interrupted {
+                stage: self.name.clone(),
+                step,
+            });
+        }
+        if !self.bar.is_hidden() {
+            let speed = step as f64 * grains as f64 / self.began.elapsed().as_secs_f64();
+            self.bar.set_position(step);
+            self.bar
+                .set_message(format!("{:.1}M grain-steps/s, {message}", 1e-6 * speed));
+        }
+        Ok(())
     }
 
     /// How far settling is: the fall first, then the kinetic energy, which falls by about a factor
     /// of ten in half a fall's time, then the weight. The bar never goes back.
-    pub fn settling(&mut self, step: u64, energy: f64, bound: f64, carried: f64, fall_steps: u64) {
+    ///
+    /// # Errors
+    /// As [`Stage::at`].
+    pub fn settling(
+        &mut self,
+        sim: &Sim,
+        energy: f64,
+        bound: f64,
+        carried: f64,
+        fall_steps: u64,
+    ) -> Result<()> {
+        let step = sim.step_count();
         let decades = if energy > bound && bound > 0.0 {
             libm::log10(energy / bound)
         } else {
@@ -95,7 +135,7 @@ impl Stage {
         let message = format!(
             "kinetic energy {energy:.0e} (settled below {bound:.0e}), weight carried {carried:.4}"
         );
-        self.at(step, message);
+        self.at(step, sim.count(), &message)
     }
 
     /// Ends the stage and returns its seconds.

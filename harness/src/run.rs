@@ -4,44 +4,24 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use bitgrain_kernel::{BITS_VERSION, PARTS};
+use bitgrain_kernel::{BITS_VERSION, PARTS, Pushed};
 use rayon::ThreadPoolBuilder;
 use serde::Serialize;
 
+use crate::bed::library::Library;
+use crate::bed::recipe::Recipe;
+use crate::blocks::METHOD;
+use crate::drag::{Means, Record};
 use crate::error::{Error, Result};
-use crate::files::{make_folder, write_whole};
-use crate::observe::{self, INTRUDER};
+use crate::files::{check_writable, write_text, write_whole};
+use crate::folder::Folder;
 use crate::progress::{Progress, Stage};
-use crate::report::{self, BedPicture, PictureGrain};
+use crate::report;
 use crate::scenario::{BedPlan, RunPlan, Scenario};
-use crate::series::{SeriesRow, read_series, series_text};
+use crate::series::series_text;
 use crate::sim::{Sim, hex};
-use crate::summary::{BedSummary, RunSummary, Summary};
-use crate::{bed, checkpoint, drag, summary};
-
-/// Where everything of a run directory is.
-struct Folder<'a>(&'a Path);
-
-impl Folder<'_> {
-    fn scenario(&self) -> PathBuf {
-        self.0.join("scenario.toml")
-    }
-    fn bed(&self, bed: &str) -> PathBuf {
-        self.0.join("beds").join(format!("{bed}.safetensors"))
-    }
-    fn series(&self, run: &str) -> PathBuf {
-        self.0.join("runs").join(format!("{run}.csv"))
-    }
-    fn summary(&self) -> PathBuf {
-        self.0.join("summary.json")
-    }
-    fn report(&self) -> PathBuf {
-        self.0.join("report.html")
-    }
-    fn performance(&self) -> PathBuf {
-        self.0.join("performance.json")
-    }
-}
+use crate::summary::{BedSummary, RunRecord, RunSummary, Summary};
+use crate::{bed, checkpoint, drag, export, lammps, present};
 
 /// Timings and other facts of the machine, kept apart from the results.
 #[derive(Serialize)]
@@ -54,6 +34,8 @@ struct Performance {
 #[derive(Serialize)]
 struct StagePerformance {
     stage: String,
+    /// What was done: poured, reused, imported, dragged.
+    how: String,
     seconds: f64,
     steps: u64,
     grain_steps_per_s: f64,
@@ -63,20 +45,25 @@ struct StagePerformance {
 
 /// Runs a scenario into the folder `out` and returns the path of its report.
 ///
-/// Beds are poured side by side and then drags, on `threads` threads; results do not depend on how
-/// many.
+/// Beds come from `library` or are poured and kept there, side by side and then the drags, on
+/// `threads` threads; results do not depend on how many, nor on where a bed came from.
 ///
 /// # Errors
 /// The first stage that went wrong, in the order of the scenario; what the others wrote stays.
 pub fn run(
     scenario: &Scenario,
     out: &Path,
+    library: &Library,
     threads: usize,
     progress: &Progress,
 ) -> Result<PathBuf> {
     let began = Instant::now();
     let folder = Folder(out);
-    claim(&folder, scenario)?;
+    let _claimed = folder.claim(scenario)?;
+    if scenario.source.is_none() {
+        // Found out now rather than after days of pouring.
+        check_writable(library.folder())?;
+    }
     let pool = ThreadPoolBuilder::new()
         .num_threads(threads)
         .build()
@@ -92,7 +79,7 @@ pub fn run(
         &pool,
         plans.len(),
         |k| plans[k].center[2] as u64,
-        |k| pour_one(scenario, &plans[k], &folder, progress),
+        |k| settle_one(scenario, &plans[k], &folder, library, progress),
     );
     let beds: Vec<(BedSummary, StagePerformance)> = beds.into_iter().collect::<Result<_>>()?;
     let (beds, mut stages): (Vec<_>, Vec<_>) = beds.into_iter().unzip();
@@ -113,11 +100,13 @@ pub fn run(
         bits_version: BITS_VERSION,
         scenario: scenario.name.clone(),
         units: scenario.units(),
+        inputs: folder.inputs(scenario),
+        standard_error_method: METHOD.into(),
         beds,
         runs,
     };
     write_json(&folder.summary(), &whole)?;
-    write_report(&folder)?;
+    present::write_report(&folder)?;
     let performance = Performance {
         threads,
         seconds: began.elapsed().as_secs_f64(),
@@ -125,24 +114,6 @@ pub fn run(
     };
     write_json(&folder.performance(), &performance)?;
     Ok(folder.report())
-}
-
-/// Takes a folder for this scenario: a new one, or one that holds the same scenario.
-fn claim(folder: &Folder<'_>, scenario: &Scenario) -> Result<()> {
-    let (path, text) = (folder.scenario(), scenario.to_toml());
-    match std::fs::read_to_string(&path) {
-        Ok(old) if old != text => Err(Error::input(
-            folder.0.display().to_string(),
-            "holds the results of another scenario (its scenario.toml differs); choose another \
-             --out or remove the folder",
-        )),
-        Ok(_) => Ok(()),
-        Err(e) if e.kind() == std::io::ErrorKind::NotFound => {
-            make_folder(folder.0)?;
-            write_whole(&path, text.as_bytes())
-        }
-        Err(e) => Err(Error::write(&path, e)),
-    }
 }
 
 /// Does `count` jobs on the pool, the longest first, and returns their results in order.
@@ -169,11 +140,12 @@ fn side_by_side<T: Send>(
         .collect()
 }
 
-fn timed(stage: Stage, sim: &Sim, steps: u64) -> StagePerformance {
+fn timed(stage: Stage, how: &str, sim: &Sim, steps: u64) -> StagePerformance {
     let (name, seconds) = (stage.name().to_string(), stage.finish());
     let (searches, pairs_listed, _) = sim.search_counts();
     StagePerformance {
         stage: name,
+        how: how.to_string(),
         seconds,
         steps,
         grain_steps_per_s: steps as f64 * sim.count() as f64 / seconds,
@@ -182,56 +154,77 @@ fn timed(stage: Stage, sim: &Sim, steps: u64) -> StagePerformance {
     }
 }
 
-fn pour_one(
+/// A settled bed in the run directory: from the library, poured and kept there, or imported.
+fn settle_one(
     scenario: &Scenario,
     plan: &BedPlan,
     folder: &Folder<'_>,
+    library: &Library,
     progress: &Progress,
 ) -> Result<(BedSummary, StagePerformance)> {
-    let fall = (4.0 * scenario.expected_surface() / scenario.gravity).sqrt();
-    let mut stage = progress.stage(
-        &format!("pouring {}", plan.name),
-        (2.0 * fall / scenario.drag.dt) as u64,
-    );
-    let mut sim = bed::pour(scenario, plan, &mut stage)?;
-    checkpoint::write(&folder.bed(&plan.name), &mut sim)?;
-    let performance = timed(stage, &sim, sim.step_count());
-    let summary = survey(scenario, plan, checkpoint::read(&folder.bed(&plan.name))?);
+    let name = format!("bed {}", plan.name);
+    let mut stage = progress.stage(&name, bed::pouring_steps(scenario));
+    let path = folder.bed(&plan.name);
+    let from = fetch_bed(scenario, plan, &path, library, &mut stage)?;
+    let mut sim = checkpoint::read(&path)?;
+    let title = format!("{} of {}: atom_style sphere", plan.name, scenario.name);
+    let data = lammps::data_text(&export::atoms(&sim, true), &title);
+    write_text(&folder.bed_data(&plan.name), &data, scenario.measure.gzip)?;
+    let steps = if from == "poured" {
+        sim.step_count()
+    } else {
+        0
+    };
+    let performance = timed(stage, from, &sim, steps);
+    let summary = bed::survey(&plan.name, &scenario.measures(), &mut sim);
     progress.line(&format!(
-        "{}: {} grains settled in {} steps ({:.1} s); surface at {}, depth {}, packing \
-         fraction {:.3}",
+        "{}: {} grains {from} ({} steps, {:.1} s); surface at {}, depth {}, packing fraction {:.3}, \
+         coordination number {:.2}, weight carried {:.4}",
         plan.name,
         summary.grains,
         summary.steps,
         performance.seconds,
         report::short(summary.surface),
         report::short(summary.depth),
-        summary.packing_fraction
+        summary.packing_fraction,
+        summary.coordination_number,
+        summary.support / summary.weight,
     ));
     Ok((summary, performance))
 }
 
-/// Reads off a settled bed what its summary says.
-fn survey(scenario: &Scenario, plan: &BedPlan, mut sim: Sim) -> BedSummary {
-    let d = scenario.mean_diameter();
-    let surface = observe::surface_height(&sim, d);
-    let intruder = (plan.center, 0.5 * scenario.intruder.diameter);
-    let (free, weight, support) = observe::weight_and_support(&sim, scenario.gravity);
-    BedSummary {
-        name: plan.name.clone(),
-        grains: sim.count(),
-        frozen: sim.count() - free,
-        steps: sim.step_count(),
-        surface,
-        depth: surface - plan.center[2],
-        packing_fraction: observe::packing_fraction(&sim, d, surface - 2.0 * d, intruder),
-        coordination_number: observe::coordination_number(&mut sim, surface - 2.0 * d),
-        overlap_max: observe::deepest_overlap(&mut sim) / d,
-        kinetic_energy_per_grain: bed::energy_per_grain(&sim, scenario),
-        weight,
-        support,
-        digest: hex(&sim.digest().whole),
+/// Puts the checkpoint of a settled bed where the run wants it, and says where it came from.
+fn fetch_bed(
+    scenario: &Scenario,
+    plan: &BedPlan,
+    path: &Path,
+    library: &Library,
+    stage: &mut Stage,
+) -> Result<&'static str> {
+    if let Some(source) = &scenario.source {
+        let mut sim = bed::import::bed(scenario, source)?;
+        write_whole(path, &checkpoint::bytes(&mut sim, ""))?;
+        return Ok("imported");
     }
+    let recipe = Recipe::new(scenario, plan);
+    if let Some(bytes) = library.find(&recipe)? {
+        write_whole(path, &bytes)?;
+        return Ok("reused");
+    }
+    // An earlier run may have poured it and then found no room in the library.
+    let digest = recipe.digest();
+    let here = std::fs::read(path).ok();
+    let here = here.filter(|bytes| checkpoint::parse(bytes, "", Some(&digest)).is_ok());
+    if let Some(bytes) = here {
+        library.keep(&recipe, &bytes)?;
+        return Ok("reused");
+    }
+    let mut sim = bed::pour(scenario, plan, stage)?;
+    let bytes = checkpoint::bytes(&mut sim, &digest);
+    // First where it is used: what was poured for days is not lost for want of a library.
+    write_whole(path, &bytes)?;
+    library.keep(&recipe, &bytes)?;
+    Ok("poured")
 }
 
 fn drag_one(
@@ -243,17 +236,87 @@ fn drag_one(
 ) -> Result<(RunSummary, StagePerformance)> {
     let stage = progress.stage(&format!("{} Fr {:.2}", plan.name, plan.froude), plan.steps);
     let mut sim = checkpoint::read(&folder.bed(&bed.name))?;
-    let mut series: Vec<SeriesRow> = Vec::new();
-    let measured = drag::drag(&mut sim, plan, scenario.measure.every, &stage, &mut series);
-    // Whatever was measured is kept, also of a run that went wrong.
-    let text = series_text(&scenario.units(), &scenario.measure, &series);
+    let mut record = Record::default();
+    let snapshot = |step, sim: &Sim, contacts: &[Pushed<f64>]| {
+        write_snapshot(folder, scenario, &plan.name, step, sim, contacts)
+    };
+    let measured = drag::drag(&mut sim, scenario, plan, &stage, &mut record, snapshot);
+    let text = series_text(&scenario.units(), &scenario.measure, &record.series);
+    let partial = folder.partial_series(&plan.name);
+    let means = measured.inspect_err(|_| {
+        // Whatever was measured is kept, beside what an earlier run may have finished; why the drag
+        // stopped is what must be told.
+        let _ = write_whole(&partial, text.as_bytes());
+    })?;
     write_whole(&folder.series(&plan.name), text.as_bytes())?;
-    let means = measured?;
-    let performance = timed(stage, &sim, plan.steps);
+    let _ = std::fs::remove_file(&partial);
+    let write =
+        |file: &str, text: String| write_whole(&folder.of_run(&plan.name, file), text.as_bytes());
+    write("angles.csv", record.angles.text())?;
+    write("coordination.csv", record.coordination.text())?;
+    let performance = timed(stage, "dragged", &sim, plan.steps);
+    let summary = summarise(scenario, plan, bed, &means, &mut sim);
+    let whole = RunRecord {
+        version: env!("CARGO_PKG_VERSION").into(),
+        bits_version: BITS_VERSION,
+        units: scenario.units(),
+        inputs: folder.inputs(scenario),
+        standard_error_method: METHOD.into(),
+        bed: bed.clone(),
+        run: summary.clone(),
+    };
+    write_json(&folder.of_run(&plan.name, "summary.json"), &whole)?;
+    progress.line(&format!(
+        "{}: Fr {}, drag {} +- {} {} ({:.1} s)",
+        plan.name,
+        report::short(plan.froude),
+        report::short(summary.drag.mean),
+        report::short(summary.drag.standard_error),
+        scenario.units().force,
+        performance.seconds
+    ));
+    Ok((summary, performance))
+}
+
+/// A state as a LAMMPS dump for OVITO, and as two VTK files, grains and contacts, for ParaView.
+fn write_snapshot(
+    folder: &Folder<'_>,
+    scenario: &Scenario,
+    run: &str,
+    step: u64,
+    sim: &Sim,
+    contacts: &[Pushed<f64>],
+) -> Result<()> {
+    let (mut frame, forces) = export::frame(sim);
+    frame.step = step;
+    let title = format!("{run}, step {step}");
+    let dump = folder.snapshot(run, "grains", step, "dump");
+    let text = lammps::dump_text(&frame, Some(&forces));
+    write_text(&dump, &text, scenario.measure.gzip)?;
+    let write = |kind, ending, text: String| {
+        write_whole(&folder.snapshot(run, kind, step, ending), text.as_bytes())
+    };
+    write("grains", "vtk", export::vtk_grains(sim, &title))?;
+    write(
+        "contacts",
+        "vtk",
+        export::vtk_contacts(sim, contacts, &title),
+    )
+}
+
+fn summarise(
+    scenario: &Scenario,
+    plan: &RunPlan,
+    bed: &BedSummary,
+    means: &Means,
+    sim: &mut Sim,
+) -> RunSummary {
     let digest = sim.digest();
     let [x, y, _] = scenario.bed.size;
     let diameter = scenario.intruder.diameter;
-    let summary = RunSummary {
+    let weight = bed.packing_fraction * scenario.bed.density * scenario.gravity;
+    let above = weight * (x * y) * (bed.depth + 0.5 * diameter);
+    RunSummary {
         name: plan.name.clone(),
         bed: bed.name.clone(),
         froude: plan.froude,
@@ -269,68 +332,17 @@ fn drag_one(
         lift: means.lift,
         side: means.side,
         contacts: means.contacts,
+        contact_angle: means.contact_angle,
+        coordination: means.coordination,
         drag_uncut: means.drag_uncut,
-        plug_ratio: means.drag.mean
-            / (bed.packing_fraction
-                * scenario.bed.density
-                * scenario.gravity
-                * (x * y)
-                * (bed.depth + 0.5 * diameter)),
+        plug_ratio: means.drag.mean / above,
         digest: hex(&digest.whole),
         digest_parts: PARTS
             .iter()
             .zip(digest.parts())
             .map(|(name, part)| (name.to_string(), hex(part)))
             .collect(),
-    };
-    progress.line(&format!(
-        "{}: Fr {}, drag {} +- {} {} ({:.1} s)",
-        plan.name,
-        report::short(plan.froude),
-        report::short(summary.drag.mean),
-        report::short(summary.drag.standard_error),
-        scenario.units().force,
-        performance.seconds
-    ));
-    Ok((summary, performance))
-}
-
-/// Writes the report of a run directory from the files in it.
-fn write_report(folder: &Folder<'_>) -> Result<()> {
-    let whole = summary::read_summary(&folder.summary())?;
-    let text = std::fs::read_to_string(folder.scenario())
-        .map_err(|e| Error::read(&folder.scenario(), &e))?;
-    let series = whole
-        .runs
-        .iter()
-        .map(|run| read_series(&folder.series(&run.name)));
-    let series: Vec<Vec<SeriesRow>> = series.collect::<Result<_>>()?;
-    let pictures = whole
-        .beds
-        .iter()
-        .map(|bed| picture(bed, &folder.bed(&bed.name)));
-    let pictures: Vec<BedPicture> = pictures.collect::<Result<_>>()?;
-    let page = report::page(&whole, &text, &series, &pictures);
-    write_whole(&folder.report(), page.as_bytes())
-}
-
-fn picture(bed: &BedSummary, path: &Path) -> Result<BedPicture> {
-    let sim = checkpoint::read(path)?;
-    let body = &sim.obstacles[INTRUDER as usize];
-    let grain = |i: usize| PictureGrain {
-        position: [sim.position[i][0], sim.position[i][1], sim.position[i][2]],
-        radius: sim.position[i][3],
-        frozen: sim.group[i] == bed::FROZEN,
-    };
-    Ok(BedPicture {
-        name: bed.name.clone(),
-        // The floor of the bed; the box goes on below it so that a leak is seen.
-        lo: [sim.domain.lo()[0], sim.domain.lo()[1], 0.0],
-        hi: sim.domain.hi(),
-        surface: bed.surface,
-        grains: (0..sim.count()).map(grain).collect(),
-        intruder: (body.point, body.reach()),
-    })
+    }
 }
 
 /// Writes a value as JSON; a number that is not finite, which JSON would turn into null, is refused.

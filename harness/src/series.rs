@@ -23,10 +23,14 @@ pub struct SeriesRow {
     pub torque: [f64; 3],
     /// Grains that touch the intruder at this step.
     pub contacts: u32,
+    /// Mean contact angle at this step (radians); none without a contact.
+    pub angle: Option<f64>,
+    /// Mean number of contacts of the grains near the intruder at this step; none without grains.
+    pub coordination: Option<f64>,
 }
 
 /// Column names of a series file, in order.
-pub const SERIES_COLUMNS: [&str; 13] = [
+pub const SERIES_COLUMNS: [&str; 15] = [
     "step",
     "time",
     "distance",
@@ -40,14 +44,17 @@ pub const SERIES_COLUMNS: [&str; 13] = [
     "torque_y",
     "torque_z",
     "contacts",
+    "angle",
+    "coordination",
 ];
 
 /// The text of a series file: a line of units, the column names, the rows; shortest decimals that
-/// read back to the same bits. Torque and contacts are there as `measure` says.
+/// read back to the same bits, nothing where there is none. Torque and the three columns about
+/// contacts are there as `measure` says.
 pub fn series_text(units: &Units, measure: &Measure, rows: &[SeriesRow]) -> String {
     let wanted = |name: &str| match name {
         "torque_x" | "torque_y" | "torque_z" => measure.torque,
-        "contacts" => measure.contacts,
+        "contacts" | "angle" | "coordination" => measure.contacts,
         _ => true,
     };
     let columns: Vec<&str> = SERIES_COLUMNS
@@ -55,7 +62,7 @@ pub fn series_text(units: &Units, measure: &Measure, rows: &[SeriesRow]) -> Stri
         .filter(|name| wanted(name))
         .collect();
     let mut out = format!(
-        "# units: time {}; distance {}; drag, lift, side {}; torque {}\n{}\n",
+        "# units: time {}; distance {}; drag, lift, side {}; torque {}; angle rad\n{}\n",
         units.time,
         units.length,
         units.force,
@@ -67,6 +74,8 @@ pub fn series_text(units: &Units, measure: &Measure, rows: &[SeriesRow]) -> Stri
         let words = columns.iter().map(|name| match *name {
             "step" => row.step.to_string(),
             "contacts" => row.contacts.to_string(),
+            "angle" => row.angle.map_or(String::new(), |x| x.to_string()),
+            "coordination" => row.coordination.map_or(String::new(), |x| x.to_string()),
             _ => row.real(name).map_or(String::new(), |x| x.to_string()),
         });
         out.push_str(&words.collect::<Vec<String>>().join(","));
@@ -104,6 +113,9 @@ impl SeriesRow {
             match *name {
                 "step" => row.step = word.parse().ok()?,
                 "contacts" => row.contacts = word.parse().ok()?,
+                "angle" | "coordination" if word.is_empty() => {}
+                "angle" => row.angle = Some(word.parse().ok()?),
+                "coordination" => row.coordination = Some(word.parse().ok()?),
                 _ => *row.real(name)? = word.parse().ok()?,
             }
         }
@@ -159,6 +171,8 @@ mod tests {
             force_mean: [1e22, -0.0, 3.0],
             torque: [2.5e-8, 0.1, -7.0],
             contacts: 12,
+            angle: Some(1.0 / 7.0),
+            coordination: None,
         };
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("series.csv");

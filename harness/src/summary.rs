@@ -4,7 +4,9 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use crate::blocks::Mean;
 use crate::error::{Error, Result};
+use crate::scenario::Scenario;
 use crate::units::Units;
 
 /// Everything measured, in the units the scenario names.
@@ -19,6 +21,10 @@ pub struct Summary {
     pub scenario: String,
     /// Scalings of the numbers: quantity and unit.
     pub units: Units,
+    /// Every input, defaults written out.
+    pub inputs: Scenario,
+    /// How the standard errors were found.
+    pub standard_error_method: String,
     /// The settled beds, one for each depth asked for.
     pub beds: Vec<BedSummary>,
     /// The drags, by bed and then speed.
@@ -46,23 +52,14 @@ pub struct BedSummary {
     pub coordination_number: f64,
     /// Deepest overlap over the mean diameter.
     pub overlap_max: f64,
-    /// Kinetic energy per free grain.
-    pub kinetic_energy_per_grain: f64,
+    /// Kinetic energy per free grain over a grain's mean weight times the mean diameter.
+    pub kinetic_energy_over_weight_d: f64,
     /// Weight of the free grains.
     pub weight: f64,
     /// Upward force of base, planes and intruder on the free grains.
     pub support: f64,
     /// Digest of the settled state, in hex.
     pub digest: String,
-}
-
-/// A mean over the averaging window with its standard error.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Mean {
-    /// The mean over every step of the window.
-    pub mean: f64,
-    /// Standard error from the means of 8 equal blocks of the window.
-    pub standard_error: f64,
 }
 
 /// One drag at one speed.
@@ -98,6 +95,12 @@ pub struct RunSummary {
     pub side: Mean,
     /// Mean number of grains that touch the intruder.
     pub contacts: Mean,
+    /// Contact angle on the intruder (radians, 0 straight ahead), over all contacts of the samples.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub contact_angle: Option<Mean>,
+    /// Contacts of a grain within 2 d of the intruder's surface, over all such grains of the samples.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub coordination: Option<Mean>,
     /// Mean drag over all steps, nothing cut.
     pub drag_uncut: f64,
     /// Drag over the weight of the bed above the intruder's lowest point. Nothing but friction holds
@@ -107,6 +110,26 @@ pub struct RunSummary {
     pub digest: String,
     /// Digests of its parts, by name.
     pub digest_parts: Vec<(String, String)>,
+}
+
+/// One drag with all that belongs to it: `summary.json` of its own folder.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RunRecord {
+    /// Version of the program that wrote it.
+    pub version: String,
+    /// Version of the kernel's arithmetic.
+    pub bits_version: u32,
+    /// Scalings of the numbers: quantity and unit.
+    pub units: Units,
+    /// Every input, defaults written out.
+    pub inputs: Scenario,
+    /// How the standard errors were found.
+    pub standard_error_method: String,
+    /// The settled bed it was dragged through.
+    pub bed: BedSummary,
+    /// What was measured.
+    pub run: RunSummary,
 }
 
 /// Reads `summary.json` of a run directory.

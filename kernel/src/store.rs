@@ -110,8 +110,9 @@ impl<R: Real, const GRAINS: usize, const PAIRS: usize, const BODIES: usize>
         let Ok(number) = u8::try_from(self.groups.len()) else {
             return Err(group);
         };
+        self.groups.push(group)?;
         self.clock.started = false;
-        self.groups.push(group).map(|()| number)
+        Ok(number)
     }
 
     /// Adds an obstacle.
@@ -119,8 +120,9 @@ impl<R: Real, const GRAINS: usize, const PAIRS: usize, const BODIES: usize>
     /// # Errors
     /// The obstacle, where `BODIES` are there already.
     pub fn add_obstacle(&mut self, obstacle: Obstacle<R>) -> Result<(), Obstacle<R>> {
+        self.obstacles.push(obstacle)?;
         self.clock.started = false;
-        self.obstacles.push(obstacle)
+        Ok(())
     }
 
     /// Adds a resting grain of this radius and mass; ids must ascend.

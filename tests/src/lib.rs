@@ -1,7 +1,10 @@
 //! What several tests share: where the goldens are, how the peers' data is read, and small cases.
 
+pub mod fuzzing;
+
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
 
 use bitgrain::case::{Case, GrainSpec, ObstacleSpec};
 use bitgrain::law::LawSpec;
@@ -80,4 +83,45 @@ pub fn floor() -> ObstacleSpec {
         normal: [0.0, 0.0, 1.0],
         velocity: [0.0; 3],
     }
+}
+
+/// A scenario of 300 grains that is poured in seconds.
+pub const SMALL: &str = r#"
+name = "small"
+units = "reduced"
+
+[bed]
+box = [8.0, 6.0, 6.0]
+grains = 300
+
+[law]
+kind = "hertz_history"
+kn = 2e5
+kt = 2.45e5
+gamma_n = 792.0
+gamma_t = 792.0
+mu = 0.5
+
+[intruder]
+diameter = 1.5
+height = 2.5
+speed = 1.0
+
+[drag]
+dt = 3e-4
+distance = 4.0
+"#;
+
+/// Runs a program in a folder to its end.
+pub fn output(program: &str, folder: &Path, args: &[&str]) -> Output {
+    let mut command = Command::new(program);
+    command.args(args).current_dir(folder);
+    command.output().expect("the command starts")
+}
+
+/// What a user sees: command, messages, exit status, as one text to review.
+pub fn told(args: &[&str], out: &Output) -> String {
+    let status = out.status.code().map_or("none".into(), |c| c.to_string());
+    let text = String::from_utf8_lossy(&out.stderr).replace("bitgrain-under-test", "bitgrain");
+    format!("$ bitgrain {}\n{text}[{status}]\n\n", args.join(" "))
 }

@@ -1,25 +1,16 @@
 //! What a user is told: refusals with exit status 2, runs that go wrong with 3, and what stays.
 
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
-use bitgrain_tests::golden;
+use bitgrain_tests::{SMALL, golden};
 
 fn bitgrain(folder: &Path, args: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_bitgrain-under-test"));
-    command
-        .args(args)
-        .current_dir(folder)
-        .output()
-        .expect("the command starts")
+    bitgrain_tests::output(env!("CARGO_BIN_EXE_bitgrain-under-test"), folder, args)
 }
 
-/// Command, exit status and messages, as one text to review.
 fn told(folder: &Path, args: &[&str]) -> String {
-    let out = bitgrain(folder, args);
-    let status = out.status.code().map_or("none".into(), |c| c.to_string());
-    let text = String::from_utf8_lossy(&out.stderr).replace("bitgrain-under-test", "bitgrain");
-    format!("$ bitgrain {}\n{}[{status}]\n\n", args.join(" "), text)
+    bitgrain_tests::told(args, &bitgrain(folder, args))
 }
 
 fn snapshot(name: &str, text: &str) {
@@ -30,32 +21,6 @@ fn snapshot(name: &str, text: &str) {
     settings.set_description("recipe: `cargo test -p bitgrain-tests --test cli`");
     settings.bind(|| insta::assert_snapshot!(name, text));
 }
-
-const SCENARIO: &str = r#"
-name = "small"
-units = "reduced"
-
-[bed]
-box = [8.0, 6.0, 6.0]
-grains = 300
-
-[law]
-kind = "hertz_history"
-kn = 2e5
-kt = 2.45e5
-gamma_n = 792.0
-gamma_t = 792.0
-mu = 0.5
-
-[intruder]
-diameter = 1.5
-height = 2.5
-speed = 1.0
-
-[drag]
-dt = 3e-4
-distance = 4.0
-"#;
 
 #[test]
 fn wrong_scenarios_are_refused() {
@@ -88,8 +53,8 @@ fn wrong_scenarios_are_refused() {
     ];
     let mut text = String::new();
     for (from, to) in edits {
-        assert!(SCENARIO.contains(from));
-        std::fs::write(&file, SCENARIO.replacen(from, to, 1)).unwrap();
+        assert!(SMALL.contains(from));
+        std::fs::write(&file, SMALL.replacen(from, to, 1)).unwrap();
         text.push_str(&format!("# {}\n", to.replace('\n', "; ")));
         text.push_str(&told(folder.path(), &["run", "bed.toml"]));
     }
@@ -328,7 +293,8 @@ fn the_case_of_the_readme_runs() {
 fn shipped_scenarios_are_sound() {
     for (name, _) in bitgrain::scenario::SHIPPED {
         let scenario = bitgrain::scenario::load(name, &[]).unwrap();
-        let again = bitgrain::scenario::parse(&scenario.to_toml(), name, &[]).unwrap();
+        let again =
+            bitgrain::scenario::parse(&scenario.to_toml(), name, &[], Path::new("")).unwrap();
         assert_eq!(scenario, again);
         assert_eq!(scenario.name, name);
     }
@@ -349,7 +315,7 @@ fn shipped_scenarios_are_sound() {
 fn a_drag_that_goes_wrong_keeps_its_series() {
     let folder = tempfile::tempdir().unwrap();
     // So fast that it drives grains into each other beyond the limit.
-    let text = SCENARIO.replacen("speed = 1.0", "speed = 150.0", 1);
+    let text = SMALL.replacen("speed = 1.0", "speed = 150.0", 1);
     let text = text.replacen("grains = 300", "grains = 300\nsettled = 1e-2", 1);
     let text = text.replacen("distance = 4.0", "distance = 6.0", 1);
     std::fs::write(
@@ -363,6 +329,6 @@ fn a_drag_that_goes_wrong_keeps_its_series() {
     assert!(message.contains("run-1 stopped at step"), "{message}");
     let fast = folder.path().join("fast");
     assert!(fast.join("beds/bed.safetensors").exists());
-    assert!(fast.join("runs/run-1.csv").exists());
+    assert!(fast.join("runs/run-1/forces.partial.csv").exists());
     assert!(!fast.join("summary.json").exists());
 }

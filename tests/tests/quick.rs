@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::Command;
 
+use bitgrain::bed::library::Library;
 use bitgrain::progress::Progress;
 use bitgrain::{run, scenario, summary};
 use bitgrain_tests::golden;
@@ -54,6 +55,41 @@ fn first_picture(report: &[u8]) -> Vec<u8> {
     picture.replacen("<svg ", alone, 1).into_bytes()
 }
 
+/// The files that the README's table of the run directory promises.
+fn check_names(files: &BTreeMap<String, Vec<u8>>) {
+    let names: Vec<&str> = files.keys().map(String::as_str).collect();
+    let of_run = |name: &&&str| name.starts_with("runs/run-1/");
+    assert_eq!(
+        names.iter().filter(of_run).collect::<Vec<_>>(),
+        [
+            &"runs/run-1/angles.csv",
+            &"runs/run-1/coordination.csv",
+            &"runs/run-1/forces.csv",
+            &"runs/run-1/snapshots/contacts.000000020000.vtk",
+            &"runs/run-1/snapshots/contacts.000000040000.vtk",
+            &"runs/run-1/snapshots/grains.000000020000.dump",
+            &"runs/run-1/snapshots/grains.000000020000.vtk",
+            &"runs/run-1/snapshots/grains.000000040000.dump",
+            &"runs/run-1/snapshots/grains.000000040000.vtk",
+            &"runs/run-1/summary.json",
+        ]
+    );
+    let others: Vec<&&str> = names
+        .iter()
+        .filter(|name| !name.starts_with("runs/"))
+        .collect();
+    assert_eq!(
+        others,
+        [
+            &"beds/bed.data",
+            &"beds/bed.safetensors",
+            &"report.html",
+            &"scenario.toml",
+            &"summary.json"
+        ]
+    );
+}
+
 /// Forces to read, every number and digest to hold, and the hash of each file but the report, whose
 /// looks may change while its numbers do not.
 #[test]
@@ -64,23 +100,12 @@ fn first_picture(report: &[u8]) -> Vec<u8> {
 fn the_quick_scenario_gives_its_goldens() {
     let quick = scenario::load("quick", &[]).unwrap();
     let folder = tempfile::tempdir().unwrap();
-    run::run(&quick, folder.path(), 2, &Progress::new()).unwrap();
-    let files = results(folder.path());
-    let names: Vec<&str> = files.keys().map(String::as_str).collect();
-    assert_eq!(
-        names,
-        [
-            "beds/bed.safetensors",
-            "report.html",
-            "runs/run-1.csv",
-            "runs/run-2.csv",
-            "runs/run-3.csv",
-            "runs/run-4.csv",
-            "scenario.toml",
-            "summary.json",
-        ]
-    );
-    let whole = summary::read_summary(&folder.path().join("summary.json")).unwrap();
+    let library = Library::new(folder.path().join("beds"));
+    let out = folder.path().join("out");
+    run::run(&quick, &out, &library, 2, &Progress::new(false)).unwrap();
+    let files = results(&out);
+    check_names(&files);
+    let whole = summary::read_summary(&out.join("summary.json")).unwrap();
     let bed = &whole.beds[0];
     assert!(
         (bed.support / bed.weight - 1.0).abs() < 1e-3,
@@ -104,18 +129,21 @@ fn the_quick_scenario_gives_its_goldens() {
     );
 
     let recipe = "recipe: `bitgrain run quick`";
-    let mut table =
-        String::from("   Fr        V   drag +- error        lift +- error    contacts\n");
+    let mut table = String::from(
+        "   Fr        V   drag +- error        lift +- error    contacts  angle  coordination\n",
+    );
     for r in &whole.runs {
         table.push_str(&format!(
-            "{:5.2} {:8.4} {:8.2} +- {:5.2} {:10.2} +- {:5.2} {:10.2}\n",
+            "{:5.2} {:8.4} {:8.2} +- {:5.2} {:10.2} +- {:5.2} {:10.2} {:8.3} {:8.2}\n",
             r.froude,
             r.speed,
             r.drag.mean,
             r.drag.standard_error,
             r.lift.mean,
             r.lift.standard_error,
-            r.contacts.mean
+            r.contacts.mean,
+            r.contact_angle.map_or(f64::NAN, |a| a.mean),
+            r.coordination.map_or(f64::NAN, |z| z.mean),
         ));
     }
     snapshot("forces", recipe, &table);
@@ -132,22 +160,41 @@ fn the_quick_scenario_gives_its_goldens() {
     snapshot("files", recipe, &hashes);
     let bed = first_picture(&files["report.html"]);
     settings(recipe).bind(|| insta::assert_binary_snapshot!("bed.svg", bed));
-    let series = std::str::from_utf8(&files["runs/run-4.csv"]).unwrap();
+    let series = std::str::from_utf8(&files["runs/run-4/forces.csv"]).unwrap();
     let some: Vec<&str> = series.lines().take(12).collect();
     snapshot("series-head", recipe, &some.join("\n"));
 }
 
-/// A small run twice: other thread counts, folders, time zones and locales, the same bytes.
+/// A small run three times: other thread counts, folders, time zones and locales, and at last with
+/// the bed that the run before it poured; the same bytes.
 #[test]
 fn a_second_run_gives_the_same_bytes() {
     let mut results_of = Vec::new();
-    let settings = [("1", "UTC", "C"), ("3", "Asia/Kolkata", "de_DE.UTF-8")];
-    for (threads, zone, locale) in settings {
+    let library = tempfile::tempdir().unwrap();
+    let settings = [
+        ("1", "UTC", "C", "beds"),
+        (
+            "3",
+            "Asia/Kolkata",
+            "de_DE.UTF-8",
+            library.path().to_str().unwrap(),
+        ),
+        ("2", "UTC", "C", library.path().to_str().unwrap()),
+    ];
+    for (k, (threads, zone, locale, beds)) in settings.into_iter().enumerate() {
         let folder = tempfile::tempdir().unwrap();
         let out = folder.path().join(format!("out{threads}"));
         let mut command = Command::new(env!("CARGO_BIN_EXE_bitgrain-under-test"));
         command
-            .args(["run", "quick", "--threads", threads, "--out"])
+            .args([
+                "run",
+                "quick",
+                "--threads",
+                threads,
+                "--beds",
+                beds,
+                "--out",
+            ])
             .arg(&out);
         for set in [
             "bed.grains=150",
@@ -166,14 +213,19 @@ fn a_second_run_gives_the_same_bytes() {
             .env("LANG", locale)
             .output();
         let run = run.unwrap();
-        assert!(
-            run.status.success(),
-            "{}",
-            String::from_utf8_lossy(&run.stderr)
-        );
+        let told = String::from_utf8_lossy(&run.stderr);
+        assert!(run.status.success(), "{told}");
+        assert!(told.is_empty(), "quiet where there is no terminal: {told}");
         assert!(String::from_utf8_lossy(&run.stdout).contains("report.html"));
+        let how = std::fs::read_to_string(out.join("performance.json")).unwrap();
+        let expected = if k == 2 { "\"reused\"" } else { "\"poured\"" };
+        assert!(how.contains(expected), "{how}");
         results_of.push(results(&out));
     }
-    assert_eq!(results_of[0].len(), 6);
+    assert_eq!(results_of[0].len(), 3 + 2 + 2 * (4 + 2 * 3));
     assert!(results_of[0] == results_of[1], "the same names and bytes");
+    assert!(
+        results_of[0] == results_of[2],
+        "a reused bed gives the same bytes"
+    );
 }

@@ -102,7 +102,7 @@ impl ValueFormatter<f64> for Axis {
 }
 
 /// Finite, and small enough that a range of such numbers is finite too.
-fn drawable(x: f64) -> bool {
+pub(super) fn drawable(x: f64) -> bool {
     x.abs() < 1e100
 }
 
@@ -230,7 +230,7 @@ pub(super) fn froude(runs: &[RunSummary], beds: &[&str], units: &Units) -> Optio
     );
     let y = padded(low, high);
     let labels = [
-        "Froude number Fr".to_owned(),
+        "Froude number Fr (dimensionless)".to_owned(),
         format!("drag F ({})", typeset(&units.force)),
     ];
     Some(svg("Drag against Froude number", |area| {
@@ -284,7 +284,7 @@ fn chart<'a, 'b>(
         .margin_top(24)
         .margin_right(56)
         .margin_bottom(6)
-        .margin_left(6)
+        .margin_left(22)
         .x_label_area_size(140)
         .y_label_area_size(100 + labels)
         .build_cartesian_2d(x.clone(), y.clone())

@@ -3,12 +3,16 @@
 //! The page is a pure function of what it shows: no time, no path and no name of a machine is in
 //! it, and it needs no other file.
 
+mod arrow;
 mod chart;
+mod flow;
+mod inputs;
 mod picture;
 mod table;
 mod text;
 
-use table::{bed_table, plug_remark, run_table};
+pub use flow::{FlowGrain, FlowPicture};
+use table::{bed_table, plug_remark, rest_remark, run_table};
 pub(crate) use text::short;
 use text::{escape, plus_minus, typeset};
 
@@ -44,12 +48,13 @@ pub struct PictureGrain {
 }
 
 /// One self-contained HTML page. The series come in the order of the runs of the summary, the
-/// pictures in that of its beds; where one is missing, the page says so.
+/// pictures in that of its beds, the flows name their runs; where one is missing, the page says so.
 pub fn page(
     summary: &Summary,
     scenario_text: &str,
     series: &[Vec<SeriesRow>],
     pictures: &[BedPicture],
+    flows: &[FlowPicture],
 ) -> String {
     let name = escape(&summary.scenario);
     let mut out = format!(
@@ -64,7 +69,9 @@ pub fn page(
     out.push_str(&bed_figures(summary, pictures));
     out.push_str(&force_figures(summary, series));
     out.push_str(&froude_figure(summary));
+    out.push_str(&flow::section(summary, flows));
     out.push_str(&numbers(summary));
+    out.push_str(&inputs::section(scenario_text, &summary.units));
     out.push_str(&repeat(summary, scenario_text));
     out.push_str("</main>\n</body>\n</html>\n");
     out
@@ -251,20 +258,26 @@ fn numbers(summary: &Summary) -> String {
         _ => "",
     };
     format!(
-        "<section>\n<h2>Numbers</h2>\n<p>Units: {}{symbols}.</p>\n<h3>Beds</h3>\n{}\
+        "<section>\n<h2>Numbers</h2>\n<p>Units: {}{symbols}.</p>\n<h3>Beds</h3>\n{}{}\
          <h3>Drags</h3>\n{}{}</section>\n",
         list.join(", "),
         bed_table(&summary.beds, units),
+        rest_remark(&summary.beds),
         run_table(&summary.runs, units),
         plug_remark(&summary.runs),
     )
 }
 
 fn repeat(summary: &Summary, scenario_text: &str) -> String {
+    let file = summary.inputs.bed.file.as_ref();
+    let imported = file.map_or(String::new(), |file| {
+        let file = escape(file);
+        format!("<p>The bed comes from <code>{file}</code>, which must lie beside it.</p>\n")
+    });
     format!(
         "<section>\n<h2>How to repeat it</h2>\n<p>Save the scenario below as \
          <code>scenario.toml</code> and, in the same folder, run</p>\n\
-         <pre>bitgrain run scenario.toml</pre>\n<p>Made with bitgrain {}, arithmetic version {}: \
+         <pre>bitgrain run scenario.toml</pre>\n{imported}<p>Made with bitgrain {}, arithmetic version {}: \
          runs with the same arithmetic version end in the digests above.</p>\n<h3>Scenario</h3>\n\
          <pre tabindex=\"0\">{}</pre>\n</section>\n",
         escape(&summary.version),
@@ -286,146 +299,4 @@ stroke=\"#161b22\" stroke-width=\"3\" stroke-dasharray=\"6 4\"/></svg>averaging 
 const CSS: &str = include_str!("style.css");
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::summary::Mean;
-    use crate::units::Units;
-
-    fn mean(mean: f64, standard_error: f64) -> Mean {
-        Mean {
-            mean,
-            standard_error,
-        }
-    }
-
-    fn bed(x: f64) -> BedSummary {
-        BedSummary {
-            name: "bed".into(),
-            grains: 12_345,
-            frozen: 3,
-            steps: 1_000_000,
-            surface: x,
-            depth: x,
-            packing_fraction: x,
-            coordination_number: x,
-            overlap_max: x,
-            kinetic_energy_per_grain: x,
-            weight: x,
-            support: x,
-            digest: "0123abcd".into(),
-        }
-    }
-
-    pub fn run(x: f64) -> RunSummary {
-        RunSummary {
-            name: "fr".into(),
-            bed: "bed".into(),
-            froude: x,
-            speed: x,
-            diameter: x,
-            depth: x,
-            distance: x,
-            steps: 7,
-            window_start: x,
-            window_end: x,
-            window_steps: 5,
-            drag: mean(x, x),
-            lift: mean(x, x),
-            side: mean(-x, x),
-            contacts: mean(x, x),
-            drag_uncut: x,
-            plug_ratio: x,
-            digest: "89ef".into(),
-            digest_parts: vec![("grains".into(), "4567".into())],
-        }
-    }
-
-    /// One bed and two drags, all of whose measured numbers are `x`.
-    fn summary(x: f64) -> Summary {
-        Summary {
-            version: "1.2.3".into(),
-            bits_version: 9,
-            scenario: "a <b> & c".into(),
-            units: Units {
-                length: "d".into(),
-                time: "sqrt(d/g)".into(),
-                speed: "sqrt(g d)".into(),
-                force: "rho d^3 g".into(),
-                torque: "rho d^4 g".into(),
-                energy: "rho d^4 g".into(),
-            },
-            beds: vec![bed(x)],
-            runs: vec![run(x), run(x)],
-        }
-    }
-
-    fn series(x: f64) -> Vec<Vec<SeriesRow>> {
-        let row = |k: u64| SeriesRow {
-            step: k,
-            time: x * k as f64,
-            distance: x * k as f64,
-            force_mean: [x * (k % 7) as f64, 0.0, 0.0],
-            ..SeriesRow::default()
-        };
-        vec![(1..2000).map(row).collect(), Vec::new()]
-    }
-
-    fn picture(x: f64) -> BedPicture {
-        let grain = |z| PictureGrain {
-            position: [2.0, 3.0, z],
-            radius: 0.5,
-            frozen: z < 1.0,
-        };
-        BedPicture {
-            name: "bed".into(),
-            lo: [0.0; 3],
-            hi: [10.0; 3],
-            surface: x,
-            grains: vec![grain(0.5), grain(1.5), grain(x)],
-            intruder: ([5.0, 3.0, 4.0], 1.0),
-        }
-    }
-
-    #[test]
-    fn the_same_input_gives_the_same_bytes() {
-        let make = || page(&summary(0.5), "a = 1", &series(0.1), &[picture(5.0)]);
-        assert_eq!(make(), make());
-    }
-
-    #[test]
-    fn the_page_is_self_contained_small_and_complete() {
-        let text = page(&summary(0.5), "a = 1", &series(0.1), &[picture(5.0)]);
-        assert!(!text.contains("http") && !text.contains("<script") && !text.contains("src="));
-        assert!(text.len() < 200_000, "{}", text.len());
-        let parts = ["0123abcd", "89ef", "4567", "1.2.3", "value=\"12345\""];
-        assert!(parts.iter().all(|part| text.contains(part)));
-    }
-
-    #[test]
-    fn nothing_in_the_text_is_taken_for_html() {
-        let text = page(&summary(0.5), "x = \"<script>&\"", &[], &[]);
-        assert!(text.contains("x = &quot;&lt;script&gt;&amp;&quot;"));
-        assert!(text.contains("a &lt;b&gt; &amp; c") && !text.contains("a <b>"));
-    }
-
-    #[test]
-    fn what_is_no_number_is_a_dash() {
-        for x in [f64::NAN, f64::INFINITY, -0.0, 1e-300, 1e300] {
-            let text = page(&summary(x), "", &series(x), &[picture(x)]);
-            assert!(
-                !text.contains("NaN") && !text.contains("inf"),
-                "{x}: {text}"
-            );
-        }
-    }
-
-    #[test]
-    fn a_page_of_nothing_is_a_page() {
-        let mut empty = summary(1.0);
-        page(&empty, "", &[], &[]);
-        empty.runs.clear();
-        page(&empty, "", &[], &[]);
-        empty.beds.clear();
-        assert!(page(&empty, "", &[], &[]).ends_with("</html>\n"));
-    }
-}
+mod tests;

@@ -10,55 +10,71 @@ use super::text::{escape, typeset};
 const WIDTH: f64 = 500.0;
 /// Highest the box itself is drawn.
 const HEIGHT: f64 = 640.0;
+/// Least room at the right, enough for half a tick label of two figures.
 const RIGHT: f64 = 14.0;
 const TOP: f64 = 10.0;
 const BOTTOM: f64 = 46.0;
-const INK: &str = "#161b22";
+/// Of lines, texts and the intruder.
+pub(super) const INK: &str = "#161b22";
 
 /// The circle in which a plane cuts a sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Cut {
-    x: f64,
-    z: f64,
-    radius: f64,
+pub(super) struct Cut {
+    /// Of its centre.
+    pub x: f64,
+    /// Of its centre.
+    pub z: f64,
+    /// Smaller than the sphere's where the plane misses the centre.
+    pub radius: f64,
 }
 
 /// From lengths of the bed to the drawing.
-struct Scale {
-    lo: [f64; 2],
-    hi: [f64; 2],
+pub(super) struct Scale {
+    /// Least x and z drawn.
+    pub lo: [f64; 2],
+    /// Largest x and z drawn.
+    pub hi: [f64; 2],
+    /// Length in the drawing of one unit of length.
+    pub factor: f64,
     left: f64,
-    factor: f64,
     up: Axis,
 }
 
 impl Scale {
     /// `None` where the box has no extent.
-    fn new(lo: [f64; 2], hi: [f64; 2]) -> Option<Self> {
+    pub(super) fn new(lo: [f64; 2], hi: [f64; 2]) -> Option<Self> {
         let size = [hi[0] - lo[0], hi[1] - lo[1]];
         let up = axis(lo[1], hi[1], 5);
-        let longest = up.ticks.iter().map(|t| t.1.chars().count()).max();
         // Room for the tick labels and, turned, the name of the axis.
-        let left = 34.0 + 8.0 * longest.unwrap_or(1) as f64;
-        let room = WIDTH - RIGHT - left;
+        let left = 34.0 + 8.0 * longest(&up);
+        let right = RIGHT.max(4.0 + 4.5 * longest(&axis(lo[0], hi[0], 7)));
+        let room = WIDTH - right - left;
         let factor = (room / size[0]).min(HEIGHT / size[1]);
         let fits = size.iter().all(|l| *l > 0.0) && factor.is_finite() && factor > 0.0;
         fits.then(|| Scale {
             lo,
             hi,
-            left: left + 0.5 * (room - factor * size[0]),
             factor,
+            left: left + 0.5 * (room - factor * size[0]),
             up,
         })
     }
 
-    fn x(&self, x: f64) -> f64 {
+    /// Across the drawing.
+    pub(super) fn x(&self, x: f64) -> f64 {
         self.left + self.factor * (x - self.lo[0])
     }
 
-    fn z(&self, z: f64) -> f64 {
+    /// Down the drawing.
+    pub(super) fn z(&self, z: f64) -> f64 {
         TOP + self.factor * (self.hi[1] - z)
     }
+}
+
+/// Letters of the longest tick label.
+fn longest(axis: &Axis) -> f64 {
+    let letters = axis.ticks.iter().map(|t| t.1.chars().count()).max();
+    letters.unwrap_or(1) as f64
 }
 
 /// Cuts of a sphere by the plane at `y`, one for each periodic image that reaches into the box.
@@ -104,7 +120,11 @@ pub(super) fn slice(bed: &BedPicture, unit: &str, index: usize) -> Option<String
     let top = top + 0.03 * (top - low);
     let scale = Scale::new([bed.lo[0], low], [bed.hi[0], top])?;
     let mut out = String::new();
-    open(&mut out, bed, &scale, index);
+    let title = format!(
+        "Slice of the settled bed {} through the intruder's centre",
+        bed.name
+    );
+    open(&mut out, "slice", &title, &index.to_string(), &scale);
     circles(
         &mut out,
         &scale,
@@ -124,31 +144,33 @@ pub(super) fn slice(bed: &BedPicture, unit: &str, index: usize) -> Option<String
     }
     out.push_str("</g>");
     lines(&mut out, &scale, bed);
-    ticks(&mut out, &scale, &typeset(unit));
+    let unit = escape(&typeset(unit));
+    ticks(
+        &mut out,
+        &scale,
+        [&format!("x ({unit})"), &format!("z ({unit})")],
+    );
     out.push_str("</svg>");
     Some(out)
 }
 
-/// The tag, its title, the hatching of frozen grains and the clip to the box.
-fn open(out: &mut String, bed: &BedPicture, scale: &Scale, index: usize) {
-    let title = escape(&format!(
-        "Slice of the settled bed {} through the intruder's centre",
-        bed.name
-    ));
+/// The tag, its title, the hatching of frozen grains and a group clipped to what the scale shows.
+pub(super) fn open(out: &mut String, class: &str, title: &str, id: &str, scale: &Scale) {
+    let title = escape(title);
     let (x0, x1) = (scale.x(scale.lo[0]), scale.x(scale.hi[0]));
     let (z0, z1) = (scale.z(scale.lo[1]), scale.z(scale.hi[1]));
     let height = z0 + BOTTOM;
     push(
         out,
         format_args!(
-            "<svg class=\"slice\" viewBox=\"0 0 {WIDTH} {height:.1}\" role=\"img\" \
+            "<svg class=\"{class}\" viewBox=\"0 0 {WIDTH} {height:.1}\" role=\"img\" \
              aria-label=\"{title}\" font-family=\"sans-serif\" font-size=\"15\"><title>{title}\
-             </title><defs><pattern id=\"hatch-{index}\" width=\"3.2\" height=\"3.2\" \
+             </title><defs><pattern id=\"hatch-{id}\" width=\"3.2\" height=\"3.2\" \
              patternUnits=\"userSpaceOnUse\" patternTransform=\"rotate(45)\">\
              <rect width=\"3.2\" height=\"3.2\" fill=\"#9aa1a8\"/>\
              <rect width=\"1.3\" height=\"3.2\" fill=\"#3a424c\"/></pattern>\
-             <clipPath id=\"box-{index}\"><rect x=\"{x0:.1}\" y=\"{z1:.1}\" width=\"{:.1}\" \
-             height=\"{:.1}\"/></clipPath></defs><g clip-path=\"url(#box-{index})\">",
+             <clipPath id=\"box-{id}\"><rect x=\"{x0:.1}\" y=\"{z1:.1}\" width=\"{:.1}\" \
+             height=\"{:.1}\"/></clipPath></defs><g clip-path=\"url(#box-{id})\">",
             x1 - x0,
             z0 - z1
         ),
@@ -156,11 +178,12 @@ fn open(out: &mut String, bed: &BedPicture, scale: &Scale, index: usize) {
 }
 
 /// Writing into a string has no way to fail.
-fn push(out: &mut String, text: std::fmt::Arguments) {
+pub(super) fn push(out: &mut String, text: std::fmt::Arguments) {
     let _ = out.write_fmt(text);
 }
 
-fn circles(out: &mut String, scale: &Scale, cuts: &[Cut], style: &str) {
+/// Cuts as circles of one style.
+pub(super) fn circles(out: &mut String, scale: &Scale, cuts: &[Cut], style: &str) {
     push(out, format_args!("<g {style} stroke-width=\"0.7\">"));
     for cut in cuts {
         let (x, z) = (scale.x(cut.x), scale.z(cut.z));
@@ -225,9 +248,8 @@ fn lines(out: &mut String, scale: &Scale, bed: &BedPicture) {
     }
 }
 
-/// Ticks and labels of both axes.
-fn ticks(out: &mut String, scale: &Scale, unit: &str) {
-    let unit = escape(unit);
+/// Ticks and labels of both axes, whose names are given as markup.
+pub(super) fn ticks(out: &mut String, scale: &Scale, names: [&str; 2]) {
     let (x0, x1) = (scale.x(scale.lo[0]), scale.x(scale.hi[0]));
     let (z0, z1) = (scale.z(scale.lo[1]), scale.z(scale.hi[1]));
     let across = axis(
@@ -259,15 +281,16 @@ fn ticks(out: &mut String, scale: &Scale, unit: &str) {
         );
     }
     let (x, z) = (0.5 * (x0 + x1), 0.5 * (z0 + z1));
-    let longest = scale.up.ticks.iter().map(|t| t.1.chars().count()).max();
-    let side = x0 - 16.0 - 8.0 * longest.unwrap_or(1) as f64;
+    let side = x0 - 16.0 - 8.0 * longest(&scale.up);
     push(
         out,
         format_args!(
-            "<text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">x ({unit})</text>\
+            "<text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>\
              <text x=\"{side:.1}\" y=\"{z:.1}\" text-anchor=\"middle\" \
-             transform=\"rotate(-90 {side:.1} {z:.1})\">z ({unit})</text></g>",
-            z0 + 39.0
+             transform=\"rotate(-90 {side:.1} {z:.1})\">{}</text></g>",
+            z0 + 39.0,
+            names[0],
+            names[1],
         ),
     );
 }

@@ -1,6 +1,7 @@
 //! Tables of the page: every number of the beds and drags.
 
 use super::text::{count, digest, escape, exact, plus_minus, short, typeset};
+use crate::blocks::Mean;
 use crate::summary::{BedSummary, RunSummary};
 use crate::units::Units;
 
@@ -54,7 +55,7 @@ impl<'a, T> Table<'a, T> {
 
 pub(super) fn bed_table(beds: &[BedSummary], units: &Units) -> String {
     let mut t = Table::new("Beds", beds, |b| &b.name);
-    let (length, force, energy) = (&units.length, &units.force, &units.energy);
+    let (length, force) = (&units.length, &units.force);
     t.row(
         "Grains",
         "",
@@ -91,8 +92,9 @@ pub(super) fn bed_table(beds: &[BedSummary], units: &Units) -> String {
     t.row("Deepest overlap", "", "over the mean diameter", |b| {
         exact(b.overlap_max)
     });
-    t.row("Kinetic energy", energy, "per free grain", |b| {
-        exact(b.kinetic_energy_per_grain)
+    let note = "per free grain, over its weight times d";
+    t.row("Kinetic energy", "", note, |b| {
+        exact(b.kinetic_energy_over_weight_d)
     });
     t.row("Weight", force, "of the free grains", |b| exact(b.weight));
     let note = "upward force on the free grains; at rest their weight";
@@ -130,6 +132,18 @@ pub(super) fn run_table(runs: &[RunSummary], units: &Units) -> String {
     t.row("Contacts", "", "grains that touch the intruder", |r| {
         plus_minus(r.contacts)
     });
+    t.row(
+        "Contact angle",
+        "rad",
+        "of the grains that touch the intruder, 0 straight ahead",
+        |r| optional(r.contact_angle),
+    );
+    t.row(
+        "Coordination number",
+        "",
+        "contacts of a grain within 2 d of the intruder&rsquo;s surface",
+        |r| optional(r.coordination),
+    );
     t.row("Drag, uncut", force, "mean over all steps", |r| {
         exact(r.drag_uncut)
     });
@@ -149,15 +163,30 @@ pub(super) fn run_table(runs: &[RunSummary], units: &Units) -> String {
         "travel at which averaging ended",
         |r| exact(r.window_end),
     );
+    t.row("Window steps", "", "averaged", |r| count(r.window_steps));
     t.row(
-        "Window steps",
+        "Blocks of the drag",
         "",
-        "averaged; errors from 8 equal blocks",
-        |r| count(r.window_steps),
+        "that its error comes from: doubled in length until that changes it no more",
+        |r| blocks(&r.drag),
     );
     t.row("Digest", "", "of the final state", |r| digest(&r.digest));
     digest_rows(&mut t, runs);
     t.finish()
+}
+
+fn optional(mean: Option<Mean>) -> String {
+    mean.map_or("\u{2014}".to_owned(), plus_minus)
+}
+
+/// How many blocks of how many steps, and whether longer ones were wanted.
+fn blocks(mean: &Mean) -> String {
+    let steps = count(mean.block_length);
+    let short = match mean.converged {
+        true => "",
+        false => "; longer ones were wanted: the window is short, or the force drifts",
+    };
+    format!("{} of {steps} steps{short}", mean.blocks)
 }
 
 /// A row for each named part of the final states, in the order of their first mention.
@@ -181,6 +210,22 @@ fn digest_rows(t: &mut Table<RunSummary>, runs: &[RunSummary]) {
             },
         );
     }
+}
+
+/// A remark where a bed is not at rest, as one from a file may be, in words.
+pub(super) fn rest_remark(beds: &[BedSummary]) -> String {
+    let moving = |b: &&BedSummary| (b.support / b.weight - 1.0).abs() > 1e-3;
+    let remark = |b: &BedSummary| {
+        format!(
+            "<p class=\"remark\"><b>{} is not at rest.</b> Base, floor and intruder carry {} of its \
+             weight, and its kinetic energy per grain is {} of the weight times d: what is measured \
+             first is the bed as it comes to rest.</p>\n",
+            escape(&b.name),
+            short(b.support / b.weight),
+            short(b.kinetic_energy_over_weight_d)
+        )
+    };
+    beds.iter().filter(moving).map(remark).collect()
 }
 
 /// A remark where the drag is a good part of the weight above, in words.

@@ -1,6 +1,6 @@
 //! Numbers and units as text of the page.
 
-use crate::summary::Mean;
+use crate::blocks::Mean;
 
 /// Text with no character that means something in HTML.
 pub(super) fn escape(text: &str) -> String {
@@ -139,6 +139,7 @@ mod tests {
         Mean {
             mean,
             standard_error,
+            ..Mean::default()
         }
     }
 

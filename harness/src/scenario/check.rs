@@ -1,12 +1,26 @@
 //! What is refused before anything runs.
 
-use super::{Scenario, UnitSystem};
+use super::{History, Scenario, UnitSystem};
+use crate::law::LawSpec;
 
 /// Most steps of one drag: a guard against a slip of the pen, a year on one core.
 const STEPS_MAX: u64 = 1_000_000_000_000;
 
 /// Fewest steps of an averaging window: ten for each block of the standard error.
 const AVERAGED_MIN: u64 = 80;
+
+/// Fewest rows of the force series in it: with fewer, block averaging of what is sampled with them
+/// cannot tell independent samples from others.
+const SAMPLES_MIN: u64 = 64;
+
+/// Most of its velocity that a contact's damping may take out in one step.
+const DAMPED_MAX: f64 = 0.5;
+
+/// Least height of a bed in mean diameters.
+const THINNEST: f64 = 4.0;
+
+/// Most snapshots of one drag: a guard of the disk against a slip of the pen.
+const SNAPSHOTS_MAX: u64 = 100_000;
 
 type Check = std::result::Result<(), (String, String)>;
 
@@ -38,10 +52,14 @@ impl Scenario {
             .map_err(|(key, problem)| (format!("law.{key}"), problem))?;
         self.check_intruder()?;
         self.check_box()?;
-        self.check_drag()?;
         if self.measure.every == 0 {
             return refuse("measure.every", "is 0; expected at least 1 step");
         }
+        if self.measure.snapshots > SNAPSHOTS_MAX {
+            let problem = format!("expected at most {SNAPSHOTS_MAX} for each drag");
+            return refuse("measure.snapshots", problem);
+        }
+        self.check_drag()?;
         Ok(())
     }
 
@@ -93,6 +111,12 @@ impl Scenario {
                 "expected a height inside the box, or 0 for none",
             );
         }
+        if self.bed.file.is_some() {
+            return match self.bed.fill_height {
+                Some(_) => refuse("bed.fill_height", "a bed from a file is as full as it is"),
+                None => Ok(()),
+            };
+        }
         if self.bed.base == 0.0 && !self.bed.floor {
             return refuse("bed.floor", "without a base the grains need a floor");
         }
@@ -138,11 +162,13 @@ impl Scenario {
         if speeds.is_empty() {
             return refuse(key, "is empty; expected at least one value");
         }
-        speeds.iter().try_for_each(|&(v, _)| positive(key, v))
+        speeds
+            .iter()
+            .try_for_each(|&(v, froude)| positive(key, if i.speed.is_some() { v } else { froude }))
     }
 
     fn check_box(&self) -> Check {
-        let [x, y, z] = self.bed.size;
+        let [x, y, _] = self.bed.size;
         let most = self.bed.diameters[1];
         let diameter = self.intruder.diameter;
         let widest = if diameter > most {
@@ -168,8 +194,18 @@ impl Scenario {
                 );
             }
         }
+        if self.bed.file.is_some() {
+            return Ok(());
+        }
+        self.check_filling()
+    }
+
+    /// Whether the grains fill what a poured bed needs, round the intruder.
+    fn check_filling(&self) -> Check {
+        let [_, _, z] = self.bed.size;
+        let diameter = self.intruder.diameter;
         let surface = self.expected_surface();
-        let thinnest = self.bed.base + self.mean_diameter();
+        let thinnest = THINNEST * self.mean_diameter();
         if surface < thinnest {
             let key = if self.bed.grains.is_some() {
                 "bed.grains"
@@ -179,8 +215,8 @@ impl Scenario {
             return refuse(
                 key,
                 format!(
-                    "fills the box to a height of {surface:.3}; expected at least {thinnest}, a \
-                     layer of grains above the base"
+                    "fills the box to a height of {surface:.3}; expected at least {thinnest}, four \
+                     grains, between whose lowest and uppermost a packing fraction can be measured"
                 ),
             );
         }
@@ -200,6 +236,9 @@ impl Scenario {
         let heights = self.heights();
         if heights.is_empty() {
             return refuse(key, "is empty; expected at least one value");
+        }
+        if (1..heights.len()).any(|k| heights[..k].contains(&heights[k])) {
+            return refuse(key, "has a value twice; each gets a bed of its own");
         }
         for height in heights {
             // Written so that NaN is refused too.
@@ -228,6 +267,34 @@ impl Scenario {
         Ok(())
     }
 
+    /// A contact whose damping takes most of a velocity out in one step turns it round: with a dozen
+    /// contacts a grain then gains energy.
+    fn check_damping(&self) -> Check {
+        let LawSpec::HertzHistory {
+            gamma_n, gamma_t, ..
+        } = self.law
+        else {
+            return Ok(());
+        };
+        let d = self.mean_diameter();
+        // At an overlap of a twentieth of the diameter, effective radius a quarter of it.
+        let width = (0.25 * d * 0.05 * d).sqrt();
+        for (key, gamma) in [("law.gamma_n", gamma_n), ("law.gamma_t", gamma_t)] {
+            let share = gamma * width * self.drag.dt;
+            if share > DAMPED_MAX {
+                return refuse(
+                    key,
+                    format!(
+                        "is {gamma}, which damps a contact by {share:.2} of its velocity in a step at \
+                         an overlap of 0.05 d; expected at most {DAMPED_MAX}: lower it or shorten \
+                         drag.dt"
+                    ),
+                );
+            }
+        }
+        Ok(())
+    }
+
     fn check_drag(&self) -> Check {
         let least = 0.5 * self.bed.diameters[0];
         let radius = 0.5 * self.intruder.diameter;
@@ -235,6 +302,13 @@ impl Scenario {
         self.law
             .check_time_step(self.drag.dt, sizes.into_iter())
             .map_err(|p| ("drag.dt".to_string(), p))?;
+        if self.bed.file.is_some() && self.drag.history == History::Kept {
+            return refuse(
+                "drag.history",
+                "is \"kept\", but a bed from a file has no contact histories; leave it out",
+            );
+        }
+        self.check_damping()?;
         let (speeds, distances) = (self.speeds(), self.drag.distance.values());
         if distances.len() != 1 && distances.len() != speeds.len() {
             return refuse(
@@ -295,6 +369,17 @@ impl Scenario {
                 return refuse(
                     key,
                     format!("leaves {averaged} steps to average; expected at least {AVERAGED_MIN}"),
+                );
+            }
+            let samples = averaged / self.measure.every;
+            if samples < SAMPLES_MIN {
+                return refuse(
+                    "measure.every",
+                    format!(
+                        "leaves {samples} rows in the averaging window of {}; expected at least \
+                         {SAMPLES_MIN}: sample more often",
+                        run.name
+                    ),
                 );
             }
         }

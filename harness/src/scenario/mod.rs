@@ -1,11 +1,12 @@
 //! Scenarios: what a user asks for, as TOML, with the papers' values as defaults.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
 mod check;
 mod plan;
+pub(crate) mod source;
 
 pub use plan::{BedPlan, PACKING_GUESS, RunPlan};
 
@@ -51,6 +52,9 @@ pub struct Scenario {
     /// What is written down.
     #[serde(default)]
     pub measure: Measure,
+    /// Where the bed's file is, where the bed comes from one.
+    #[serde(skip)]
+    pub source: Option<PathBuf>,
 }
 
 /// Systems of units.
@@ -67,6 +71,13 @@ pub enum UnitSystem {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Bed {
+    /// A bed of others instead of pouring: a LAMMPS data file or dump, plain or gzip, relative to the
+    /// scenario's file. Its box, grains and intruder give the values of the keys that are left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub file: Option<String>,
+    /// BLAKE3 of that file's text, unpacked: another text under the same name is refused.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hash: Option<String>,
     /// Lengths along x and y (both periodic) and the height that the settled bed may fill.
     #[serde(rename = "box")]
     pub size: [f64; 3],
@@ -181,6 +192,22 @@ pub struct Drag {
     /// Travel left out of the averages [default: the larger of D and a tenth of the distance].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub discard: Option<f64>,
+    /// Whether the contacts keep their histories as the drag begins; those of a bed from a file have
+    /// none.
+    #[serde(default)]
+    pub history: History,
+}
+
+/// Tangential springs of the settled bed as the drag begins.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum History {
+    /// They stay.
+    #[default]
+    Kept,
+    /// They are emptied, and the forces evaluated anew before the intruder takes on its speed: how
+    /// LAMMPS begins a run from a data file.
+    Empty,
 }
 
 /// What is written down.
@@ -193,9 +220,16 @@ pub struct Measure {
     /// Whether the series holds the torque on the intruder.
     #[serde(default = "yes")]
     pub torque: bool,
-    /// Whether it holds the number of grains that touch the intruder.
+    /// Whether it holds the number of grains that touch the intruder, their mean angle and the
+    /// coordination number near it.
     #[serde(default = "yes")]
     pub contacts: bool,
+    /// Snapshots of each drag, evenly spaced, the last at its end; 0 for none.
+    #[serde(default = "two")]
+    pub snapshots: u64,
+    /// Whether LAMMPS files, the beds' and the snapshots', are packed with gzip.
+    #[serde(default)]
+    pub gzip: bool,
 }
 
 impl Default for Measure {
@@ -204,6 +238,8 @@ impl Default for Measure {
             every: hundred(),
             torque: true,
             contacts: true,
+            snapshots: two(),
+            gzip: false,
         }
     }
 }
@@ -213,6 +249,9 @@ fn one() -> f64 {
 }
 fn yes() -> bool {
     true
+}
+fn two() -> u64 {
+    2
 }
 fn hundred() -> u64 {
     100
@@ -242,18 +281,16 @@ fn kumar_law() -> LawSpec {
 /// # Errors
 /// [`Error::Input`] with line or key, what was expected and the nearest valid key.
 pub fn load(name: &str, sets: &[String]) -> Result<Scenario> {
-    let shipped = SHIPPED.iter().find(|(key, _)| *key == name);
-    let (text, place) = match shipped {
-        Some((key, text)) => (text.to_string(), format!("{key} (shipped)")),
-        None => {
-            let path = Path::new(name);
-            if !path.exists() && path.extension().is_none() {
-                return Err(unknown_name(name));
-            }
-            (crate::files::read_text(path)?, path.display().to_string())
-        }
-    };
-    parse(&text, &place, sets)
+    if let Some((key, text)) = SHIPPED.iter().find(|(key, _)| *key == name) {
+        return parse(text, &format!("{key} (shipped)"), sets, Path::new(""));
+    }
+    let path = Path::new(name);
+    if !path.exists() && path.extension().is_none() {
+        return Err(unknown_name(name));
+    }
+    let text = crate::files::read_text(path)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    parse(&text, &path.display().to_string(), sets, folder)
 }
 
 fn unknown_name(name: &str) -> Error {
@@ -272,11 +309,12 @@ fn unknown_name(name: &str) -> Error {
     )
 }
 
-/// Parses and checks the text of a scenario; `place` is what errors call it.
+/// Parses and checks the text of a scenario; `place` is what errors call it, and `folder` is where a
+/// bed's file is looked for.
 ///
 /// # Errors
 /// As [`load`].
-pub fn parse(text: &str, place: &str, sets: &[String]) -> Result<Scenario> {
+pub fn parse(text: &str, place: &str, sets: &[String], folder: &Path) -> Result<Scenario> {
     let from_file = |e: toml::de::Error| {
         let line = e.span().map(|s| 1 + text[..s.start].matches('\n').count());
         let place = line.map_or(place.to_string(), |line| format!("{place}:{line}"));
@@ -287,21 +325,32 @@ pub fn parse(text: &str, place: &str, sets: &[String]) -> Result<Scenario> {
     for set in sets {
         apply(&mut table, set)?;
     }
+    // A file named on the command line lies where the command was given.
+    let key = |set: &String| {
+        set.split('=')
+            .next()
+            .is_some_and(|key| key.trim() == "bed.file")
+    };
+    let named = sets.iter().any(key);
+    let folder = if named { Path::new("") } else { folder };
+    let source = source::fill_in(&mut table, place, folder)?;
     refuse_reduced_defaults(&table, place)?;
-    let scenario = if sets.is_empty() {
+    let mut scenario = if sets.is_empty() && source.is_none() {
         alone.map_err(from_file)?
     } else {
         let together = serde_path_to_error::deserialize(toml::Value::Table(table));
         match (together, alone) {
             (Ok(scenario), _) => scenario,
             // A file that is wrong by itself is told with its line.
-            (Err(_), Err(own)) => return Err(from_file(own)),
-            (Err(e), Ok(_)) => {
-                let at = format!("{place} with --set: `{}`", e.path());
+            (Err(_), Err(own)) if source.is_none() => return Err(from_file(own)),
+            (Err(e), _) => {
+                let with = if sets.is_empty() { "" } else { " with --set" };
+                let at = format!("{place}{with}: `{}`", e.path());
                 return Err(Error::input(at, teach(e.inner().message())));
             }
         }
     };
+    scenario.source = source;
     scenario
         .check()
         .map_err(|(key, problem)| Error::input(format!("{place}: `{key}`"), problem))?;
@@ -338,17 +387,30 @@ fn refuse_reduced_defaults(table: &toml::Table, place: &str) -> Result<()> {
 
 fn apply(table: &mut toml::Table, set: &str) -> Result<()> {
     let place = || format!("--set {set}");
-    let Some((key, value)) = set.split_once('=') else {
+    let Some((key, text)) = set.split_once('=') else {
         return Err(Error::input(
             place(),
             "expected key=value, as in law.mu=0.3",
         ));
     };
-    let parsed: Option<toml::Table> = toml::from_str(&format!("value = {value}")).ok();
+    let parsed: Option<toml::Table> = toml::from_str(&format!("value = {text}")).ok();
     let value = parsed
         .and_then(|mut t| t.remove("value"))
-        .unwrap_or_else(|| toml::Value::String(value.to_string()));
+        .unwrap_or_else(|| toml::Value::String(text.to_string()));
     let words: Vec<&str> = key.split('.').map(str::trim).collect();
+    if text.contains('\n') {
+        return Err(Error::input(
+            place(),
+            "holds more than one line; expected one value",
+        ));
+    }
+    if words == ["law", "kind"]
+        && let Some(toml::Value::Table(law)) = table.get_mut("law")
+        && law.get("kind") != Some(&value)
+    {
+        // Another law has other keys: only friction is common to all.
+        law.retain(|key, _| key == "mu");
+    }
     if words[0] == "law" && !table.contains_key("law") {
         // One key of the law that is the default: the others come with it.
         let law = toml::Table::try_from(kumar_law()).expect("a law is a table of numbers");

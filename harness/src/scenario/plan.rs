@@ -32,6 +32,8 @@ pub struct RunPlan {
     pub steps: u64,
     /// Travel at which averaging begins.
     pub discard: f64,
+    /// Steps after which a snapshot is taken, ascending.
+    pub snapshots: Vec<u64>,
 }
 
 impl RunPlan {
@@ -187,13 +189,19 @@ impl Scenario {
                 } else {
                     self.intruder.diameter
                 };
+                let steps = (distance / (speed * self.drag.dt)).round() as u64;
+                let wanted = self.measure.snapshots;
+                let share = |k: u64| (u128::from(steps) * u128::from(k)).div_ceil(wanted.into());
+                let mut snapshots: Vec<u64> = (1..=wanted).map(|k| share(k) as u64).collect();
+                snapshots.dedup();
                 runs.push(RunPlan {
                     name,
                     bed,
                     speed,
                     froude,
                     distance,
-                    steps: (distance / (speed * self.drag.dt)).round() as u64,
+                    steps,
+                    snapshots,
                     discard: self.drag.discard.unwrap_or(default),
                 });
             }

@@ -1,0 +1,177 @@
+//! The library of settled beds: a folder with one folder a bed, named by the first sixteen digits of
+//! its recipe's digest, in it the recipe and the checkpoint.
+
+use std::path::{Path, PathBuf};
+
+use super::recipe::Recipe;
+use crate::checkpoint;
+use crate::error::{Error, Result};
+use crate::files::write_whole;
+
+/// Digits of a digest that name a bed.
+const NAME: usize = 16;
+
+/// A folder of settled beds.
+#[derive(Clone, Debug)]
+pub struct Library {
+    folder: PathBuf,
+}
+
+/// A bed of the library.
+#[derive(Clone, Debug)]
+pub struct Entry {
+    /// Its name: the first digits of its recipe's digest.
+    pub name: String,
+    /// Its recipe; `None` where that is missing or not one.
+    pub recipe: Option<Recipe>,
+    /// Bytes of all its files.
+    pub bytes: u64,
+    /// The settled state.
+    pub checkpoint: PathBuf,
+}
+
+impl Library {
+    /// The library in this folder, which need not be there yet.
+    pub fn new(folder: impl Into<PathBuf>) -> Self {
+        Self {
+            folder: folder.into(),
+        }
+    }
+
+    /// Where it is.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    fn checkpoint(&self, digest: &str) -> PathBuf {
+        self.folder.join(&digest[..NAME]).join("bed.safetensors")
+    }
+
+    /// The bytes of the checkpoint made from this recipe, or `None` where there is none.
+    ///
+    /// # Errors
+    /// [`Error::Input`] where the bed is there but cannot be read, is damaged or another's; the
+    /// message says how to remove it.
+    pub fn find(&self, recipe: &Recipe) -> Result<Option<Vec<u8>>> {
+        let digest = recipe.digest();
+        let path = self.checkpoint(&digest);
+        let bytes = match std::fs::read(&path) {
+            Ok(bytes) => bytes,
+            Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+            Err(e) => return Err(Error::read(&path, &e)),
+        };
+        let name = path.display().to_string();
+        let sound = checkpoint::parse(&bytes, &name, Some(&digest));
+        match sound {
+            Ok(_) => Ok(Some(bytes)),
+            Err(Error::Input { place, problem }) => Err(Error::Input {
+                place,
+                problem: format!(
+                    "{problem}; `bitgrain bed remove {}` clears it away, and the next run pours it \
+                     anew",
+                    &digest[..NAME]
+                ),
+            }),
+            Err(other) => Err(other),
+        }
+    }
+
+    /// Keeps a settled bed: the bytes of its checkpoint.
+    ///
+    /// # Errors
+    /// [`Error::Write`].
+    pub fn keep(&self, recipe: &Recipe, bytes: &[u8]) -> Result<()> {
+        let path = self.checkpoint(&recipe.digest());
+        write_whole(
+            &path.with_file_name("recipe.toml"),
+            recipe.text().as_bytes(),
+        )?;
+        write_whole(&path, bytes)
+    }
+
+    /// The beds, by name.
+    ///
+    /// # Errors
+    /// [`Error::Input`] where the folder cannot be read; a library that is not there is empty.
+    pub fn list(&self) -> Result<Vec<Entry>> {
+        let folder = match std::fs::read_dir(&self.folder) {
+            Ok(folder) => folder,
+            Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
+            Err(e) => return Err(Error::read(&self.folder, &e)),
+        };
+        let mut beds = Vec::new();
+        for item in folder {
+            let path = item.map_err(|e| Error::read(&self.folder, &e))?.path();
+            let name = path
+                .file_name()
+                .unwrap_or_default()
+                .to_string_lossy()
+                .into_owned();
+            // Other folders may lie here too; they are not ours to list or to remove.
+            let ours = name.len() == NAME && name.bytes().all(|b| b.is_ascii_hexdigit());
+            if !ours || !path.is_dir() {
+                continue;
+            }
+            let text = std::fs::read_to_string(path.join("recipe.toml")).unwrap_or_default();
+            beds.push(Entry {
+                name,
+                recipe: toml::from_str(&text).ok(),
+                bytes: disk(&path).map_err(|e| Error::read(&path, &e))?,
+                checkpoint: path.join("bed.safetensors"),
+            });
+        }
+        beds.sort_by(|a, b| a.name.cmp(&b.name));
+        Ok(beds)
+    }
+
+    /// The one bed whose name begins so.
+    ///
+    /// # Errors
+    /// [`Error::Input`] where there is none or more than one.
+    pub fn entry(&self, begin: &str) -> Result<Entry> {
+        if begin.is_empty() {
+            return Err(Error::input(
+                "the name of a bed",
+                "is empty; `bitgrain bed list` shows them",
+            ));
+        }
+        let beds = self.list()?;
+        let mut found: Vec<Entry> = beds
+            .into_iter()
+            .filter(|bed| bed.name.starts_with(begin))
+            .collect();
+        match found.len() {
+            1 => Ok(found.remove(0)),
+            0 => Err(Error::input(
+                begin,
+                format!(
+                    "no bed in {} has a name that begins so; `bitgrain bed list` shows them",
+                    self.folder.display()
+                ),
+            )),
+            n => Err(Error::input(
+                begin,
+                format!("{n} beds have names that begin so; give more"),
+            )),
+        }
+    }
+
+    /// Removes a bed.
+    ///
+    /// # Errors
+    /// [`Error::Write`].
+    pub fn remove(&self, bed: &Entry) -> Result<()> {
+        let path = self.folder.join(&bed.name);
+        std::fs::remove_dir_all(&path).map_err(|e| Error::write(&path, e))
+    }
+}
+
+/// Bytes of all files of a folder.
+fn disk(folder: &Path) -> std::io::Result<u64> {
+    let mut bytes = 0;
+    for item in std::fs::read_dir(folder)? {
+        // A run that is under way may rename a file just now.
+        bytes += item?.metadata().map_or(0, |file| file.len());
+    }
+    Ok(bytes)
+}

@@ -1,0 +1,89 @@
+//! Histograms of a drag, as CSV files: contact angles on the intruder (Kumar 2018, Fig. 6) and the
+//! coordination numbers of the grains near it (Fig. 7).
+
+/// Bins of the contact angle between 0 and pi: five degrees each.
+pub const ANGLE_BINS: usize = 36;
+
+/// Contact angles counted.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Angles {
+    /// Contacts in each bin; bin `k` is from `k` to `k + 1` times `pi / 36`.
+    pub bins: [u64; ANGLE_BINS],
+}
+
+impl Default for Angles {
+    fn default() -> Self {
+        Self {
+            bins: [0; ANGLE_BINS],
+        }
+    }
+}
+
+impl Angles {
+    /// Counts angles (radians, 0 to pi).
+    pub fn add(&mut self, angles: &[f64]) {
+        for angle in angles {
+            let bin = (angle * (ANGLE_BINS as f64 / std::f64::consts::PI)) as usize;
+            self.bins[bin.min(ANGLE_BINS - 1)] += 1;
+        }
+    }
+
+    /// `angle_low`, `angle_high` (radians), `contacts` (all of the window's samples together).
+    pub fn text(&self) -> String {
+        let mut out = String::from("angle_low,angle_high,contacts\n");
+        let edge = |k: usize| k as f64 * (std::f64::consts::PI / ANGLE_BINS as f64);
+        for (k, count) in self.bins.iter().enumerate() {
+            out.push_str(&format!("{},{},{count}\n", edge(k), edge(k + 1)));
+        }
+        out
+    }
+}
+
+/// Coordination numbers counted.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Coordination {
+    /// Grains with so many contacts, from none.
+    pub grains: Vec<u64>,
+}
+
+impl Coordination {
+    /// Counts the grains of one sample by their numbers of contacts.
+    pub fn add(&mut self, numbers: &[f64]) {
+        for &number in numbers {
+            let number = number as usize;
+            if number >= self.grains.len() {
+                self.grains.resize(number + 1, 0);
+            }
+            self.grains[number] += 1;
+        }
+    }
+
+    /// `contacts` and the number of `grains` that have so many (all of the window's samples together).
+    pub fn text(&self) -> String {
+        let mut out = String::from("contacts,grains\n");
+        for (contacts, grains) in self.grains.iter().enumerate() {
+            out.push_str(&format!("{contacts},{grains}\n"));
+        }
+        out
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_fall_into_their_bins() {
+        let mut angles = Angles::default();
+        let pi = std::f64::consts::PI;
+        angles.add(&[0.0, 0.01, 0.5 * pi + 0.01, pi]);
+        assert_eq!(
+            (angles.bins[0], angles.bins[18], angles.bins[35]),
+            (2, 1, 1)
+        );
+        assert_eq!(angles.text().lines().count(), 37);
+        let mut numbers = Coordination::default();
+        numbers.add(&[0.0, 4.0, 4.0]);
+        assert_eq!(numbers.text(), "contacts,grains\n0,1\n1,0\n2,0\n3,0\n4,2\n");
+    }
+}

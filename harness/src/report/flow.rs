@@ -1,0 +1,442 @@
+//! Pictures of the grains round the intruder, coloured by speed: a vertical slice through its
+//! centre, with the intruder in the middle.
+
+use super::arrow::arrow;
+use super::chart::drawable;
+use super::picture::{Cut, INK, Scale, circles, open, push, ticks};
+use super::text::{count, escape, short, typeset};
+use crate::summary::{RunSummary, Summary};
+
+/// The grains round the intruder at one instant of a drag.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FlowPicture {
+    /// Name of the run.
+    pub run: String,
+    /// Froude number of the run.
+    pub froude: f64,
+    /// Speed V of the intruder along x.
+    pub speed: f64,
+    /// How far it had travelled.
+    pub travel: f64,
+    /// Lower corner of the box, periodic in x and y; its z is the floor.
+    pub lo: [f64; 3],
+    /// Upper corner of the box.
+    pub hi: [f64; 3],
+    /// Centre and radius of the intruder.
+    pub intruder: ([f64; 3], f64),
+    /// All grains, frozen ones included, the intruder not.
+    pub grains: Vec<FlowGrain>,
+}
+
+/// A grain of such a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FlowGrain {
+    /// Its centre.
+    pub position: [f64; 3],
+    /// Its radius.
+    pub radius: f64,
+    /// Its velocity, in the frame in which the bed is at rest.
+    pub velocity: [f64; 3],
+    /// Whether it belongs to the frozen base.
+    pub frozen: bool,
+}
+
+/// Half the width of a picture over the intruder's diameter; also its reach up and down.
+const REACH: f64 = 3.5;
+/// Bounds between the colours, as speed over V: half-decades, because speeds fall off by decades
+/// away from the intruder.
+const BOUNDS: [f64; 4] = [0.03, 0.1, 0.3, 1.0];
+/// ColorBrewer's YlGnBu: told apart by the colour-blind, and darker with every step in grey too.
+const RAMP: [&str; 5] = ["#ffffd4", "#a1dab4", "#41b6c4", "#2c7fb8", "#253494"];
+/// Names of the colours in the key.
+const NAMES: [&str; 5] = [
+    "below 0.03",
+    "0.03 to 0.1",
+    "0.1 to 0.3",
+    "0.3 to 1",
+    "above 1",
+];
+/// Grains faster than this part of V have an arrow.
+const MOVING: f64 = 0.1;
+/// Length of an arrow of speed V over the intruder's radius: the intruder's own looks out of it.
+const ARROW: f64 = 1.5;
+/// What is round a light grain so that it is seen on white.
+const OUTLINE: &str = "stroke=\"#75786f\"";
+
+/// What all pictures of a page show about the intruder's centre, so that their scale is one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Window {
+    /// To the left and right.
+    half: f64,
+    /// Below the centre, at most down to the floor.
+    down: f64,
+    /// Above the centre, at most up to the top of the bed.
+    up: f64,
+}
+
+/// A grain's cut, relative to the intruder's centre.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Seen {
+    cut: Cut,
+    /// Speed over V.
+    ratio: f64,
+    /// Parts of the velocity over V along x and z.
+    velocity: [f64; 2],
+    frozen: bool,
+}
+
+/// The section of the page with a picture for each run that has one.
+pub(super) fn section(summary: &Summary, flows: &[FlowPicture]) -> String {
+    let flows: Vec<&FlowPicture> = flows.iter().filter(|f| shows(f)).collect();
+    let unit = escape(&typeset(&summary.units.length));
+    let (mut figures, mut missing) = (String::new(), Vec::new());
+    let window = window(&flows);
+    for (k, run) in summary.runs.iter().enumerate() {
+        let flow = flows.iter().find(|f| f.run == run.name);
+        let drawn = flow.and_then(|f| Some((f, drawing(f, window, &unit, k)?)));
+        match drawn {
+            Some((flow, svg)) => {
+                let caption = caption(flow, &window, run, summary);
+                figures.push_str(&format!(
+                    "<figure>{svg}<figcaption>{caption}</figcaption></figure>\n"
+                ));
+            }
+            None => missing.push(escape(&run.name)),
+        }
+    }
+    let mut out = "<section>\n<h2>Flow round the intruder</h2>\n".to_owned();
+    if !figures.is_empty() {
+        out.push_str(&format!(
+            "<p>Vertical slices through the intruder&rsquo;s centre, which stays in the middle and \
+             moves to the right at speed V. Each circle is the cut of one grain; its colour is the \
+             size of the grain&rsquo;s velocity, all three components, over V: the darker, the \
+             faster. Arrows are velocities in the plane of the slice, drawn from {}&nbsp;V on; \
+             the intruder&rsquo;s own, to the same scale, is V. Velocities are relative to the \
+             box, and all pictures have the same scale.</p>\n{}<div class=\"grid\">\n\
+             {figures}</div>\n",
+            short(MOVING),
+            key()
+        ));
+    }
+    if figures.is_empty() {
+        out.push_str("<p class=\"none\">No run has a picture of its grains.</p>\n");
+    } else if !missing.is_empty() {
+        let names = missing.join(", ");
+        out.push_str(&format!("<p class=\"none\">No picture of {names}.</p>\n"));
+    }
+    out + "</section>\n"
+}
+
+/// Whether there is something to draw.
+fn shows(flow: &FlowPicture) -> bool {
+    let (centre, radius) = flow.intruder;
+    let places = centre.iter().chain(&flow.lo).chain(&flow.hi);
+    let sizes = [radius, flow.speed, flow.hi[0] - flow.lo[0]];
+    places.chain(&sizes).all(|x| drawable(*x)) && sizes.iter().all(|x| *x > 0.0)
+}
+
+/// The window that holds what each of `flows` has to show.
+fn window(flows: &[&FlowPicture]) -> Window {
+    let mut window = Window {
+        half: 0.0,
+        down: 0.0,
+        up: 0.0,
+    };
+    for flow in flows {
+        let (centre, radius) = flow.intruder;
+        let reach = 2.0 * REACH * radius;
+        let tops = flow.grains.iter().map(|g| g.position[2] + g.radius);
+        let top = tops
+            .filter(|z| drawable(*z))
+            .fold(centre[2] + radius, f64::max);
+        window.half = window.half.max(reach.min(0.5 * (flow.hi[0] - flow.lo[0])));
+        window.down = window
+            .down
+            .max(reach.min((centre[2] - flow.lo[2]).max(radius)));
+        window.up = window.up.max(reach.min(1.03 * (top - centre[2])));
+    }
+    window
+}
+
+/// `x` less the multiple of `size` that brings it nearest to zero; unchanged without a size.
+fn nearest(x: f64, size: f64) -> f64 {
+    match size > 0.0 {
+        true => x - size * (x / size).round(),
+        false => x,
+    }
+}
+
+/// Cuts of the grains by the plane through the intruder's centre, as far as they reach into the
+/// window; one for each image along x.
+fn seen(flow: &FlowPicture, window: &Window) -> Vec<Seen> {
+    let (centre, _) = flow.intruder;
+    let size = [flow.hi[0] - flow.lo[0], flow.hi[1] - flow.lo[1]];
+    let mut out = Vec::new();
+    for grain in &flow.grains {
+        let off = nearest(grain.position[1] - centre[1], size[1]);
+        let x = nearest(grain.position[0] - centre[0], size[0]);
+        let z = grain.position[2] - centre[2];
+        let square = grain.radius * grain.radius - off * off;
+        let [u, v, w] = grain.velocity.map(|v| v / flow.speed);
+        let ratio = (u * u + v * v + w * w).sqrt();
+        let numbers = [x, z, square, ratio];
+        if square <= 0.0 || !numbers.iter().all(|x| drawable(*x)) {
+            continue;
+        }
+        let radius = square.sqrt();
+        for x in [x, x - size[0], x + size[0]] {
+            let cut = Cut { x, z, radius };
+            let inside = x.abs() < window.half + radius
+                && z > -window.down - radius
+                && z < window.up + radius;
+            if inside {
+                out.push(Seen {
+                    cut,
+                    ratio,
+                    velocity: [u, w],
+                    frozen: grain.frozen,
+                });
+            }
+        }
+    }
+    out
+}
+
+/// Which colour a speed over V has.
+fn class(ratio: f64) -> usize {
+    BOUNDS.iter().filter(|bound| ratio >= **bound).count()
+}
+
+/// One picture as SVG, or `None` where the window has no extent.
+fn drawing(flow: &FlowPicture, window: Window, unit: &str, index: usize) -> Option<String> {
+    let radius = flow.intruder.1;
+    let scale = Scale::new([-window.half, -window.down], [window.half, window.up])?;
+    let seen = seen(flow, &window);
+    let cuts = |wanted: &dyn Fn(&Seen) -> bool| -> Vec<Cut> {
+        seen.iter().filter(|s| wanted(s)).map(|s| s.cut).collect()
+    };
+    let mut out = String::new();
+    let id = format!("flow-{index}");
+    let title = format!(
+        "Speeds of the grains round the intruder at Froude number {}",
+        short(flow.froude)
+    );
+    open(&mut out, "flow", &title, &id, &scale);
+    for (k, colour) in RAMP.iter().enumerate() {
+        let style = format!("fill=\"{colour}\" {OUTLINE}");
+        let free = cuts(&|s| !s.frozen && class(s.ratio) == k);
+        circles(&mut out, &scale, &free, &style);
+    }
+    let hatch = format!("fill=\"url(#hatch-{id})\" stroke=\"{INK}\"");
+    circles(&mut out, &scale, &cuts(&|s| s.frozen), &hatch);
+    let body = [Cut {
+        x: 0.0,
+        z: 0.0,
+        radius,
+    }];
+    let style = format!("fill=\"{INK}\" stroke=\"#fff\"");
+    circles(&mut out, &scale, &body, &style);
+    arrows(&mut out, &scale, &seen, ARROW * radius);
+    out.push_str("</g>");
+    frame(&mut out, &scale, flow.lo[2] - flow.intruder.0[2]);
+    let name = |axis| {
+        let low = "<tspan dy=\"4\" font-size=\"14\">i</tspan>";
+        format!("{axis} \u{2212} {axis}{low}<tspan dy=\"-4\"> ({unit})</tspan>")
+    };
+    ticks(&mut out, &scale, [&name("x"), &name("z")]);
+    out.push_str("</svg>");
+    Some(out)
+}
+
+/// Velocities in the plane, `length` long at speed V, from the centres of the cuts: dark with a
+/// light rim, which is seen on every colour. Last the intruder's own, larger.
+fn arrows(out: &mut String, scale: &Scale, seen: &[Seen], length: f64) {
+    let factor = scale.factor * length;
+    let style = "stroke=\"#fff\" stroke-linejoin=\"round\" paint-order=\"stroke\"";
+    push(
+        out,
+        format_args!("<path fill=\"{INK}\" {style} stroke-width=\"2\" d=\""),
+    );
+    for s in seen.iter().filter(|s| !s.frozen) {
+        let [u, w] = s.velocity;
+        let share = (u * u + w * w).sqrt();
+        if share > MOVING {
+            let from = [scale.x(s.cut.x), scale.z(s.cut.z)];
+            // Down the drawing is along -z.
+            let along = [u / share, -w / share];
+            arrow(out, from, along, factor * share, 1.0);
+        }
+    }
+    push(
+        out,
+        format_args!("\"/>\n<path fill=\"{INK}\" {style} stroke-width=\"3.5\" d=\""),
+    );
+    let centre = [scale.x(0.0), scale.z(0.0)];
+    arrow(out, centre, [1.0, 0.0], factor, 2.2);
+    out.push_str("\"/>");
+}
+
+/// The edges of the window, thick where one is the floor.
+fn frame(out: &mut String, scale: &Scale, floor: f64) {
+    let (x0, x1) = (scale.x(scale.lo[0]), scale.x(scale.hi[0]));
+    let (z0, z1) = (scale.z(scale.lo[1]), scale.z(scale.hi[1]));
+    push(
+        out,
+        format_args!(
+            "<path d=\"M{x0:.1} {z0:.1}V{z1:.1}H{x1:.1}V{z0:.1}Z\" fill=\"none\" stroke=\"{INK}\" \
+             stroke-width=\"0.8\"/>"
+        ),
+    );
+    if floor >= scale.lo[1] && floor <= scale.hi[1] {
+        let z = scale.z(floor);
+        push(
+            out,
+            format_args!(
+                "<path d=\"M{x0:.1} {z:.1}H{x1:.1}\" stroke=\"{INK}\" stroke-width=\"2.6\"/>"
+            ),
+        );
+    }
+}
+
+/// The colours and their names, once for all pictures.
+fn key() -> String {
+    let swatch = |(colour, name): (&str, &str)| {
+        format!(
+            "<span><svg class=\"key\" viewBox=\"0 0 24 24\" aria-hidden=\"true\"><circle \
+             cx=\"12\" cy=\"12\" r=\"11\" fill=\"{colour}\" {OUTLINE}/></svg>{name}</span>"
+        )
+    };
+    let swatches: String = RAMP.into_iter().zip(NAMES).map(swatch).collect();
+    format!(
+        "<p class=\"legend\"><span>speed / V:</span>{swatches}<span><svg class=\"key\" \
+         viewBox=\"0 0 24 24\" aria-hidden=\"true\"><circle cx=\"12\" cy=\"12\" r=\"11\" \
+         fill=\"#9aa1a8\" stroke=\"{INK}\"/><path d=\"M5 19L19 5M2 12L12 2M12 22L22 12\" \
+         stroke=\"#3a424c\" stroke-width=\"3\"/></svg>frozen</span><span><svg class=\"key\" \
+         viewBox=\"0 0 24 24\" aria-hidden=\"true\"><circle cx=\"12\" cy=\"12\" r=\"11\" \
+         fill=\"{INK}\"/></svg>the intruder</span></p>\n"
+    )
+}
+
+/// What the picture of a run shows, with how many of its grains move ahead and behind.
+fn caption(flow: &FlowPicture, window: &Window, run: &RunSummary, summary: &Summary) -> String {
+    let units = &summary.units;
+    let unit = |name: &str| escape(&typeset(name));
+    let place = match summary.beds.len() {
+        0 | 1 => String::new(),
+        _ => format!(", {}", escape(&run.bed)),
+    };
+    let half = 0.5 * (flow.hi[0] - flow.lo[0]);
+    let seen = seen(flow, window);
+    let moving = |ahead: bool| {
+        // Each grain once: not the images beyond half the box.
+        let there = |s: &&Seen| !s.frozen && s.cut.x.abs() <= half && (s.cut.x >= 0.0) == ahead;
+        let all = || seen.iter().filter(there);
+        let fast = all().filter(|s| s.ratio >= MOVING).count();
+        format!("{} of {}", count(fast as u64), count(all().count() as u64))
+    };
+    format!(
+        "<b>Fr = {}</b>{place}, after a travel of {}&nbsp;{}. V&nbsp;=&nbsp;{}&nbsp;{}. Faster \
+         than {}&nbsp;V: {} free grains drawn ahead of the intruder&rsquo;s centre, {} behind it.",
+        short(flow.froude),
+        short(flow.travel),
+        unit(&units.length),
+        short(flow.speed),
+        unit(&units.speed),
+        short(MOVING),
+        moving(true),
+        moving(false),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn grain(position: [f64; 3], velocity: [f64; 3]) -> FlowGrain {
+        FlowGrain {
+            position,
+            radius: 0.5,
+            velocity,
+            frozen: false,
+        }
+    }
+
+    fn flow(grains: &[FlowGrain]) -> FlowPicture {
+        FlowPicture {
+            run: "run".into(),
+            froude: 2.0,
+            speed: 2.0,
+            travel: 6.0,
+            lo: [0.0; 3],
+            hi: [20.0, 10.0, 30.0],
+            intruder: ([19.0, 9.5, 4.0], 1.0),
+            grains: grains.to_vec(),
+        }
+    }
+
+    #[test]
+    fn grains_are_seen_about_the_intruder_through_the_edges_of_the_box() {
+        let flow = flow(&[
+            grain([1.0, 9.9, 5.0], [0.0, 0.0, 1.0]),
+            grain([19.0, 0.1, 5.0], [1.0; 3]),
+            grain([9.0, 9.5, 5.0], [1.0; 3]),
+            grain([19.0, 9.5, 13.0], [1.0; 3]),
+            grain([19.0, f64::NAN, 5.0], [1.0; 3]),
+        ]);
+        let window = Window {
+            half: 7.0,
+            down: 4.0,
+            up: 7.0,
+        };
+        let seen = seen(&flow, &window);
+        assert_eq!(seen.len(), 1, "{seen:?}");
+        let Seen {
+            cut,
+            ratio,
+            velocity,
+            ..
+        } = seen[0];
+        assert_eq!((cut.x, cut.z, ratio), (2.0, 1.0, 0.5));
+        assert_eq!(velocity, [0.0, 0.5]);
+        assert!((cut.radius - 0.3).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_window_as_wide_as_the_box_shows_a_grain_at_both_edges() {
+        let mut flow = flow(&[grain([9.2, 9.5, 5.0], [0.0; 3])]);
+        flow.intruder.1 = 4.0;
+        let window = window(&[&flow]);
+        assert_eq!(window.half, 10.0);
+        let places: Vec<f64> = seen(&flow, &window)
+            .iter()
+            .map(|s| s.cut.x.round())
+            .collect();
+        assert_eq!(places, [-10.0, 10.0]);
+    }
+
+    #[test]
+    fn colours_part_at_their_bounds() {
+        let classes = [0.0, 0.029, 0.03, 0.1, 0.3, 0.99, 1.0, 9.0].map(class);
+        assert_eq!(classes, [0, 0, 1, 2, 3, 3, 4, 4]);
+    }
+
+    #[test]
+    fn the_colours_darken_with_speed() {
+        let part =
+            |colour: &str, k: usize| f64::from(u8::from_str_radix(&colour[k..k + 2], 16).unwrap());
+        let light = |c: &str| 0.2126 * part(c, 1) + 0.7152 * part(c, 3) + 0.0722 * part(c, 5);
+        let light: Vec<f64> = RAMP.iter().map(|c| light(c)).collect();
+        assert!(light.windows(2).all(|w| w[1] < w[0] - 20.0), "{light:?}");
+    }
+
+    #[test]
+    fn what_cannot_be_drawn_is_left_out() {
+        let mut flat = flow(&[]);
+        assert!(shows(&flat));
+        flat.hi[0] = 0.0;
+        assert!(!shows(&flat));
+        let mut slow = flow(&[]);
+        slow.speed = f64::NAN;
+        assert!(!shows(&slow));
+    }
+}

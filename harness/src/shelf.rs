@@ -1,0 +1,159 @@
+//! What `bitgrain bed` prints: the beds of a library, one of them in full, and what was removed.
+
+use std::fmt::Write;
+
+use crate::bed::library::{Entry, Library};
+use crate::bed::{self, recipe::Recipe};
+use crate::checkpoint;
+use crate::error::{Error, Result};
+use crate::forecast::bytes;
+use crate::report::short;
+use crate::scenario::UnitSystem;
+
+/// The beds as a table with the disk they use.
+///
+/// # Errors
+/// [`Error::Input`] where the library cannot be read.
+pub fn list(library: &Library) -> Result<String> {
+    let beds = library.list()?;
+    if beds.is_empty() {
+        return Ok(format!("no beds in {}\n", library.folder().display()));
+    }
+    let mut out = String::from(
+        "name              grains  box                 D     height  mu    K_n or E  seed  disk\n",
+    );
+    for bed in &beds {
+        let row = match &bed.recipe {
+            Some(recipe) => row(bed, recipe),
+            None => format!("{}  its recipe cannot be read; {}", bed.name, disk(bed)),
+        };
+        let _ = writeln!(out, "{row}");
+    }
+    let all: u64 = beds.iter().map(|bed| bed.bytes).sum();
+    let folder = library.folder().display();
+    let _ = writeln!(
+        out,
+        "{} bed(s) in {folder}, {}",
+        beds.len(),
+        bytes(all as f64)
+    );
+    Ok(out)
+}
+
+fn disk(bed: &Entry) -> String {
+    bytes(bed.bytes as f64)
+}
+
+fn row(bed: &Entry, recipe: &Recipe) -> String {
+    let [x, y, z] = recipe.size.map(short);
+    let stiffness = match recipe.law {
+        crate::law::LawSpec::HertzHistory { kn, .. } => kn,
+        crate::law::LawSpec::HertzTsuji { young, .. } => young,
+    };
+    format!(
+        "{}  {:<6}  {:<18}  {:<4}  {:<6}  {:<4}  {:<8}  {:<4}  {}",
+        bed.name,
+        recipe.grains,
+        format!("{x} x {y} x {z}"),
+        short(recipe.intruder.diameter),
+        short(recipe.intruder.center[2]),
+        recipe.law.mu(),
+        format!("{stiffness:e}"),
+        recipe.seed,
+        disk(bed),
+    )
+}
+
+/// One bed: its recipe, what is measured on it, its files.
+///
+/// # Errors
+/// [`Error::Input`] where there is no such bed, or it is damaged.
+pub fn show(library: &Library, name: &str) -> Result<String> {
+    let bed = library.entry(name)?;
+    let path = bed.checkpoint.display().to_string();
+    let Some(recipe) = &bed.recipe else {
+        let problem = format!(
+            "has no sound recipe.toml; `bitgrain bed remove {}` clears it away",
+            bed.name
+        );
+        return Err(Error::input(
+            library.folder().join(&bed.name).display().to_string(),
+            problem,
+        ));
+    };
+    let data = std::fs::read(&bed.checkpoint).map_err(|e| Error::read(&bed.checkpoint, &e))?;
+    let mut sim = checkpoint::parse(&data, &path, Some(&recipe.digest()))?;
+    let found = bed::survey(&bed.name, &recipe.measures(), &mut sim);
+    let length = match recipe.units {
+        UnitSystem::Reduced => "d",
+        UnitSystem::Si => "m",
+    };
+    let mut out = String::new();
+    let mut line = |name: &str, value: String| {
+        let _ = writeln!(out, "{name:<26}{value}");
+    };
+    line("bed", bed.name.clone());
+    line(
+        "grains",
+        format!("{}, {} of them frozen", found.grains, found.frozen),
+    );
+    line(
+        "surface height",
+        format!("{} {length}", short(found.surface)),
+    );
+    line(
+        "depth of the intruder",
+        format!("{} {length}", short(found.depth)),
+    );
+    line("packing fraction", format!("{:.4}", found.packing_fraction));
+    line(
+        "coordination number",
+        format!("{:.3}", found.coordination_number),
+    );
+    line("deepest overlap / d", format!("{:.2e}", found.overlap_max));
+    line(
+        "kinetic energy/(weight d)",
+        format!("{:.1e}", found.kinetic_energy_over_weight_d),
+    );
+    line(
+        "weight carried",
+        format!("{:.5}", found.support / found.weight),
+    );
+    line("settled in steps", found.steps.to_string());
+    line("digest of the state", found.digest);
+    line("digest of the recipe", recipe.digest());
+    line("disk", disk(&bed));
+    line("checkpoint", path);
+    out.push_str("\n# recipe\n");
+    out.push_str(&recipe.text());
+    Ok(out)
+}
+
+/// Removes the named beds, or all of them.
+///
+/// # Errors
+/// [`Error::Input`] for a name that is none or of several beds, before any is removed;
+/// [`Error::Write`].
+pub fn remove(library: &Library, names: &[String], all: bool) -> Result<String> {
+    let mut beds = if all {
+        library.list()?
+    } else {
+        let named = names.iter().map(|name| library.entry(name));
+        named.collect::<Result<Vec<Entry>>>()?
+    };
+    beds.sort_by(|a, b| a.name.cmp(&b.name));
+    beds.dedup_by(|a, b| a.name == b.name);
+    let mut out = String::new();
+    for bed in &beds {
+        library.remove(bed)?;
+        let _ = writeln!(out, "removed {}, {}", bed.name, disk(bed));
+    }
+    let freed: u64 = beds.iter().map(|bed| bed.bytes).sum();
+    let _ = writeln!(
+        out,
+        "{} bed(s) removed, {}",
+        beds.len(),
+        bytes(freed as f64)
+    );
+    Ok(out)
+}

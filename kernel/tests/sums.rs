@@ -1,0 +1,280 @@
+//! The sums of a step: their order, Newton's third law, and any cut of the grains into ranges.
+
+use bitgrain_kernel::law::Law;
+use bitgrain_kernel::push::{Part, Sight, Spill, TouchPart, push_obstacles, spill, sum};
+use bitgrain_kernel::vec3::{Vec3, add, cross, dot, head, scale, sub};
+use bitgrain_kernel::{
+    Domain, Fault, Group, Obstacle, Partner, Pushed, Store, World, start, step, step_watched,
+};
+use common::cases::cases;
+use common::crowd::{DENSE, PER_GRAIN, REDUCED, SI, Units, crowd, history, tsuji};
+use proptest::prelude::*;
+
+mod common {
+    pub mod cases;
+    pub mod crowd;
+}
+
+type V = Vec3<f64>;
+
+/// What one contact gives one of its bodies.
+#[derive(Clone, Copy)]
+struct Share {
+    /// An obstacle by number, or a grain by place: obstacles come first.
+    from: (u8, u32),
+    force: V,
+    torque: V,
+}
+
+/// The lever of a contact's tangential force about a grain of this radius.
+type Lever = fn(&Pushed<f64>, f64) -> f64;
+
+/// The contract's sums: from +0.0, over obstacles by number, then over neighbours by ascending
+/// place (so by id), or all of that backwards.
+fn by_definition(
+    world: &World<'_, f64>,
+    seen: &[Pushed<f64>],
+    lever: Lever,
+    backwards: bool,
+) -> Vec<[u64; 6]> {
+    let mut shares: Vec<Vec<Share>> = vec![Vec::new(); world.grains.count()];
+    for p in seen {
+        let push = add(scale(p.normal, p.normal_force), p.tangential_force);
+        let couple = cross(p.normal, p.tangential_force);
+        let mut give = |to: u32, from: (u8, u32), sign: f64| {
+            let arm = lever(p, world.grains.position[to as usize][3]);
+            shares[to as usize].push(Share {
+                from,
+                force: scale(push, sign),
+                torque: scale(couple, -arm),
+            });
+        };
+        match p.partner {
+            Partner::Obstacle(k) => give(p.i, (0, k), 1.0),
+            Partner::Grain(j) => {
+                give(p.i, (1, j), 1.0);
+                give(j, (1, p.i), -1.0);
+            }
+        }
+    }
+    let total = |mut of: Vec<Share>| {
+        of.sort_by_key(|share| share.from);
+        if backwards {
+            of.reverse();
+        }
+        let zero = ([0.0; 3], [0.0; 3]);
+        let (f, t) = of.iter().fold(zero, |(f, t), share| {
+            (add(f, share.force), add(t, share.torque))
+        });
+        [f[0], f[1], f[2], t[0], t[1], t[2]].map(f64::to_bits)
+    };
+    shares.into_iter().map(total).collect()
+}
+
+fn held(world: &World<'_, f64>) -> Vec<[u64; 6]> {
+    let g = &world.grains;
+    let rows = g.force.iter().zip(g.torque.iter());
+    rows.map(|(f, t)| [f[0], f[1], f[2], t[0], t[1], t[2]].map(f64::to_bits))
+        .collect()
+}
+
+/// Steps a crowd and compares what it holds with the sums over the contacts that were seen.
+fn follow(
+    seed: &[f64],
+    units: &Units,
+    law: impl Law<f64>,
+    lever: Lever,
+) -> Result<(), TestCaseError> {
+    let mut store = crowd(seed, &DENSE, units, 0.1);
+    let mut world = store.world();
+    prop_assume!(start(&mut world, &law).is_ok());
+    let mut order_matters = false;
+    for n in 0..300 {
+        let mut seen = Vec::new();
+        if step_watched(&mut world, &law, |p| seen.push(p)).is_err() {
+            // A driven body went too deep: compared up to here.
+            break;
+        }
+        let sums = by_definition(&world, &seen, lever, false);
+        prop_assert_eq!(held(&world), &*sums, "step {}", n);
+        order_matters |= sums != by_definition(&world, &seen, lever, true);
+        on_obstacles(&world, &seen)?;
+        nothing_is_left_over(&world, &seen)?;
+    }
+    prop_assert!(order_matters, "no order could be told from another");
+    Ok(())
+}
+
+/// The force on an obstacle is the sum over its grains by ascending place.
+fn on_obstacles(world: &World<'_, f64>, seen: &[Pushed<f64>]) -> Result<(), TestCaseError> {
+    for (k, body) in world.obstacles.iter().enumerate() {
+        let mut own: Vec<_> = seen
+            .iter()
+            .filter(|p| p.partner == Partner::Obstacle(k as u32))
+            .collect();
+        own.sort_by_key(|p| p.i);
+        let force = own.iter().fold([0.0; 3], |f, p| {
+            sub(f, add(scale(p.normal, p.normal_force), p.tangential_force))
+        });
+        prop_assert_eq!(body.force.map(f64::to_bits), force.map(f64::to_bits));
+    }
+    Ok(())
+}
+
+/// Forces come in opposite pairs, so all of them together are nothing but rounding: half a unit in
+/// the last place of the largest partial sum for each of fewer than a thousand additions.
+fn nothing_is_left_over(world: &World<'_, f64>, seen: &[Pushed<f64>]) -> Result<(), TestCaseError> {
+    let grains = world.grains.force.iter().map(|f| head(*f));
+    let bodies = world.obstacles.iter().map(|o| o.force);
+    let rest = grains.chain(bodies).fold([0.0; 3], add);
+    let size = |v: V| dot(v, v).sqrt();
+    let strength: f64 = seen
+        .iter()
+        .map(|p| p.normal_force.abs() + size(p.tangential_force))
+        .sum();
+    prop_assert!(
+        size(rest) <= 1000.0 * f64::EPSILON * strength,
+        "{:?} is left over",
+        rest
+    );
+    Ok(())
+}
+
+/// A grain pressed into a corner of three walls by a ball. Fewer than three obstacles would not
+/// tell one order from another.
+fn corner(deep: V, velocity: V, spin: V) -> Result<(), TestCaseError> {
+    let mut store = Store::<f64, 1, 16, 4>::new(Domain::open(), 1e-4, 0.1);
+    store.add_group(Group::free([0.0, 0.0, -1.0])).unwrap();
+    for axis in 0..3 {
+        let mut normal = [0.0; 3];
+        normal[axis] = 1.0;
+        let wall = Obstacle::plane([0.0; 3], normal);
+        store.add_obstacle(wall).unwrap();
+    }
+    let ball = Obstacle::sphere([1.05; 3], 0.5);
+    store.add_obstacle(ball).unwrap();
+    let place = deep.map(|d| 0.5 - d);
+    store.add_grain(1, 0, place, 0.5, 0.5).unwrap();
+    let mut world = store.world();
+    world.grains.velocity[0][..3].copy_from_slice(&velocity);
+    world.grains.spin[0][..3].copy_from_slice(&spin);
+    start(&mut world, &history(0.5)).unwrap();
+    let mut order_matters = false;
+    for n in 0..20 {
+        let mut seen = Vec::new();
+        step_watched(&mut world, &history(0.5), |p| seen.push(p)).unwrap();
+        let sums = by_definition(&world, &seen, |_, radius| radius, false);
+        prop_assert_eq!(held(&world), &*sums, "step {}", n);
+        order_matters |= sums != by_definition(&world, &seen, |_, radius| radius, true);
+    }
+    prop_assert!(order_matters, "no order could be told from another");
+    Ok(())
+}
+
+/// Forces and springs of a crowd after 200 steps, evaluated over ranges that end at `cuts`.
+fn evaluate_cut(seed: &[f64], cuts: &[usize]) -> Result<Vec<Vec<u64>>, Fault> {
+    let law = history(0.5);
+    let mut store = crowd(seed, &DENSE, &REDUCED, 0.2);
+    let mut world = store.world();
+    start(&mut world, &law)?;
+    for _ in 0..200 {
+        step(&mut world, &law)?;
+    }
+    let n = world.grains.count();
+    let touches = world.clock.touches();
+    let g = &mut world.grains;
+    let sight = Sight {
+        domain: world.domain,
+        position: g.position,
+        velocity: g.velocity,
+        spin: g.spin,
+        row: world.pairs.row,
+        dt: world.dt,
+    };
+    let mut touch = TouchPart {
+        grain: &world.pairs.touch_grain[..touches],
+        obstacle: &mut world.pairs.touch_obstacle[..touches],
+        spring: &mut world.pairs.touch_spring[..touches],
+        obstacles: world.obstacles,
+    };
+    push_obstacles(sight, &mut touch, g.force, g.torque, &law, |_| {});
+    let mut parts = Vec::new();
+    let (mut force, mut torque) = (&mut *g.force, &mut *g.torque);
+    let (mut partner, mut spring) = (&mut *world.pairs.partner, &mut *world.pairs.spring);
+    let mut begin = 0;
+    for &end in cuts.iter().chain([&n]) {
+        let pairs = (sight.row[end] - sight.row[begin]) as usize;
+        let (f, t, p, s);
+        (f, force) = force.split_at_mut(end - begin);
+        (t, torque) = torque.split_at_mut(end - begin);
+        (p, partner) = partner.split_at_mut(pairs);
+        (s, spring) = spring.split_at_mut(pairs);
+        parts.push(Part {
+            rows: begin..end,
+            force: f,
+            torque: t,
+            partner: p,
+            spring: s,
+        });
+        begin = end;
+    }
+    let mut spills: Vec<Vec<Spill<f64>>> = Vec::new();
+    for part in &mut parts {
+        let mut out = vec![Spill::default(); part.partner.len()];
+        let (count, _) = spill(sight, part, &law, &mut out)?;
+        out.truncate(count);
+        spills.push(out);
+    }
+    // The last first: the order in which ranges are done must not matter.
+    for k in (0..parts.len()).rev() {
+        let lower: Vec<&[Spill<f64>]> = spills[..k].iter().map(Vec::as_slice).collect();
+        sum(sight, &mut parts[k], &law, &lower, &spills[k], |_| {});
+    }
+    let words = |rows: &[[f64; 4]]| rows.iter().flatten().map(|x| x.to_bits()).collect();
+    let listed = world.clock.listed();
+    Ok(vec![
+        words(world.grains.force),
+        words(world.grains.torque),
+        words(&world.pairs.spring[..listed]),
+    ])
+}
+
+proptest! {
+    #![proptest_config(cases(16))]
+
+    #[test]
+    fn a_grain_in_a_corner_hears_obstacles_by_number(
+        deep in prop::array::uniform3(0.01..0.03f64),
+        velocity in prop::array::uniform3(-0.2..0.2f64),
+        spin in prop::array::uniform3(-0.5..0.5f64),
+    ) {
+        corner(deep, velocity, spin)?;
+    }
+
+    /// The lever is the radius.
+    #[test]
+    fn forces_are_summed_in_the_contracts_order_hertz_history(
+        seed in prop::collection::vec(0.0..1.0f64, PER_GRAIN * 64),
+    ) {
+        follow(&seed, &REDUCED, history(0.5), |_, radius| radius)?;
+    }
+
+    /// The lever is the radius less half the overlap.
+    #[test]
+    fn forces_are_summed_in_the_contracts_order_hertz_tsuji(
+        seed in prop::collection::vec(0.0..1.0f64, PER_GRAIN * 48),
+    ) {
+        follow(&seed, &SI, tsuji(), |p, radius| radius - p.overlap * 0.5)?;
+    }
+
+    #[test]
+    fn any_cut_into_ranges_gives_the_same_sums(
+        seed in prop::collection::vec(0.0..1.0f64, PER_GRAIN * 64),
+        cuts in prop::collection::btree_set(1..64usize, 1..12),
+    ) {
+        let whole = evaluate_cut(&seed, &[]);
+        prop_assume!(whole.is_ok());
+        let cuts: Vec<usize> = cuts.into_iter().collect();
+        prop_assert_eq!(evaluate_cut(&seed, &cuts), whole);
+    }
+}

@@ -1,0 +1,172 @@
+//! A bed as other programs are given it: nothing is lost on the way.
+
+use std::fmt::Debug;
+use std::str::FromStr;
+
+use bitgrain::bench::read_bed;
+use bitgrain::export::{atoms, frame, vtk_contacts, vtk_grains};
+use bitgrain::lammps::{data_text, dump_text, parse_atoms, parse_data};
+use bitgrain::sim::{Sim, sphere_mass};
+use bitgrain_kernel::{Domain, Obstacle, Partner, Pushed};
+use bitgrain_tests::golden;
+
+/// The peers' bed with an intruder across the periodic edge and a floor, 40 steps on, and the
+/// contacts of the last.
+fn bed() -> (Sim, Vec<Pushed<f64>>) {
+    let mut sim = read_bed(&golden("peers/bed200.data")).unwrap();
+    let (edge, radius) = (sim.domain.hi()[0] - 1e-6, 0.75);
+    // Overlaps the highest grain, which falls, by 0.001 and follows it.
+    let height = |x: &[f64; 4]| {
+        let d = sim.domain.separation([x[0], x[1], 0.0], [edge, 2.0, 0.0]);
+        let reach = radius + x[3] - 1e-3;
+        x[2] + (reach * reach - d[0] * d[0] - d[1] * d[1]).sqrt()
+    };
+    let top = sim.position.iter().map(height).fold(0.0, f64::max);
+    sim.obstacles = vec![
+        Obstacle::plane([0.0; 3], [0.0, 0.0, 1.0]),
+        Obstacle {
+            velocity: [1.0, 0.0, -4.0],
+            inverse_mass: 1.0 / sphere_mass(2.0 * radius, 2500.0),
+            ..Obstacle::sphere([edge, 2.0, top], radius)
+        },
+    ];
+    sim.fit_storage();
+    sim.start().unwrap();
+    sim.steps(39).unwrap();
+    let mut seen = Vec::new();
+    sim.step_watched(|p| seen.push(p)).unwrap();
+    (sim, seen)
+}
+
+#[test]
+fn a_bed_survives_a_data_file_and_a_dump() {
+    let (sim, _) = bed();
+    let data = atoms(&sim, true);
+    assert_eq!(data.atoms.len(), sim.count() + 1);
+    for (i, atom) in data.atoms[..sim.count()].iter().enumerate() {
+        let [x, y, z, radius] = sim.position[i];
+        assert_eq!((atom.id, atom.position), (sim.id[i], [x, y, z]));
+        assert_eq!((0.5 * atom.diameter, atom.density), (radius, 1.0));
+        assert_eq!(sphere_mass(atom.diameter, atom.density), sim.velocity[i][3]);
+        assert_eq!(atom.kind == 3, sim.groups[sim.group[i] as usize].heavy);
+    }
+    let ball = data.atoms.last().unwrap();
+    assert_eq!((ball.kind, ball.id, ball.density), (2, 201, 2500.0));
+    assert_eq!((ball.image, ball.velocity), ([1, 0, 0], [1.0, 0.0, -4.0]));
+    let back = parse_data(&data_text(&data, "a bed"), "data").unwrap();
+    assert_eq!(
+        (back.lo, back.hi, &back.atoms),
+        (data.lo, data.hi, &data.atoms)
+    );
+    let (frame, forces) = frame(&sim);
+    assert_eq!((frame.step, forces.len()), (40, data.atoms.len()));
+    let back = parse_atoms(&dump_text(&frame, Some(&forces)), "dump").unwrap();
+    assert_eq!(back, data);
+}
+
+#[test]
+fn densities_give_the_masses_back_and_read_as_they_were_given() {
+    let (mut sim, _) = bed();
+    for density in [2500.0, 0.1, 7850.0, 1e-9, 2.65] {
+        for i in 0..sim.count() {
+            sim.velocity[i][3] = sphere_mass(2.0 * sim.position[i][3], density);
+        }
+        for (i, atom) in atoms(&sim, false).atoms.iter().enumerate() {
+            assert_eq!(sphere_mass(atom.diameter, atom.density), sim.velocity[i][3]);
+            assert_eq!(atom.density, density, "atom {}", atom.id);
+        }
+    }
+}
+
+#[test]
+fn open_space_gets_edges() {
+    let (mut sim, _) = bed();
+    sim.domain = Domain::open();
+    let data = atoms(&sim, true);
+    let inside = |a: usize, x: f64| data.lo[a] < x && x < data.hi[a];
+    assert!(
+        data.atoms
+            .iter()
+            .all(|p| (0..3).all(|a| inside(a, p.position[a])))
+    );
+    assert!(parse_data(&data_text(&data, "open"), "open").is_ok());
+}
+
+/// The numbers that follow a line with this beginning, as many as are wanted.
+fn after<T: FromStr<Err: Debug>>(text: &str, start: &str, count: usize) -> Vec<T> {
+    let at = text.find(&format!("\n{start}")).expect(start);
+    let lines = text[at + 1..].lines().skip(1);
+    let words = lines.flat_map(str::split_whitespace);
+    let words = words.filter(|w| !["LOOKUP_TABLE", "default"].contains(w));
+    words.take(count).map(|w| w.parse().unwrap()).collect()
+}
+
+#[test]
+fn vtk_grains_hold_every_number() {
+    let (sim, _) = bed();
+    let text = vtk_grains(&sim, "grains\nof a bed");
+    let head = "# vtk DataFile Version 3.0\ngrains of a bed\nASCII\nDATASET POLYDATA\n";
+    assert!(text.starts_with(head));
+    let n = sim.count() + 1;
+    let points: Vec<f64> = after(&text, &format!("POINTS {n} double"), 3 * n);
+    assert_eq!(points[..3], sim.position[0][..3]);
+    assert_eq!(points[3 * n - 3..], sim.obstacles[1].point);
+    let forces: Vec<f64> = after(&text, "VECTORS force double", 3 * n);
+    assert_eq!(forces[..3], sim.force[0][..3]);
+    assert_eq!(forces[3 * n - 3..], sim.obstacles[1].force);
+    let spins: Vec<f64> = after(&text, "VECTORS spin double", 3 * n);
+    assert_eq!(spins[3 * n - 6..3 * n - 3], sim.spin[n - 2][..3]);
+    let radii: Vec<f64> = after(&text, "SCALARS radius double 1", n);
+    assert_eq!((radii[0], radii[n - 1]), (sim.position[0][3], 0.75));
+    let ids: Vec<u32> = after(&text, "SCALARS id unsigned_int 1", n);
+    assert_eq!(ids, (1..=n as u32).collect::<Vec<u32>>());
+    let vertices: Vec<usize> = after(&text, &format!("VERTICES {n} {}", 2 * n), 2 * n);
+    assert_eq!(vertices[2 * n - 2..], [1, n - 1]);
+    let last = text.lines().last().unwrap();
+    assert_eq!(
+        last.split(' ').count(),
+        3,
+        "the file ends with the last force"
+    );
+}
+
+#[test]
+fn vtk_contacts_are_as_long_as_the_contact() {
+    let (sim, contacts) = bed();
+    let text = vtk_contacts(&sim, &contacts, "contacts");
+    let n = contacts.len();
+    let points: Vec<f64> = after(&text, &format!("POINTS {} double", 2 * n), 6 * n);
+    let normal: Vec<f64> = after(&text, "SCALARS normal_force double 1", n);
+    let overlap: Vec<f64> = after(&text, "SCALARS overlap double 1", n);
+    let slip: Vec<f64> = after(&text, "VECTORS tangential_force double", 3 * n);
+    let obstacle: Vec<i64> = after(&text, "SCALARS obstacle int 1", n);
+    let (mut beyond, mut pushes) = (0, 0);
+    for (k, c) in contacts.iter().enumerate() {
+        assert_eq!((normal[k], overlap[k]), (c.normal_force, c.overlap));
+        assert_eq!(slip[3 * k..3 * k + 3], c.tangential_force);
+        let line: [f64; 3] = std::array::from_fn(|a| points[6 * k + a] - points[6 * k + 3 + a]);
+        let length = line.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let mut want = sim.position[c.i as usize][3] - c.overlap;
+        match c.partner {
+            Partner::Grain(j) => {
+                want += sim.position[j as usize][3];
+                assert_eq!(obstacle[k], -1);
+            }
+            Partner::Obstacle(number) => {
+                pushes += 1;
+                assert_eq!(obstacle[k], i64::from(number));
+            }
+        }
+        // Sums and a root of numbers of order 10, each rounded once.
+        assert!(
+            (length - want).abs() < 1e-14,
+            "contact {k}: {length} {want}"
+        );
+        let end = &points[6 * k + 3..6 * k + 5];
+        beyond += usize::from(end.iter().any(|x| !(0.0..5.5).contains(x)));
+    }
+    assert!(
+        n > 200 && beyond > 20 && pushes > 0,
+        "{n} {beyond} {pushes}"
+    );
+}

@@ -1,0 +1,352 @@
+//! The kernel's tests catch what they are there to catch: each named mutant is one wrong piece of
+//! source, and the tests named beside it must go red on it, while the unchanged copy stays green.
+//!
+//! The kernel is copied into a folder of its own with a workspace that builds fast; what it builds
+//! is kept in `target/mutants`.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// One wrong piece of source.
+struct Mutant {
+    /// What is wrong.
+    name: &'static str,
+    /// File under `kernel/src`.
+    file: &'static str,
+    /// Text that occurs there once.
+    from: &'static str,
+    /// Text in its place.
+    to: &'static str,
+    /// Test target that must catch it: a file of `kernel/tests`, or [`UNIT`].
+    target: &'static str,
+    /// Tests of that target that must fail.
+    red: &'static [&'static str],
+}
+
+/// The tests inside the kernel's sources.
+const UNIT: &str = "unit tests";
+
+const MUTANTS: &[Mutant] = &[
+    Mutant {
+        name: "sum order: the lanes of a block backwards",
+        file: "push.rs",
+        from: "    for k in 0..used {\n        let pair",
+        to: "    for k in (0..used).rev() {\n        let pair",
+        target: "sums",
+        red: &[
+            "forces_are_summed_in_the_contracts_order_hertz_history",
+            "forces_are_summed_in_the_contracts_order_hertz_tsuji",
+        ],
+    },
+    Mutant {
+        name: "sum order: what lower ranges send comes backwards",
+        file: "push.rs",
+        from: "for one in lower.iter().flat_map(",
+        to: "for one in lower.iter().rev().flat_map(",
+        target: "sums",
+        red: &["any_cut_into_ranges_gives_the_same_sums"],
+    },
+    Mutant {
+        name: "sum order: obstacles by descending number",
+        file: "search.rs",
+        from: "in obstacles.iter().enumerate() {",
+        to: "in obstacles.iter().enumerate().rev() {",
+        target: "sums",
+        red: &["a_grain_in_a_corner_hears_obstacles_by_number"],
+    },
+    Mutant {
+        name: "third law: the partner is pulled along",
+        file: "push.rs",
+        from: "force[j] = minus(force[j], one.force);",
+        to: "force[j] = plus(force[j], one.force);",
+        target: "sums",
+        red: &["forces_are_summed_in_the_contracts_order_hertz_history"],
+    },
+    Mutant {
+        name: "third law: the partner's torque with the other lever's sign",
+        file: "push.rs",
+        from: "torque[j] = minus(torque[j], scale(one.couple, one.arm_j));",
+        to: "torque[j] = plus(torque[j], scale(one.couple, one.arm_j));",
+        target: "oracle",
+        red: &["the_step_equals_its_definition_hertz_tsuji"],
+    },
+    Mutant {
+        name: "skipped projection: hertz_history",
+        file: "law/hertz_history.rs",
+        from: "let s = sub(grown, scale(c.normal, dot(grown, c.normal)));",
+        to: "let s = grown;",
+        target: UNIT,
+        red: &["law::tests::springs_lie_in_the_tangent_plane_hertz_history"],
+    },
+    Mutant {
+        name: "skipped projection: hertz_tsuji",
+        file: "law/hertz_tsuji.rs",
+        from: "let s = sub(grown, scale(c.normal, dot(grown, c.normal)));",
+        to: "let s = grown;",
+        target: UNIT,
+        red: &["law::tests::springs_lie_in_the_tangent_plane_hertz_tsuji"],
+    },
+    Mutant {
+        name: "cap not applied: hertz_history",
+        file: "law/hertz_history.rs",
+        from: "let slides = ft > cap;",
+        to: "let slides = ft > cap + R::MAX;",
+        target: UNIT,
+        red: &["law::tests::friction_is_capped_hertz_history"],
+    },
+    Mutant {
+        name: "cap not applied: hertz_tsuji",
+        file: "law/hertz_tsuji.rs",
+        from: "let slides = pull > cap;",
+        to: "let slides = pull > cap + R::MAX;",
+        target: UNIT,
+        red: &["law::tests::friction_is_capped_hertz_tsuji"],
+    },
+    Mutant {
+        name: "damping puts energy in",
+        file: "law/hertz_tsuji.rs",
+        from: "* c.overlap - (self.cn * damp) * vn;",
+        to: "* c.overlap + (self.cn * damp) * vn;",
+        target: UNIT,
+        red: &["law::tests::damping_takes_energy_out_hertz_tsuji"],
+    },
+    Mutant {
+        name: "lost history: a pair's spring at a rebuild",
+        file: "search.rs",
+        from: "new.spring[p] = old.spring[from.start];",
+        to: "new.spring[p] = [R::ZERO; 4];",
+        target: "search",
+        red: &[
+            "springs_survive_a_rebuild_hertz_history",
+            "springs_survive_a_rebuild_hertz_tsuji",
+        ],
+    },
+    Mutant {
+        name: "lost history: an obstacle's spring at a rebuild",
+        file: "search.rs",
+        from: "new.touch_spring[t] = old.touch_spring[from];",
+        to: "new.touch_spring[t] = [R::ZERO; 4];",
+        target: "search",
+        red: &[
+            "springs_survive_a_rebuild_hertz_history",
+            "springs_survive_a_rebuild_hertz_tsuji",
+        ],
+    },
+    Mutant {
+        name: "kept history: who parted remembers",
+        file: "push.rs",
+        from: "spring[p + k] = [R::ZERO; 4];",
+        to: "",
+        target: "images",
+        red: &["a_contact_that_parted_begins_anew"],
+    },
+    Mutant {
+        name: "shifted image: half a period in a separation",
+        file: "domain.rs",
+        from: "let up = raw + self.period[k];",
+        to: "let up = raw + self.half[k];",
+        target: "images",
+        red: &["where_the_box_is_cut_does_not_matter"],
+    },
+    Mutant {
+        name: "shifted image: a crossing is not counted",
+        file: "domain.rs",
+        from: "*image = image.wrapping_sub(1);",
+        to: "",
+        target: "images",
+        red: &["places_and_crossings_give_the_path"],
+    },
+    Mutant {
+        name: "cells do not close across a period",
+        file: "search.rs",
+        from: "return ([(k + n - 1) % n, k, (k + 1) % n], 3);",
+        to: "return ([(k + n - 1) % n, k, (k + n - 2) % n], 3);",
+        target: "search",
+        red: &["every_near_pair_is_listed"],
+    },
+    Mutant {
+        name: "filter too tight by rounding",
+        file: "push.rs",
+        from: "let margin = R::ONE + R::EPSILON * R::from_f64(16.0);",
+        to: "let margin = R::ONE - R::EPSILON * R::from_f64(16.0);",
+        target: "search",
+        red: &["the_filter_drops_no_touching_pair"],
+    },
+    Mutant {
+        name: "the list ignores the step's own travel",
+        file: "step.rs",
+        from: "step_travel: travel,",
+        to: "step_travel: R::ZERO * travel,",
+        target: "search",
+        red: &["two_that_fly_at_each_other_meet_in_time"],
+    },
+    Mutant {
+        name: "the list is trusted for the whole skin",
+        file: "search.rs",
+        from: "budget: (skin - slack) * R::HALF,",
+        to: "budget: skin - slack,",
+        target: "search",
+        red: &["two_that_fly_at_each_other_meet_in_time"],
+    },
+    Mutant {
+        name: "a hollow ball's moment of inertia",
+        file: "motion.rs",
+        from: "R::from_f64(0.4)",
+        to: "R::from_f64(2.0 / 3.0)",
+        target: "oracle",
+        red: &["the_step_equals_its_definition_hertz_history"],
+    },
+];
+
+/// A workspace with what the kernel's manifest takes from its own, built fast: a little
+/// optimisation, as the tests step whole worlds, and no debug information.
+const WORKSPACE: &str = r#"
+[workspace]
+resolver = "3"
+members = ["kernel"]
+
+[workspace.package]
+version = "0.1.0"
+edition = "2024"
+rust-version = "1.95"
+license = "MIT OR Apache-2.0"
+publish = false
+
+[workspace.lints.rust]
+unsafe_code = "forbid"
+
+[profile.dev]
+opt-level = 1
+debug = false
+debug-assertions = true
+"#;
+
+fn copy_folder(from: &Path, to: &Path) {
+    fs::create_dir_all(to).expect("a new folder");
+    for entry in fs::read_dir(from).expect("a folder of the kernel") {
+        let entry = entry.expect("a readable entry");
+        let (path, copy) = (entry.path(), to.join(entry.file_name()));
+        if path.is_dir() {
+            copy_folder(&path, &copy);
+        } else {
+            // Written anew rather than copied, so that it is newer than what was built before.
+            let text = fs::read(&path).expect("a readable file");
+            fs::write(copy, text).expect("a new file");
+        }
+    }
+}
+
+/// The kernel in a workspace of its own.
+struct Copy {
+    folder: PathBuf,
+    build: PathBuf,
+}
+
+impl Copy {
+    fn new() -> Self {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        let tmp = Path::new(env!("CARGO_TARGET_TMPDIR"));
+        let build = tmp.parent().expect("it lies in target").join("mutants");
+        // Always at one place: to cargo a package elsewhere is another, and is built beside the old.
+        let folder = build.join("source");
+        let _ = fs::remove_dir_all(&folder);
+        for part in ["src", "tests"] {
+            let to = folder.join("kernel").join(part);
+            copy_folder(&root.join("kernel").join(part), &to);
+        }
+        for file in ["kernel/Cargo.toml", "Cargo.lock"] {
+            fs::copy(root.join(file), folder.join(file)).expect("a readable file");
+        }
+        fs::write(folder.join("Cargo.toml"), WORKSPACE).expect("a new file");
+        Self { folder, build }
+    }
+
+    fn source(&self, file: &str) -> PathBuf {
+        self.folder.join("kernel/src").join(file)
+    }
+
+    /// Runs `cargo test` on some targets, with random cases that are the same every time.
+    fn test(&self, arguments: &[&str]) -> Output {
+        let cargo = std::env::var_os("CARGO").unwrap_or_else(|| env!("CARGO").into());
+        Command::new(cargo)
+            .args(["test", "--offline", "--quiet", "-p", "bitgrain-kernel"])
+            .args(arguments)
+            .current_dir(&self.folder)
+            .env("CARGO_TARGET_DIR", &self.build)
+            .env("CARGO_TERM_COLOR", "never")
+            .env("RUST_BACKTRACE", "0")
+            .env("PROPTEST_CASES", "16")
+            .env("PROPTEST_MAX_SHRINK_ITERS", "0")
+            .env("PROPTEST_RNG_SEED", "1")
+            .env_remove("RUSTFLAGS")
+            .output()
+            .expect("cargo starts")
+    }
+
+    /// What is wrong with the tests on this mutant, if anything.
+    fn check(&self, mutant: &Mutant) -> Option<String> {
+        let path = self.source(mutant.file);
+        let whole = fs::read_to_string(&path).expect("a source of the kernel");
+        let count = whole.matches(mutant.from).count();
+        if count != 1 {
+            return Some(format!("its text occurs {count} times in {}", mutant.file));
+        }
+        fs::write(&path, whole.replace(mutant.from, mutant.to)).expect("a writable copy");
+        let found = self.run(mutant);
+        fs::write(&path, whole).expect("a writable copy");
+        found
+    }
+
+    fn run(&self, mutant: &Mutant) -> Option<String> {
+        let target = match mutant.target {
+            UNIT => vec!["--lib"],
+            file => vec!["--test", file],
+        };
+        let built = self.test(&[target.as_slice(), &["--no-run"]].concat());
+        if !built.status.success() {
+            let why = String::from_utf8_lossy(&built.stderr);
+            return Some(format!("it does not compile:\n{why}"));
+        }
+        let chosen = [
+            &["--no-fail-fast", "--", "--exact", "--format=pretty"],
+            mutant.red,
+        ]
+        .concat();
+        let ran = self.test(&[target, chosen].concat());
+        let text = String::from_utf8_lossy(&ran.stdout);
+        let survived = mutant
+            .red
+            .iter()
+            .find(|test| !text.contains(&format!("test {test} ... FAILED\n")));
+        survived.map(|test| format!("{test} does not fail:\n{text}"))
+    }
+}
+
+#[test]
+#[cfg_attr(
+    debug_assertions,
+    ignore = "builds the kernel some twenty times: release only"
+)]
+fn every_mutant_is_caught_and_the_kernel_itself_passes() {
+    let copy = Copy::new();
+    let whole = copy.test(&["--lib", "--tests"]);
+    assert!(
+        whole.status.success(),
+        "the unchanged kernel fails:\n{}{}",
+        String::from_utf8_lossy(&whole.stdout),
+        String::from_utf8_lossy(&whole.stderr)
+    );
+    let survivors: Vec<String> = MUTANTS
+        .iter()
+        .filter_map(|mutant| {
+            let problem = copy.check(mutant)?;
+            Some(format!("{}: {problem}", mutant.name))
+        })
+        .collect();
+    assert!(
+        survivors.is_empty(),
+        "not caught:\n{}",
+        survivors.join("\n")
+    );
+}

@@ -1,0 +1,68 @@
+//! The golden cases in the kernel's own storage: the digests of the harness, without an allocator.
+
+use bitgrain::case;
+use bitgrain::sim::{AnyLaw, Sim, hex};
+use bitgrain_kernel::law::Law;
+use bitgrain_kernel::{Store, digest, start, step};
+use bitgrain_tests::golden;
+
+/// Room for the larger case, whose bed is two layers under a lid.
+type Room = Store<f64, 64, 512, 3>;
+
+/// The digests that `golden/digests` holds of a case, by step.
+fn golden_digests(name: &str) -> Vec<(u64, String)> {
+    let text = std::fs::read_to_string(golden("digests/cases.snap")).expect("the golden is there");
+    let entry = |line: &str| {
+        let mut words = line.split_whitespace();
+        (words.next()? == name).then_some(())?;
+        Some((words.next()?.parse().ok()?, words.next()?.to_string()))
+    };
+    text.lines().filter_map(entry).collect()
+}
+
+/// Moves a simulation at step 0 into a store.
+fn store_of(sim: &Sim) -> Box<Room> {
+    let mut store = Box::new(Room::new(sim.domain, sim.dt, sim.skin));
+    for group in &sim.groups {
+        store.add_group(*group).expect("room for the groups");
+    }
+    for obstacle in &sim.obstacles {
+        store.add_obstacle(*obstacle).expect("room for obstacles");
+    }
+    for i in 0..sim.count() {
+        let ([x, y, z, radius], mass) = (sim.position[i], sim.velocity[i][3]);
+        store
+            .add_grain(sim.id[i], sim.group[i], [x, y, z], radius, mass)
+            .expect("room for the grains");
+    }
+    let grains = store.world().grains;
+    grains.velocity.copy_from_slice(&sim.velocity);
+    grains.spin.copy_from_slice(&sim.spin);
+    store
+}
+
+fn follow(name: &str, store: &mut Room, law: &impl Law<f64>) {
+    let golden = golden_digests(name);
+    assert!(golden.len() > 5, "{name} has golden digests");
+    let mut world = store.world();
+    start(&mut world, law).expect("a sound case");
+    for (at, expected) in golden {
+        while world.clock.step < at {
+            step(&mut world, law).expect("a sound case");
+        }
+        assert_eq!(hex(&digest(&world).whole), expected, "{name} at step {at}");
+    }
+}
+
+#[test]
+fn a_store_gives_the_golden_digests() {
+    for name in ["collapse.json", "lid.json"] {
+        let case = case::read(&golden("cases").join(name)).expect("a sound case");
+        let sim = case.start(name, |_| {}).expect("a sound case");
+        let mut store = store_of(&sim);
+        match sim.law {
+            AnyLaw::HertzHistory(law) => follow(name, &mut store, &law),
+            AnyLaw::HertzTsuji(law) => follow(name, &mut store, &law),
+        }
+    }
+}

@@ -1,0 +1,434 @@
+//! A test that reads the repository: what the kernel may not call, how long files and functions may
+//! be, that every golden has a recipe and a test, every law its source, and that the commands of the
+//! README and of every `--help` run.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use bitgrain_tests::{SMALL, golden, output};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
+
+fn root() -> PathBuf {
+    golden("..").canonicalize().unwrap()
+}
+
+/// Files below a folder of the repository with this ending, by their names from its root.
+fn files(folder: &str, ending: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    let mut open = vec![root().join(folder)];
+    while let Some(next) = open.pop() {
+        for entry in std::fs::read_dir(next).unwrap() {
+            let path = entry.unwrap().path();
+            let name = path
+                .strip_prefix(root())
+                .unwrap()
+                .to_str()
+                .unwrap()
+                .replace('\\', "/");
+            let made = ["target", "corpus", "artifacts", "coverage"];
+            let kept = !made.iter().any(|m| path.ends_with(m));
+            if path.is_dir() && kept {
+                open.push(path);
+            } else if path.is_file() && name.ends_with(ending) && !name.ends_with(".snap.new") {
+                found.push(name);
+            }
+        }
+    }
+    found.sort();
+    assert!(!found.is_empty(), "no {ending} in {folder}");
+    found
+}
+
+fn text(name: &str) -> String {
+    std::fs::read_to_string(root().join(name)).unwrap()
+}
+
+fn sources() -> Vec<String> {
+    let folders = ["kernel", "harness", "tests", "fuzz"];
+    folders
+        .iter()
+        .flat_map(|folder| files(folder, ".rs"))
+        .collect()
+}
+
+/// A source without its tests and without comments.
+fn code(name: &str) -> String {
+    let text = text(name);
+    let code = text.split("#[cfg(test)]\nmod tests").next().unwrap();
+    let lines = code
+        .lines()
+        .map(|line| line.split("//").next().unwrap_or(""));
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+/// Calls whose bits depend on the platform, the compiler or the order of arguments, in the files that a
+/// step runs through. Whole numbers may be compared where floats may not: in the search and the lists.
+#[test]
+fn a_step_calls_nothing_that_could_change_its_bits() {
+    let always = [
+        "mul_add",
+        "powf",
+        "powi",
+        ".exp(",
+        ".exp2(",
+        ".ln(",
+        ".log",
+        ".sin(",
+        ".cos(",
+        ".tan(",
+        "atan2",
+        "acos",
+        "asin",
+        "hypot",
+        "cbrt",
+        "rem_euclid",
+        "div_euclid",
+        ".recip(",
+        "fadd_fast",
+        "algebraic_",
+        "to_radians",
+        "to_degrees",
+        ".sum::<R",
+        ".product",
+        "HashMap",
+        "HashSet",
+        "Instant",
+        "unsafe {",
+        "alloc::",
+        "std::vec",
+        "Box<",
+        "println",
+    ];
+    let floats = [
+        ".min(", ".max(", ".clamp(", ".abs(", ".signum(", ".fract(", ".floor(", ".round(",
+    ];
+    let whole = ["search.rs", "pairs.rs", "digest.rs", "store.rs"];
+    let mut read = 0;
+    for name in files("kernel/src", ".rs") {
+        let code = code(&name);
+        let counts = whole.iter().any(|file| name.ends_with(file));
+        let banned = always
+            .iter()
+            .chain(if counts { &[][..] } else { &floats[..] });
+        for call in banned {
+            assert!(!code.contains(call), "{name} calls {call}");
+        }
+        read += 1;
+    }
+    assert!(read > 15);
+    // The one place where the two square roots meet, and the one set-up that takes a logarithm.
+    let libm: Vec<String> = files("kernel/src", ".rs")
+        .into_iter()
+        .filter(|name| code(name).contains("libm::"))
+        .collect();
+    assert_eq!(
+        libm,
+        ["kernel/src/law/hertz_tsuji.rs", "kernel/src/real.rs"]
+    );
+    // Whatever the harness computes with powers and logarithms, it computes everywhere alike.
+    for name in files("harness/src", ".rs") {
+        let code = code(&name);
+        for call in [
+            ".powf(", ".powi(", ".exp(", ".ln(", ".log10(", ".log2(", ".sin(", ".cos(", ".tan(",
+            ".acos(", ".asin(", ".atan2(", ".cbrt(", ".hypot(", "mul_add",
+        ] {
+            assert!(
+                !code.contains(call),
+                "{name} calls {call}: take it from libm"
+            );
+        }
+    }
+}
+
+#[test]
+fn files_lines_and_functions_keep_their_sizes() {
+    let mut long = Vec::new();
+    for name in sources() {
+        let text = text(&name);
+        // The force phase is one concept, and the longest.
+        let most = if name.ends_with("kernel/src/push.rs") {
+            540
+        } else {
+            460
+        };
+        if text.lines().count() > most {
+            long.push(format!(
+                "{name}: {} lines, at most {most}",
+                text.lines().count()
+            ));
+        }
+        let mut begin = None;
+        for (k, line) in text.lines().enumerate() {
+            if line.chars().count() > 120 {
+                long.push(format!(
+                    "{name}:{}: a line of {}",
+                    k + 1,
+                    line.chars().count()
+                ));
+            }
+            let indent = line.len() - line.trim_start().len();
+            let head = line
+                .trim_start()
+                .trim_start_matches("pub ")
+                .trim_start_matches("(super) ");
+            if head.starts_with("fn ") && !line.ends_with(';') && !line.ends_with('}') {
+                begin = Some((k, indent));
+            }
+            if let Some((from, at)) = begin
+                && line.trim() == "}"
+                && indent == at
+            {
+                if k - from > 90 {
+                    long.push(format!(
+                        "{name}:{}: a function of {} lines",
+                        from + 1,
+                        k - from
+                    ));
+                }
+                begin = None;
+            }
+            for left in [
+                "todo!",
+                "unimplemented!",
+                "dbg!",
+                concat!("FIX", "ME"),
+                concat!("XX", "X"),
+            ] {
+                let quoted = name.ends_with("tidy.rs");
+                assert!(quoted || !line.contains(left), "{name}:{}: {left}", k + 1);
+            }
+        }
+    }
+    assert!(long.is_empty(), "{}", long.join("\n"));
+}
+
+/// `golden/README.md` has a row for every golden: what, recipe, test. The test is there and reads it.
+#[test]
+fn every_golden_has_a_recipe_and_a_test() {
+    let table = text("golden/README.md");
+    let rows: Vec<Vec<&str>> = table
+        .lines()
+        .filter(|line| line.starts_with("| `"))
+        .map(|line| {
+            line.split('|')
+                .map(|cell| cell.trim().trim_matches('`'))
+                .collect()
+        })
+        .collect();
+    let listed: BTreeSet<String> = rows
+        .iter()
+        .map(|row| format!("golden/{}", row[1]))
+        .collect();
+    let mut there: BTreeSet<String> = files("golden", "").into_iter().collect();
+    assert!(there.remove("golden/README.md"));
+    assert_eq!(listed, there);
+    let sizes = there
+        .iter()
+        .map(|name| std::fs::metadata(root().join(name)).unwrap().len());
+    let sizes: Vec<u64> = sizes.collect();
+    // What every clone carries: no golden beyond 2 MB, 20 MB together.
+    assert!(sizes.iter().all(|bytes| *bytes < 2_000_000) && sizes.iter().sum::<u64>() < 20_000_000);
+    for row in &rows {
+        assert!(row[2].len() > 5 && row[3].len() > 10, "{row:?}");
+        let test = format!("tests/tests/{}.rs", row[4]);
+        let source = text(&test);
+        let file = row[1].rsplit('/').next().unwrap();
+        // Snapshots are named without their ending, series by a pattern of their name.
+        let stem = file.split(".snap").next().unwrap();
+        let stem = stem.split("Fr").next().unwrap();
+        let stem = stem.trim_end_matches(".gz");
+        assert!(source.contains(stem), "{test} does not read {file}");
+        if row[3].starts_with("cargo test") {
+            assert!(row[3].contains(&format!("--test {}", row[4])), "{row:?}");
+        }
+    }
+}
+
+/// Laws and observables say where they come from; every public item is documented, by lint.
+#[test]
+fn physics_names_its_source() {
+    assert!(text("Cargo.toml").contains("missing_docs = \"warn\""));
+    assert!(text(".ci/run").contains("-D warnings"));
+    let papers = ["Kumar 2018", "Guillard 2014"];
+    let cites = |name: &str| papers.iter().any(|paper| text(name).contains(paper));
+    let mut laws = files("kernel/src/law", ".rs");
+    laws.retain(|name| !name.ends_with("mod.rs"));
+    assert!(laws.len() >= 2);
+    for name in &laws {
+        let head: String = text(name)
+            .lines()
+            .take_while(|l| l.starts_with("//!"))
+            .collect();
+        assert!(
+            papers.iter().any(|p| head.contains(p)) && head.contains("eq"),
+            "{name}"
+        );
+    }
+    for name in [
+        "harness/src/bed/mod.rs",
+        "harness/src/observe.rs",
+        "harness/src/histogram.rs",
+        "harness/src/scenario/plan.rs",
+        "harness/src/law.rs",
+    ] {
+        assert!(cites(name), "{name}");
+    }
+    assert!(text("harness/src/blocks.rs").contains("Flyvbjerg and Petersen"));
+}
+
+/// Commands in the README's blocks, tables and text.
+fn readme_commands() -> Vec<String> {
+    let readme = text("README.md");
+    let blocks = readme.lines().filter_map(|line| line.strip_prefix("    "));
+    let inline = readme.lines().filter(|line| !line.starts_with("    "));
+    let inline = inline.flat_map(|line| line.split('`').skip(1).step_by(2));
+    let all = blocks
+        .chain(inline)
+        .map(|line| line.split(" #").next().unwrap_or("").trim());
+    let ours = |line: &&str| line.starts_with("bitgrain ") || line.starts_with("cargo ");
+    all.filter(ours).map(str::to_string).collect()
+}
+
+/// Examples at the end of a command's help.
+fn help_commands(command: &[&str]) -> Vec<String> {
+    let args: Vec<&str> = command.iter().copied().chain(["--help"]).collect();
+    let help = output(PROGRAM, Path::new("."), &args);
+    let help = String::from_utf8(help.stdout).unwrap().replace("\\\n", " ");
+    let lines = help.lines().map(str::trim);
+    let found: Vec<String> = lines
+        .filter(|line| line.starts_with("bitgrain "))
+        .map(str::to_string)
+        .collect();
+    assert!(!found.is_empty(), "{command:?} --help shows no example");
+    found
+}
+
+/// Words of a command line; single quotes hold words together.
+fn words(line: &str) -> Vec<String> {
+    let mut out = vec![];
+    for (k, part) in line.split('\'').enumerate() {
+        if k % 2 == 1 {
+            out.push(part.to_string());
+        } else {
+            out.extend(part.split_whitespace().map(str::to_string));
+        }
+    }
+    out
+}
+
+/// A folder in which every command of the documents can run: the goldens are at hand, and a bed with
+/// the name that examples use.
+fn desk() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let place = |name: &str| folder.path().join(name);
+    std::os::unix::fs::symlink(root().join("golden"), place("golden")).unwrap();
+    let text = SMALL.replacen("grains = 300", "grains = 300\nsettled = 1e-2", 1);
+    std::fs::write(place("my-bed.toml"), text).unwrap();
+    let out = output(
+        PROGRAM,
+        folder.path(),
+        &["run", "my-bed.toml", "--out", "made"],
+    );
+    assert!(out.status.success());
+    let bed = std::fs::read_dir(place("beds"))
+        .unwrap()
+        .next()
+        .unwrap()
+        .unwrap()
+        .path();
+    std::fs::rename(bed, place("beds/4f1c000000000000")).unwrap();
+    std::fs::copy(place("golden/cases/collapse.json"), place("case.json")).unwrap();
+    folder
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn documented_commands_run() {
+    let mut lines = readme_commands();
+    assert!(lines.len() > 15, "{lines:?}");
+    let commands: [&[&str]; 9] = [
+        &["run"],
+        &["bed"],
+        &["bed", "list"],
+        &["bed", "show"],
+        &["bed", "remove"],
+        &["bench"],
+        &["replay"],
+        &[],
+        &["help", "run"],
+    ];
+    for command in &commands[..7] {
+        lines.extend(help_commands(command));
+    }
+    for command in &commands[7..] {
+        let help: Vec<&str> = if command.is_empty() {
+            vec!["--help"]
+        } else {
+            command.to_vec()
+        };
+        assert!(output(PROGRAM, Path::new("."), &help).status.success());
+    }
+    let mut seen = BTreeSet::new();
+    // What takes beds away comes last.
+    lines.sort_by_key(|line| line.contains("remove --all"));
+    let mut folder = desk();
+    for line in lines.into_iter().filter(|line| seen.insert(line.clone())) {
+        let line = match line.strip_prefix("cargo run --release -- ") {
+            Some(rest) => format!("bitgrain {rest}"),
+            None => line,
+        };
+        if let Some(cargo) = line.strip_prefix("cargo ") {
+            cargo_command(cargo);
+            continue;
+        }
+        let mut args = words(&line);
+        args.remove(0);
+        // Placeholders in capitals stand for what the text explains.
+        let stands = |w: &String| w.len() > 1 && w.chars().all(|c| c.is_ascii_uppercase());
+        if args.iter().any(stands) || line.contains(['[', '…']) && !line.contains('\'') {
+            continue;
+        }
+        // Days of work are planned here, not done; the quick scenario has a test of its own.
+        if args[0] == "run" && !line.contains("my-bed") {
+            args.push("--dry-run".into());
+            args.dedup_by(|a, b| a == b);
+        }
+        if args[..2] == ["bed", "remove"] {
+            folder = desk();
+        }
+        let args: Vec<&str> = args.iter().map(String::as_str).collect();
+        let out = output(PROGRAM, folder.path(), &args);
+        let error = String::from_utf8_lossy(&out.stderr);
+        assert!(out.status.success(), "{line}: {error}");
+    }
+}
+
+/// A cargo command of the documents: what it names is there.
+fn cargo_command(line: &str) {
+    let words: Vec<&str> = line.split_whitespace().collect();
+    let after = |flag: &str| words.iter().position(|w| *w == flag).map(|k| words[k + 1]);
+    if let Some(test) = after("--test") {
+        assert!(
+            root().join(format!("tests/tests/{test}.rs")).exists(),
+            "{line}"
+        );
+    }
+    if let Some(bench) = after("--bench") {
+        assert!(
+            root().join(format!("harness/benches/{bench}.rs")).exists(),
+            "{line}"
+        );
+    }
+    if words[..2] == ["+nightly", "fuzz"] {
+        let target = words[3];
+        assert!(
+            root()
+                .join(format!("fuzz/fuzz_targets/{target}.rs"))
+                .exists(),
+            "{line}"
+        );
+    }
+    let known = ["test", "bench", "run", "+nightly", "install"];
+    assert!(known.contains(&words[0]), "{line}");
+}
