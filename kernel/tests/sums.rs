@@ -1,18 +1,19 @@
 //! The sums of a step: their order, Newton's third law, and any cut of the grains into ranges.
 
 use bitgrain_kernel::law::Law;
-use bitgrain_kernel::push::{Part, Sight, Spill, TouchPart, push_obstacles, spill, sum};
 use bitgrain_kernel::vec3::{Vec3, add, cross, dot, head, scale, sub};
 use bitgrain_kernel::{
     Domain, Fault, Group, Obstacle, Partner, Pushed, Store, World, start, step, step_watched,
 };
 use common::cases::cases;
 use common::crowd::{DENSE, PER_GRAIN, REDUCED, SI, Units, crowd, history, tsuji};
+use common::cuts::evaluate;
 use proptest::prelude::*;
 
 mod common {
     pub mod cases;
     pub mod crowd;
+    pub mod cuts;
 }
 
 type V = Vec3<f64>;
@@ -180,56 +181,7 @@ fn evaluate_cut(seed: &[f64], cuts: &[usize]) -> Result<Vec<Vec<u64>>, Fault> {
     for _ in 0..200 {
         step(&mut world, &law)?;
     }
-    let n = world.grains.count();
-    let touches = world.clock.touches();
-    let g = &mut world.grains;
-    let sight = Sight {
-        domain: world.domain,
-        position: g.position,
-        velocity: g.velocity,
-        spin: g.spin,
-        row: world.pairs.row,
-        dt: world.dt,
-    };
-    let mut touch = TouchPart {
-        grain: &world.pairs.touch_grain[..touches],
-        obstacle: &mut world.pairs.touch_obstacle[..touches],
-        spring: &mut world.pairs.touch_spring[..touches],
-        obstacles: world.obstacles,
-    };
-    push_obstacles(sight, &mut touch, g.force, g.torque, &law, |_| {});
-    let mut parts = Vec::new();
-    let (mut force, mut torque) = (&mut *g.force, &mut *g.torque);
-    let (mut partner, mut spring) = (&mut *world.pairs.partner, &mut *world.pairs.spring);
-    let mut begin = 0;
-    for &end in cuts.iter().chain([&n]) {
-        let pairs = (sight.row[end] - sight.row[begin]) as usize;
-        let (f, t, p, s);
-        (f, force) = force.split_at_mut(end - begin);
-        (t, torque) = torque.split_at_mut(end - begin);
-        (p, partner) = partner.split_at_mut(pairs);
-        (s, spring) = spring.split_at_mut(pairs);
-        parts.push(Part {
-            rows: begin..end,
-            force: f,
-            torque: t,
-            partner: p,
-            spring: s,
-        });
-        begin = end;
-    }
-    let mut spills: Vec<Vec<Spill<f64>>> = Vec::new();
-    for part in &mut parts {
-        let mut out = vec![Spill::default(); part.partner.len()];
-        let (count, _) = spill(sight, part, &law, &mut out)?;
-        out.truncate(count);
-        spills.push(out);
-    }
-    // The last first: the order in which ranges are done must not matter.
-    for k in (0..parts.len()).rev() {
-        let lower: Vec<&[Spill<f64>]> = spills[..k].iter().map(Vec::as_slice).collect();
-        sum(sight, &mut parts[k], &law, &lower, &spills[k], |_| {});
-    }
+    evaluate(&mut world, &law, cuts)?;
     let words = |rows: &[[f64; 4]]| rows.iter().flatten().map(|x| x.to_bits()).collect();
     let listed = world.clock.listed();
     Ok(vec![

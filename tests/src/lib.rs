@@ -112,6 +112,15 @@ dt = 3e-4
 distance = 4.0
 "#;
 
+/// [`SMALL`] with its bed from a file, which brings the intruder; `keys` are the lines that the
+/// intruder's table says all the same.
+pub fn small_from_file(file: &str, keys: &str) -> String {
+    let begin = SMALL.find("box = ").expect("it is in the text");
+    let end = SMALL.find("\n\n[law]").expect("it is in the text");
+    let text = SMALL.replacen(&SMALL[begin..end], &format!("file = \"{file}\""), 1);
+    text.replacen("diameter = 1.5\nheight = 2.5\n", keys, 1)
+}
+
 /// Runs a program in a folder to its end.
 pub fn output(program: &str, folder: &Path, args: &[&str]) -> Output {
     let mut command = Command::new(program);

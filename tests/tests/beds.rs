@@ -8,7 +8,7 @@ use bitgrain::lammps::data_text;
 use bitgrain::progress::Stage;
 use bitgrain::scenario::{self, Scenario};
 use bitgrain::summary::BedSummary;
-use bitgrain_tests::{SMALL, output};
+use bitgrain_tests::{SMALL, output, small_from_file};
 
 fn quick(sets: &[&str]) -> Scenario {
     let sets: Vec<String> = sets.iter().map(|s| s.to_string()).collect();
@@ -68,10 +68,7 @@ fn a_bed_goes_to_a_data_file_and_back() {
     let file = folder.path().join("bed.data");
     std::fs::write(&file, data_text(&export::atoms(&sim, true), "a bed")).unwrap();
 
-    let begin = SMALL.find("box = ").unwrap();
-    let end = SMALL.find("\n\n[law]").unwrap();
-    let text = SMALL.replacen(&SMALL[begin..end], "file = \"bed.data\"", 1);
-    let text = text.replacen("diameter = 1.5\nheight = 2.5\n", "", 1);
+    let text = small_from_file("bed.data", "");
     let imported = scenario::parse(&text, "small", &[], folder.path()).unwrap();
     assert_eq!(imported.intruder.diameter, 1.5);
     let again = import::bed(&imported, &file).unwrap();
@@ -137,11 +134,8 @@ fn packed_snapshots_are_beds() {
     names.sort();
     assert_eq!(names.len(), 2);
 
-    let begin = SMALL.find("box = ").unwrap();
-    let end = SMALL.find("\n\n[law]").unwrap();
-    let file = format!("file = \"out/small/runs/run-1/snapshots/{}\"", names[1]);
-    let text = SMALL.replacen(&SMALL[begin..end], &file, 1);
-    let text = text.replacen("diameter = 1.5\nheight = 2.5\n", "", 1);
+    let file = format!("out/small/runs/run-1/snapshots/{}", names[1]);
+    let text = small_from_file(&file, "");
     std::fs::write(folder.path().join("again.toml"), text).unwrap();
     run(&["run", "again.toml", "--out", "again"]);
     // The folder stands alone: its own scenario gives the same numbers.

@@ -8,7 +8,7 @@ use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
-use bitgrain_tests::{SMALL, golden, output, told};
+use bitgrain_tests::{SMALL, golden, output, small_from_file, told};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
 
@@ -150,10 +150,7 @@ fn scenarios(desk: &mut Desk) {
 
 /// The small scenario with a bed from a file.
 fn from_file(keys: &str) -> String {
-    let begin = SMALL.find("box = ").unwrap();
-    let end = SMALL.find("\n\n[law]").unwrap();
-    let text = SMALL.replacen(&SMALL[begin..end], "file = \"bed.data\"", 1);
-    text.replacen("diameter = 1.5\nheight = 2.5\n", keys, 1)
+    small_from_file("bed.data", keys)
 }
 
 fn imports(desk: &mut Desk) {

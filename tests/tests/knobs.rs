@@ -6,9 +6,11 @@ use bitgrain::case::{self, Case};
 use bitgrain::checkpoint;
 use bitgrain::sim::{Sim, hex};
 use bitgrain_kernel::law::HertzHistory;
-use bitgrain_kernel::push::{Part, Sight, Spill, TouchPart, push_obstacles, spill, sum};
 use bitgrain_kernel::{Group, Obstacle, Pushed, Store, start, step};
 use bitgrain_tests::golden;
+
+#[path = "../../kernel/tests/common/cuts.rs"]
+mod cuts;
 
 /// A golden case and its started simulation.
 fn begin(name: &str) -> Sim {
@@ -137,62 +139,13 @@ fn cuts_into_ranges_change_nothing() {
 type Forces = Vec<[u64; 6]>;
 
 fn evaluate(sim: &mut Sim, law: &HertzHistory<f64>, cuts: &[usize]) -> Forces {
-    let (n, touches) = (sim.count(), sim.search_counts().2);
-    let world = sim.world();
-    let g = world.grains;
-    let sight = Sight {
-        domain: world.domain,
-        position: g.position,
-        velocity: g.velocity,
-        spin: g.spin,
-        row: world.pairs.row,
-        dt: world.dt,
-    };
-    let mut touch = TouchPart {
-        grain: &world.pairs.touch_grain[..touches],
-        obstacle: &mut world.pairs.touch_obstacle[..touches],
-        spring: &mut world.pairs.touch_spring[..touches],
-        obstacles: world.obstacles,
-    };
-    push_obstacles(sight, &mut touch, g.force, g.torque, law, |_| {});
-    let mut parts = Vec::new();
-    let (mut force, mut torque) = (&mut *g.force, &mut *g.torque);
-    let (mut partner, mut spring) = (&mut *world.pairs.partner, &mut *world.pairs.spring);
-    let mut begin = 0;
-    for &end in cuts.iter().chain([&n]) {
-        let pairs = (sight.row[end] - sight.row[begin]) as usize;
-        let (f, t, p, s);
-        (f, force) = force.split_at_mut(end - begin);
-        (t, torque) = torque.split_at_mut(end - begin);
-        (p, partner) = partner.split_at_mut(pairs);
-        (s, spring) = spring.split_at_mut(pairs);
-        parts.push(Part {
-            rows: begin..end,
-            force: f,
-            torque: t,
-            partner: p,
-            spring: s,
-        });
-        begin = end;
-    }
-    let mut spills: Vec<Vec<Spill<f64>>> = Vec::new();
-    for part in &mut parts {
-        let mut out = vec![Spill::default(); part.partner.len()];
-        let (count, _) = spill(sight, part, law, &mut out).unwrap();
-        out.truncate(count);
-        spills.push(out);
-    }
-    // The last first: the order in which ranges are done must not matter.
-    for k in (0..parts.len()).rev() {
-        let lower: Vec<&[Spill<f64>]> = spills[..k].iter().map(Vec::as_slice).collect();
-        sum(sight, &mut parts[k], law, &lower, &spills[k], |_| {});
-    }
+    cuts::evaluate(&mut sim.world(), law, cuts).unwrap();
     let (force, torque) = (&sim.force, &sim.torque);
     let bits = |i: usize| {
         let (f, t) = (force[i], torque[i]);
         [f[0], f[1], f[2], t[0], t[1], t[2]].map(f64::to_bits)
     };
-    (0..n).map(bits).collect()
+    (0..sim.count()).map(bits).collect()
 }
 
 /// The digests of every build: run these in debug and in release.

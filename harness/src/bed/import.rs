@@ -19,8 +19,7 @@ use crate::sim::{AnyLaw, Grain, Sim, sphere_mass};
 const HEADROOM: f64 = 20.0;
 
 /// A bed of a scenario whose `bed.file` was named and lies at `path`, as it is before the drag: its
-/// intruder at rest,
-/// forces evaluated with empty histories.
+/// intruder at rest, its forces evaluated with empty histories.
 ///
 /// # Errors
 /// [`Error::Input`] where the file has changed since, or grains and box do not fit together.
