@@ -10,9 +10,10 @@ use clap::{Args, Parser, Subcommand};
 use crate::bed::library::Library;
 use crate::bench::bench;
 use crate::error::{Error, Result};
+use crate::folder::Folder;
 use crate::progress::Progress;
 use crate::replay::{Replay, replay};
-use crate::{forecast, scenario, shelf};
+use crate::{forecast, present, scenario, shelf};
 
 /// Granular beds whose every run is reproducible to the last bit.
 #[derive(Parser)]
@@ -27,6 +28,12 @@ enum Command {
     /// Run a scenario: pour its beds, drag its intruder, write the results and a report.
     #[command(after_help = RUN_HELP)]
     Run(Run),
+    /// Write the report of a run directory anew from the files in it.
+    #[command(after_help = "Example:\n  bitgrain report out/quick")]
+    Report {
+        /// The folder with the results.
+        folder: PathBuf,
+    },
     /// List, show and remove the settled beds that runs reuse.
     #[command(subcommand, after_help = BED_HELP)]
     Bed(Bed),
@@ -40,7 +47,8 @@ enum Command {
 
 #[derive(Args)]
 struct Run {
-    /// A TOML file, or the name of a shipped scenario: quick, kumar-system-1, kumar-system-2.
+    /// A TOML file, or the name of a shipped scenario: quick, kumar-system-1, kumar-system-2,
+    /// guillard-small, guillard-medium, guillard-2014.
     scenario: String,
     /// Folder for the results [default: out/NAME, NAME the scenario's name].
     #[arg(long)]
@@ -153,8 +161,12 @@ Examples:
   bitgrain bench --bed golden/peers/bed200.data --steps 4000 --json";
 
 const REPLAY_HELP: &str = "\
-Example:
-  bitgrain replay golden/cases/collapse.json --steps 100 --every 10 --contacts";
+Examples:
+  bitgrain replay golden/cases/collapse.json --steps 100 --every 10 --contacts
+  bitgrain replay golden/cases/rig.json --steps 1000
+
+A grain's motion in a case is \"free\", \"weightless\", \"frozen\", {\"carried\": [vx, vy, vz]} or, as a grain of
+a lid, {\"lid\": [vx, vy]}; the README shows a whole case.";
 
 /// Runs the command that the process was called with.
 pub fn main() -> ExitCode {
@@ -172,6 +184,11 @@ pub fn main() -> ExitCode {
 fn run(command: Command) -> Result<()> {
     match command {
         Command::Run(run) => run_scenario(run),
+        Command::Report { folder } => {
+            let folder = Folder(&folder);
+            present::write_report(&folder)?;
+            print(&format!("report: {}\n", folder.report().display()))
+        }
         Command::Bed(bed) => run_bed(bed),
         Command::Bench(what) => run_bench(&what),
         Command::Replay(case) => {

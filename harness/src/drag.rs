@@ -1,16 +1,17 @@
-//! Dragging: the intruder moves at constant speed through a settled bed, and the force on it is
-//! summed at every step.
+//! Dragging: the intruder moves at constant speed through a settled bed, or the bed past it, and the
+//! force on it is summed at every step.
 
-use bitgrain_kernel::Pushed;
+use bitgrain_kernel::{Fault, Pushed};
 
 use crate::blocks::{BlockSums, Mean};
 use crate::error::{Error, Result};
+use crate::flow::{FlowGauge, FlowMeans};
 use crate::histogram::{Angles, Coordination};
 use crate::observe::{self, INTRUDER};
 use crate::progress::Stage;
-use crate::scenario::{History, RunPlan, Scenario};
+use crate::scenario::{History, Moves, RunPlan, Scenario};
 use crate::series::SeriesRow;
-use crate::sim::Sim;
+use crate::sim::{Role, Sim};
 
 /// Steps between updates of the progress bar; no result depends on it.
 const SHOW: u64 = 200;
@@ -38,6 +39,8 @@ pub struct Means {
     pub drag_uncut: f64,
     /// Steps in the window.
     pub window_steps: u64,
+    /// How a bed flowed that has a lid, a cylinder in it, or moves.
+    pub flow: Option<FlowMeans>,
 }
 
 /// What a drag leaves behind besides its means, filled as it goes.
@@ -49,6 +52,8 @@ pub struct Record {
     pub angles: Angles,
     /// Coordination numbers near the intruder of the window's samples.
     pub coordination: Coordination,
+    /// What was measured of a bed that flows.
+    pub flow: Option<FlowGauge>,
 }
 
 /// Sums of one window of steps.
@@ -103,7 +108,11 @@ pub fn drag(
     if scenario.drag.history == History::Empty {
         sim.start().map_err(wrong(0))?;
     }
-    sim.obstacles[INTRUDER as usize].velocity = [plan.speed, 0.0, 0.0];
+    let surface = observe::surface_height(sim, scenario.mean_diameter());
+    set_off(sim, scenario.drag.moves, plan.speed).map_err(wrong(0))?;
+    record.flow = scenario
+        .flows()
+        .then(|| FlowGauge::new(sim, scenario, plan, surface));
     let every = scenario.measure.every;
     let first = plan.first_averaged(sim.dt);
     let mut gauges = Gauges::default();
@@ -119,15 +128,49 @@ pub fn drag(
             sim.steps(1).map_err(wrong(n))?;
         }
         let row = n % every == 0 || n == plan.steps;
-        gauges.read(sim, scenario, plan, n, row, n >= first, record);
+        let force = force_on_intruder(sim, scenario.drag.moves);
+        if let Some(flow) = &mut record.flow {
+            flow.read(sim, n, force);
+        }
+        gauges.read(sim, scenario, plan, n, force, row, n >= first, record);
         if n % SHOW == 0 {
             let drag = crate::report::short(gauges.all.mean()[0]);
             stage.at(n, sim.count(), &format!("drag so far {drag}"))?;
         }
     }
-    gauges
-        .means(plan.steps + 1 - first)
-        .ok_or_else(|| Error::input(&plan.name, "has too few steps to average"))
+    let short = || Error::input(&plan.name, "has too few steps to average");
+    let mut means = gauges.means(plan.steps + 1 - first).ok_or_else(short)?;
+    means.flow = record.flow.as_ref().and_then(|flow| flow.means(sim.dt));
+    Ok(means)
+}
+
+/// Sets the intruder in motion, or base, lid and planes; all at once.
+fn set_off(sim: &mut Sim, moves: Moves, speed: f64) -> std::result::Result<(), Fault> {
+    if moves == Moves::Intruder {
+        sim.obstacles[INTRUDER as usize].velocity = [speed, 0.0, 0.0];
+        return Ok(());
+    }
+    let bonds = sim.bonds();
+    for i in 0..sim.count() {
+        if sim.role(i) != Role::Free {
+            sim.velocity[i][0] = speed;
+        }
+    }
+    for body in &mut sim.obstacles[INTRUDER as usize + 1..] {
+        body.velocity = [speed, 0.0, 0.0];
+    }
+    // Taken up anew, so that the list of pairs reckons with the motion.
+    sim.resume(&bonds)
+}
+
+/// Drag, along the motion of the bed past the intruder, lift up, and side force along y.
+fn force_on_intruder(sim: &Sim, moves: Moves) -> [f64; 3] {
+    let [x, y, z] = sim.obstacles[INTRUDER as usize].force;
+    match moves {
+        // A difference, so that no force is +0.
+        Moves::Intruder => [0.0 - x, z, y],
+        Moves::Bed => [x, z, y],
+    }
 }
 
 impl Gauges {
@@ -142,14 +185,12 @@ impl Gauges {
         scenario: &Scenario,
         plan: &RunPlan,
         n: u64,
+        force: [f64; 3],
         row: bool,
         counted: bool,
         record: &mut Record,
     ) {
-        let body = &sim.obstacles[INTRUDER as usize];
-        // Drag against the motion (a difference, so that no force is +0), lift up, side along y.
-        let force = [0.0 - body.force[0], body.force[2], body.force[1]];
-        let torque = body.torque;
+        let torque = sim.obstacles[INTRUDER as usize].torque;
         self.since_row.add(force);
         self.all.add(force);
         if !row && !counted {
@@ -165,7 +206,11 @@ impl Gauges {
         if !row {
             return;
         }
-        let (angles, near) = observe::neighbourhood(sim, NEAR * scenario.mean_diameter());
+        let ahead = match scenario.drag.moves {
+            Moves::Intruder => 1.0,
+            Moves::Bed => -1.0,
+        };
+        let (angles, near) = observe::neighbourhood(sim, NEAR * scenario.mean_diameter(), ahead);
         let (angle, coordination) = (mean(&angles), mean(&near));
         if counted {
             // Every contact and every grain counts alike, in whichever sample.
@@ -198,6 +243,7 @@ impl Gauges {
             coordination: self.coordination.mean(),
             drag_uncut: self.all.mean()[0],
             window_steps,
+            flow: None,
         })
     }
 }

@@ -162,9 +162,20 @@ pub fn teach(message: &str) -> String {
     let message = &message
         .replace("expected usize", "expected a whole number")
         .replace("expected u64", "expected a whole number")
-        .replace("expected f64", "expected a number");
+        .replace("expected f64", "expected a number")
+        .replace(
+            "invalid type: unit variant, expected string only",
+            "expected one of its words, in quotes",
+        )
+        .replace(
+            "wanted string or table",
+            "expected one of its words, in quotes",
+        );
     if message.starts_with("EOF") {
         return format!("{message}: is the file cut off?");
+    }
+    if message == "trailing characters" {
+        return "holds more values than expected".into();
     }
     if message == "expected value" {
         return "expected a value; JSON has no NaN and no infinity".into();

@@ -7,16 +7,18 @@
 use bitgrain_kernel::{Obstacle, Partner, Pushed, Shape};
 
 use crate::lammps::{Atom, DataFile, Frame};
-use crate::sim::{Sim, sphere_mass};
+use crate::sim::{Role, Sim, sphere_mass};
 
 /// Type of the grains that move.
 pub const GRAIN_TYPE: u32 = 1;
 /// Type of obstacle spheres: the intruder.
 pub const OBSTACLE_TYPE: u32 = 2;
-/// Type of the frozen grains.
+/// Type of the base's grains, frozen or carried.
 pub const FROZEN_TYPE: u32 = 3;
+/// Type of the lid's grains.
+pub const LID_TYPE: u32 = 4;
 
-/// The grains (type 1; frozen ones 3) and, if asked for, the obstacle spheres (type 2, numbered on
+/// The grains (type 1; the base's 3, the lid's 4) and, if asked for, the obstacle spheres (type 2, numbered on
 /// from the last grain) as a data file. Planes and cylinders have no place in one.
 ///
 /// A density is such that it gives the mass back to the bit. An infinitely heavy obstacle, which a
@@ -24,10 +26,14 @@ pub const FROZEN_TYPE: u32 = 3;
 pub fn atoms(sim: &Sim, obstacles: bool) -> DataFile {
     let row = |i: usize| {
         let (x, v, w) = (sim.position[i], sim.velocity[i], sim.spin[i]);
-        let frozen = sim.groups[sim.group[i] as usize].heavy;
+        let kind = match sim.role(i) {
+            Role::Free => GRAIN_TYPE,
+            Role::Base => FROZEN_TYPE,
+            Role::Lid => LID_TYPE,
+        };
         Atom {
             id: sim.id[i],
-            kind: if frozen { FROZEN_TYPE } else { GRAIN_TYPE },
+            kind,
             diameter: 2.0 * x[3],
             density: density_of(2.0 * x[3], v[3]),
             position: [x[0], x[1], x[2]],

@@ -9,10 +9,11 @@ use bitgrain_kernel::law::{HertzHistory, HertzTsuji};
 use crate::bed;
 use crate::bed::library::Library;
 use crate::bed::recipe::Recipe;
+use crate::coefficients::table_text;
 use crate::error::{Error, Result};
 use crate::progress::Stage;
 use crate::report::short;
-use crate::scenario::{PACKING_GUESS, RunPlan, Scenario};
+use crate::scenario::{BedPlan, PACKING_GUESS, RunPlan, Scenario, UnitSystem};
 use crate::sim::{AnyLaw, sphere_mass};
 
 /// Bytes of memory a grain takes, from beds of 10,000 and 70,000 grains.
@@ -34,17 +35,48 @@ const TRIAL: f64 = 0.5;
 /// What the trial may meet: a run that goes wrong.
 pub fn forecast(scenario: &Scenario, library: &Library, threads: usize) -> Result<String> {
     let speed = trial(scenario)?;
-    let mut missing = Vec::new();
-    for plan in scenario.beds() {
-        let recipe = Recipe::new(scenario, &plan);
-        if scenario.source.is_none() && library.find(&recipe)?.is_none() {
-            missing.push(plan.name);
+    let mut work = Work::default();
+    if scenario.source.is_none() {
+        let absent = |plan: &BedPlan| {
+            let found = library.find(&Recipe::new(scenario, plan))?;
+            Ok::<bool, Error>(found.is_none())
+        };
+        for plan in scenario.beds() {
+            if !absent(&plan)? {
+                continue;
+            }
+            if plan.lid.is_some() {
+                work.covered.push(bed::covering_steps(scenario, &plan));
+            }
+            work.missing.push(plan.name);
+        }
+        for plan in crate::run::bare_beds(scenario) {
+            if absent(&plan)? {
+                work.poured.push(bed::pouring_steps(scenario, &plan));
+            }
         }
     }
     let mut out = Lines::default();
-    cost(scenario, &missing, threads, speed, &mut out);
+    cost(scenario, &work, threads, speed, &mut out);
+    let si = scenario.units == UnitSystem::Si;
+    let (d, density) = (scenario.mean_diameter(), scenario.bed.density);
+    if let Some(table) = table_text(&scenario.law, d, density, si) {
+        out.gap();
+        out.text.push_str(&table);
+    }
     groups(scenario, speed, &mut out);
     Ok(out.text)
+}
+
+/// What has to be done before the drags.
+#[derive(Default)]
+struct Work {
+    /// Names of the beds that are not at hand.
+    missing: Vec<String>,
+    /// Steps of each pouring.
+    poured: Vec<u64>,
+    /// Steps of each settling under a lid.
+    covered: Vec<u64>,
 }
 
 /// Lines of a name and a value.
@@ -64,14 +96,15 @@ impl Lines {
     }
 }
 
-/// Grains, steps, memory, disk and time; `missing` are the beds to pour.
-fn cost(scenario: &Scenario, missing: &[String], threads: usize, speed: f64, out: &mut Lines) {
+/// Grains, steps, memory, disk and time.
+fn cost(scenario: &Scenario, work: &Work, threads: usize, speed: f64, out: &mut Lines) {
     let (beds, runs) = (scenario.beds(), scenario.runs());
-    let grains = scenario.grain_count();
-    let poured = vec![bed::pouring_steps(scenario); missing.len()];
+    let sizes = beds.iter().map(|plan| scenario.grain_count(plan.diameter));
+    let grains = sizes.max().unwrap_or(0);
     let dragged: Vec<u64> = runs.iter().map(|run| run.steps).collect();
-    let whole = side_by_side(&poured, threads) + side_by_side(&dragged, threads);
-    let steps = poured.iter().chain(&dragged).sum::<u64>();
+    let stages = [&work.poured, &work.covered, &dragged];
+    let whole: u64 = stages.iter().map(|jobs| side_by_side(jobs, threads)).sum();
+    let steps: u64 = stages.iter().flat_map(|jobs| jobs.iter()).sum();
 
     out.add(
         "scenario",
@@ -81,14 +114,24 @@ fn cost(scenario: &Scenario, missing: &[String], threads: usize, speed: f64, out
         "grains",
         format!("{grains} in each of {} bed(s)", beds.len()),
     );
-    let pour = match missing.len() {
+    let pour = match (&work.poured[..], work.covered.len()) {
         _ if scenario.source.is_some() => "none: the bed comes from a file".to_string(),
-        0 => "none: every bed is at hand".to_string(),
-        n => format!(
-            "{n} ({}), about {} steps each",
-            missing.join(", "),
-            poured[0]
-        ),
+        _ if work.missing.is_empty() => "none: every bed is at hand".to_string(),
+        ([], lids) => format!("none; {lids} to put a lid on"),
+        ([first, ..], lids) => {
+            let lids = match lids {
+                0 => String::new(),
+                n => format!("; {n} lid(s), about {} steps each", work.covered[0]),
+            };
+            let names = match &work.missing[..] {
+                [first, .., last] if work.missing.len() > 4 => format!("{first} to {last}"),
+                few => few.join(", "),
+            };
+            format!(
+                "{} ({names}), about {first} steps each{lids}",
+                work.poured.len()
+            )
+        }
     };
     out.add("beds to pour", pour);
     let drags = dragged.iter().sum::<u64>();
@@ -122,8 +165,9 @@ fn groups(scenario: &Scenario, speed: f64, out: &mut Lines) {
     );
     out.add("stiffness K_n/(rho g d)", short(stiffness(scenario)));
     for run in scenario.runs() {
-        let depth = scenario.expected_surface() - beds[run.bed].center[2];
-        let seconds = run.steps as f64 * scenario.grain_count() as f64 / speed;
+        let plan = &beds[run.bed];
+        let depth = planned_depth(scenario, plan);
+        let seconds = run.steps as f64 * scenario.grain_count(plan.diameter) as f64 / speed;
         let contact = contact_time(scenario, run.speed) / scenario.drag.dt;
         out.gap();
         out.add(
@@ -132,19 +176,42 @@ fn groups(scenario: &Scenario, speed: f64, out: &mut Lines) {
         );
         out.add("  speed V", format!("{} {}", short(run.speed), units.speed));
         out.add("  Froude number", short(run.froude));
-        out.add("  inertial number", short(inertial(scenario, &run, depth)));
+        out.add(
+            "  inertial number",
+            short(inertial(scenario, &run, plan.diameter, depth)),
+        );
         out.add(
             "  contact duration",
             format!("{} steps at V", short(contact)),
         );
+        let which = if plan.lid.is_some() {
+            "  effective depth"
+        } else {
+            "  depth"
+        };
         out.add(
-            "  depth",
+            which,
             format!(
-                "{} {} at a packing fraction of 0.6",
+                "{} {} ({} D) at a packing fraction of 0.6",
                 short(depth),
-                units.length
+                units.length,
+                short(depth / plan.diameter)
             ),
         );
+    }
+}
+
+/// Depth, or effective depth under a lid, at the packing fraction that plans assume.
+fn planned_depth(scenario: &Scenario, plan: &BedPlan) -> f64 {
+    let own = scenario.expected_surface(plan.diameter) - plan.center[2];
+    let Some(lid) = &plan.lid else {
+        return own;
+    };
+    let added = |density| scenario.lid_depth(density, PACKING_GUESS * scenario.bed.density);
+    let below = if lid.pressure_gradient { own } else { 0.0 };
+    match (lid.effective_depth, lid.density) {
+        (Some(depth), _) => depth,
+        (None, density) => below + density.map_or(0.0, added),
     }
 }
 
@@ -208,13 +275,9 @@ fn trial(scenario: &Scenario) -> Result<f64> {
 impl Scenario {
     /// Shortest Rayleigh time among the smallest grain and the intruder.
     fn rayleigh_time(&self) -> f64 {
-        let grain = self
-            .law
-            .rayleigh_time(0.5 * self.bed.diameters[0], self.bed.density);
-        let ball = self
-            .law
-            .rayleigh_time(0.5 * self.intruder.diameter, self.intruder.density);
-        if ball < grain { ball } else { grain }
+        let times = self.sizes().into_iter();
+        let times = times.map(|(radius, density)| self.law.rayleigh_time(radius, density));
+        times.fold(f64::INFINITY, |a, b| if b < a { b } else { a })
     }
 }
 
@@ -234,8 +297,8 @@ fn stiffness(scenario: &Scenario) -> f64 {
 }
 
 /// `(V/D) d / sqrt(P/rho)` with the pressure `P = phi rho g h` at the intruder's depth.
-fn inertial(scenario: &Scenario, run: &RunPlan, depth: f64) -> f64 {
-    let rate = run.speed / scenario.intruder.diameter;
+fn inertial(scenario: &Scenario, run: &RunPlan, diameter: f64, depth: f64) -> f64 {
+    let rate = run.speed / diameter;
     rate * scenario.mean_diameter() / (PACKING_GUESS * scenario.gravity * depth).sqrt()
 }
 

@@ -3,12 +3,14 @@
 //! The physics of a step is the `bitgrain-kernel` crate's; this crate makes whole experiments of it.
 //! One module a stage, each reading and writing files, so that any stage can be redone alone:
 //!
-//! * [`scenario`] is what a user asks for, [`law`] the contact laws by name, [`forecast`] what it
+//! * [`scenario`] is what a user asks for, [`law`] the contact laws by name
+//!   ([`coefficients`] in numbers), [`forecast`] what it
 //!   would take, [`run`] the pipeline, [`folder`] the run directory;
 //! * [`bed`] pours and settles grains ([`random`], [`order`]), keeps beds for the next run and takes
 //!   those of others; [`checkpoint`] saves a state;
-//! * [`drag`] pulls the intruder; [`observe`], [`series`], [`histogram`], [`blocks`] and [`summary`]
-//!   hold what was measured, in [`units`];
+//! * [`drag`] pulls the intruder or carries the bed past it; [`flow`], [`observe`], [`series`],
+//!   [`histogram`], [`blocks`] and [`summary`] hold what was measured, in [`units`]; [`claims`] what the
+//!   runs say together, beside the paper;
 //! * [`export`] and [`lammps`] write fields that others read, [`report`] draws the page from what
 //!   [`present`] finds in the run directory.
 //!
@@ -21,11 +23,14 @@ pub mod bench;
 pub mod blocks;
 pub mod case;
 pub mod checkpoint;
+pub mod claims;
 pub mod cli;
+pub mod coefficients;
 pub mod drag;
 pub mod error;
 pub mod export;
 pub mod files;
+pub mod flow;
 pub mod folder;
 pub mod forecast;
 pub mod histogram;

@@ -2,21 +2,24 @@
 //!
 //! Every function reads and none changes a state; sums run by ascending id.
 
-use bitgrain_kernel::Bond;
+use bitgrain_kernel::{Bond, Domain, Obstacle, Shape};
 
-use crate::sim::Sim;
+use crate::sim::{Role, Sim};
 
 /// Number of the intruder among the obstacles of a bed.
 pub const INTRUDER: u32 = 0;
 
 /// Height of the free surface: the median, over square columns about two mean diameters wide, of
-/// the highest grain top; columns without grains are left out.
+/// the highest grain top; columns without grains are left out, and so is a lid.
 pub fn surface_height(sim: &Sim, mean_diameter: f64) -> f64 {
     let (lo, hi) = (sim.domain.lo(), sim.domain.hi());
     let columns = |a: usize| (((hi[a] - lo[a]) / (2.0 * mean_diameter)) as usize).max(1);
     let (nx, ny) = (columns(0), columns(1));
     let mut tops = vec![f64::NEG_INFINITY; nx * ny];
-    for x in &sim.position {
+    for (i, x) in sim.position.iter().enumerate() {
+        if sim.role(i) == Role::Lid {
+            continue;
+        }
         let place = |a: usize, n: usize| {
             let k = ((x[a] - lo[a]) / (hi[a] - lo[a]) * n as f64) as usize;
             k.min(n - 1)
@@ -41,13 +44,46 @@ fn ball_below(center: f64, radius: f64, z: f64) -> f64 {
     std::f64::consts::PI * h * h * (radius - h / 3.0)
 }
 
-/// Solid fraction of the layer between two heights, the intruder's part of it left out.
-pub fn packing_fraction(sim: &Sim, from: f64, to: f64, intruder: ([f64; 3], f64)) -> f64 {
+/// Volume of the part of the intruder below the plane at height `z`, in a box of this width along y.
+fn intruder_below(body: &Obstacle<f64>, width: f64, z: f64) -> f64 {
+    let radius = body.reach();
+    match body.shape {
+        Shape::Cylinder { .. } => {
+            // A segment of the circle: the sector less the triangle.
+            let h = (z - (body.point[2] - radius)).clamp(0.0, 2.0 * radius);
+            let rest = radius - h;
+            let chord = (h * (2.0 * radius - h)).sqrt();
+            width * (radius * radius * libm::acos(rest / radius) - rest * chord)
+        }
+        _ => ball_below(body.point[2], radius, z),
+    }
+}
+
+/// Solid fraction of the layer between two heights, the intruder's part of it and the lid left out.
+pub fn packing_fraction(sim: &Sim, from: f64, to: f64) -> f64 {
     let (lo, hi) = (sim.domain.lo(), sim.domain.hi());
     let within = |z: f64, r: f64| ball_below(z, r, to) - ball_below(z, r, from);
-    let solid: f64 = sim.position.iter().map(|x| within(x[2], x[3])).sum();
+    let grains = (0..sim.count()).filter(|&i| sim.role(i) != Role::Lid);
+    let solid: f64 = grains
+        .map(|i| within(sim.position[i][2], sim.position[i][3]))
+        .sum();
     let room = (hi[0] - lo[0]) * (hi[1] - lo[1]) * (to - from);
-    solid / (room - within(intruder.0[2], intruder.1))
+    let body = &sim.obstacles[INTRUDER as usize];
+    let width = hi[1] - lo[1];
+    solid / (room - (intruder_below(body, width, to) - intruder_below(body, width, from)))
+}
+
+/// Weight of all grains above a height over the area of the box: the mean vertical stress there where
+/// nothing but the bed carries it. Grains without gravity weigh nothing.
+pub fn pressure_at(sim: &Sim, height: f64) -> f64 {
+    let (lo, hi) = (sim.domain.lo(), sim.domain.hi());
+    let mut weight = 0.0;
+    for (i, x) in sim.position.iter().enumerate() {
+        let whole = ball_below(0.0, x[3], x[3]);
+        let above = (whole - ball_below(x[2], x[3], height)) / whole;
+        weight += above * sim.velocity[i][3] * -sim.groups[sim.group[i] as usize].gravity[2];
+    }
+    weight / ((hi[0] - lo[0]) * (hi[1] - lo[1]))
 }
 
 /// Mean number of contacts, with grains and obstacles, of the free grains whose centres lie below
@@ -56,7 +92,7 @@ pub fn coordination_number(sim: &mut Sim, top: f64) -> f64 {
     let bonds = sim.bonds();
     let counted = |place: u32| {
         let i = place as usize;
-        !sim.groups[sim.group[i] as usize].heavy && sim.position[i][2] < top
+        sim.role(i) == Role::Free && sim.position[i][2] < top
     };
     let mut contacts = 0usize;
     for bond in &bonds {
@@ -75,11 +111,28 @@ pub fn coordination_number(sim: &mut Sim, top: f64) -> f64 {
     }
 }
 
-/// Centre of a grain less the intruder's, minimum image.
+/// From a body's centre, or the nearest point of a bar's axis, to a place, minimum image.
+pub fn offset(domain: &Domain<f64>, body: &Obstacle<f64>, place: [f64; 3]) -> [f64; 3] {
+    let mut d = domain.separation(place, body.point);
+    if let Shape::Cylinder { axis, .. } = body.shape {
+        let along = d[0] * axis[0] + d[1] * axis[1] + d[2] * axis[2];
+        for a in 0..3 {
+            d[a] -= along * axis[a];
+        }
+    }
+    d
+}
+
+/// Length of a vector.
+pub fn length(d: [f64; 3]) -> f64 {
+    (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt()
+}
+
+/// From the intruder's centre or axis to a grain's centre, minimum image.
 fn from_intruder(sim: &Sim, i: usize) -> [f64; 3] {
     let x = sim.position[i];
     let body = &sim.obstacles[INTRUDER as usize];
-    sim.domain.separation([x[0], x[1], x[2]], body.point)
+    offset(&sim.domain, body, [x[0], x[1], x[2]])
 }
 
 /// What is round the intruder: the angles at which grains touch it, by ascending grain, and the numbers
@@ -88,7 +141,9 @@ fn from_intruder(sim: &Sim, i: usize) -> [f64; 3] {
 ///
 /// `cos theta = (x_grain - x_intruder) / distance`, minimum image, in radians, 0 straight ahead: the sign
 /// of eq. 6 is a misprint, for eq. 7 needs this one.
-pub fn neighbourhood(sim: &mut Sim, reach: f64) -> (Vec<f64>, Vec<f64>) {
+///
+/// `front` is 1 where the intruder moves along +x, -1 where the bed does.
+pub fn neighbourhood(sim: &mut Sim, reach: f64, front: f64) -> (Vec<f64>, Vec<f64>) {
     let mut contacts = vec![0u32; sim.count()];
     let mut angles = Vec::new();
     for bond in sim.bonds() {
@@ -101,8 +156,7 @@ pub fn neighbourhood(sim: &mut Sim, reach: f64) -> (Vec<f64>, Vec<f64>) {
                 contacts[i as usize] += 1;
                 if obstacle == INTRUDER {
                     let d = from_intruder(sim, i as usize);
-                    let distance = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
-                    angles.push(libm::acos(d[0] / distance));
+                    angles.push(libm::acos(front * d[0] / length(d)));
                 }
             }
         }
@@ -110,8 +164,7 @@ pub fn neighbourhood(sim: &mut Sim, reach: f64) -> (Vec<f64>, Vec<f64>) {
     let limit = sim.obstacles[INTRUDER as usize].reach() + reach;
     let near = |i: usize| {
         let d = from_intruder(sim, i);
-        let heavy = sim.groups[sim.group[i] as usize].heavy;
-        !heavy && d[0] * d[0] + d[1] * d[1] + d[2] * d[2] <= limit * limit
+        sim.role(i) == Role::Free && d[0] * d[0] + d[1] * d[1] + d[2] * d[2] <= limit * limit
     };
     let grains = (0..sim.count()).filter(|&i| near(i));
     let numbers = grains.map(|i| f64::from(contacts[i])).collect();
@@ -137,17 +190,19 @@ pub fn deepest_overlap(sim: &mut Sim) -> f64 {
     deepest
 }
 
-/// Free grains, their weight, and the upward force that base, planes and intruder put on them (by
-/// the third law: what the frozen grains and the obstacles feel downward).
-pub fn weight_and_support(sim: &Sim, gravity: f64) -> (usize, f64, f64) {
+/// Free grains, the weight of all that may fall, a lid's grains among them, and the upward force that
+/// base, planes and intruder put on them (by the third law: what the base's grains and the obstacles
+/// feel downward).
+pub fn weight_and_support(sim: &Sim) -> (usize, f64, f64) {
     let (mut free, mut weight, mut support) = (0, 0.0, 0.0);
     for i in 0..sim.count() {
-        if sim.groups[sim.group[i] as usize].heavy {
+        let role = sim.role(i);
+        if role == Role::Base {
             support -= sim.force[i][2];
-        } else {
-            free += 1;
-            weight += sim.velocity[i][3] * gravity;
+            continue;
         }
+        free += usize::from(role == Role::Free);
+        weight += sim.velocity[i][3] * -sim.groups[sim.group[i] as usize].gravity[2];
     }
     for body in &sim.obstacles {
         support -= body.force[2];

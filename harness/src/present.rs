@@ -1,16 +1,22 @@
 //! From the files of a run directory to its report.
 
+use std::collections::BTreeSet;
+
+use bitgrain_kernel::Shape;
+
+use crate::checkpoint;
 use crate::error::{Error, Result};
 use crate::export::{FROZEN_TYPE, OBSTACLE_TYPE};
 use crate::files::{packed_name, write_whole};
+use crate::flow::{parse_flow, parse_profile};
 use crate::folder::Folder;
 use crate::lammps::{Atom, read_dump};
 use crate::observe::INTRUDER;
-use crate::report::{self, BedPicture, FlowGrain, FlowPicture, PictureGrain};
-use crate::scenario::RunPlan;
+use crate::report::{self, BedPicture, Course, FlowGrain, FlowPicture, PictureGrain};
+use crate::scenario::{Moves, RunPlan};
 use crate::series::{SeriesRow, read_series};
+use crate::sim::Role;
 use crate::summary::{BedSummary, RunSummary, read_summary};
-use crate::{bed, checkpoint};
 
 /// Writes the report of a run directory from the files in it.
 ///
@@ -25,37 +31,91 @@ pub fn write_report(folder: &Folder<'_>) -> Result<()> {
         .iter()
         .map(|run| read_series(&folder.series(&run.name)));
     let series: Vec<Vec<SeriesRow>> = series.collect::<Result<_>>()?;
-    let pictures = whole.beds.iter().map(|bed| picture(folder, bed));
-    let pictures: Vec<BedPicture> = pictures.collect::<Result<_>>()?;
+    let moves = whole.inputs.drag.moves;
+    let stills = whole.beds.iter().map(|bed| still(folder, bed, moves));
+    let stills: Vec<Still> = stills.collect::<Result<_>>()?;
     let (plans, packed) = (whole.inputs.runs(), whole.inputs.measure.gzip);
     let flows = whole
         .runs
         .iter()
         .zip(&plans)
-        .map(|(run, plan)| flow(folder, run, plan, packed));
+        .map(|(run, plan)| flow(folder, run, plan, &stills[plan.bed], packed));
     let flows: Vec<Option<FlowPicture>> = flows.collect::<Result<_>>()?;
     let flows: Vec<FlowPicture> = flows.into_iter().flatten().collect();
-    let page = report::page(&whole, &text, &series, &pictures, &flows);
+    let pictures: Vec<BedPicture> = stills.into_iter().map(|still| still.picture).collect();
+    let page = if whole.runs.iter().any(|run| run.flow.is_some()) {
+        let courses = whole.runs.iter().map(|run| course(folder, run));
+        let courses: Vec<Course> = courses.collect::<Result<_>>()?;
+        report::flowing_page(&whole, &text, &series, &pictures, &flows, &courses)
+    } else {
+        report::page(&whole, &text, &series, &pictures, &flows)
+    };
     write_whole(&folder.report(), page.as_bytes())
 }
 
-fn picture(folder: &Folder<'_>, bed: &BedSummary) -> Result<BedPicture> {
+/// A settled bed: its picture, and which of its grains are the lid's, which no dump says.
+struct Still {
+    picture: BedPicture,
+    lid: BTreeSet<u32>,
+}
+
+fn still(folder: &Folder<'_>, bed: &BedSummary, moves: Moves) -> Result<Still> {
     let sim = checkpoint::read(&folder.bed(&bed.name))?;
     let body = &sim.obstacles[INTRUDER as usize];
+    let [x, y, z] = body.point;
+    let off = |i: &usize| (sim.position[*i][1] - y).abs();
+    let row = (0..sim.count()).filter(|&i| sim.role(i) == Role::Lid);
+    let row = row.min_by(|a, b| off(a).total_cmp(&off(b)));
+    // A cylinder looks alike everywhere: it is cut through a row of the lid, not between two.
+    let y = match (body.shape, row) {
+        (Shape::Cylinder { .. }, Some(i)) => sim.position[i][1],
+        _ => y,
+    };
     let grain = |i: usize| PictureGrain {
         position: [sim.position[i][0], sim.position[i][1], sim.position[i][2]],
         radius: sim.position[i][3],
-        frozen: sim.group[i] == bed::FROZEN,
+        role: sim.role(i),
     };
-    Ok(BedPicture {
-        name: bed.name.clone(),
-        // The floor of the bed; the box goes on below it so that a leak is seen.
-        lo: [sim.domain.lo()[0], sim.domain.lo()[1], 0.0],
-        hi: sim.domain.hi(),
-        surface: bed.surface,
-        grains: (0..sim.count()).map(grain).collect(),
-        intruder: (body.point, body.reach()),
+    let lid = (0..sim.count()).filter(|&i| sim.role(i) == Role::Lid);
+    Ok(Still {
+        lid: lid.map(|i| sim.id[i]).collect(),
+        picture: BedPicture {
+            name: bed.name.clone(),
+            // The floor of the bed; the box goes on below it so that a leak is seen.
+            lo: [sim.domain.lo()[0], sim.domain.lo()[1], 0.0],
+            hi: sim.domain.hi(),
+            surface: bed.surface,
+            grains: (0..sim.count()).map(grain).collect(),
+            intruder: ([x, y, z], body.reach()),
+            moves,
+        },
     })
+}
+
+/// The flow series and the profile of a run; empty ones of a run that has none.
+fn course(folder: &Folder<'_>, run: &RunSummary) -> Result<Course> {
+    if run.flow.is_none() {
+        return Ok(Course::default());
+    }
+    let read = |file: &str| {
+        let path = folder.of_run(&run.name, file);
+        let text = std::fs::read_to_string(&path).map_err(|e| Error::read(&path, &e))?;
+        Ok((path.display().to_string(), text))
+    };
+    let damaged = |path: String| {
+        move |line: usize| {
+            Error::input(
+                format!("{path}:{line}"),
+                "is no row of finite numbers, one for each column; is the file cut off? The same run \
+                 writes it anew",
+            )
+        }
+    };
+    let (path, text) = read("flow.csv")?;
+    let rows = parse_flow(&text).map_err(damaged(path))?;
+    let (path, text) = read("profile.csv")?;
+    let profile = parse_profile(&text).map_err(damaged(path))?;
+    Ok(Course { rows, profile })
 }
 
 /// The snapshot nearest to half way, where the intruder has not yet come to its own wake; `None` of a
@@ -64,6 +124,7 @@ fn flow(
     folder: &Folder<'_>,
     run: &RunSummary,
     plan: &RunPlan,
+    still: &Still,
     packed: bool,
 ) -> Result<Option<FlowPicture>> {
     let Some(&step) = plan
@@ -82,23 +143,45 @@ fn flow(
         .ok_or_else(|| damaged("holds no frame"))?;
     let (ball, grains): (Vec<&Atom>, Vec<&Atom>) =
         frame.atoms.iter().partition(|a| a.kind == OBSTACLE_TYPE);
-    let ball = ball
-        .first()
-        .ok_or_else(|| damaged("holds no intruder (type 2)"))?;
+    let travel = step as f64 / run.steps as f64 * run.distance;
+    let picture = &still.picture;
+    let intruder = match ball.first() {
+        Some(ball) => (ball.position, 0.5 * ball.diameter),
+        // A cylinder has no place in a dump; it is where it was, or as far on as it moved.
+        None if run.flow.is_some() => {
+            let ([x, y, z], radius) = picture.intruder;
+            let way = match picture.moves {
+                Moves::Intruder => travel,
+                Moves::Bed => 0.0,
+            };
+            ([x + way, y, z], radius)
+        }
+        None => return Err(damaged("holds no intruder (type 2)")),
+    };
+    let frame_speed = match picture.moves {
+        Moves::Intruder => 0.0,
+        Moves::Bed => run.speed,
+    };
     let grain = |a: &&Atom| FlowGrain {
         position: a.position,
         radius: 0.5 * a.diameter,
-        velocity: a.velocity,
-        frozen: a.kind == FROZEN_TYPE,
+        // Of the base, or of the box where the base is at rest.
+        velocity: [a.velocity[0] - frame_speed, a.velocity[1], a.velocity[2]],
+        role: match a.kind {
+            FROZEN_TYPE => Role::Base,
+            _ if still.lid.contains(&a.id) => Role::Lid,
+            _ => Role::Free,
+        },
     };
     Ok(Some(FlowPicture {
         run: run.name.clone(),
         froude: run.froude,
         speed: run.speed,
-        travel: step as f64 / run.steps as f64 * run.distance,
+        travel,
         lo: [frame.lo[0], frame.lo[1], 0.0],
         hi: frame.hi,
-        intruder: (ball.position, 0.5 * ball.diameter),
+        intruder,
+        moves: picture.moves,
         grains: grains.iter().map(grain).collect(),
     }))
 }

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::error::{Error, Result};
+use crate::files::read_text;
 use crate::scenario::Measure;
 use crate::units::Units;
 
@@ -114,21 +115,34 @@ impl SeriesRow {
                 "step" => row.step = word.parse().ok()?,
                 "contacts" => row.contacts = word.parse().ok()?,
                 "angle" | "coordination" if word.is_empty() => {}
-                "angle" => row.angle = Some(word.parse().ok()?),
-                "coordination" => row.coordination = Some(word.parse().ok()?),
-                _ => *row.real(name)? = word.parse().ok()?,
+                "angle" => row.angle = Some(finite(word)?),
+                "coordination" => row.coordination = Some(finite(word)?),
+                _ => *row.real(name)? = finite(word)?,
             }
         }
         Some(row)
     }
 }
 
-/// Reads a series file; columns that it leaves out are zero.
+/// A number of a series; what is not finite is none.
+pub(crate) fn finite(word: &str) -> Option<f64> {
+    word.parse().ok().filter(|x: &f64| x.is_finite())
+}
+
+/// Reads a series file, plain or gzip; columns that it leaves out are zero.
 ///
 /// # Errors
 /// [`Error::Input`] with the line that does not fit the column names.
 pub fn read_series(path: &Path) -> Result<Vec<SeriesRow>> {
-    let text = std::fs::read_to_string(path).map_err(|e| Error::read(path, &e))?;
+    let text = read_text(path)?;
+    parse_series(&text, &path.display().to_string())
+}
+
+/// Reads the text of a series file; `name` is what errors call it.
+///
+/// # Errors
+/// As [`read_series`].
+pub fn parse_series(text: &str, name: &str) -> Result<Vec<SeriesRow>> {
     let mut columns: Vec<&str> = Vec::new();
     let mut rows = Vec::new();
     for (k, line) in text.lines().enumerate() {
@@ -140,7 +154,7 @@ pub fn read_series(path: &Path) -> Result<Vec<SeriesRow>> {
             continue;
         }
         let row = SeriesRow::parse(&columns, line).ok_or_else(|| {
-            let place = format!("{}:{}", path.display(), k + 1);
+            let place = format!("{name}:{}", k + 1);
             let problem = format!("expected {} numbers; is the file cut off?", columns.len());
             Error::input(place, problem)
         })?;
@@ -181,5 +195,7 @@ mod tests {
         std::fs::write(&path, "step,time\n1,2\n3\n").unwrap();
         let error = read_series(&path).unwrap_err().to_string();
         assert!(error.contains("series.csv:3"), "{error}");
+        let error = parse_series("step,time\n1,nan\n", "text").unwrap_err();
+        assert!(error.to_string().contains("text:2"), "{error}");
     }
 }

@@ -61,7 +61,24 @@ fn row(bed: &Entry, recipe: &Recipe) -> String {
         format!("{stiffness:e}"),
         recipe.seed,
         disk(bed),
-    )
+    ) + &lid(recipe)
+}
+
+/// What lies on a bed, at the end of its row.
+fn lid(recipe: &Recipe) -> String {
+    let Some(lid) = &recipe.lid else {
+        return String::new();
+    };
+    let size = match (lid.effective_depth, lid.density) {
+        (Some(depth), _) => format!("effective depth {}", short(depth)),
+        (None, density) => format!("density {}", short(density.unwrap_or(0.0))),
+    };
+    let weightless = if lid.pressure_gradient {
+        ""
+    } else {
+        ", bed without weight"
+    };
+    format!("  lid: {size}{weightless}")
 }
 
 /// One bed: its recipe, what is measured on it, its files.

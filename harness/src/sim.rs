@@ -37,6 +37,17 @@ pub struct Grain {
     pub spin: [f64; 3],
 }
 
+/// What a grain does in a bed, as its group says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// It moves as it is pushed.
+    Free,
+    /// It is held or carried, whatever pushes it.
+    Base,
+    /// It is carried along x and y and moves as it is pushed along z.
+    Lid,
+}
+
 /// Mass of a sphere: density times pi/6 times the diameter cubed.
 pub fn sphere_mass(diameter: f64, density: f64) -> f64 {
     density * (std::f64::consts::PI / 6.0 * (diameter * diameter * diameter))
@@ -181,6 +192,15 @@ impl Sim {
     /// How many grains there are.
     pub fn count(&self) -> usize {
         self.id.len()
+    }
+
+    /// What a grain does, by its place.
+    pub fn role(&self, i: usize) -> Role {
+        match self.groups[self.group[i] as usize].integrates {
+            [_, _, false] => Role::Base,
+            [false, _, true] => Role::Lid,
+            [true, _, true] => Role::Free,
+        }
     }
 
     /// Steps done.
@@ -338,12 +358,17 @@ impl Sim {
     pub fn kinetic_energy(&self) -> f64 {
         let mut energy = 0.0;
         for i in 0..self.count() {
-            let (v, w, r) = (self.velocity[i], self.spin[i], self.position[i][3]);
-            let v2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-            let w2 = w[0] * w[0] + w[1] * w[1] + w[2] * w[2];
-            energy += 0.5 * v[3] * (v2 + 0.4 * r * r * w2);
+            energy += self.kinetic_energy_of(i);
         }
         energy
+    }
+
+    /// Kinetic energy of one grain, by its place.
+    pub fn kinetic_energy_of(&self, i: usize) -> f64 {
+        let (v, w, r) = (self.velocity[i], self.spin[i], self.position[i][3]);
+        let v2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+        let w2 = w[0] * w[0] + w[1] * w[1] + w[2] * w[2];
+        0.5 * v[3] * (v2 + 0.4 * r * r * w2)
     }
 }
 

@@ -60,6 +60,35 @@ pub struct BedSummary {
     pub support: f64,
     /// Digest of the settled state, in hex.
     pub digest: String,
+    /// Of a bed that flows: its intruder, its lid and the pressure.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rig: Option<Rig>,
+}
+
+/// What a bed that flows has besides.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Rig {
+    /// Seed of its pouring.
+    pub seed: u64,
+    /// Diameter D of the intruder.
+    pub diameter: f64,
+    /// Length L of the cylinder, the box along y; of a sphere its diameter.
+    pub length: f64,
+    /// Whether the bed below the lid has weight.
+    pub pressure_gradient: bool,
+    /// Grains of the lid; 0 without one.
+    pub lid_grains: usize,
+    /// Mass density of the lid's grains; 0 without one.
+    pub lid_density: f64,
+    /// Bulk density rho = phi rho_g of the settled bed.
+    pub bulk_density: f64,
+    /// Effective depth h + (pi d/6)(rho_lid/rho), without h where there is no pressure gradient.
+    pub effective_depth: f64,
+    /// Weight above the height of the intruder's centre over the area of the box.
+    pub pressure: f64,
+    /// Upward force on the resting intruder over its buoyancy: what of the bed it carries, negative.
+    pub reaction_over_buoyancy: f64,
 }
 
 /// One drag at one speed.
@@ -106,10 +135,60 @@ pub struct RunSummary {
     /// Drag over the weight of the bed above the intruder's lowest point. Nothing but friction holds
     /// that part back in a periodic box: the larger the ratio, the more of it slides along.
     pub plug_ratio: f64,
+    /// How the bed flowed, and forces over what they scale with.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub flow: Option<Flow>,
     /// Digest of the final state, in hex.
     pub digest: String,
     /// Digests of its parts, by name.
     pub digest_parts: Vec<(String, String)>,
+}
+
+/// How a bed flowed past its intruder (Guillard 2014, section III B).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Flow {
+    /// Whether the bed below the lid had weight.
+    pub pressure_gradient: bool,
+    /// Solid fraction phi, mean over the window.
+    pub packing_fraction: f64,
+    /// Bulk density rho = phi rho_g.
+    pub bulk_density: f64,
+    /// Effective depth with that density.
+    pub effective_depth: f64,
+    /// Pressure rho g h~ at the intruder's centre.
+    pub pressure: f64,
+    /// Weight above the height of the intruder's centre over the area of the box, mean over the
+    /// window: the pressure as it is measured.
+    pub pressure_measured: f64,
+    /// rho g pi D^2 L/4.
+    pub buoyancy: f64,
+    /// Drag over rho g h~ D L.
+    pub drag_coefficient: f64,
+    /// Its standard error.
+    pub drag_coefficient_error: f64,
+    /// Lift over buoyancy.
+    pub lift_over_buoyancy: f64,
+    /// Its standard error.
+    pub lift_over_buoyancy_error: f64,
+    /// Speed of the far grains past the intruder over the speed asked for, from displacements.
+    pub far_field: f64,
+    /// The same in the layer of the bed where it is least.
+    pub far_field_least: f64,
+    /// Drag carried by base and planes, over the drag of the same steps.
+    pub carried_by_base: f64,
+    /// Drag carried by the lid, over the same.
+    pub carried_by_lid: f64,
+    /// What changed the bed's momentum, over the same: the three make 1 with the drag.
+    pub inertia: f64,
+    /// Most free grains above the lid at any time.
+    pub floating: u64,
+    /// Travel of the window in mean grain diameters.
+    pub travel: f64,
+    /// Drag over the first and the second half of the window.
+    pub drag_halves: [f64; 2],
+    /// Lift over buoyancy over them.
+    pub lift_halves: [f64; 2],
 }
 
 /// One drag with all that belongs to it: `summary.json` of its own folder.

@@ -7,10 +7,13 @@
 use std::path::Path;
 
 use bitgrain::case::{self, BoxSpec, Case, GrainSpec, MotionSpec, ObstacleSpec};
+use bitgrain::flow::{flow_text, parse_flow, parse_profile};
 use bitgrain::lammps::{Atom, DataFile, data_text, dump_text, parse_atoms, parse_data, parse_dump};
 use bitgrain::law::{LawSpec, RAYLEIGH_FRACTION_MAX};
-use bitgrain::scenario;
+use bitgrain::scenario::{self, Measure};
+use bitgrain::series::{parse_series, series_text};
 use bitgrain::sim::Sim;
+use bitgrain::units::Units;
 
 /// Steps of one contact: enough for it to open, slide and close again.
 const CONTACT_STEPS: u8 = 200;
@@ -95,6 +98,54 @@ pub fn scenario(data: &[u8]) -> bool {
     let again = scenario::parse(&read.to_toml(), "fuzz", &[], Path::new(""));
     assert_eq!(again.expect("a scenario reads back"), read);
     true
+}
+
+/// A table of a run's folder, the force series, the flow series or the profile: read, every number is
+/// finite, and the two series give the same rows when they are written and read again.
+pub fn series(data: &[u8]) -> bool {
+    let Ok(text) = std::str::from_utf8(data) else {
+        return false;
+    };
+    let mut sound = false;
+    if let Ok(rows) = parse_flow(text) {
+        let again = parse_flow(&flow_text(&units(), &rows));
+        let again = again.expect("a flow series reads back");
+        assert_same_rows(&again, &rows);
+        sound |= !rows.is_empty();
+    }
+    if let Ok(rows) = parse_series(text, "fuzz") {
+        let again = series_text(&units(), &Measure::default(), &rows);
+        let again = parse_series(&again, "fuzz").expect("a force series reads back");
+        assert_same_rows(&again, &rows);
+        sound |= !rows.is_empty();
+    }
+    if let Ok(layers) = parse_profile(text) {
+        let finite = |&(low, high, speed): &(f64, f64, f64)| {
+            [low, high, speed].iter().all(|x| x.is_finite())
+        };
+        assert!(layers.iter().all(finite), "{layers:?}");
+        sound |= !layers.is_empty();
+    }
+    sound
+}
+
+fn units() -> Units {
+    let unit = || String::from("1");
+    Units {
+        length: unit(),
+        time: unit(),
+        speed: unit(),
+        force: unit(),
+        torque: unit(),
+        energy: unit(),
+    }
+}
+
+/// The debug form tells the two zeros apart, which equality does not, and names what is not finite.
+fn assert_same_rows<T: std::fmt::Debug>(got: &[T], want: &[T]) {
+    let text = format!("{want:?}");
+    assert_eq!(format!("{got:?}"), text);
+    assert!(!text.contains("NaN") && !text.contains("inf"), "{text}");
 }
 
 /// A data file or dump: written and read again it gives the same bits.
@@ -224,6 +275,11 @@ impl Bytes<'_> {
         match self.below(8) {
             0 => MotionSpec::Frozen,
             1 => MotionSpec::Carried(self.vector().map(|v| v * speed)),
+            2 => MotionSpec::Weightless,
+            3 => {
+                let [x, y, _] = self.vector();
+                MotionSpec::Lid([x * speed, y * speed])
+            }
             _ => MotionSpec::Free,
         }
     }
@@ -278,15 +334,23 @@ fn contact_case(bytes: &mut Bytes) -> Case {
     );
     let mut grain = |id: u32, diameter: f64, position: [f64; 3]| {
         let motion = bytes.motion(speed);
-        let free = motion == MotionSpec::Free;
-        let mut drawn = |scale: f64| bytes.vector().map(|x| if free { x * scale } else { 0.0 });
+        // Along which axes it may have a velocity of its own, and whether it may spin.
+        let (moves, spins) = match motion {
+            MotionSpec::Free | MotionSpec::Weightless => ([1.0; 3], 1.0),
+            MotionSpec::Lid(_) => ([0.0, 0.0, 1.0], 1.0),
+            MotionSpec::Frozen | MotionSpec::Carried(_) => ([0.0; 3], 0.0),
+        };
+        let mut drawn = |scale: f64, may: [f64; 3]| -> [f64; 3] {
+            let v = bytes.vector();
+            std::array::from_fn(|a| v[a] * scale * may[a])
+        };
         GrainSpec {
             id,
             diameter,
             density,
             position,
-            velocity: drawn(speed),
-            spin: drawn(speed / diameter),
+            velocity: drawn(speed, moves),
+            spin: drawn(speed / diameter, [spins; 3]),
             motion,
         }
     };

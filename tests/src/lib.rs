@@ -2,11 +2,12 @@
 
 pub mod fuzzing;
 
+use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use bitgrain::case::{Case, GrainSpec, ObstacleSpec};
+use bitgrain::case::{self, Case, GrainSpec, ObstacleSpec};
 use bitgrain::law::LawSpec;
 use serde_json::Value;
 
@@ -76,6 +77,25 @@ pub fn open_case(
     }
 }
 
+/// Kumar's law with about the stiffness and damping that Guillard's grains have under theirs.
+pub const GLASS: LawSpec = LawSpec::HertzHistory {
+    kn: 4e6,
+    kt: 4.5e6,
+    gamma_n: 1e8,
+    gamma_t: 1e8,
+    mu: 0.5,
+};
+
+/// A golden case by its file; `FILE:hertz_history` is the same under the other law, [`GLASS`].
+pub fn golden_case(name: &str) -> Case {
+    let (file, law) = name.split_once(':').unwrap_or((name, ""));
+    let mut case = case::read(&golden("cases").join(file)).expect("a sound case");
+    if law == "hertz_history" {
+        case.law = GLASS;
+    }
+    case
+}
+
 /// A resting wall at z = 0 with the grains above it.
 pub fn floor() -> ObstacleSpec {
     ObstacleSpec::Plane {
@@ -112,6 +132,47 @@ dt = 3e-4
 distance = 4.0
 "#;
 
+/// A cylinder in a bed of 1,481 grains that its base carries past it, bare and under two lids, with and
+/// without a pressure gradient: a rig that takes seconds.
+pub const RIG: &str = r#"
+name = "rig"
+units = "si"
+gravity = 9.81
+
+[bed]
+box = [0.0405, 0.006, 0.024]
+fill_height = 0.018
+diameters = [0.0015, 0.0015]
+density = 2500.0
+base = 0.0009
+pouring = "in_turn"
+
+[law]
+kind = "hertz_tsuji"
+young = 5e6
+poisson = 0.45
+restitution = 0.6
+mu = 0.5
+
+[intruder]
+shape = "cylinder"
+diameter = 0.0015
+height = 0.008
+speed = 0.1
+
+[lid]
+effective_depth = [0.01, 0.03]
+pressure_gradient = "both"
+
+[drag]
+dt = 1e-5
+moves = "bed"
+distance = 0.012
+
+[measure]
+every = 100
+"#;
+
 /// [`SMALL`] with its bed from a file, which brings the intruder; `keys` are the lines that the
 /// intruder's table says all the same.
 pub fn small_from_file(file: &str, keys: &str) -> String {
@@ -119,6 +180,25 @@ pub fn small_from_file(file: &str, keys: &str) -> String {
     let end = SMALL.find("\n\n[law]").expect("it is in the text");
     let text = SMALL.replacen(&SMALL[begin..end], &format!("file = \"{file}\""), 1);
     text.replacen("diameter = 1.5\nheight = 2.5\n", keys, 1)
+}
+
+/// Every file below a folder, by relative name, but the machine's own `performance.json`.
+pub fn results(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    let mut open = vec![folder.to_path_buf()];
+    while let Some(next) = open.pop() {
+        for entry in std::fs::read_dir(next).expect("a readable folder") {
+            let path = entry.expect("a readable entry").path();
+            if path.is_dir() {
+                open.push(path);
+            } else if !path.ends_with("performance.json") {
+                let name = path.strip_prefix(folder).expect("it lies below");
+                let name = name.to_str().expect("a plain name").replace('\\', "/");
+                found.insert(name, std::fs::read(&path).expect("a readable file"));
+            }
+        }
+    }
+    found
 }
 
 /// Runs a program in a folder to its end.

@@ -6,7 +6,7 @@ use bitgrain::bed::{self, import};
 use bitgrain::export;
 use bitgrain::lammps::data_text;
 use bitgrain::progress::Stage;
-use bitgrain::scenario::{self, Scenario};
+use bitgrain::scenario::{self, Scenario, Several};
 use bitgrain::summary::BedSummary;
 use bitgrain_tests::{SMALL, output, small_from_file};
 
@@ -70,7 +70,7 @@ fn a_bed_goes_to_a_data_file_and_back() {
 
     let text = small_from_file("bed.data", "");
     let imported = scenario::parse(&text, "small", &[], folder.path()).unwrap();
-    assert_eq!(imported.intruder.diameter, 1.5);
+    assert_eq!(imported.intruder.diameter, Several::One(1.5));
     let again = import::bed(&imported, &file).unwrap();
     assert_eq!(again.obstacles[0].point, sim.obstacles[0].point);
     assert_eq!(

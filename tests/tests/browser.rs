@@ -8,8 +8,9 @@ use std::path::Path;
 use std::process::Command;
 
 use bitgrain::report::{self, BedPicture, FlowGrain, FlowPicture, PictureGrain};
-use bitgrain::scenario;
+use bitgrain::scenario::{self, Moves};
 use bitgrain::series::SeriesRow;
+use bitgrain::sim::Role;
 use bitgrain::summary::Summary;
 use bitgrain_tests::golden;
 
@@ -89,7 +90,11 @@ fn bed_picture(name: &str, unit: f64) -> BedPicture {
     let grain = |position: [f64; 3]| PictureGrain {
         position,
         radius: 0.5 * unit,
-        frozen: position[2] < unit,
+        role: if position[2] < unit {
+            Role::Base
+        } else {
+            Role::Free
+        },
     };
     BedPicture {
         name: name.into(),
@@ -98,6 +103,7 @@ fn bed_picture(name: &str, unit: f64) -> BedPicture {
         surface: 9.0 * unit,
         grains: sites(unit).into_iter().map(grain).collect(),
         intruder: ([10.0, 6.5, 4.0].map(|x| x * unit), unit),
+        moves: Moves::Intruder,
     }
 }
 
@@ -111,7 +117,11 @@ fn flow_picture(run: &str, froude: f64, unit: f64) -> FlowPicture {
             position,
             radius: 0.5 * unit,
             velocity: [2.5 / (1.0 + 0.3 * square), 0.0, off[2] / (1.0 + square)],
-            frozen: position[2] < unit,
+            role: if position[2] < unit {
+                Role::Base
+            } else {
+                Role::Free
+            },
         }
     };
     FlowPicture {
@@ -122,6 +132,7 @@ fn flow_picture(run: &str, froude: f64, unit: f64) -> FlowPicture {
         lo: [0.0; 3],
         hi: [20.0, 13.0, 40.0].map(|x| x * unit),
         intruder: (centre, unit),
+        moves: Moves::Intruder,
         grains: sites(unit).into_iter().map(grain).collect(),
     }
 }

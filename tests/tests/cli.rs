@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::Output;
 
-use bitgrain_tests::{SMALL, golden};
+use bitgrain_tests::{RIG, SMALL, golden};
 
 fn bitgrain(folder: &Path, args: &[&str]) -> Output {
     bitgrain_tests::output(env!("CARGO_BIN_EXE_bitgrain-under-test"), folder, args)
@@ -78,6 +78,70 @@ fn wrong_scenarios_are_refused() {
         "every one is refused with 2"
     );
     snapshot("scenarios", &text);
+}
+
+/// What is refused of a cylinder, of a lid and of a bed that moves.
+#[test]
+fn wrong_rigs_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("rig.toml");
+    let (thick, high) = ("\ndiameter = 0.0015", "\nheight = 0.008");
+    let (deep, far) = ("effective_depth = [0.01, 0.03]", "distance = 0.012");
+    let si = "units = \"si\"";
+    let edits = [
+        (thick, "\ndiameter = 0.05"),
+        (thick, "\ndiameter = 0.002"),
+        (thick, "\ndiameter = []"),
+        (thick, "\ndiameter = [0.001, 0.001]"),
+        (thick, "\ndiameter = \"thick\""),
+        (high, "\nheight = 0.002"),
+        (high, "\nheight = 0.0235"),
+        (high, "\nheight = 0.008\ndensity = 2500.0"),
+        (far, "distance = 0.012\ndiscard = 0.001"),
+        (far, "distance = 0.05"),
+        (far, "distance = 0.003"),
+        ("base = 0.0009", "base = 0.0"),
+        ("base = 0.0009\n", ""),
+        ("0.0405", "0.039"),
+        ("0.0405", "0.041"),
+        ("0.006,", "0.0065,"),
+        ("0.024", "0.021"),
+        (deep, "effective_depth = [0.03]\ndensity = 1e5"),
+        ("effective_depth = [0.01, 0.03]\n", ""),
+        (deep, "effective_depth = []"),
+        (deep, "effective_depth = [0.03, 0.03]"),
+        (deep, "effective_depth = -0.03"),
+        (deep, "effective_depth = 0.005"),
+        (deep, "density = 1000.0"),
+        (si, "units = \"si\"\nseed = 3\nseeds = [1, 2]"),
+        (si, "units = \"si\"\nseeds = [1, 2, 1]"),
+        (si, "units = \"reduced\""),
+        ("\"cylinder\"", "\"bar\""),
+        ("\"bed\"", "\"base\""),
+        ("\"in_turn\"", "\"in_layers\""),
+        ("\"both\"", "\"none\""),
+        ("\"both\"", "false"),
+    ];
+    let mut text = String::new();
+    for (from, to) in edits {
+        assert_eq!(RIG.matches(from).count(), 1, "{from}");
+        std::fs::write(&file, RIG.replacen(from, to, 1)).unwrap();
+        let what = if to.is_empty() { from } else { to };
+        let what = what.trim().replace('\n', "; ");
+        let how = if to.is_empty() { " left out" } else { "" };
+        text.push_str(&format!("# {what}{how}\n"));
+        text.push_str(&told(folder.path(), &["run", "rig.toml"]));
+    }
+    assert!(!folder.path().join("out").exists(), "nothing was begun");
+    assert_eq!(
+        text.matches("[2]\n").count(),
+        edits.len(),
+        "every one is refused with 2"
+    );
+    snapshot("rigs", &text);
+    let sound = RIG.replacen(far, "distance = 0.05\nown_wake = true", 1);
+    let sound = bitgrain::scenario::parse(&sound, "wake", &[], Path::new("")).unwrap();
+    assert_eq!(sound.runs()[0].distance, 0.05);
 }
 
 const CASE: &str = r#"{
@@ -300,12 +364,12 @@ fn shipped_scenarios_are_sound() {
     }
     let one = bitgrain::scenario::load("kumar-system-1", &[]).unwrap();
     assert_eq!(
-        (one.grain_count(), one.beds()[0].center),
+        (one.grain_count(3.0), one.beds()[0].center),
         (70_000, [20.0, 20.0, 13.5])
     );
     let two = bitgrain::scenario::load("kumar-system-2", &[]).unwrap();
     assert_eq!(
-        (two.grain_count(), two.beds().len(), two.runs().len()),
+        (two.grain_count(3.0), two.beds().len(), two.runs().len()),
         (300_000, 7, 35)
     );
 }

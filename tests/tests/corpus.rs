@@ -6,11 +6,12 @@ type Target = fn(&[u8]) -> bool;
 
 /// Targets, and how many of their files at least must be sound: the others are refused, as they
 /// should be.
-const TARGETS: [(&str, Target, usize); 4] = [
+const TARGETS: [(&str, Target, usize); 5] = [
     ("contact", fuzzing::contact, 60),
     ("case", fuzzing::case, 20),
     ("scenario", fuzzing::scenario, 6),
     ("lammps", fuzzing::lammps, 6),
+    ("series", fuzzing::series, 6),
 ];
 
 #[test]

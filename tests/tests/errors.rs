@@ -8,7 +8,7 @@ use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
-use bitgrain_tests::{SMALL, golden, output, small_from_file, told};
+use bitgrain_tests::{RIG, SMALL, golden, output, small_from_file, told};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
 
@@ -74,13 +74,14 @@ impl Desk {
 fn every_class_of_error_teaches() {
     let mut desk = Desk::new();
     scenarios(&mut desk);
+    light_lid(&mut desk);
     imports(&mut desk);
     cases(&mut desk);
     runs(&mut desk);
     library(&mut desk);
     places(&mut desk);
     interrupted(&mut desk);
-    assert!(desk.classes >= 40, "{}", desk.classes);
+    assert!(desk.classes >= 45, "{}", desk.classes);
     let mut settings = insta::Settings::clone_current();
     settings.set_snapshot_path(golden("messages"));
     settings.set_prepend_module_to_snapshot(false);
@@ -148,6 +149,15 @@ fn scenarios(desk: &mut Desk) {
     desk.class("not a text", 2, &["run", "bed.toml"]);
 }
 
+/// Deeper than the intruder's 0.01, but by less than a grain's own layer adds.
+fn light_lid(desk: &mut Desk) {
+    let lids = "effective_depth = [0.01, 0.03]\npressure_gradient = \"both\"";
+    assert!(RIG.contains(lids));
+    let light = RIG.replacen(lids, "effective_depth = 0.0112", 1);
+    desk.write("light.toml", light);
+    desk.class("lid lighter than grains", 2, &["run", "light.toml"]);
+}
+
 /// The small scenario with a bed from a file.
 fn from_file(keys: &str) -> String {
     small_from_file("bed.data", keys)
@@ -174,6 +184,15 @@ fn imports(desk: &mut Desk) {
     let kept = from_file("").replacen("distance = 4.0", "distance = 4.0\nhistory = \"kept\"", 1);
     desk.write("import.toml", kept);
     desk.class("histories asked of a bed that has none", 2, &run);
+    for (name, keys, from, to) in [
+        ("cylinder", "shape = \"cylinder\"\n", "", ""),
+        ("lid", "", "[law]", "[lid]\ndensity = 10.0\n[law]"),
+        ("motion", "", "dt = 3e-4", "dt = 3e-4\nmoves = \"bed\""),
+        ("pouring", "", "file =", "pouring = \"in_turn\"\nfile ="),
+    ] {
+        desk.write("import.toml", from_file(keys).replacen(from, to, 1));
+        desk.class(&format!("{name} asked of a bed from a file"), 2, &run);
+    }
     let dump = "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS pp pp ff\n\
                 0 8\n0 8\n0 8\nITEM: ATOMS id type x y\n1 1 1 1\n";
     desk.write("bed.data", dump);

@@ -3,12 +3,15 @@
 use std::fmt::Debug;
 use std::str::FromStr;
 
+use bitgrain::bed::import;
 use bitgrain::bench::read_bed;
 use bitgrain::export::{atoms, frame, vtk_contacts, vtk_grains};
-use bitgrain::lammps::{data_text, dump_text, parse_atoms, parse_data};
+use bitgrain::lammps::{DataFile, data_text, dump_text, parse_atoms, parse_data};
+use bitgrain::scenario;
 use bitgrain::sim::{Sim, sphere_mass};
 use bitgrain_kernel::{Domain, Obstacle, Partner, Pushed};
-use bitgrain_tests::golden;
+use bitgrain_tests::fuzzing::assert_same_bits;
+use bitgrain_tests::{golden, golden_case, small_from_file};
 
 /// The peers' bed with an intruder across the periodic edge and a floor, 40 steps on, and the
 /// contacts of the last.
@@ -62,6 +65,69 @@ fn a_bed_survives_a_data_file_and_a_dump() {
     assert_eq!((frame.step, forces.len()), (40, data.atoms.len()));
     let back = parse_atoms(&dump_text(&frame, Some(&forces)), "dump").unwrap();
     assert_eq!(back, data);
+}
+
+/// The rig under way: its base is of type 3 and its lid of type 4, in every file that others open; what
+/// has no place in a data file, cylinder and planes, is not in it.
+#[test]
+fn a_rig_tells_its_base_and_its_lid() {
+    let mut sim = golden_case("rig.json").start("rig", |_| {}).unwrap();
+    sim.steps(9000).unwrap();
+    let (frame, forces) = frame(&sim);
+    // Base, bulk and lid by name; all that crossed an edge says so.
+    let kinds = [vec![3; 12], vec![1; 30], vec![4; 12]].concat();
+    let found: Vec<u32> = frame.atoms.iter().map(|a| a.kind).collect();
+    assert_eq!(found, kinds);
+    assert!(frame.atoms.iter().any(|a| a.image == [1, 0, 0]));
+
+    let data = atoms(&sim, true);
+    assert_eq!(data.atoms, frame.atoms);
+    let text = data_text(&data, "a rig");
+    assert!(text.contains("\n54 atoms\n4 atom types\n"), "{text}");
+    assert_same_bits(&parse_data(&text, "data").unwrap(), &data);
+
+    let text = dump_text(&frame, Some(&forces));
+    let (head, rows) = text.split_once("ITEM: ATOMS ").unwrap();
+    assert!(head.contains("BOX BOUNDS pp pp ff\n"), "{head}");
+    let mut rows = rows.lines();
+    let columns: Vec<&str> = rows.next().unwrap().split(' ').collect();
+    // The names by which OVITO knows particles, types, radii, velocities and forces.
+    for name in "id type radius x y z ix iy iz vx vy vz omegax omegay omegaz fx fy fz".split(' ') {
+        assert!(columns.contains(&name), "no column {name}");
+    }
+    let column = |name: &str| columns.iter().position(|c| *c == name).unwrap();
+    let written = rows.map(|row| row.split(' ').nth(column("type")).unwrap().parse::<u32>());
+    assert_eq!(written.collect::<Result<Vec<u32>, _>>(), Ok(kinds.clone()));
+    assert_same_bits(&parse_atoms(&text, "dump").unwrap(), &data);
+
+    let vtk = vtk_grains(&sim, "rig");
+    assert_eq!(after::<u32>(&vtk, "SCALARS type unsigned_int 1", 54), kinds);
+}
+
+/// The lid of a bed of ours is refused where the bed is taken from a file, and the message says what it is.
+#[test]
+fn a_lid_in_a_file_is_no_lid() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("bed.data");
+    let mut data = atoms(&bed().0, true);
+    let read = |data: &DataFile| {
+        std::fs::write(&file, data_text(data, "a bed")).unwrap();
+        let text = small_from_file("bed.data", "");
+        let scenario = scenario::parse(&text, "small", &[], folder.path())?;
+        import::bed(&scenario, &file)
+    };
+    for atom in &mut data.atoms {
+        atom.density = 1.0;
+    }
+    // Of another program it is a type like any other.
+    data.atoms[190].kind = 4;
+    let sim = read(&data).expect("a sound bed");
+    assert_eq!(sim.count(), data.atoms.len() - 1);
+    data.atoms[190].density = 60.0;
+    let refused = read(&data).unwrap_err().to_string();
+    let lid = "atom 191 has the density 60; expected 1: see bed.density; type 4 is a lid's, and a bed \
+               from a file gets no lid: leave it out";
+    assert!(refused.ends_with(lid), "{refused}");
 }
 
 #[test]

@@ -2,23 +2,66 @@
 
 use std::io::Write;
 
-use bitgrain::case::{self, Case};
 use bitgrain::checkpoint;
-use bitgrain::sim::{Sim, hex};
-use bitgrain_kernel::law::HertzHistory;
-use bitgrain_kernel::{Group, Obstacle, Pushed, Store, start, step};
-use bitgrain_tests::golden;
+use bitgrain::sim::{AnyLaw, Role, Sim, hex};
+use bitgrain_kernel::law::{HertzHistory, Law};
+use bitgrain_kernel::{Group, Obstacle, Partner, Pushed, Store, start, step};
+use bitgrain_tests::{golden, golden_case};
 
 #[path = "../../kernel/tests/common/cuts.rs"]
 mod cuts;
 
 /// A golden case and its started simulation.
 fn begin(name: &str) -> Sim {
-    let case: Case = case::read(&golden("cases").join(name)).expect("a sound case");
+    let case = golden_case(name);
     case.start(name, |_| {}).expect("a sound case")
 }
 
-const CASES: [&str; 2] = ["collapse.json", "lid.json"];
+/// The rig comes under either law.
+const CASES: [&str; 4] = [
+    "collapse.json",
+    "lid.json",
+    "rig.json",
+    "rig.json:hertz_history",
+];
+
+/// What the goldens of the rig are worth: every kind of body that it has pushes every other that it
+/// should, all of it goes round the box, and nothing gets lost.
+#[test]
+fn the_rig_has_every_contact_of_a_rig() {
+    for name in &CASES[2..] {
+        let mut sim = begin(name);
+        let roles = [Role::Free, Role::Base, Role::Lid];
+        let of = |sim: &Sim, role| (0..sim.count()).filter(|&i| sim.role(i) == role).count();
+        assert_eq!(roles.map(|role| of(&sim, role)), [30, 12, 12]);
+        let mut met = std::collections::BTreeMap::new();
+        let mut across = 0;
+        for _ in 0..10_000 {
+            let mut seen: Vec<Pushed<f64>> = Vec::new();
+            sim.step_watched(|p| seen.push(p)).unwrap();
+            for p in seen {
+                let mut pair = [format!("{:?}", sim.role(p.i as usize)), String::new()];
+                pair[1] = match p.partner {
+                    Partner::Grain(j) => format!("{:?}", sim.role(j as usize)),
+                    Partner::Obstacle(k) => k.to_string(),
+                };
+                pair.sort();
+                *met.entry(pair.join(" ")).or_insert(0) += 1;
+                // The bar lies beside the periodic edge along x.
+                across += usize::from(
+                    p.partner == Partner::Obstacle(0) && sim.position[p.i as usize][0] > 5e-3,
+                );
+            }
+        }
+        // Obstacles are the bar, the floor and the plane above the lid.
+        for pair in ["Base Free", "Free Free", "Free Lid", "0 Free", "1 Base"] {
+            assert!(met.get(pair) > Some(&1000), "{name}, {pair}: {met:?}");
+        }
+        assert!(across > 1000, "{name}: {across} of {met:?}");
+        let round = (0..sim.count()).filter(|&i| sim.image[i][0] == 1);
+        assert!(round.count() > 24, "{name}: base, lid and more go round");
+    }
+}
 
 #[test]
 fn skins_and_search_schedules_change_nothing() {
@@ -118,27 +161,32 @@ fn a_damaged_checkpoint_is_refused() {
 /// Any cut of the grains into ranges gives the bits of one range: what threads will rely on.
 #[test]
 fn cuts_into_ranges_change_nothing() {
-    let mut sim = begin("collapse.json");
-    sim.steps(600).unwrap();
-    let law = match sim.law {
-        bitgrain::sim::AnyLaw::HertzHistory(law) => law,
-        _ => panic!("the case has this law"),
-    };
-    let whole = evaluate(&mut sim.clone(), &law, &[]);
+    for name in CASES {
+        let mut sim = begin(name);
+        sim.steps(3000).unwrap();
+        match sim.law {
+            AnyLaw::HertzHistory(law) => cut(&sim, &law, name),
+            AnyLaw::HertzTsuji(law) => cut(&sim, &law, name),
+        }
+    }
+}
+
+fn cut(sim: &Sim, law: &impl Law<f64>, name: &str) {
+    let whole = evaluate(&mut sim.clone(), law, &[]);
     for cuts in [
         vec![1],
         vec![7, 15],
         vec![10, 11, 12, 20],
-        (1..30).collect(),
+        (1..sim.count()).collect(),
     ] {
-        let cut = evaluate(&mut sim.clone(), &law, &cuts);
-        assert_eq!(whole, cut, "cuts {cuts:?}");
+        let cut = evaluate(&mut sim.clone(), law, &cuts);
+        assert_eq!(whole, cut, "{name}, cuts {cuts:?}");
     }
 }
 
 type Forces = Vec<[u64; 6]>;
 
-fn evaluate(sim: &mut Sim, law: &HertzHistory<f64>, cuts: &[usize]) -> Forces {
+fn evaluate(sim: &mut Sim, law: &impl Law<f64>, cuts: &[usize]) -> Forces {
     cuts::evaluate(&mut sim.world(), law, cuts).unwrap();
     let (force, torque) = (&sim.force, &sim.torque);
     let bits = |i: usize| {

@@ -4,6 +4,7 @@ use std::io::Write;
 use std::path::Path;
 
 use bitgrain::case::{self, BoxSpec, Case, GrainSpec, MotionSpec, ObstacleSpec};
+use bitgrain::flow::{FlowRow, flow_text, parse_flow};
 use bitgrain::lammps::{
     Atom, DataFile, Frame, data_text, dump_text, parse_atoms, parse_data, parse_dump, read_atoms,
 };
@@ -132,14 +133,41 @@ fn row() -> impl Strategy<Value = SeriesRow> {
     })
 }
 
+fn flow_row() -> impl Strategy<Value = FlowRow> {
+    let forces = prop::array::uniform4(finite());
+    let states = prop::array::uniform6(finite());
+    (any::<u64>(), any::<u64>(), forces, states).prop_map(|(step, floating, forces, states)| {
+        let [drag, lift, base, lid] = forces;
+        let [distance, far_field, momentum, pressure, packing, lid_height] = states;
+        FlowRow {
+            step,
+            distance,
+            drag,
+            lift,
+            base,
+            lid,
+            far_field,
+            momentum,
+            pressure,
+            packing,
+            lid_height,
+            floating,
+        }
+    })
+}
+
 fn grain() -> impl Strategy<Value = GrainSpec> {
     let sphere = (1e-3..1e3f64, 1e-3..1e3f64, vector());
-    (sphere, vector(), vector(), 0..3).prop_map(|(sphere, velocity, spin, motion)| {
-        let zero = [0.0; 3];
+    (sphere, vector(), vector(), 0..6).prop_map(|(sphere, velocity, spin, motion)| {
+        let (zero, [x, y, z]) = ([0.0; 3], velocity);
         let (velocity, spin, motion) = match motion {
             0 => (velocity, spin, MotionSpec::Free),
             1 => (zero, zero, MotionSpec::Frozen),
-            _ => (zero, zero, MotionSpec::Carried(velocity)),
+            2 => (zero, zero, MotionSpec::Carried(velocity)),
+            3 => (velocity, spin, MotionSpec::Weightless),
+            // With the velocity that it is carried at, or without.
+            4 => (velocity, spin, MotionSpec::Lid([x, y])),
+            _ => ([0.0, 0.0, z], spin, MotionSpec::Lid([x, y])),
         };
         GrainSpec {
             id: 0,
@@ -343,6 +371,13 @@ proptest! {
             vectors.flatten().map(f64::to_bits).collect()
         };
         prop_assert_eq!(bits(&back), bits(&rows));
+    }
+
+    #[test]
+    fn flows(rows in prop::collection::vec(flow_row(), 0..10)) {
+        let units = scenario::load("guillard-small", &[]).unwrap().units();
+        let back = parse_flow(&flow_text(&units, &rows)).unwrap();
+        prop_assert_eq!(format!("{back:?}"), format!("{rows:?}"));
     }
 
     #[test]

@@ -1,36 +1,12 @@
 //! The quick scenario as a user runs it: its goldens, and equal bytes for a second run.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 use std::process::Command;
 
 use bitgrain::bed::library::Library;
 use bitgrain::progress::Progress;
 use bitgrain::{run, scenario, summary};
-use bitgrain_tests::golden;
-
-/// Every file below a folder, by relative name, but the machine's own `performance.json`.
-fn results(folder: &Path) -> BTreeMap<String, Vec<u8>> {
-    let mut found = BTreeMap::new();
-    let mut open = vec![folder.to_path_buf()];
-    while let Some(next) = open.pop() {
-        for entry in std::fs::read_dir(next).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                open.push(path);
-            } else if !path.ends_with("performance.json") {
-                let name = path
-                    .strip_prefix(folder)
-                    .unwrap()
-                    .to_str()
-                    .unwrap()
-                    .replace('\\', "/");
-                found.insert(name, std::fs::read(&path).unwrap());
-            }
-        }
-    }
-    found
-}
+use bitgrain_tests::{golden, results};
 
 fn settings(recipe: &str) -> insta::Settings {
     let mut settings = insta::Settings::clone_current();

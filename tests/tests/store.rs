@@ -1,13 +1,12 @@
 //! The golden cases in the kernel's own storage: the digests of the harness, without an allocator.
 
-use bitgrain::case;
 use bitgrain::sim::{AnyLaw, Sim, hex};
 use bitgrain_kernel::law::Law;
 use bitgrain_kernel::{Store, digest, start, step};
-use bitgrain_tests::golden;
+use bitgrain_tests::{golden, golden_case};
 
-/// Room for the larger case, whose bed is two layers under a lid.
-type Room = Store<f64, 64, 512, 3>;
+/// Room for the larger cases: 60 grains, and the five groups that a case has.
+type Room<const PAIRS: usize, const BODIES: usize> = Store<f64, 60, PAIRS, BODIES>;
 
 /// The digests that `golden/digests` holds of a case, by step.
 fn golden_digests(name: &str) -> Vec<(u64, String)> {
@@ -21,8 +20,11 @@ fn golden_digests(name: &str) -> Vec<(u64, String)> {
 }
 
 /// Moves a simulation at step 0 into a store.
-fn store_of(sim: &Sim) -> Box<Room> {
-    let mut store = Box::new(Room::new(sim.domain, sim.dt, sim.skin));
+fn store_of<const PAIRS: usize, const BODIES: usize>(
+    sim: &Sim,
+    skin: f64,
+) -> Box<Room<PAIRS, BODIES>> {
+    let mut store = Box::new(Room::new(sim.domain, sim.dt, skin * sim.skin));
     for group in &sim.groups {
         store.add_group(*group).expect("room for the groups");
     }
@@ -41,7 +43,19 @@ fn store_of(sim: &Sim) -> Box<Room> {
     store
 }
 
-fn follow(name: &str, store: &mut Room, law: &impl Law<f64>) {
+fn follow<const PAIRS: usize, const BODIES: usize>(name: &str, sim: &Sim, skin: f64) {
+    let mut store = store_of::<PAIRS, BODIES>(sim, skin);
+    match sim.law {
+        AnyLaw::HertzHistory(law) => steps(name, &mut store, &law),
+        AnyLaw::HertzTsuji(law) => steps(name, &mut store, &law),
+    }
+}
+
+fn steps<const PAIRS: usize, const BODIES: usize>(
+    name: &str,
+    store: &mut Room<PAIRS, BODIES>,
+    law: &impl Law<f64>,
+) {
     let golden = golden_digests(name);
     assert!(golden.len() > 5, "{name} has golden digests");
     let mut world = store.world();
@@ -54,15 +68,20 @@ fn follow(name: &str, store: &mut Room, law: &impl Law<f64>) {
     }
 }
 
+const CASES: [&str; 4] = [
+    "collapse.json",
+    "lid.json",
+    "rig.json",
+    "rig.json:hertz_history",
+];
+
+/// Whether the lists are nearly full or nearly empty.
 #[test]
-fn a_store_gives_the_golden_digests() {
-    for name in ["collapse.json", "lid.json"] {
-        let case = case::read(&golden("cases").join(name)).expect("a sound case");
-        let sim = case.start(name, |_| {}).expect("a sound case");
-        let mut store = store_of(&sim);
-        match sim.law {
-            AnyLaw::HertzHistory(law) => follow(name, &mut store, &law),
-            AnyLaw::HertzTsuji(law) => follow(name, &mut store, &law),
-        }
+fn a_store_of_any_size_gives_the_golden_digests() {
+    for name in CASES {
+        let sim = golden_case(name).start(name, |_| {});
+        let sim = sim.expect("a sound case");
+        follow::<320, 5>(name, &sim, 0.5);
+        follow::<2048, 9>(name, &sim, 3.0);
     }
 }

@@ -227,8 +227,8 @@ fn every_golden_has_a_recipe_and_a_test() {
         .iter()
         .map(|name| std::fs::metadata(root().join(name)).unwrap().len());
     let sizes: Vec<u64> = sizes.collect();
-    // What every clone carries: no golden beyond 2 MB, 20 MB together.
-    assert!(sizes.iter().all(|bytes| *bytes < 2_000_000) && sizes.iter().sum::<u64>() < 20_000_000);
+    // What every clone carries: no golden beyond 4 MB (the settled bed of a flowing rig), 20 MB together.
+    assert!(sizes.iter().all(|bytes| *bytes < 4_000_000) && sizes.iter().sum::<u64>() < 20_000_000);
     for row in &rows {
         assert!(row[2].len() > 5 && row[3].len() > 10, "{row:?}");
         let test = format!("tests/tests/{}.rs", row[4]);
@@ -267,9 +267,16 @@ fn physics_names_its_source() {
     }
     for name in [
         "harness/src/bed/mod.rs",
+        "harness/src/bed/lid.rs",
+        "harness/src/claims/fits.rs",
+        "harness/src/claims/points.rs",
+        "harness/src/claims/statements.rs",
+        "harness/src/coefficients.rs",
+        "harness/src/flow.rs",
         "harness/src/observe.rs",
         "harness/src/histogram.rs",
         "harness/src/scenario/plan.rs",
+        "harness/src/scenario/rig.rs",
         "harness/src/law.rs",
     ] {
         assert!(cites(name), "{name}");

@@ -5,9 +5,9 @@ use std::path::Path;
 
 use bitgrain_kernel::{Domain, Fault, Group, Obstacle};
 
-use super::{FREE, FROZEN};
+use super::{BASE, FREE};
 use crate::error::{Error, Result};
-use crate::export::{FROZEN_TYPE, OBSTACLE_TYPE as INTRUDER_TYPE};
+use crate::export::{FROZEN_TYPE, LID_TYPE, OBSTACLE_TYPE as INTRUDER_TYPE};
 use crate::files::read_text;
 use crate::lammps::{Atom, DataFile, parse_atoms};
 use crate::order::spatial_order;
@@ -83,8 +83,16 @@ fn check_grains(scenario: &Scenario, grains: &[Atom]) -> std::result::Result<(),
         }
         let density = scenario.bed.density;
         if (a.density - density).abs() > SAME * density {
+            // Other programs may give this type to any grain, but ours gives it to a lid's, which are heavy.
+            let lid = if a.kind == LID_TYPE {
+                format!(
+                    "; type {LID_TYPE} is a lid's, and a bed from a file gets no lid: leave it out"
+                )
+            } else {
+                String::new()
+            };
             return Err(format!(
-                "atom {} has the density {}; expected {density}: see bed.density",
+                "atom {} has the density {}; expected {density}: see bed.density{lid}",
                 a.id, a.density
             ));
         }
@@ -144,7 +152,7 @@ pub fn world(
         images.push(image);
         Grain {
             id: k as u32 + 1,
-            group: if frozen { FROZEN } else { FREE },
+            group: if frozen { BASE } else { FREE },
             diameter: a.diameter,
             density: a.density,
             position,

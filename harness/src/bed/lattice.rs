@@ -2,7 +2,8 @@
 
 use bitgrain_kernel::Domain;
 
-use super::FREE;
+use super::{FREE, intruder};
+use crate::observe::{length, offset};
 use crate::random::{Purpose, uniforms};
 use crate::scenario::{BedPlan, Scenario};
 use crate::sim::Grain;
@@ -19,7 +20,8 @@ pub(super) struct Lattice {
 }
 
 impl Lattice {
-    pub fn new(scenario: &Scenario, plan: &BedPlan) -> Self {
+    /// `count` sites from the height `from` up, clear of the plan's intruder where there is one.
+    pub fn new(scenario: &Scenario, count: usize, from: f64, round: Option<&BedPlan>) -> Self {
         let [x, y, _] = scenario.bed.size;
         let most = scenario.bed.diameters[1];
         let fit = |length: f64| (length / (SPACING * most)).floor().max(1.0);
@@ -27,15 +29,20 @@ impl Lattice {
         let spacing = [x / nx, y / ny, SPACING * most];
         let least = scenario.bed.diameters[0];
         let shift = spacing.map(|s| 0.5 * (s - least));
-        let clear = 0.5 * (scenario.intruder.diameter + most) + length(shift);
         let domain = Domain::new([0.0; 3], [x, y, 1.0], [true, true, false]);
         let domain = domain.expect("the scenario was checked");
-        let mut sites = Vec::with_capacity(scenario.grain_count());
+        let clear = |at: [f64; 3]| {
+            round.is_none_or(|plan| {
+                let off = offset(&domain, &intruder(scenario, plan), at);
+                length(off) > 0.5 * (plan.diameter + most) + length(shift)
+            })
+        };
+        let mut sites = Vec::with_capacity(count);
         let mut layer = 0;
-        while sites.len() < scenario.grain_count() {
-            let z = (f64::from(layer) + 0.5) * spacing[2];
+        while sites.len() < count {
+            let z = from + (f64::from(layer) + 0.5) * spacing[2];
             for iy in 0..ny as usize {
-                if sites.len() == scenario.grain_count() {
+                if sites.len() == count {
                     break;
                 }
                 for ix in 0..nx as usize {
@@ -44,8 +51,7 @@ impl Lattice {
                         (iy as f64 + 0.5) * spacing[1],
                         z,
                     ];
-                    let d = domain.separation(at, plan.center);
-                    if length(d) > clear && sites.len() < scenario.grain_count() {
+                    if clear(at) && sites.len() < count {
                         sites.push(at);
                     }
                 }
@@ -55,16 +61,17 @@ impl Lattice {
         Self {
             sites,
             spacing,
-            top: f64::from(layer) * spacing[2],
+            top: from + f64::from(layer) * spacing[2],
         }
     }
 
-    pub fn grains(&self, scenario: &Scenario) -> Vec<Grain> {
+    /// Grains at the sites; their names, and so their random numbers, come after `first`.
+    pub fn grains(&self, scenario: &Scenario, plan: &BedPlan, first: u32) -> Vec<Grain> {
         let [least, most] = scenario.bed.diameters;
         let speed = (scenario.gravity * scenario.mean_diameter()).sqrt();
-        let seed = scenario.seed;
+        let seed = plan.seed;
         let place = |(k, site): (usize, &[f64; 3])| {
-            let id = k as u32 + 1;
+            let id = first + k as u32 + 1;
             let [u] = uniforms(seed, Purpose::Diameter, id);
             let diameter = least + (most - least) * u;
             let shift: [f64; 3] = uniforms(seed, Purpose::Shift, id);
@@ -88,8 +95,4 @@ impl Lattice {
         };
         self.sites.iter().enumerate().map(place).collect()
     }
-}
-
-fn length(d: [f64; 3]) -> f64 {
-    (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt()
 }

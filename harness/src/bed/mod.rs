@@ -8,108 +8,200 @@
 //! pouring and would die slowly: it is taken out with stronger damping, and the bed comes to rest
 //! once more under its own law.
 
-mod base;
+mod assemble;
 pub mod import;
 mod lattice;
 pub mod library;
+mod lid;
 pub mod recipe;
+mod settle;
 mod survey;
+#[cfg(test)]
+mod tests;
 
 pub use survey::{Measures, survey};
 
-use bitgrain_kernel::{Domain, Fault, Group, Obstacle};
+use bitgrain_kernel::{Domain, Fault, Group, Obstacle, Shape as Body};
 
 use crate::error::{Error, Result};
-use crate::observe::{INTRUDER, weight_and_support};
+use crate::observe;
+use crate::order::spatial_order;
 use crate::progress::Stage;
-use crate::scenario::{BedPlan, Scenario};
-use crate::sim::{Grain, Sim, sphere_mass};
-use base::freeze_base;
+use crate::scenario::{BedPlan, Moves, PACKING_GUESS, Pouring, Scenario, Shape};
+use crate::sim::{Sim, sphere_mass};
+use assemble::{Member, assemble};
 use lattice::Lattice;
+use settle::{come_to_rest, fallen, settle, stopped};
 
 /// Group of the grains that move.
 pub const FREE: u8 = 0;
-/// Group of the base.
-pub const FROZEN: u8 = 1;
-
-/// Steps between looks at the kinetic energy. Part of the recipe: it decides where settling ends.
-const LOOK: u64 = 500;
-
-/// A settled bed is carried by its base, planes and intruder to this fraction of its weight.
-const CARRIED: f64 = 5e-4;
-
-/// Kinetic energy per free grain, over its weight times its diameter, below which the fall is over:
-/// what still moves rattles in its place.
-const FALLEN: f64 = 1e-3;
+/// Group of the base: frozen, or carried where the bed moves.
+pub const BASE: u8 = 1;
+/// Group of the lid.
+pub const LID: u8 = 2;
 
 /// Steps from release to rest over those of a fall through twice the bed's height: what beds have
 /// taken so far, for forecasts.
 const POURING_FALLS: f64 = 3.2;
 
+/// Change of the vertical force on the intruder between two looks, over its buoyancy, below which a bed
+/// under its lid is at rest: the intruder carries what settles round it.
+const STEADY: f64 = 0.1;
+
+/// Steps that a lid takes to come to rest over those of a fall through the bed: for forecasts.
+const LID_FALLS: f64 = 3.0;
+
 /// About how many steps a bed takes from release to rest: for forecasts, never for results.
-pub fn pouring_steps(scenario: &Scenario) -> u64 {
-    let fall = (4.0 * scenario.expected_surface() / scenario.gravity).sqrt();
+pub fn pouring_steps(scenario: &Scenario, plan: &BedPlan) -> u64 {
+    let surface = scenario.expected_surface(plan.diameter);
+    let fall = (4.0 * surface / scenario.gravity).sqrt();
     (POURING_FALLS * fall / scenario.drag.dt) as u64
 }
 
-/// Longest settling, in units of the time a grain takes to fall from the top of the lattice.
-const PATIENCE: f64 = 60.0;
+/// About how many steps a lid takes to come to rest on it.
+pub fn covering_steps(scenario: &Scenario, plan: &BedPlan) -> u64 {
+    (LID_FALLS * fall_time(scenario, plan) / scenario.drag.dt) as u64
+}
 
-/// Pours one bed and lets it settle.
+/// Time of a fall through the bed.
+fn fall_time(scenario: &Scenario, plan: &BedPlan) -> f64 {
+    (2.0 * scenario.expected_surface(plan.diameter) / scenario.gravity).sqrt()
+}
+
+/// Pours one bed and lets it settle; its lid is not yet on it.
 ///
 /// # Errors
 /// [`Error::Run`] where grains escape, overlap too deep or do not come to rest in time;
 /// [`Error::Interrupted`].
 pub fn pour(scenario: &Scenario, plan: &BedPlan, stage: &mut Stage) -> Result<Sim> {
-    let lattice = Lattice::new(scenario, plan);
-    let grains = lattice.grains(scenario);
-    let mut sim = poured(scenario, plan, &lattice, &grains)?;
-    sim.start().map_err(|f| stopped(&plan.name, &sim, f))?;
-    let fall = (2.0 * lattice.top / scenario.gravity).sqrt();
-    let fall_steps = (fall / scenario.drag.dt) as u64;
-    let settled = scenario.bed.settled;
-    let mut goal = Goal {
-        energy: if settled > FALLEN { settled } else { FALLEN },
-        carried: false,
-        // Nothing can be settled before the highest grain has fallen.
-        least: fall_steps,
-        fall_steps,
+    let count = scenario.grain_count(plan.diameter);
+    let wrong = |sim: &Sim, f| stopped(&plan.name, sim, f);
+    let lowest = plan.center[2] - 0.5 * plan.diameter;
+    let (first, beside) = match scenario.bed.pouring {
+        Pouring::AtOnce => (count, Some(plan)),
+        Pouring::InTurn => (scenario.filling(lowest, 0.0).min(count), None),
     };
+    let lattice = Lattice::new(scenario, first, 0.0, beside);
+    let mut sim = dropped(scenario, plan, &lattice)?;
+    sim.start().map_err(|f| wrong(&sim, f))?;
+    let goal = fallen(scenario, lattice.top);
     settle(&mut sim, scenario, plan, &goal, stage)?;
-    let mut sim = freeze_base(&mut sim, &scenario.bed).map_err(|f| stopped(&plan.name, &sim, f))?;
-    let law = sim.law;
-    sim.law = scenario
-        .law
-        .quenching(scenario.drag.dt, scenario.mean_diameter());
-    goal = Goal {
-        energy: settled,
-        carried: true,
-        least: 2 * LOOK,
-        fall_steps,
-    };
-    settle(&mut sim, scenario, plan, &goal, stage)?;
-    sim.law = law;
-    settle(&mut sim, scenario, plan, &goal, stage)?;
+    let mut sim = freeze_base(&mut sim, scenario).map_err(|f| wrong(&sim, f))?;
+    if scenario.bed.pouring == Pouring::InTurn {
+        let (mut whole, top) =
+            buried(&mut sim, scenario, plan, count).map_err(|f| wrong(&sim, f))?;
+        settle(&mut whole, scenario, plan, &fallen(scenario, top), stage)?;
+        sim = renumbered(&mut whole).map_err(|f| wrong(&whole, f))?;
+    }
+    let steady = (scenario.intruder.shape == Shape::Cylinder).then_some(STEADY);
+    come_to_rest(&mut sim, scenario, plan, steady, stage)?;
     Ok(sim)
 }
 
-/// Where a settling ends.
-struct Goal {
-    /// Kinetic energy per free grain over its weight times its diameter.
-    energy: f64,
-    /// Whether the weight must be carried too.
-    carried: bool,
-    /// Fewest steps.
-    least: u64,
-    /// Steps of the fall, by which patience is measured.
-    fall_steps: u64,
+/// Puts the lid of the plan, which must have one, on its bare bed and lets it settle, the intruder's
+/// load included.
+///
+/// # Errors
+/// [`Error::Input`] where the bed is deep enough without, and as [`pour`].
+pub fn cover(
+    bare: &mut Sim,
+    scenario: &Scenario,
+    plan: &BedPlan,
+    stage: &mut Stage,
+) -> Result<Sim> {
+    let lid = plan.lid.as_ref().expect("only beds with a lid are covered");
+    let mut sim = lid::covered(bare, scenario, plan, lid)?;
+    come_to_rest(&mut sim, scenario, plan, Some(STEADY), stage)?;
+    Ok(sim)
 }
 
-fn stopped(bed: &str, sim: &Sim, fault: Fault) -> Error {
-    Error::run(format!("pouring {bed}"), sim.step_count() + 1, fault)
+/// Freezes the grains whose centres lie below the base's height, takes the floor away where the bed
+/// has none, and numbers all grains in spatial order.
+fn freeze_base(old: &mut Sim, scenario: &Scenario) -> std::result::Result<Sim, Fault> {
+    let group = |k: usize| {
+        if old.position[k][2] < scenario.bed.base {
+            BASE
+        } else {
+            FREE
+        }
+    };
+    let members = in_order(old)
+        .map(|k| Member::Old(k, group(k)))
+        .collect::<Vec<_>>();
+    let mut obstacles: Vec<_> = old.obstacles.iter().copied().zip((0..).map(Some)).collect();
+    if !scenario.bed.floor {
+        obstacles.retain(|(body, _)| !matches!(body.shape, Body::Plane { .. }));
+    }
+    let groups = old.groups.clone();
+    assemble(old, &members, groups, obstacles)
 }
 
-fn poured(scenario: &Scenario, plan: &BedPlan, lattice: &Lattice, grains: &[Grain]) -> Result<Sim> {
+/// Numbers all grains in spatial order.
+fn renumbered(old: &mut Sim) -> std::result::Result<Sim, Fault> {
+    let members: Vec<Member> = in_order(old)
+        .map(|k| Member::Old(k, old.group[k]))
+        .collect();
+    let obstacles = old.obstacles.iter().copied().zip((0..).map(Some)).collect();
+    let groups = old.groups.clone();
+    assemble(old, &members, groups, obstacles)
+}
+
+/// The grains in spatial order.
+fn in_order(sim: &Sim) -> impl Iterator<Item = usize> + use<> {
+    let mean = 2.0 * sim.position.iter().map(|x| x[3]).sum::<f64>() / sim.count().max(1) as f64;
+    spatial_order(&sim.position, mean).into_iter()
+}
+
+/// Puts the intruder into a bed that reaches up to it, and lets the rest of the grains go above; those
+/// whose place it takes are among them. Returns the height they fall from, too.
+fn buried(
+    lower: &mut Sim,
+    scenario: &Scenario,
+    plan: &BedPlan,
+    count: usize,
+) -> std::result::Result<(Sim, f64), Fault> {
+    let body = intruder(scenario, plan);
+    let clear = |k: usize| {
+        let x = lower.position[k];
+        let off = observe::offset(&lower.domain, &body, [x[0], x[1], x[2]]);
+        observe::length(off) > body.reach() + x[3]
+    };
+    let mut members: Vec<Member> = (0..lower.count())
+        .filter(|&k| clear(k))
+        .map(|k| Member::Old(k, lower.group[k]))
+        .collect();
+    let top = lower.position.iter().map(|x| x[2] + x[3]);
+    let top = top.fold(0.0, |a, b| if b > a { b } else { a });
+    let rest = Lattice::new(scenario, count - members.len(), top, Some(plan));
+    let first = lower.count() as u32;
+    members.extend(
+        rest.grains(scenario, plan, first)
+            .into_iter()
+            .map(Member::New),
+    );
+    let mut obstacles = vec![(body, None)];
+    obstacles.extend(lower.obstacles.iter().copied().zip((0..).map(Some)));
+    let groups = lower.groups.clone();
+    Ok((assemble(lower, &members, groups, obstacles)?, rest.top))
+}
+
+/// The intruder of a plan, at rest.
+fn intruder(scenario: &Scenario, plan: &BedPlan) -> Obstacle<f64> {
+    let radius = 0.5 * plan.diameter;
+    match scenario.intruder.shape {
+        Shape::Cylinder => Obstacle::cylinder(plan.center, [0.0, 1.0, 0.0], radius),
+        Shape::Sphere => Obstacle {
+            inverse_mass: scenario
+                .intruder
+                .density
+                .map_or(0.0, |density| 1.0 / sphere_mass(plan.diameter, density)),
+            ..Obstacle::sphere(plan.center, radius)
+        },
+    }
+}
+
+/// The grains of a lattice as a world: with the intruder where all are poured at once.
+fn dropped(scenario: &Scenario, plan: &BedPlan, lattice: &Lattice) -> Result<Sim> {
     let [x, y, z] = scenario.bed.size;
     let refuse = |what: String| Error::input(format!("scenario {}", scenario.name), what);
     let law = scenario
@@ -127,73 +219,34 @@ fn poured(scenario: &Scenario, plan: &BedPlan, lattice: &Lattice, grains: &[Grai
     let domain = Domain::new([0.0, 0.0, lowest], [x, y, ceiling], [true, true, false])
         .map_err(|f| refuse(f.to_string()))?;
     let gravity = [0.0, 0.0, -scenario.gravity];
-    let radius = 0.5 * scenario.intruder.diameter;
-    let mass = sphere_mass(scenario.intruder.diameter, scenario.intruder.density);
-    let mut obstacles = vec![Obstacle {
-        inverse_mass: 1.0 / mass,
-        ..Obstacle::sphere(plan.center, radius)
-    }];
-    debug_assert_eq!(INTRUDER, 0);
+    let mut obstacles = match scenario.bed.pouring {
+        Pouring::AtOnce => vec![intruder(scenario, plan)],
+        Pouring::InTurn => vec![],
+    };
     // Without a floor of its own the bed is poured on one all the same: the base is frozen from it.
     obstacles.push(Obstacle::plane([0.0; 3], [0.0, 0.0, 1.0]));
-    let groups = vec![Group::free(gravity), Group::frozen()];
+    let base = match scenario.drag.moves {
+        Moves::Intruder => Group::frozen(),
+        Moves::Bed => Group::carried(),
+    };
+    let groups = vec![Group::free(gravity), base];
+    let grains = lattice.grains(scenario, plan, 0);
     Ok(Sim::new(
         law,
         domain,
         scenario.drag.dt,
         groups,
-        grains,
+        &grains,
         obstacles,
     ))
 }
 
-/// Steps on until the goal is reached.
-fn settle(
-    sim: &mut Sim,
-    scenario: &Scenario,
-    plan: &BedPlan,
-    goal: &Goal,
-    stage: &mut Stage,
-) -> Result<()> {
-    let begin = sim.step_count();
-    let limit = begin + (PATIENCE * goal.fall_steps as f64) as u64 + 100 * LOOK;
-    loop {
-        sim.steps(LOOK).map_err(|f| stopped(&plan.name, sim, f))?;
-        let energy = energy_per_grain(sim, &scenario.measures());
-        let (_, weight, support) = weight_and_support(sim, scenario.gravity);
-        // A bed that still breathes carries more or less than its weight.
-        let carried = (support - weight).abs() <= CARRIED * weight;
-        let quiet = energy < goal.energy && (carried || !goal.carried);
-        stage.settling(
-            sim,
-            energy,
-            scenario.bed.settled,
-            support / weight,
-            goal.fall_steps,
-        )?;
-        if quiet && sim.step_count() - begin >= goal.least {
-            return Ok(());
-        }
-        if sim.step_count() > limit {
-            return Err(Error::Unsettled {
-                bed: plan.name.clone(),
-                step: sim.step_count(),
-                energy,
-                bound: goal.energy,
-                carried: support / weight,
-            });
-        }
-    }
-}
-
-/// Kinetic energy per free grain over a grain's mean weight times its mean diameter.
-pub fn energy_per_grain(sim: &Sim, measures: &Measures) -> f64 {
-    let free = sim.group.iter().filter(|&&g| g == FREE).count().max(1) as f64;
-    let weight = sphere_mass(measures.diameter, measures.density) * measures.gravity;
-    sim.kinetic_energy() / free / (weight * measures.diameter)
-}
-
 impl Scenario {
+    /// Buoyancy of an intruder of this diameter, at the packing fraction that plans assume.
+    fn buoyancy(&self, diameter: f64) -> f64 {
+        PACKING_GUESS * self.bed.density * self.gravity * self.intruder_volume(diameter)
+    }
+
     /// What surveys of its beds must know.
     pub fn measures(&self) -> Measures {
         Measures {

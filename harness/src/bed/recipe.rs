@@ -5,13 +5,13 @@ use serde::{Deserialize, Serialize};
 
 use crate::checkpoint::FORMAT;
 use crate::law::LawSpec;
-use crate::scenario::{BedPlan, Scenario, UnitSystem};
+use crate::scenario::{BedPlan, LidPlan, Moves, Pouring, Scenario, Shape, UnitSystem};
 use crate::sim::hex;
 
 /// Names the procedure of pouring. A change that gives other beds from equal scenarios raises it.
 pub const POURING: u32 = 2;
 
-/// Everything that shapes a poured bed. Two equal recipes give beds that are equal to the bit.
+/// Everything that shapes a bed. Two equal recipes give beds that are equal to the bit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Recipe {
@@ -44,20 +44,37 @@ pub struct Recipe {
     pub floor: bool,
     /// Bound of the kinetic energy per grain, over its weight times the mean diameter.
     pub settled: f64,
-    /// The sphere that the grains fall round.
+    /// Whether the grains were let fall all at once or in turn.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub order: Pouring,
+    /// What moves: the base of a bed that moves is carried, that of another frozen.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub moves: Moves,
+    /// The intruder that the grains fall round.
     pub intruder: RecipeIntruder,
+    /// The lid that was put on the bed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lid: Option<LidPlan>,
     /// Contact law.
     pub law: LawSpec,
+}
+
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
 }
 
 /// The intruder of a recipe.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RecipeIntruder {
+    /// A sphere, or a bar along y.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub shape: Shape,
     /// Diameter.
     pub diameter: f64,
-    /// Mass density, as it enters the effective mass of its contacts.
-    pub density: f64,
+    /// Mass density of a sphere, as it enters the effective mass of its contacts.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub density: Option<f64>,
     /// Its centre.
     pub center: [f64; 3],
 }
@@ -71,21 +88,25 @@ impl Recipe {
             pouring: POURING,
             format: FORMAT,
             units: scenario.units,
-            seed: scenario.seed,
+            seed: plan.seed,
             gravity: scenario.gravity,
             dt: scenario.drag.dt,
             size: bed.size,
-            grains: scenario.grain_count(),
+            grains: scenario.grain_count(plan.diameter),
             diameters: bed.diameters,
             density: bed.density,
             base: bed.base,
             floor: bed.floor,
             settled: bed.settled,
+            order: bed.pouring,
+            moves: scenario.drag.moves,
             intruder: RecipeIntruder {
-                diameter: scenario.intruder.diameter,
+                shape: scenario.intruder.shape,
+                diameter: plan.diameter,
                 density: scenario.intruder.density,
                 center: plan.center,
             },
+            lid: plan.lid,
             law: scenario.law,
         }
     }

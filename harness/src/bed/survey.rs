@@ -1,8 +1,8 @@
 //! What is read off a settled bed.
 
-use super::energy_per_grain;
+use super::settle::energy_per_grain;
 use crate::observe::{self, INTRUDER};
-use crate::sim::{Sim, hex};
+use crate::sim::{Role, Sim, hex};
 use crate::summary::BedSummary;
 
 /// What a survey must know besides the state.
@@ -21,21 +21,23 @@ pub fn survey(name: &str, measures: &Measures, sim: &mut Sim) -> BedSummary {
     let d = measures.diameter;
     let surface = observe::surface_height(sim, d);
     let body = &sim.obstacles[INTRUDER as usize];
-    let (center, radius) = (body.point, body.reach());
-    let (free, weight, support) = observe::weight_and_support(sim, measures.gravity);
+    let center = body.point;
+    let (_, weight, support) = observe::weight_and_support(sim);
+    let base = (0..sim.count()).filter(|&i| sim.role(i) == Role::Base);
     BedSummary {
         name: name.to_string(),
         grains: sim.count(),
-        frozen: sim.count() - free,
+        frozen: base.count(),
         steps: sim.step_count(),
         surface,
         depth: surface - center[2],
-        packing_fraction: observe::packing_fraction(sim, d, surface - 2.0 * d, (center, radius)),
+        packing_fraction: observe::packing_fraction(sim, d, surface - 2.0 * d),
         coordination_number: observe::coordination_number(sim, surface - 2.0 * d),
         overlap_max: observe::deepest_overlap(sim) / d,
         kinetic_energy_over_weight_d: energy_per_grain(sim, measures),
         weight,
         support,
         digest: hex(&sim.digest().whole),
+        rig: None,
     }
 }

@@ -2,10 +2,11 @@
 //! centre, with the intruder in the middle.
 
 use super::arrow::arrow;
-use super::chart::drawable;
-use super::picture::{Cut, INK, Scale, circles, open, push, ticks};
-use super::text::{count, escape, short, typeset};
-use crate::summary::{RunSummary, Summary};
+use super::picture::{Cut, INK, LID, Scale, circles, open, push, ticks};
+use super::plot::drawable;
+use super::text::short;
+use crate::scenario::Moves;
+use crate::sim::Role;
 
 /// The grains round the intruder at one instant of a drag.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,6 +25,8 @@ pub struct FlowPicture {
     pub hi: [f64; 3],
     /// Centre and radius of the intruder.
     pub intruder: ([f64; 3], f64),
+    /// Which of bed and intruder moves along +x.
+    pub moves: Moves,
     /// All grains, frozen ones included, the intruder not.
     pub grains: Vec<FlowGrain>,
 }
@@ -35,10 +38,10 @@ pub struct FlowGrain {
     pub position: [f64; 3],
     /// Its radius.
     pub radius: f64,
-    /// Its velocity, in the frame in which the bed is at rest.
+    /// Its velocity, in the frame in which the base is at rest.
     pub velocity: [f64; 3],
-    /// Whether it belongs to the frozen base.
-    pub frozen: bool,
+    /// Whether it is free, of the base or of the lid.
+    pub role: Role,
 }
 
 /// Half the width of a picture over the intruder's diameter; also its reach up and down.
@@ -47,9 +50,9 @@ const REACH: f64 = 3.5;
 /// away from the intruder.
 const BOUNDS: [f64; 4] = [0.03, 0.1, 0.3, 1.0];
 /// ColorBrewer's YlGnBu: told apart by the colour-blind, and darker with every step in grey too.
-const RAMP: [&str; 5] = ["#ffffd4", "#a1dab4", "#41b6c4", "#2c7fb8", "#253494"];
+pub(super) const RAMP: [&str; 5] = ["#ffffd4", "#a1dab4", "#41b6c4", "#2c7fb8", "#253494"];
 /// Names of the colours in the key.
-const NAMES: [&str; 5] = [
+pub(super) const NAMES: [&str; 5] = [
     "below 0.03",
     "0.03 to 0.1",
     "0.1 to 0.3",
@@ -57,15 +60,15 @@ const NAMES: [&str; 5] = [
     "above 1",
 ];
 /// Grains faster than this part of V have an arrow.
-const MOVING: f64 = 0.1;
+pub(super) const MOVING: f64 = 0.1;
 /// Length of an arrow of speed V over the intruder's radius: the intruder's own looks out of it.
 const ARROW: f64 = 1.5;
 /// What is round a light grain so that it is seen on white.
-const OUTLINE: &str = "stroke=\"#75786f\"";
+pub(super) const OUTLINE: &str = "stroke=\"#75786f\"";
 
 /// What all pictures of a page show about the intruder's centre, so that their scale is one.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Window {
+pub(super) struct Window {
     /// To the left and right.
     half: f64,
     /// Below the centre, at most down to the floor.
@@ -76,59 +79,25 @@ struct Window {
 
 /// A grain's cut, relative to the intruder's centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Seen {
-    cut: Cut,
+pub(super) struct Seen {
+    pub(super) cut: Cut,
     /// Speed over V.
-    ratio: f64,
+    pub(super) ratio: f64,
     /// Parts of the velocity over V along x and z.
     velocity: [f64; 2],
-    frozen: bool,
+    pub(super) role: Role,
 }
 
-/// The section of the page with a picture for each run that has one.
-pub(super) fn section(summary: &Summary, flows: &[FlowPicture]) -> String {
-    let flows: Vec<&FlowPicture> = flows.iter().filter(|f| shows(f)).collect();
-    let unit = escape(&typeset(&summary.units.length));
-    let (mut figures, mut missing) = (String::new(), Vec::new());
-    let window = window(&flows);
-    for (k, run) in summary.runs.iter().enumerate() {
-        let flow = flows.iter().find(|f| f.run == run.name);
-        let drawn = flow.and_then(|f| Some((f, drawing(f, window, &unit, k)?)));
-        match drawn {
-            Some((flow, svg)) => {
-                let caption = caption(flow, &window, run, summary);
-                figures.push_str(&format!(
-                    "<figure>{svg}<figcaption>{caption}</figcaption></figure>\n"
-                ));
-            }
-            None => missing.push(escape(&run.name)),
-        }
+/// Where the intruder goes along x, as seen from the bed.
+pub(super) fn forward(moves: Moves) -> f64 {
+    match moves {
+        Moves::Intruder => 1.0,
+        Moves::Bed => -1.0,
     }
-    let mut out = "<section>\n<h2>Flow round the intruder</h2>\n".to_owned();
-    if !figures.is_empty() {
-        out.push_str(&format!(
-            "<p>Vertical slices through the intruder&rsquo;s centre, which stays in the middle and \
-             moves to the right at speed V. Each circle is the cut of one grain; its colour is the \
-             size of the grain&rsquo;s velocity, all three components, over V: the darker, the \
-             faster. Arrows are velocities in the plane of the slice, drawn from {}&nbsp;V on; \
-             the intruder&rsquo;s own, to the same scale, is V. Velocities are relative to the \
-             box, and all pictures have the same scale.</p>\n{}<div class=\"grid\">\n\
-             {figures}</div>\n",
-            short(MOVING),
-            key()
-        ));
-    }
-    if figures.is_empty() {
-        out.push_str("<p class=\"none\">No run has a picture of its grains.</p>\n");
-    } else if !missing.is_empty() {
-        let names = missing.join(", ");
-        out.push_str(&format!("<p class=\"none\">No picture of {names}.</p>\n"));
-    }
-    out + "</section>\n"
 }
 
 /// Whether there is something to draw.
-fn shows(flow: &FlowPicture) -> bool {
+pub(super) fn shows(flow: &FlowPicture) -> bool {
     let (centre, radius) = flow.intruder;
     let places = centre.iter().chain(&flow.lo).chain(&flow.hi);
     let sizes = [radius, flow.speed, flow.hi[0] - flow.lo[0]];
@@ -136,7 +105,7 @@ fn shows(flow: &FlowPicture) -> bool {
 }
 
 /// The window that holds what each of `flows` has to show.
-fn window(flows: &[&FlowPicture]) -> Window {
+pub(super) fn window(flows: &[&FlowPicture]) -> Window {
     let mut window = Window {
         half: 0.0,
         down: 0.0,
@@ -168,7 +137,7 @@ fn nearest(x: f64, size: f64) -> f64 {
 
 /// Cuts of the grains by the plane through the intruder's centre, as far as they reach into the
 /// window; one for each image along x.
-fn seen(flow: &FlowPicture, window: &Window) -> Vec<Seen> {
+pub(super) fn seen(flow: &FlowPicture, window: &Window) -> Vec<Seen> {
     let (centre, _) = flow.intruder;
     let size = [flow.hi[0] - flow.lo[0], flow.hi[1] - flow.lo[1]];
     let mut out = Vec::new();
@@ -194,7 +163,7 @@ fn seen(flow: &FlowPicture, window: &Window) -> Vec<Seen> {
                     cut,
                     ratio,
                     velocity: [u, w],
-                    frozen: grain.frozen,
+                    role: grain.role,
                 });
             }
         }
@@ -208,7 +177,12 @@ fn class(ratio: f64) -> usize {
 }
 
 /// One picture as SVG, or `None` where the window has no extent.
-fn drawing(flow: &FlowPicture, window: Window, unit: &str, index: usize) -> Option<String> {
+pub(super) fn drawing(
+    flow: &FlowPicture,
+    window: Window,
+    unit: &str,
+    index: usize,
+) -> Option<String> {
     let radius = flow.intruder.1;
     let scale = Scale::new([-window.half, -window.down], [window.half, window.up])?;
     let seen = seen(flow, &window);
@@ -217,18 +191,23 @@ fn drawing(flow: &FlowPicture, window: Window, unit: &str, index: usize) -> Opti
     };
     let mut out = String::new();
     let id = format!("flow-{index}");
-    let title = format!(
-        "Speeds of the grains round the intruder at Froude number {}",
-        short(flow.froude)
-    );
+    let title = "Speeds of the grains round the intruder";
+    let title = match flow.moves {
+        Moves::Intruder => format!("{title} at Froude number {}", short(flow.froude)),
+        Moves::Bed => format!("{title} in {}", flow.run),
+    };
     open(&mut out, "flow", &title, &id, &scale);
     for (k, colour) in RAMP.iter().enumerate() {
         let style = format!("fill=\"{colour}\" {OUTLINE}");
-        let free = cuts(&|s| !s.frozen && class(s.ratio) == k);
+        let free = cuts(&|s| s.role == Role::Free && class(s.ratio) == k);
         circles(&mut out, &scale, &free, &style);
     }
     let hatch = format!("fill=\"url(#hatch-{id})\" stroke=\"{INK}\"");
-    circles(&mut out, &scale, &cuts(&|s| s.frozen), &hatch);
+    circles(&mut out, &scale, &cuts(&|s| s.role == Role::Base), &hatch);
+    let lid = cuts(&|s| s.role == Role::Lid);
+    if !lid.is_empty() {
+        circles(&mut out, &scale, &lid, LID);
+    }
     let body = [Cut {
         x: 0.0,
         z: 0.0,
@@ -236,7 +215,7 @@ fn drawing(flow: &FlowPicture, window: Window, unit: &str, index: usize) -> Opti
     }];
     let style = format!("fill=\"{INK}\" stroke=\"#fff\"");
     circles(&mut out, &scale, &body, &style);
-    arrows(&mut out, &scale, &seen, ARROW * radius);
+    arrows(&mut out, &scale, &seen, ARROW * radius, forward(flow.moves));
     out.push_str("</g>");
     frame(&mut out, &scale, flow.lo[2] - flow.intruder.0[2]);
     let name = |axis| {
@@ -250,14 +229,14 @@ fn drawing(flow: &FlowPicture, window: Window, unit: &str, index: usize) -> Opti
 
 /// Velocities in the plane, `length` long at speed V, from the centres of the cuts: dark with a
 /// light rim, which is seen on every colour. Last the intruder's own, larger.
-fn arrows(out: &mut String, scale: &Scale, seen: &[Seen], length: f64) {
+fn arrows(out: &mut String, scale: &Scale, seen: &[Seen], length: f64, forward: f64) {
     let factor = scale.factor * length;
     let style = "stroke=\"#fff\" stroke-linejoin=\"round\" paint-order=\"stroke\"";
     push(
         out,
         format_args!("<path fill=\"{INK}\" {style} stroke-width=\"2\" d=\""),
     );
-    for s in seen.iter().filter(|s| !s.frozen) {
+    for s in seen.iter().filter(|s| s.role == Role::Free) {
         let [u, w] = s.velocity;
         let share = (u * u + w * w).sqrt();
         if share > MOVING {
@@ -272,7 +251,7 @@ fn arrows(out: &mut String, scale: &Scale, seen: &[Seen], length: f64) {
         format_args!("\"/>\n<path fill=\"{INK}\" {style} stroke-width=\"3.5\" d=\""),
     );
     let centre = [scale.x(0.0), scale.z(0.0)];
-    arrow(out, centre, [1.0, 0.0], factor, 2.2);
+    arrow(out, centre, [forward, 0.0], factor, 2.2);
     out.push_str("\"/>");
 }
 
@@ -298,56 +277,6 @@ fn frame(out: &mut String, scale: &Scale, floor: f64) {
     }
 }
 
-/// The colours and their names, once for all pictures.
-fn key() -> String {
-    let swatch = |(colour, name): (&str, &str)| {
-        format!(
-            "<span><svg class=\"key\" viewBox=\"0 0 24 24\" aria-hidden=\"true\"><circle \
-             cx=\"12\" cy=\"12\" r=\"11\" fill=\"{colour}\" {OUTLINE}/></svg>{name}</span>"
-        )
-    };
-    let swatches: String = RAMP.into_iter().zip(NAMES).map(swatch).collect();
-    format!(
-        "<p class=\"legend\"><span>speed / V:</span>{swatches}<span><svg class=\"key\" \
-         viewBox=\"0 0 24 24\" aria-hidden=\"true\"><circle cx=\"12\" cy=\"12\" r=\"11\" \
-         fill=\"#9aa1a8\" stroke=\"{INK}\"/><path d=\"M5 19L19 5M2 12L12 2M12 22L22 12\" \
-         stroke=\"#3a424c\" stroke-width=\"3\"/></svg>frozen</span><span><svg class=\"key\" \
-         viewBox=\"0 0 24 24\" aria-hidden=\"true\"><circle cx=\"12\" cy=\"12\" r=\"11\" \
-         fill=\"{INK}\"/></svg>the intruder</span></p>\n"
-    )
-}
-
-/// What the picture of a run shows, with how many of its grains move ahead and behind.
-fn caption(flow: &FlowPicture, window: &Window, run: &RunSummary, summary: &Summary) -> String {
-    let units = &summary.units;
-    let unit = |name: &str| escape(&typeset(name));
-    let place = match summary.beds.len() {
-        0 | 1 => String::new(),
-        _ => format!(", {}", escape(&run.bed)),
-    };
-    let half = 0.5 * (flow.hi[0] - flow.lo[0]);
-    let seen = seen(flow, window);
-    let moving = |ahead: bool| {
-        // Each grain once: not the images beyond half the box.
-        let there = |s: &&Seen| !s.frozen && s.cut.x.abs() <= half && (s.cut.x >= 0.0) == ahead;
-        let all = || seen.iter().filter(there);
-        let fast = all().filter(|s| s.ratio >= MOVING).count();
-        format!("{} of {}", count(fast as u64), count(all().count() as u64))
-    };
-    format!(
-        "<b>Fr = {}</b>{place}, after a travel of {}&nbsp;{}. V&nbsp;=&nbsp;{}&nbsp;{}. Faster \
-         than {}&nbsp;V: {} free grains drawn ahead of the intruder&rsquo;s centre, {} behind it.",
-        short(flow.froude),
-        short(flow.travel),
-        unit(&units.length),
-        short(flow.speed),
-        unit(&units.speed),
-        short(MOVING),
-        moving(true),
-        moving(false),
-    )
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -357,7 +286,7 @@ mod tests {
             position,
             radius: 0.5,
             velocity,
-            frozen: false,
+            role: Role::Free,
         }
     }
 
@@ -370,6 +299,7 @@ mod tests {
             lo: [0.0; 3],
             hi: [20.0, 10.0, 30.0],
             intruder: ([19.0, 9.5, 4.0], 1.0),
+            moves: Moves::Intruder,
             grains: grains.to_vec(),
         }
     }

@@ -29,7 +29,7 @@ type Group = (
     &'static [(&'static str, Kind, &'static str)],
 );
 
-const GROUPS: [Group; 6] = [
+const GROUPS: [Group; 7] = [
     (
         "",
         "The experiment",
@@ -37,6 +37,7 @@ const GROUPS: [Group; 6] = [
             ("name", Kind::Bare, "of the scenario and its folder"),
             ("units", Kind::Bare, "system in which all inputs are given"),
             ("seed", Kind::Bare, "of every random number"),
+            ("seeds", Kind::Bare, "several: beds of their own for each"),
             ("gravity", Kind::Acceleration, "along &minus;z"),
         ],
     ),
@@ -78,6 +79,11 @@ const GROUPS: [Group; 6] = [
                 "whether a plane at z = 0 lies under the base",
             ),
             (
+                "pouring",
+                Kind::Bare,
+                "<code>at_once</code>, or <code>in_turn</code>: up to the intruder first, then over it",
+            ),
+            (
                 "settled",
                 Kind::Bare,
                 "the bed is at rest when its kinetic energy per grain, over the mean weight times \
@@ -117,6 +123,11 @@ const GROUPS: [Group; 6] = [
         "intruder",
         "The intruder",
         &[
+            (
+                "shape",
+                Kind::Bare,
+                "a sphere, or a cylinder along y, as long as the box is wide",
+            ),
             ("diameter", Kind::Length, "D of the sphere"),
             (
                 "density",
@@ -143,14 +154,46 @@ const GROUPS: [Group; 6] = [
         ],
     ),
     (
+        "lid",
+        "The lid",
+        &[
+            (
+                "effective_depth",
+                Kind::Length,
+                "h + (&pi; d/6)(&rho;<sub>lid</sub>/&rho;) of the intruder&rsquo;s centre; a bed for \
+                 each value",
+            ),
+            (
+                "density",
+                Kind::Density,
+                "of the lid&rsquo;s grains, instead",
+            ),
+            (
+                "pressure_gradient",
+                Kind::Bare,
+                "whether the bed below the lid has weight: with, without, or a bed of each kind",
+            ),
+        ],
+    ),
+    (
         "drag",
         "The drag",
         &[
             ("dt", Kind::Time, "time step, also of the pouring"),
             (
+                "moves",
+                Kind::Bare,
+                "the intruder, or the bed, carried past it by base and lid",
+            ),
+            (
                 "distance",
                 Kind::Length,
                 "travel: one for all speeds, or one for each",
+            ),
+            (
+                "own_wake",
+                Kind::Bare,
+                "whether the travel may be longer than the box, into the intruder&rsquo;s own wake",
             ),
             ("discard", Kind::Length, "travel left out of the means"),
             (
@@ -258,6 +301,13 @@ fn body(table: &str, rows: &[(String, &Value)], units: &Units) -> String {
     for (key, value) in rows {
         let known = group.and_then(|g| g.2.iter().find(|row| row.0 == key));
         let (kind, meaning) = known.map_or((Kind::Bare, ""), |row| (row.1, row.2));
+        let meaning = match (table, key.as_str()) {
+            // A shape is written out where it is no sphere.
+            ("intruder", "diameter") if rows.iter().any(|row| row.0 == "shape") => {
+                "D of the cylinder"
+            }
+            _ => meaning,
+        };
         out.push_str(&format!(
             "<tr><th scope=\"row\"><code>{}</code><small>{meaning}</small></th><td>{}</td>\
              <td>{}</td></tr>\n",
@@ -281,6 +331,11 @@ fn shown(value: &Value) -> String {
         Value::String(text) => escape(text),
         other => escape(&other.to_string()),
     }
+}
+
+/// The unit of a pressure.
+pub(super) fn pressure_unit(units: &Units) -> &str {
+    unit(Kind::Pressure, units)
 }
 
 /// The unit of a kind of number. Those that no result has are known by the system of units.

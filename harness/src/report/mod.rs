@@ -3,20 +3,32 @@
 //! The page is a pure function of what it shows: no time, no path and no name of a machine is in
 //! it, and it needs no other file.
 
+mod around;
 mod arrow;
 mod chart;
+mod course;
 mod flow;
+mod flowing;
 mod inputs;
 mod picture;
+mod plot;
+mod rig_table;
+mod scaling;
+mod scatter;
+mod statements;
 mod table;
 mod text;
 
+pub use course::Course;
 pub use flow::{FlowGrain, FlowPicture};
+pub use flowing::flowing_page;
 use table::{bed_table, plug_remark, rest_remark, run_table};
-pub(crate) use text::short;
 use text::{escape, plus_minus, typeset};
+pub(crate) use text::{number_with_error, short};
 
+use crate::scenario::Moves;
 use crate::series::SeriesRow;
+use crate::sim::Role;
 use crate::summary::{BedSummary, RunSummary, Summary};
 
 /// A settled bed to draw.
@@ -34,6 +46,8 @@ pub struct BedPicture {
     pub grains: Vec<PictureGrain>,
     /// Centre and radius of the intruder.
     pub intruder: ([f64; 3], f64),
+    /// Which of bed and intruder is to move along +x.
+    pub moves: Moves,
 }
 
 /// A grain to draw.
@@ -43,8 +57,8 @@ pub struct PictureGrain {
     pub position: [f64; 3],
     /// Its radius.
     pub radius: f64,
-    /// Whether it belongs to the frozen base.
-    pub frozen: bool,
+    /// Whether it is free, of the base or of the lid.
+    pub role: Role,
 }
 
 /// One self-contained HTML page. The series come in the order of the runs of the summary, the
@@ -56,25 +70,34 @@ pub fn page(
     pictures: &[BedPicture],
     flows: &[FlowPicture],
 ) -> String {
-    let name = escape(&summary.scenario);
-    let mut out = format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <title>{name}: drag of a sphere through a bed of grains</title>\n\
-         <style>{CSS}</style>\n</head>\n<body>\n<main>\n\
-         <header><h1>{name}</h1>\n\
-         <p class=\"kind\">Drag of a sphere through a bed of grains</p></header>\n"
-    );
+    let kind = "Drag of a sphere through a bed of grains";
+    let mut out = head(&escape(&summary.scenario), kind, "");
     out.push_str(&in_words(summary));
     out.push_str(&bed_figures(summary, pictures));
     out.push_str(&force_figures(summary, series));
     out.push_str(&froude_figure(summary));
-    out.push_str(&flow::section(summary, flows));
-    out.push_str(&numbers(summary));
+    let all: Vec<usize> = (0..summary.runs.len()).collect();
+    out.push_str(&around::section(summary, flows, &all));
+    out.push_str(&numbers(summary, "", ""));
     out.push_str(&inputs::section(scenario_text, &summary.units));
     out.push_str(&repeat(summary, scenario_text));
     out.push_str("</main>\n</body>\n</html>\n");
     out
+}
+
+/// The page up to what it shows: its name and, as title and line below it, its kind, which begins with a
+/// capital of its own.
+fn head(name: &str, kind: &str, style: &str) -> String {
+    let (first, rest) = kind.split_at(1);
+    let title = first.to_lowercase() + rest;
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <title>{name}: {title}</title>\n\
+         <style>{CSS}{style}</style>\n</head>\n<body>\n<main>\n\
+         <header><h1>{name}</h1>\n\
+         <p class=\"kind\">{kind}</p></header>\n"
+    )
 }
 
 /// The main numbers as a paragraph.
@@ -215,7 +238,7 @@ fn froude_figure(summary: &Summary) -> String {
         );
         format!(
             "<span>{}{}, depth {depth}</span>",
-            chart::marker(k),
+            plot::marker(k),
             escape(&bed.name)
         )
     };
@@ -237,8 +260,9 @@ fn froude_figure(summary: &Summary) -> String {
     )
 }
 
-/// All numbers as tables: a column for each bed or run, a row for each quantity.
-fn numbers(summary: &Summary) -> String {
+/// All numbers as tables: a column for each bed or run, a row for each quantity; those of flowing beds are
+/// given.
+fn numbers(summary: &Summary, rigs: &str, flows: &str) -> String {
     let units = &summary.units;
     let list = [
         ("lengths", &units.length),
@@ -258,8 +282,8 @@ fn numbers(summary: &Summary) -> String {
         _ => "",
     };
     format!(
-        "<section>\n<h2>Numbers</h2>\n<p>Units: {}{symbols}.</p>\n<h3>Beds</h3>\n{}{}\
-         <h3>Drags</h3>\n{}{}</section>\n",
+        "<section>\n<h2>Numbers</h2>\n<p>Units: {}{symbols}.</p>\n<h3>Beds</h3>\n{}{}{rigs}\
+         <h3>Drags</h3>\n{}{}{flows}</section>\n",
         list.join(", "),
         bed_table(&summary.beds, units),
         rest_remark(&summary.beds),

@@ -3,8 +3,10 @@
 use std::fmt::Write;
 
 use super::BedPicture;
-use super::chart::{Axis, axis};
+use super::plot::{Axis, axis};
 use super::text::{escape, typeset};
+use crate::scenario::Moves;
+use crate::sim::Role;
 
 /// Width of the drawing; the rest follows from the box, at equal aspect.
 const WIDTH: f64 = 500.0;
@@ -16,6 +18,9 @@ const TOP: f64 = 10.0;
 const BOTTOM: f64 = 46.0;
 /// Of lines, texts and the intruder.
 pub(super) const INK: &str = "#161b22";
+
+/// How grains of a lid are drawn: darker than free ones, without the hatching of the base.
+pub(super) const LID: &str = "fill=\"#7d9fbd\" stroke=\"#161b22\"";
 
 /// The circle in which a plane cuts a sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -104,15 +109,15 @@ fn cuts(bed: &BedPicture, y: f64, position: [f64; 3], radius: f64) -> Vec<Cut> {
 /// patterns of several pictures on a page apart.
 pub(super) fn slice(bed: &BedPicture, unit: &str, index: usize) -> Option<String> {
     let (centre, radius) = bed.intruder;
-    let all = |frozen: bool| -> Vec<Cut> {
-        let grains = bed.grains.iter().filter(|g| g.frozen == frozen);
+    let all = |role: Role| -> Vec<Cut> {
+        let grains = bed.grains.iter().filter(|g| g.role == role);
         grains
             .flat_map(|g| cuts(bed, centre[1], g.position, g.radius))
             .collect()
     };
-    let (free, frozen) = (all(false), all(true));
+    let (free, frozen, lid) = (all(Role::Free), all(Role::Base), all(Role::Lid));
     let intruder = cuts(bed, centre[1], centre, radius);
-    let drawn = || free.iter().chain(&frozen).chain(&intruder);
+    let drawn = || free.iter().chain(&frozen).chain(&lid).chain(&intruder);
     // The box may reach far above the bed, to where the grains fell from: draw what is filled.
     let top = drawn().fold(bed.surface, |top, c| top.max(c.z + c.radius));
     let low = drawn().fold(bed.lo[2], |low, c| low.min(c.z - c.radius));
@@ -133,6 +138,9 @@ pub(super) fn slice(bed: &BedPicture, unit: &str, index: usize) -> Option<String
     );
     let hatch = format!("fill=\"url(#hatch-{index})\" stroke=\"{INK}\"");
     circles(&mut out, &scale, &frozen, &hatch);
+    if !lid.is_empty() {
+        circles(&mut out, &scale, &lid, LID);
+    }
     circles(
         &mut out,
         &scale,
@@ -140,7 +148,12 @@ pub(super) fn slice(bed: &BedPicture, unit: &str, index: usize) -> Option<String
         &format!("fill=\"{INK}\" stroke=\"#fff\""),
     );
     if let Some(cut) = intruder.first() {
-        arrow(&mut out, &scale, cut);
+        let reach = scale.factor * cut.radius;
+        match bed.moves {
+            Moves::Intruder => arrow(&mut out, &scale, scale.x(cut.x), cut.z, reach + 34.0),
+            // In the bed, which is what moves.
+            Moves::Bed => arrow(&mut out, &scale, scale.x(bed.lo[0]) + 8.0, cut.z, 48.0),
+        }
     }
     out.push_str("</g>");
     lines(&mut out, &scale, bed);
@@ -196,11 +209,10 @@ pub(super) fn circles(out: &mut String, scale: &Scale, cuts: &[Cut], style: &str
     out.push_str("</g>");
 }
 
-/// From the intruder's centre along +x, dark with a light rim: seen on the intruder and on grains.
-fn arrow(out: &mut String, scale: &Scale, intruder: &Cut) {
-    let z = scale.z(intruder.z);
-    let length = scale.factor * intruder.radius + 34.0;
-    let tip = (scale.x(intruder.x) + length).min(scale.x(scale.hi[0]) - 4.0);
+/// Along +x, dark with a light rim: seen on the intruder and on grains.
+fn arrow(out: &mut String, scale: &Scale, from: f64, z: f64, length: f64) {
+    let z = scale.z(z);
+    let tip = (from + length).min(scale.x(scale.hi[0]) - 4.0);
     let (tail, neck) = (tip - length, tip - 11.0);
     let shape = format!(
         "M{tail:.1} {:.1}H{neck:.1}V{:.1}L{tip:.1} {z:.1}L{neck:.1} {:.1}V{:.1}H{tail:.1}Z",
@@ -304,7 +316,7 @@ mod tests {
         let grain = |(position, frozen): &([f64; 3], bool)| PictureGrain {
             position: *position,
             radius: 0.5,
-            frozen: *frozen,
+            role: if *frozen { Role::Base } else { Role::Free },
         };
         BedPicture {
             name: "<a>".into(),
@@ -313,6 +325,7 @@ mod tests {
             surface: 6.0,
             grains: grains.iter().map(grain).collect(),
             intruder: ([5.0, 1.0, 3.0], 1.0),
+            moves: Moves::Intruder,
         }
     }
 

@@ -9,14 +9,14 @@ use crate::units::Units;
 const PLUG: f64 = 0.1;
 
 /// Rows of a table under the names of its columns.
-struct Table<'a, T> {
+pub(super) struct Table<'a, T> {
     items: &'a [T],
     label: &'static str,
     html: String,
 }
 
 impl<'a, T> Table<'a, T> {
-    fn new(label: &'static str, items: &'a [T], name: impl Fn(&T) -> &str) -> Self {
+    pub(super) fn new(label: &'static str, items: &'a [T], name: impl Fn(&T) -> &str) -> Self {
         let head = |t: &T| format!("<th scope=\"col\">{}</th>", escape(name(t)));
         let heads: String = items.iter().map(head).collect();
         Table {
@@ -28,7 +28,7 @@ impl<'a, T> Table<'a, T> {
         }
     }
 
-    fn row(&mut self, name: &str, unit: &str, note: &str, cell: impl Fn(&T) -> String) {
+    pub(super) fn row(&mut self, name: &str, unit: &str, note: &str, cell: impl Fn(&T) -> String) {
         let unit = match unit {
             "" => String::new(),
             unit => format!(" <i>{}</i>", escape(&typeset(unit))),
@@ -41,7 +41,7 @@ impl<'a, T> Table<'a, T> {
         ));
     }
 
-    fn finish(self) -> String {
+    pub(super) fn finish(self) -> String {
         if self.items.is_empty() {
             return "<p>None.</p>\n".to_owned();
         }
@@ -107,12 +107,17 @@ pub(super) fn run_table(runs: &[RunSummary], units: &Units) -> String {
     let mut t = Table::new("Drags", runs, |r| &r.name);
     let (length, force) = (&units.length, &units.force);
     t.row("Bed", "", "it was dragged through", |r| escape(&r.bed));
-    t.row("Froude number", "", "2 V &radic;(2 D/g)/(D + d)", |r| {
-        exact(r.froude)
-    });
-    t.row("Speed V", &units.speed, "of the intruder along x", |r| {
-        exact(r.speed)
-    });
+    let flows = runs.iter().any(|r| r.flow.is_some());
+    if !flows {
+        t.row("Froude number", "", "2 V &radic;(2 D/g)/(D + d)", |r| {
+            exact(r.froude)
+        });
+    }
+    let note = match flows {
+        true => "of base and bed past the intruder along x",
+        false => "of the intruder along x",
+    };
+    t.row("Speed V", &units.speed, note, |r| exact(r.speed));
     t.row("Diameter D", length, "of the intruder", |r| {
         exact(r.diameter)
     });
@@ -148,7 +153,9 @@ pub(super) fn run_table(runs: &[RunSummary], units: &Units) -> String {
         exact(r.drag_uncut)
     });
     let note = "drag over the weight of the bed above the intruder's lowest point";
-    t.row("Plug ratio", "", note, |r| exact(r.plug_ratio));
+    if !flows {
+        t.row("Plug ratio", "", note, |r| exact(r.plug_ratio));
+    }
     t.row("Distance", length, "travelled", |r| exact(r.distance));
     t.row("Steps", "", "of the drag", |r| count(r.steps));
     t.row(
@@ -230,8 +237,10 @@ pub(super) fn rest_remark(beds: &[BedSummary]) -> String {
 
 /// A remark where the drag is a good part of the weight above, in words.
 pub(super) fn plug_remark(runs: &[RunSummary]) -> String {
+    // Base and lid carry a bed that flows, and its far grains tell how well.
     let most = runs
         .iter()
+        .filter(|r| r.flow.is_none())
         .map(|r| r.plug_ratio)
         .filter(|ratio| ratio.is_finite())
         .fold(0.0, |a, b| if b > a { b } else { a });

@@ -27,6 +27,7 @@ fn bed(x: f64) -> BedSummary {
         weight: x,
         support: x,
         digest: "0123abcd".into(),
+        rig: None,
     }
 }
 
@@ -51,6 +52,7 @@ pub fn run(x: f64) -> RunSummary {
         coordination: None,
         drag_uncut: x,
         plug_ratio: x,
+        flow: None,
         digest: "89ef".into(),
         digest_parts: vec![("grains".into(), "4567".into())],
     }
@@ -92,7 +94,7 @@ fn picture(x: f64) -> BedPicture {
     let grain = |z| PictureGrain {
         position: [2.0, 3.0, z],
         radius: 0.5,
-        frozen: z < 1.0,
+        role: if z < 1.0 { Role::Base } else { Role::Free },
     };
     BedPicture {
         name: "bed".into(),
@@ -101,6 +103,7 @@ fn picture(x: f64) -> BedPicture {
         surface: x,
         grains: vec![grain(0.5), grain(1.5), grain(x)],
         intruder: ([5.0, 3.0, 4.0], 1.0),
+        moves: Moves::Intruder,
     }
 }
 
@@ -109,7 +112,7 @@ fn flow(x: f64) -> FlowPicture {
         position: [2.0, 3.0, z],
         radius: 0.5,
         velocity: [x, 0.0, z],
-        frozen: z < 1.0,
+        role: if z < 1.0 { Role::Base } else { Role::Free },
     };
     FlowPicture {
         run: "fr".into(),
@@ -119,6 +122,7 @@ fn flow(x: f64) -> FlowPicture {
         lo: [0.0; 3],
         hi: [10.0; 3],
         intruder: ([5.0, 3.0, 4.0], 1.0),
+        moves: Moves::Intruder,
         grains: vec![grain(0.5), grain(1.5), grain(x)],
     }
 }
@@ -188,4 +192,92 @@ fn runs_without_a_picture_of_their_grains_are_named() {
     assert_eq!(text.matches("class=\"flow\"").count(), 1);
     assert!(text.contains("No picture of other."));
     assert!(page(&two, "", &[], &[], &[]).contains("No run has a picture of its grains."));
+}
+
+/// A page of flowing beds as [`crate::claims`] makes them up, with one picture of each kind.
+fn flowing(change: impl Fn(&mut Summary)) -> String {
+    use crate::claims::synthetic::{self, Asked};
+    let mut whole = synthetic::summary(&Asked::default());
+    change(&mut whole);
+    let mut picture = picture(5.0);
+    picture.name = whole.beds[0].name.clone();
+    picture.moves = Moves::Bed;
+    picture.grains[2].role = Role::Lid;
+    let mut flow = flow(5.0);
+    flow.run = whole.runs[0].name.clone();
+    flow.moves = Moves::Bed;
+    let row = |k: u32| crate::flow::FlowRow {
+        distance: f64::from(k),
+        packing: 0.6,
+        pressure: 2.0,
+        drag: 1.0,
+        ..crate::flow::FlowRow::default()
+    };
+    let course = Course {
+        rows: (1..30).map(row).collect(),
+        profile: vec![(0.0, 1.0, 0.99), (1.0, 2.0, 0.98)],
+    };
+    let text = whole.inputs.to_toml();
+    flowing_page(&whole, &text, &series(0.1), &[picture], &[flow], &[course])
+}
+
+#[test]
+fn a_flowing_bed_has_a_page_of_its_own() {
+    let page = flowing(|_| ());
+    let parts = [
+        "Drag and lift on a cylinder in a flowing bed",
+        "<h2>Beside the paper</h2>",
+        "C<sub>d</sub>&nbsp;=&nbsp;10",
+        "<b>agrees</b>",
+        "86162",
+        "D of the cylinder",
+        "through the bed moves to the left",
+        "Carried by the lid",
+    ];
+    for part in parts {
+        assert!(page.contains(part), "{part}");
+    }
+    for part in [
+        "Froude",
+        "Plug ratio",
+        "of a sphere",
+        "NaN",
+        "http",
+        "class=\"remark\"",
+    ] {
+        let inputs = page.find("<h2>Inputs").unwrap();
+        assert!(!page[..inputs].contains(part), "{part}");
+    }
+    assert_eq!(page, flowing(|_| ()));
+}
+
+#[test]
+fn what_spoils_a_flowing_bed_is_remarked_on() {
+    let page = flowing(|whole| {
+        let flow = whole.runs[2].flow.as_mut().unwrap();
+        (flow.far_field, flow.packing_fraction, flow.floating) = (0.9, 0.65, 3);
+    });
+    for part in [
+        "The bed slips",
+        "The bed crystallises",
+        "Grains above the lid",
+    ] {
+        assert!(page.contains(&format!("<b>{part}.</b>")), "{part}");
+    }
+}
+
+#[test]
+fn a_flowing_page_of_nothing_is_a_page() {
+    let page = |whole: &Summary| flowing_page(whole, "", &[], &[], &[], &[]);
+    let mut whole = crate::claims::synthetic::summary(&Default::default());
+    assert!(page(&whole).contains("No series of the flow."));
+    for run in &mut whole.runs {
+        run.drag.mean = f64::NAN;
+        run.flow.as_mut().unwrap().lift_over_buoyancy = f64::INFINITY;
+    }
+    let text = page(&whole);
+    assert!(!text.contains("NaN") && !text.contains("inf"), "{text}");
+    whole.runs.clear();
+    whole.beds.clear();
+    assert!(page(&whole).ends_with("</html>\n"));
 }

@@ -93,11 +93,20 @@ pub(super) fn count(n: u64) -> String {
     format!("<data value=\"{n}\">{text}</data>")
 }
 
-/// A mean to the second digit of its standard error.
+/// A mean to the second digit of its standard error, all digits in the markup.
 pub(super) fn plus_minus(value: Mean) -> String {
     let (mean, error) = (value.mean, value.standard_error);
     if !mean.is_finite() || !error.is_finite() {
         return format!("{}\u{a0}\u{b1}\u{a0}{}", exact(mean), exact(error));
+    }
+    let text = number_with_error(mean, error);
+    format!("<data value=\"{mean:?}\" title=\"{mean:?} \u{b1} {error:?}\">{text}</data>")
+}
+
+/// A number to the second digit of its error, as plain text.
+pub(crate) fn number_with_error(mean: f64, error: f64) -> String {
+    if !mean.is_finite() || !error.is_finite() {
+        return format!("{}\u{a0}\u{b1}\u{a0}{}", number(mean), number(error));
     }
     let exponent = scientific(mean, 6).1;
     let scaled = !(-4..7).contains(&exponent) && mean != 0.0;
@@ -123,8 +132,7 @@ pub(super) fn plus_minus(value: Mean) -> String {
         true => format!("({text}){}", power(exponent)),
         false => text,
     };
-    let text = text.replace('-', "\u{2212}");
-    format!("<data value=\"{mean:?}\" title=\"{mean:?} \u{b1} {error:?}\">{text}</data>")
+    text.replace('-', "\u{2212}")
 }
 
 pub(super) fn digest(hex: &str) -> String {

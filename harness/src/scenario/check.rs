@@ -1,7 +1,8 @@
 //! What is refused before anything runs.
 
-use super::{History, Scenario, UnitSystem};
+use super::{History, Scenario, Shape, UnitSystem};
 use crate::law::LawSpec;
+use crate::report::short;
 
 /// Most steps of one drag: a guard against a slip of the pen, a year on one core.
 const STEPS_MAX: u64 = 1_000_000_000_000;
@@ -22,13 +23,13 @@ const THINNEST: f64 = 4.0;
 /// Most snapshots of one drag: a guard of the disk against a slip of the pen.
 const SNAPSHOTS_MAX: u64 = 100_000;
 
-type Check = std::result::Result<(), (String, String)>;
+pub(super) type Check = std::result::Result<(), (String, String)>;
 
-fn refuse(key: &str, problem: impl Into<String>) -> Check {
+pub(super) fn refuse(key: &str, problem: impl Into<String>) -> Check {
     Err((key.to_string(), problem.into()))
 }
 
-fn positive(key: &str, value: f64) -> Check {
+pub(super) fn positive(key: &str, value: f64) -> Check {
     if value > 0.0 && value.is_finite() {
         return Ok(());
     }
@@ -45,6 +46,12 @@ impl Scenario {
             );
         }
         positive("gravity", self.gravity)?;
+        if !self.seeds.is_empty() && self.seed != 0 {
+            return refuse("seeds", "give seed or seeds, not both");
+        }
+        if (1..self.seeds.len()).any(|k| self.seeds[..k].contains(&self.seeds[k])) {
+            return refuse("seeds", "has a value twice; each pours beds of its own");
+        }
         self.check_bed()?;
         self.check_units()?;
         self.law
@@ -52,6 +59,7 @@ impl Scenario {
             .map_err(|(key, problem)| (format!("law.{key}"), problem))?;
         self.check_intruder()?;
         self.check_box()?;
+        self.check_rig()?;
         if self.measure.every == 0 {
             return refuse("measure.every", "is 0; expected at least 1 step");
         }
@@ -137,8 +145,29 @@ impl Scenario {
 
     fn check_intruder(&self) -> Check {
         let i = &self.intruder;
-        positive("intruder.diameter", i.diameter)?;
-        positive("intruder.density", i.density)?;
+        let diameters = i.diameter.values();
+        if diameters.is_empty() {
+            return refuse("intruder.diameter", "is empty; expected at least one value");
+        }
+        for &diameter in &diameters {
+            positive("intruder.diameter", diameter)?;
+        }
+        if (1..diameters.len()).any(|k| diameters[..k].contains(&diameters[k])) {
+            return refuse(
+                "intruder.diameter",
+                "has a value twice; each gets beds of its own",
+            );
+        }
+        match (i.shape, i.density) {
+            // A file's density belongs to its sphere, and that it is one is told below.
+            (Shape::Cylinder, Some(_)) if self.bed.file.is_none() => {
+                return refuse(
+                    "intruder.density",
+                    "is given, but a cylinder counts as an infinitely heavy wall; leave it out",
+                );
+            }
+            (_, density) => density.map_or(Ok(()), |rho| positive("intruder.density", rho))?,
+        }
         match (&i.height, &i.depth) {
             (Some(_), Some(_)) => {
                 return refuse("intruder.depth", "give height or depth, not both");
@@ -158,7 +187,7 @@ impl Scenario {
         } else {
             "intruder.froude"
         };
-        let speeds = self.speeds();
+        let speeds = self.speeds(diameters[0]);
         if speeds.is_empty() {
             return refuse(key, "is empty; expected at least one value");
         }
@@ -168,16 +197,30 @@ impl Scenario {
     }
 
     fn check_box(&self) -> Check {
+        for diameter in self.intruder.diameter.values() {
+            self.check_width(diameter)?;
+            if self.bed.file.is_none() {
+                self.check_filling(diameter)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether the box is wide enough for an intruder of this diameter; a cylinder lies along y.
+    fn check_width(&self, diameter: f64) -> Check {
         let [x, y, _] = self.bed.size;
         let most = self.bed.diameters[1];
-        let diameter = self.intruder.diameter;
-        let widest = if diameter > most {
+        let across = if diameter > most {
             0.5 * (most + diameter)
         } else {
             most
         };
-        for (length, axis) in [(x, "x"), (y, "y")] {
-            if length <= diameter {
+        let along_y = match self.intruder.shape {
+            Shape::Sphere => (diameter, across),
+            Shape::Cylinder => (0.0, most),
+        };
+        for (length, axis, (body, widest)) in [(x, "x", (diameter, across)), (y, "y", along_y)] {
+            if length <= body {
                 return refuse(
                     "intruder.diameter",
                     format!("is {diameter}, no smaller than the box along {axis}, {length}"),
@@ -194,17 +237,13 @@ impl Scenario {
                 );
             }
         }
-        if self.bed.file.is_some() {
-            return Ok(());
-        }
-        self.check_filling()
+        Ok(())
     }
 
     /// Whether the grains fill what a poured bed needs, round the intruder.
-    fn check_filling(&self) -> Check {
+    fn check_filling(&self, diameter: f64) -> Check {
         let [_, _, z] = self.bed.size;
-        let diameter = self.intruder.diameter;
-        let surface = self.expected_surface();
+        let surface = self.expected_surface(diameter);
         let thinnest = THINNEST * self.mean_diameter();
         if surface < thinnest {
             let key = if self.bed.grains.is_some() {
@@ -233,7 +272,7 @@ impl Scenario {
         } else {
             "intruder.depth"
         };
-        let heights = self.heights();
+        let heights = self.heights(diameter);
         if heights.is_empty() {
             return refuse(key, "is empty; expected at least one value");
         }
@@ -257,9 +296,10 @@ impl Scenario {
                 return refuse(
                     key,
                     format!(
-                        "puts the intruder between z = {} and {}: the box holds 0 to {z}",
-                        height - 0.5 * diameter,
-                        height + 0.5 * diameter
+                        "puts the intruder between z = {} and {}, but the box holds 0 to {z}: move it \
+                         or make the box higher",
+                        short(height - 0.5 * diameter),
+                        short(height + 0.5 * diameter)
                     ),
                 );
             }
@@ -297,10 +337,8 @@ impl Scenario {
 
     fn check_drag(&self) -> Check {
         let least = 0.5 * self.bed.diameters[0];
-        let radius = 0.5 * self.intruder.diameter;
-        let sizes = [(least, self.bed.density), (radius, self.intruder.density)];
         self.law
-            .check_time_step(self.drag.dt, sizes.into_iter())
+            .check_time_step(self.drag.dt, self.sizes().into_iter())
             .map_err(|p| ("drag.dt".to_string(), p))?;
         if self.bed.file.is_some() && self.drag.history == History::Kept {
             return refuse(
@@ -309,7 +347,8 @@ impl Scenario {
             );
         }
         self.check_damping()?;
-        let (speeds, distances) = (self.speeds(), self.drag.distance.values());
+        let diameters = self.intruder.diameter.values();
+        let (speeds, distances) = (self.speeds(diameters[0]), self.drag.distance.values());
         if distances.len() != 1 && distances.len() != speeds.len() {
             return refuse(
                 "drag.distance",
@@ -322,12 +361,12 @@ impl Scenario {
         }
         for distance in &distances {
             positive("drag.distance", *distance)?;
-            if *distance > self.bed.size[0] {
+            if *distance > self.bed.size[0] && !self.drag.own_wake {
                 return refuse(
                     "drag.distance",
                     format!(
                         "is {distance}, beyond one box length, {}: the intruder would meet its own \
-                         wake",
+                         wake; if that is what is wanted, set drag.own_wake = true",
                         self.bed.size[0]
                     ),
                 );
@@ -345,11 +384,13 @@ impl Scenario {
                 return refuse(
                     key,
                     format!(
-                        "is {given}: of a distance of {}, {} is discarded, and nothing is left",
+                        "is {given}: of a distance of {}, {} is discarded, and nothing is left to average; \
+                         lengthen drag.distance or shorten drag.discard",
                         run.distance, run.discard
                     ),
                 );
             }
+            self.check_window(&run)?;
             if run.steps > STEPS_MAX {
                 return refuse(
                     "drag.distance",

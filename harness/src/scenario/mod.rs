@@ -1,20 +1,25 @@
 //! Scenarios: what a user asks for, as TOML, with the papers' values as defaults.
 
-use std::path::{Path, PathBuf};
-
-use serde::{Deserialize, Serialize};
+use std::path::Path;
 
 mod check;
+mod keys;
 mod plan;
+mod rig;
 pub(crate) mod source;
 
-pub use plan::{BedPlan, PACKING_GUESS, RunPlan};
+pub use keys::{
+    Bed, Drag, Gradient, History, Intruder, Lid, Measure, Moves, Pouring, Scenario, Several, Shape,
+    UnitSystem,
+};
+pub use plan::{BedPlan, LidPlan, PACKING_GUESS, RunPlan};
+pub use rig::{BULK_FRICTION, DRAG_COEFFICIENT};
 
 use crate::error::{Error, Result, teach};
-use crate::law::LawSpec;
+use keys::kumar_law;
 
 /// Names and texts of the scenarios that ship with the program.
-pub const SHIPPED: [(&str, &str); 3] = [
+pub const SHIPPED: [(&str, &str); 6] = [
     ("quick", include_str!("../../scenarios/quick.toml")),
     (
         "kumar-system-1",
@@ -24,256 +29,19 @@ pub const SHIPPED: [(&str, &str); 3] = [
         "kumar-system-2",
         include_str!("../../scenarios/kumar-system-2.toml"),
     ),
+    (
+        "guillard-small",
+        include_str!("../../scenarios/guillard-small.toml"),
+    ),
+    (
+        "guillard-medium",
+        include_str!("../../scenarios/guillard-medium.toml"),
+    ),
+    (
+        "guillard-2014",
+        include_str!("../../scenarios/guillard-2014.toml"),
+    ),
 ];
-
-/// A whole experiment: a bed poured round a sphere, and the sphere dragged through it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Scenario {
-    /// What the run directory is called.
-    pub name: String,
-    /// Which units the numbers are in.
-    pub units: UnitSystem,
-    /// Seed of every random number.
-    #[serde(default)]
-    pub seed: u64,
-    /// Acceleration of gravity, along -z.
-    #[serde(default = "one")]
-    pub gravity: f64,
-    /// The bed.
-    pub bed: Bed,
-    /// The contact law; Kumar's by default.
-    #[serde(default = "kumar_law")]
-    pub law: LawSpec,
-    /// The sphere.
-    pub intruder: Intruder,
-    /// How it is dragged.
-    pub drag: Drag,
-    /// What is written down.
-    #[serde(default)]
-    pub measure: Measure,
-    /// Where the bed's file is, where the bed comes from one.
-    #[serde(skip)]
-    pub source: Option<PathBuf>,
-}
-
-/// Systems of units.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum UnitSystem {
-    /// Density, mean grain diameter and gravity are 1.
-    Reduced,
-    /// Metres, kilograms, seconds.
-    Si,
-}
-
-/// The bed.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Bed {
-    /// A bed of others instead of pouring: a LAMMPS data file or dump, plain or gzip, relative to the
-    /// scenario's file. Its box, grains and intruder give the values of the keys that are left out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub file: Option<String>,
-    /// BLAKE3 of that file's text, unpacked: another text under the same name is refused.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub hash: Option<String>,
-    /// Lengths along x and y (both periodic) and the height that the settled bed may fill.
-    #[serde(rename = "box")]
-    pub size: [f64; 3],
-    /// Number of grains, the intruder not counted; or give `fill_height`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub grains: Option<usize>,
-    /// Height to fill, from which the number of grains follows at a packing fraction of 0.6.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub fill_height: Option<f64>,
-    /// Diameters are uniform between these two.
-    #[serde(default = "kumar_diameters")]
-    pub diameters: [f64; 2],
-    /// Mass density of the grains.
-    #[serde(default = "one")]
-    pub density: f64,
-    /// Grains that settle with their centres below this height are frozen; 0 for none.
-    #[serde(default = "kumar_base")]
-    pub base: f64,
-    /// Whether a plane at z = 0 lies under the base.
-    #[serde(default = "yes")]
-    pub floor: bool,
-    /// The bed is settled when the kinetic energy per free grain, over its mean weight times the
-    /// mean diameter, falls below this.
-    #[serde(default = "settled")]
-    pub settled: f64,
-}
-
-/// One value or several.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(untagged)]
-pub enum Several {
-    /// One.
-    One(f64),
-    /// Several, in order.
-    Many(Vec<f64>),
-}
-
-impl<'de> Deserialize<'de> for Several {
-    fn deserialize<D: serde::Deserializer<'de>>(from: D) -> std::result::Result<Self, D::Error> {
-        struct Either;
-        impl<'de> serde::de::Visitor<'de> for Either {
-            type Value = Several;
-            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-                f.write_str("a number or a list of numbers")
-            }
-            fn visit_f64<E>(self, x: f64) -> std::result::Result<Several, E> {
-                Ok(Several::One(x))
-            }
-            fn visit_i64<E>(self, x: i64) -> std::result::Result<Several, E> {
-                Ok(Several::One(x as f64))
-            }
-            fn visit_u64<E>(self, x: u64) -> std::result::Result<Several, E> {
-                Ok(Several::One(x as f64))
-            }
-            fn visit_seq<A: serde::de::SeqAccess<'de>>(
-                self,
-                mut list: A,
-            ) -> std::result::Result<Several, A::Error> {
-                let mut values = Vec::new();
-                while let Some(x) = list.next_element()? {
-                    values.push(x);
-                }
-                Ok(Several::Many(values))
-            }
-        }
-        from.deserialize_any(Either)
-    }
-}
-
-impl Several {
-    /// The values in order.
-    pub fn values(&self) -> Vec<f64> {
-        match self {
-            Several::One(x) => vec![*x],
-            Several::Many(xs) => xs.clone(),
-        }
-    }
-}
-
-/// The sphere that is dragged. It starts in the middle of the box.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Intruder {
-    /// Diameter.
-    pub diameter: f64,
-    /// Mass density, as it enters the effective mass of its contacts.
-    #[serde(default = "one")]
-    pub density: f64,
-    /// Height of its centre above z = 0; or give `depth`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub height: Option<Several>,
-    /// Depth of its centre below the free surface expected at a packing fraction of 0.6; the depth
-    /// in the settled bed is measured. Each depth gets a bed of its own.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub depth: Option<Several>,
-    /// Speeds along x; or give `froude`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub speed: Option<Several>,
-    /// Froude numbers 2 V sqrt(2 D/g)/(D + d).
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub froude: Option<Several>,
-}
-
-/// The drag.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Drag {
-    /// Time step, also of the pouring.
-    pub dt: f64,
-    /// Travel of the intruder: one for all speeds, or one for each.
-    pub distance: Several,
-    /// Travel left out of the averages [default: the larger of D and a tenth of the distance].
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub discard: Option<f64>,
-    /// Whether the contacts keep their histories as the drag begins; those of a bed from a file have
-    /// none.
-    #[serde(default)]
-    pub history: History,
-}
-
-/// Tangential springs of the settled bed as the drag begins.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum History {
-    /// They stay.
-    #[default]
-    Kept,
-    /// They are emptied, and the forces evaluated anew before the intruder takes on its speed: how
-    /// LAMMPS begins a run from a data file.
-    Empty,
-}
-
-/// What is written down.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Measure {
-    /// Steps between rows of the force series.
-    #[serde(default = "hundred")]
-    pub every: u64,
-    /// Whether the series holds the torque on the intruder.
-    #[serde(default = "yes")]
-    pub torque: bool,
-    /// Whether it holds the number of grains that touch the intruder, their mean angle and the
-    /// coordination number near it.
-    #[serde(default = "yes")]
-    pub contacts: bool,
-    /// Snapshots of each drag, evenly spaced, the last at its end; 0 for none.
-    #[serde(default = "two")]
-    pub snapshots: u64,
-    /// Whether LAMMPS files, the beds' and the snapshots', are packed with gzip.
-    #[serde(default)]
-    pub gzip: bool,
-}
-
-impl Default for Measure {
-    fn default() -> Self {
-        Self {
-            every: hundred(),
-            torque: true,
-            contacts: true,
-            snapshots: two(),
-            gzip: false,
-        }
-    }
-}
-
-fn one() -> f64 {
-    1.0
-}
-fn yes() -> bool {
-    true
-}
-fn two() -> u64 {
-    2
-}
-fn hundred() -> u64 {
-    100
-}
-fn settled() -> f64 {
-    1e-6
-}
-fn kumar_diameters() -> [f64; 2] {
-    [0.9, 1.1]
-}
-fn kumar_base() -> f64 {
-    0.6
-}
-fn kumar_law() -> LawSpec {
-    LawSpec::HertzHistory {
-        kn: 2e8,
-        kt: 2.45e8,
-        gamma_n: 5e4,
-        gamma_t: 5e4,
-        mu: 0.5,
-    }
-}
 
 /// Loads a scenario by the name of a shipped one or the path of a file, changes keys as `sets` say
 /// (`key.subkey=value`), and checks it.
@@ -351,6 +119,9 @@ pub fn parse(text: &str, place: &str, sets: &[String], folder: &Path) -> Result<
         }
     };
     scenario.source = source;
+    if scenario.intruder.shape == Shape::Sphere && scenario.intruder.density.is_none() {
+        scenario.intruder.density = Some(1.0);
+    }
     scenario
         .check()
         .map_err(|(key, problem)| Error::input(format!("{place}: `{key}`"), problem))?;
@@ -362,6 +133,8 @@ fn refuse_reduced_defaults(table: &toml::Table, place: &str) -> Result<()> {
     if table.get("units").and_then(toml::Value::as_str) != Some("si") {
         return Ok(());
     }
+    let shape = table.get("intruder").and_then(|i| i.get("shape"));
+    let sphere = shape.is_none_or(|shape| shape.as_str() == Some("sphere"));
     let needed = [
         "gravity",
         "law",
@@ -370,7 +143,9 @@ fn refuse_reduced_defaults(table: &toml::Table, place: &str) -> Result<()> {
         "bed.base",
         "intruder.density",
     ];
-    for key in needed {
+    // A cylinder has no density, and of what is neither more will be said.
+    let needed = &needed[..needed.len() - usize::from(!sphere)];
+    for &key in needed {
         let found = match key.split_once('.') {
             None => table.get(key),
             Some((outer, inner)) => table.get(outer).and_then(|t| t.get(inner)),
@@ -432,6 +207,8 @@ fn apply(table: &mut toml::Table, set: &str) -> Result<()> {
         ("speed", "froude"),
         ("height", "depth"),
         ("grains", "fill_height"),
+        ("seed", "seeds"),
+        ("effective_depth", "density"),
     ] {
         if last == a {
             at.remove(b);

@@ -1,18 +1,40 @@
 //! What a scenario amounts to: units, numbers of grains, beds to pour and drags to run.
 
-use super::{Scenario, UnitSystem};
+use serde::{Deserialize, Serialize};
+
+use super::{Gradient, Moves, Scenario, Several, Shape, UnitSystem};
 use crate::units::Units;
 
 /// Packing fraction that plans assume before a bed has been poured.
 pub const PACKING_GUESS: f64 = 0.6;
 
-/// A bed to pour: its intruder and its name.
+/// A bed to make: its intruder, its lid, its seed and its name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BedPlan {
     /// Name of the bed and its files.
     pub name: String,
     /// Centre of the intruder.
     pub center: [f64; 3],
+    /// Its diameter.
+    pub diameter: f64,
+    /// Seed of every random number.
+    pub seed: u64,
+    /// What is put on top of the poured bed.
+    pub lid: Option<LidPlan>,
+}
+
+/// A lid to put on a bed. One of the two numbers is given.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LidPlan {
+    /// Effective depth that the lid is to give the intruder's centre.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub effective_depth: Option<f64>,
+    /// Mass density of its grains.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub density: Option<f64>,
+    /// Whether the bed below it keeps its weight.
+    pub pressure_gradient: bool,
 }
 
 /// One drag to run in a bed.
@@ -92,40 +114,71 @@ impl Scenario {
         std::f64::consts::PI / 6.0 * 0.25 * (a + b) * (a * a + b * b)
     }
 
-    /// Number of grains, given or from the fill height.
-    pub fn grain_count(&self) -> usize {
-        let [x, y, _] = self.bed.size;
+    /// Whether the bed's flow is measured too: round a cylinder, under a lid, and where it moves.
+    pub fn flows(&self) -> bool {
+        let sphere = self.intruder.shape == Shape::Sphere;
+        !sphere || self.lid.is_some() || self.drag.moves == Moves::Bed
+    }
+
+    /// Volume of an intruder of this diameter in the box.
+    pub fn intruder_volume(&self, diameter: f64) -> f64 {
+        match self.intruder.shape {
+            Shape::Sphere => crate::sim::sphere_mass(diameter, 1.0),
+            Shape::Cylinder => std::f64::consts::PI / 4.0 * diameter * diameter * self.bed.size[1],
+        }
+    }
+
+    /// Number of grains round an intruder of this diameter, given or from the fill height.
+    pub fn grain_count(&self, diameter: f64) -> usize {
         match (self.bed.grains, self.bed.fill_height) {
             (Some(n), _) => n,
-            (None, Some(height)) => {
-                let ball = crate::sim::sphere_mass(self.intruder.diameter, 1.0);
-                ((x * y * height - ball) * PACKING_GUESS / self.mean_volume()) as usize
-            }
+            (None, Some(height)) => self.filling(height, self.intruder_volume(diameter)),
             (None, None) => 0,
         }
     }
 
-    /// Height of the free surface expected at a packing fraction of 0.6.
-    pub fn expected_surface(&self) -> f64 {
+    /// How many grains fill the box to this height at the packing fraction that plans assume, but for
+    /// the volume of an obstacle.
+    pub(crate) fn filling(&self, height: f64, obstacle: f64) -> usize {
         let [x, y, _] = self.bed.size;
-        let ball = crate::sim::sphere_mass(self.intruder.diameter, 1.0);
-        (self.grain_count() as f64 * self.mean_volume() / PACKING_GUESS + ball) / (x * y)
+        ((x * y * height - obstacle) * PACKING_GUESS / self.mean_volume()) as usize
+    }
+
+    /// Height of the free surface expected at a packing fraction of 0.6.
+    pub fn expected_surface(&self, diameter: f64) -> f64 {
+        let [x, y, _] = self.bed.size;
+        let grains = self.grain_count(diameter) as f64;
+        let ball = self.intruder_volume(diameter);
+        (grains * self.mean_volume() / PACKING_GUESS + ball) / (x * y)
+    }
+
+    /// Effective depth that a lid of this density adds: `(pi d/6)(rho_lid/rho)` (Guillard 2014,
+    /// section III A); `bulk_density` is `rho = phi rho_g`.
+    pub fn lid_depth(&self, lid_density: f64, bulk_density: f64) -> f64 {
+        std::f64::consts::PI * self.mean_diameter() / 6.0 * (lid_density / bulk_density)
+    }
+
+    /// Grains of the lid's square lattice along x and y.
+    pub fn lid_sites(&self) -> [usize; 2] {
+        let d = self.mean_diameter();
+        [self.bed.size[0], self.bed.size[1]].map(|length| (length / d).round() as usize)
     }
 
     /// Froude number of a speed: 2 V sqrt(2 D/g)/(D + d) (Kumar 2018, eq. 4).
-    pub fn froude(&self, speed: f64) -> f64 {
-        2.0 * speed * self.fall_time() / (self.intruder.diameter + self.mean_diameter())
+    pub fn froude(&self, speed: f64, diameter: f64) -> f64 {
+        2.0 * speed * self.fall_time(diameter) / (diameter + self.mean_diameter())
     }
 
-    fn fall_time(&self) -> f64 {
-        (2.0 * self.intruder.diameter / self.gravity).sqrt()
+    fn fall_time(&self, diameter: f64) -> f64 {
+        (2.0 * diameter / self.gravity).sqrt()
     }
 
-    pub(super) fn heights(&self) -> Vec<f64> {
+    /// Heights of the centre of an intruder of this diameter.
+    pub(super) fn heights(&self, diameter: f64) -> Vec<f64> {
         match (&self.intruder.height, &self.intruder.depth) {
             (Some(heights), _) => heights.values(),
             (None, Some(depths)) => {
-                let surface = self.expected_surface();
+                let surface = self.expected_surface(diameter);
                 depths.values().iter().map(|h| surface - h).collect()
             }
             (None, None) => vec![],
@@ -133,16 +186,16 @@ impl Scenario {
     }
 
     /// Speeds with their Froude numbers, whichever of the two was given kept as it is.
-    pub(super) fn speeds(&self) -> Vec<(f64, f64)> {
+    pub(super) fn speeds(&self, diameter: f64) -> Vec<(f64, f64)> {
         match (&self.intruder.speed, &self.intruder.froude) {
             (Some(speeds), _) => speeds
                 .values()
                 .iter()
-                .map(|&v| (v, self.froude(v)))
+                .map(|&v| (v, self.froude(v, diameter)))
                 .collect(),
             (None, Some(numbers)) => {
-                let width = self.intruder.diameter + self.mean_diameter();
-                let per_froude = width / (2.0 * self.fall_time());
+                let width = diameter + self.mean_diameter();
+                let per_froude = width / (2.0 * self.fall_time(diameter));
                 numbers
                     .values()
                     .iter()
@@ -153,29 +206,79 @@ impl Scenario {
         }
     }
 
-    /// The beds to pour.
+    /// The seeds, one or several.
+    pub fn all_seeds(&self) -> Vec<u64> {
+        if self.seeds.is_empty() {
+            vec![self.seed]
+        } else {
+            self.seeds.clone()
+        }
+    }
+
+    /// What is put on top of a bed whose intruder is this deep, by effective depth and then with the
+    /// pressure gradient first.
+    pub(super) fn lids(&self, depth: f64) -> Vec<Option<LidPlan>> {
+        let Some(lid) = &self.lid else {
+            return vec![None];
+        };
+        let list = |key: &Option<Several>| key.as_ref().map_or(vec![], Several::values);
+        let deep = list(&lid.effective_depth);
+        let dense = list(&lid.density);
+        let asked = deep.iter().map(|&h| (Some(h), None));
+        let asked = asked.chain(dense.iter().map(|&rho| (None, Some(rho))));
+        let gradients: &[bool] = match lid.pressure_gradient {
+            Gradient::With => &[true],
+            Gradient::Without => &[false],
+            Gradient::Both => &[true, false],
+        };
+        let mut lids = Vec::new();
+        for (effective_depth, density) in asked {
+            for &pressure_gradient in gradients {
+                // At the bed's own depth its own weight does.
+                let bare = pressure_gradient
+                    && effective_depth
+                        .is_some_and(|h| (h - depth).abs() <= 0.5 * self.mean_diameter());
+                lids.push((!bare).then_some(LidPlan {
+                    effective_depth,
+                    density,
+                    pressure_gradient,
+                }));
+            }
+        }
+        lids
+    }
+
+    /// The beds to make, by diameter, height, lid and seed.
     pub fn beds(&self) -> Vec<BedPlan> {
-        let heights = self.heights();
         let [x, y, _] = self.bed.size;
-        heights
-            .iter()
-            .enumerate()
-            .map(|(k, &z)| BedPlan {
-                name: if heights.len() == 1 {
-                    "bed".into()
-                } else {
-                    format!("bed-{}", k + 1)
-                },
-                center: [0.5 * x, 0.5 * y, z],
-            })
-            .collect()
+        let mut beds = Vec::new();
+        for diameter in self.intruder.diameter.values() {
+            for z in self.heights(diameter) {
+                for lid in self.lids(self.expected_surface(diameter) - z) {
+                    for seed in self.all_seeds() {
+                        beds.push(BedPlan {
+                            name: format!("bed-{}", beds.len() + 1),
+                            center: [0.5 * x, 0.5 * y, z],
+                            diameter,
+                            seed,
+                            lid,
+                        });
+                    }
+                }
+            }
+        }
+        if let [one] = &mut beds[..] {
+            one.name = "bed".into();
+        }
+        beds
     }
 
     /// The drags to run, by bed and then speed.
     pub fn runs(&self) -> Vec<RunPlan> {
-        let (beds, speeds, distances) = (self.beds(), self.speeds(), self.drag.distance.values());
+        let (beds, distances) = (self.beds(), self.drag.distance.values());
         let mut runs = Vec::new();
         for (bed, plan) in beds.iter().enumerate() {
+            let speeds = self.speeds(plan.diameter);
             for (k, &(speed, froude)) in speeds.iter().enumerate() {
                 let distance = distances[if distances.len() == 1 { 0 } else { k }];
                 let run = format!("run-{}", k + 1);
@@ -184,11 +287,7 @@ impl Scenario {
                 } else {
                     format!("{}-{run}", plan.name)
                 };
-                let default = if 0.1 * distance > self.intruder.diameter {
-                    0.1 * distance
-                } else {
-                    self.intruder.diameter
-                };
+                let default = self.default_discard(plan.diameter, distance);
                 let steps = (distance / (speed * self.drag.dt)).round() as u64;
                 let wanted = self.measure.snapshots;
                 let share = |k: u64| (u128::from(steps) * u128::from(k)).div_ceil(wanted.into());
@@ -207,5 +306,15 @@ impl Scenario {
             }
         }
         runs
+    }
+
+    /// Travel left out of the averages where the scenario does not say: the larger of D and a tenth
+    /// of the distance; for a cylinder 2 D (Guillard 2014, section III A).
+    fn default_discard(&self, diameter: f64, distance: f64) -> f64 {
+        match self.intruder.shape {
+            Shape::Cylinder => 2.0 * diameter,
+            Shape::Sphere if 0.1 * distance > diameter => 0.1 * distance,
+            Shape::Sphere => diameter,
+        }
     }
 }

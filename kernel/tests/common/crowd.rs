@@ -49,7 +49,7 @@ pub fn tsuji() -> HertzTsuji<f64> {
 }
 
 /// Storage for a crowd of up to 64 grains, listed up to 0.6 diameters beyond touching.
-pub type Crowd = Store<f64, 64, 1024, 4>;
+pub type Crowd = Store<f64, 64, 1024, 5>;
 
 /// Random numbers from 0 to 1 that one grain takes.
 pub const PER_GRAIN: usize = 5;
@@ -90,14 +90,14 @@ pub fn crowd(seed: &[f64], packing: &Packing, units: &Units, skin: f64) -> Box<C
     let mut motion = Vec::new();
     for (k, u) in seed.as_chunks::<PER_GRAIN>().0.iter().enumerate() {
         let site = [k % 4, k / 4 % 4, k / 16].map(|c| c as f64);
-        let group = [0, 0, 1, 0, 2, 0, 0, 3][k % 8];
+        let group = [0, 0, 1, 0, 2, 4, 0, 3][k % 8];
         let speed = 2.0 * scale.sqrt();
         let velocity = match group {
             1 => [0.0; 3],
             2 => [0.3 * scale, 0.0, 0.0],
             _ => [u[0] - 0.5, u[1] - 0.5, u[2] - 1.0].map(|v| v * speed),
         };
-        let spin = if group == 0 {
+        let spin = if group == 0 || group == 4 {
             [u[3], u[4], u[0]].map(|w| 4.0 * w)
         } else {
             [0.0; 3]
@@ -124,7 +124,8 @@ pub fn crowd(seed: &[f64], packing: &Packing, units: &Units, skin: f64) -> Box<C
     store
 }
 
-/// The four groups, and a floor, a ball with its own mass and a bar that come down on the crowd.
+/// The five groups, the last without weight, and a floor, a ball with its own mass and a bar that come
+/// down on the crowd.
 fn add_bodies(store: &mut Crowd, seed: &[f64], units: &Units) {
     let scale = units.length;
     let down = |g: f64| [0.0, 0.0, -g * units.gravity];
@@ -133,6 +134,7 @@ fn add_bodies(store: &mut Crowd, seed: &[f64], units: &Units) {
         Group::frozen(),
         Group::carried(),
         Group::lid(down(2.0)),
+        Group::free([0.0; 3]),
     ] {
         store.add_group(group).unwrap();
     }

@@ -9,6 +9,11 @@ use crate::error::{Error, Result};
 use crate::law::LawSpec;
 use crate::sim::{Grain, Sim, sphere_mass};
 
+mod check;
+mod motion;
+
+pub use motion::MotionSpec;
+
 /// A case as its file spells it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -87,19 +92,6 @@ pub enum ObstacleSpec {
     },
 }
 
-/// How a grain moves.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum MotionSpec {
-    /// By forces and gravity.
-    #[default]
-    Free,
-    /// Not at all; infinitely heavy in a contact.
-    Frozen,
-    /// At this velocity, without spin.
-    Carried([f64; 3]),
-}
-
 /// A grain.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -166,136 +158,9 @@ pub fn parse(text: &str, name: &str) -> Result<Case> {
             "text after the end of the case; expected one JSON object",
         )
     })?;
-    check(&case).map_err(|(key, problem)| Error::input(format!("{name}: `{key}`"), problem))?;
+    check::check(&case)
+        .map_err(|(key, problem)| Error::input(format!("{name}: `{key}`"), problem))?;
     Ok(case)
-}
-
-type Refusal = (String, String);
-
-fn check(case: &Case) -> std::result::Result<(), Refusal> {
-    case.law
-        .build()
-        .map_err(|(key, problem)| (format!("law.{key}"), problem))?;
-    if case.grains.is_empty() {
-        return Err((
-            "grains".into(),
-            "is empty; expected at least one grain".into(),
-        ));
-    }
-    finite("gravity", &case.gravity)?;
-    for (k, g) in case.grains.iter().enumerate() {
-        check_grain(g, &format!("grains[{k}]"))?;
-    }
-    let mut ids: Vec<u32> = case.grains.iter().map(|g| g.id).collect();
-    ids.sort_unstable();
-    if let Some(pair) = ids.windows(2).find(|p| p[0] == p[1]) {
-        let problem = format!("id {} appears twice; ids must differ", pair[0]);
-        return Err(("grains".into(), problem));
-    }
-    for (k, o) in case.obstacles.iter().enumerate() {
-        check_obstacle(o, &format!("obstacles[{k}]"))?;
-    }
-    let sizes = case.grains.iter().map(|g| (0.5 * g.diameter, g.density));
-    case.law
-        .check_time_step(case.dt, sizes)
-        .map_err(|p| ("dt".to_string(), p))
-}
-
-fn check_grain(g: &GrainSpec, place: &str) -> std::result::Result<(), Refusal> {
-    if g.id == 0 {
-        return Err((format!("{place}.id"), "is 0; ids begin at 1".into()));
-    }
-    positive(&format!("{place}.diameter"), g.diameter)?;
-    positive(&format!("{place}.density"), g.density)?;
-    finite(&format!("{place}.position"), &g.position)?;
-    finite(&format!("{place}.velocity"), &g.velocity)?;
-    finite(&format!("{place}.spin"), &g.spin)?;
-    let rests = g.velocity == [0.0; 3] && g.spin == [0.0; 3];
-    match g.motion {
-        MotionSpec::Free => Ok(()),
-        MotionSpec::Frozen if rests => Ok(()),
-        MotionSpec::Frozen => Err((
-            place.into(),
-            "a frozen grain has a velocity or spin; leave them out or make it free".into(),
-        )),
-        MotionSpec::Carried(v) => {
-            finite(&format!("{place}.motion.carried"), &v)?;
-            if g.spin == [0.0; 3] && (g.velocity == [0.0; 3] || g.velocity == v) {
-                Ok(())
-            } else {
-                let problem = "a carried grain has a spin or another velocity; leave them out";
-                Err((place.into(), problem.into()))
-            }
-        }
-    }
-}
-
-fn check_obstacle(o: &ObstacleSpec, place: &str) -> std::result::Result<(), Refusal> {
-    let at = |key: &str| format!("{place}.{key}");
-    match o {
-        ObstacleSpec::Plane {
-            point,
-            normal,
-            velocity,
-        } => {
-            finite(&at("point"), point)?;
-            direction(&at("normal"), normal)?;
-            finite(&at("velocity"), velocity)
-        }
-        ObstacleSpec::Sphere {
-            center,
-            diameter,
-            density,
-            velocity,
-        } => {
-            finite(&at("center"), center)?;
-            positive(&at("diameter"), *diameter)?;
-            if let Some(density) = density {
-                positive(&at("density"), *density)?;
-            }
-            finite(&at("velocity"), velocity)
-        }
-        ObstacleSpec::Cylinder {
-            center,
-            axis,
-            diameter,
-            velocity,
-        } => {
-            finite(&at("center"), center)?;
-            direction(&at("axis"), axis)?;
-            positive(&at("diameter"), *diameter)?;
-            finite(&at("velocity"), velocity)
-        }
-    }
-}
-
-fn positive(key: &str, value: f64) -> std::result::Result<(), Refusal> {
-    if value > 0.0 && value.is_finite() {
-        return Ok(());
-    }
-    Err((
-        key.into(),
-        format!("is {value}; expected a positive number"),
-    ))
-}
-
-fn finite(key: &str, v: &[f64; 3]) -> std::result::Result<(), Refusal> {
-    if v.iter().all(|x| x.is_finite()) {
-        return Ok(());
-    }
-    Err((key.into(), "has a component that is not finite".into()))
-}
-
-fn direction(key: &str, v: &[f64; 3]) -> std::result::Result<(), Refusal> {
-    finite(key, v)?;
-    let squared = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-    if squared.is_normal() {
-        return Ok(());
-    }
-    Err((
-        key.into(),
-        "has no length; expected a direction such as [0, 0, 1]".into(),
-    ))
 }
 
 impl ObstacleSpec {
@@ -364,6 +229,8 @@ impl Case {
                 MotionSpec::Free => (0, g.velocity),
                 MotionSpec::Frozen => (1, g.velocity),
                 MotionSpec::Carried(v) => (2, v),
+                MotionSpec::Weightless => (3, g.velocity),
+                MotionSpec::Lid([x, y]) => (4, [x, y, g.velocity[2]]),
             };
             grains.push(Grain {
                 id: g.id,
@@ -380,7 +247,13 @@ impl Case {
         for body in &mut obstacles {
             domain.wrap(&mut body.point, &mut [0; 3]);
         }
-        let groups = vec![Group::free(self.gravity), Group::frozen(), Group::carried()];
+        let groups = vec![
+            Group::free(self.gravity),
+            Group::frozen(),
+            Group::carried(),
+            Group::free([0.0; 3]),
+            Group::lid(self.gravity),
+        ];
         let mut sim = Sim::new(law, domain, self.dt, groups, &grains, obstacles);
         sim.start_watched(watch).map_err(|fault| {
             refuse(name, fault, |id| {

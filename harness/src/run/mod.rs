@@ -1,27 +1,34 @@
 //! A whole experiment: scenario, beds, drags, summary, report. Each stage hands its result to the
 //! next through files of the run directory, in a first run too.
 
+mod beds;
+mod summarise;
+
+pub use beds::bare_beds;
+
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use bitgrain_kernel::{BITS_VERSION, PARTS, Pushed};
+use bitgrain_kernel::{BITS_VERSION, Pushed};
 use rayon::ThreadPoolBuilder;
 use serde::Serialize;
 
 use crate::bed::library::Library;
-use crate::bed::recipe::Recipe;
 use crate::blocks::METHOD;
-use crate::drag::{Means, Record};
+use crate::coefficients::table_text;
+use crate::drag::Record;
 use crate::error::{Error, Result};
 use crate::files::{check_writable, write_text, write_whole};
 use crate::folder::Folder;
 use crate::progress::{Progress, Stage};
 use crate::report;
-use crate::scenario::{BedPlan, RunPlan, Scenario};
+use crate::scenario::{BedPlan, RunPlan, Scenario, UnitSystem};
 use crate::series::series_text;
-use crate::sim::{Sim, hex};
+use crate::sim::Sim;
 use crate::summary::{BedSummary, RunRecord, RunSummary, Summary};
-use crate::{bed, checkpoint, drag, export, lammps, present};
+use crate::{checkpoint, drag, export, flow, lammps, present};
+use beds::{pour_bare, settle_one};
+use summarise::summarise;
 
 /// Timings and other facts of the machine, kept apart from the results.
 #[derive(Serialize)]
@@ -73,16 +80,36 @@ pub fn run(
                 format!("{threads} threads cannot be started: {e}"),
             )
         })?;
+    let si = scenario.units == UnitSystem::Si;
+    let (d, density) = (scenario.mean_diameter(), scenario.bed.density);
+    if let Some(table) = table_text(&scenario.law, d, density, si) {
+        progress.line(table.trim_end());
+    }
     let (plans, runs) = (scenario.beds(), scenario.runs());
+    let height = |plan: &BedPlan| plan.center[2] as u64;
+
+    // What lies below lids first: several lids lie on one bed.
+    let mut bare = bare_beds(scenario);
+    if plans.iter().all(|plan| plan.lid.is_none()) {
+        bare.clear();
+    }
+    let poured = side_by_side(
+        &pool,
+        bare.len(),
+        |k| height(&bare[k]),
+        |k| pour_bare(scenario, &bare[k], &folder, library, progress),
+    );
+    let mut stages: Vec<StagePerformance> = poured.into_iter().collect::<Result<_>>()?;
 
     let beds = side_by_side(
         &pool,
         plans.len(),
-        |k| plans[k].center[2] as u64,
+        |k| height(&plans[k]),
         |k| settle_one(scenario, &plans[k], &folder, library, progress),
     );
     let beds: Vec<(BedSummary, StagePerformance)> = beds.into_iter().collect::<Result<_>>()?;
-    let (beds, mut stages): (Vec<_>, Vec<_>) = beds.into_iter().unzip();
+    let (beds, timed): (Vec<_>, Vec<_>) = beds.into_iter().unzip();
+    stages.extend(timed);
 
     let dragged = side_by_side(
         &pool,
@@ -154,79 +181,6 @@ fn timed(stage: Stage, how: &str, sim: &Sim, steps: u64) -> StagePerformance {
     }
 }
 
-/// A settled bed in the run directory: from the library, poured and kept there, or imported.
-fn settle_one(
-    scenario: &Scenario,
-    plan: &BedPlan,
-    folder: &Folder<'_>,
-    library: &Library,
-    progress: &Progress,
-) -> Result<(BedSummary, StagePerformance)> {
-    let name = format!("bed {}", plan.name);
-    let mut stage = progress.stage(&name, bed::pouring_steps(scenario));
-    let path = folder.bed(&plan.name);
-    let from = fetch_bed(scenario, plan, &path, library, &mut stage)?;
-    let mut sim = checkpoint::read(&path)?;
-    let title = format!("{} of {}: atom_style sphere", plan.name, scenario.name);
-    let data = lammps::data_text(&export::atoms(&sim, true), &title);
-    write_text(&folder.bed_data(&plan.name), &data, scenario.measure.gzip)?;
-    let steps = if from == "poured" {
-        sim.step_count()
-    } else {
-        0
-    };
-    let performance = timed(stage, from, &sim, steps);
-    let summary = bed::survey(&plan.name, &scenario.measures(), &mut sim);
-    progress.line(&format!(
-        "{}: {} grains {from} ({} steps, {:.1} s); surface at {}, depth {}, packing fraction {:.3}, \
-         coordination number {:.2}, weight carried {:.4}",
-        plan.name,
-        summary.grains,
-        summary.steps,
-        performance.seconds,
-        report::short(summary.surface),
-        report::short(summary.depth),
-        summary.packing_fraction,
-        summary.coordination_number,
-        summary.support / summary.weight,
-    ));
-    Ok((summary, performance))
-}
-
-/// Puts the checkpoint of a settled bed where the run wants it, and says where it came from.
-fn fetch_bed(
-    scenario: &Scenario,
-    plan: &BedPlan,
-    path: &Path,
-    library: &Library,
-    stage: &mut Stage,
-) -> Result<&'static str> {
-    if let Some(source) = &scenario.source {
-        let mut sim = bed::import::bed(scenario, source)?;
-        write_whole(path, &checkpoint::bytes(&mut sim, ""))?;
-        return Ok("imported");
-    }
-    let recipe = Recipe::new(scenario, plan);
-    if let Some(bytes) = library.find(&recipe)? {
-        write_whole(path, &bytes)?;
-        return Ok("reused");
-    }
-    // An earlier run may have poured it and then found no room in the library.
-    let digest = recipe.digest();
-    let here = std::fs::read(path).ok();
-    let here = here.filter(|bytes| checkpoint::parse(bytes, "", Some(&digest)).is_ok());
-    if let Some(bytes) = here {
-        library.keep(&recipe, &bytes)?;
-        return Ok("reused");
-    }
-    let mut sim = bed::pour(scenario, plan, stage)?;
-    let bytes = checkpoint::bytes(&mut sim, &digest);
-    // First where it is used: what was poured for days is not lost for want of a library.
-    write_whole(path, &bytes)?;
-    library.keep(&recipe, &bytes)?;
-    Ok("poured")
-}
-
 fn drag_one(
     scenario: &Scenario,
     plan: &RunPlan,
@@ -254,8 +208,13 @@ fn drag_one(
         |file: &str, text: String| write_whole(&folder.of_run(&plan.name, file), text.as_bytes());
     write("angles.csv", record.angles.text())?;
     write("coordination.csv", record.coordination.text())?;
+    if let Some(gauge) = &record.flow {
+        let rows = flow::flow_text(&scenario.units(), &gauge.rows);
+        write("flow.csv", rows)?;
+        write("profile.csv", gauge.profile.text())?;
+    }
     let performance = timed(stage, "dragged", &sim, plan.steps);
-    let summary = summarise(scenario, plan, bed, &means, &mut sim);
+    let summary = summarise(scenario, plan, bed, &means, &record, &mut sim);
     let whole = RunRecord {
         version: env!("CARGO_PKG_VERSION").into(),
         bits_version: BITS_VERSION,
@@ -275,6 +234,18 @@ fn drag_one(
         scenario.units().force,
         performance.seconds
     ));
+    if let Some(flow) = &summary.flow {
+        progress.line(&format!(
+            "{}: drag/(rho g h D L) {:.2} +- {:.2}, lift {:.1} +- {:.1} buoyancies, far bed at {:.3} of \
+             the speed",
+            plan.name,
+            flow.drag_coefficient,
+            flow.drag_coefficient_error,
+            flow.lift_over_buoyancy,
+            flow.lift_over_buoyancy_error,
+            flow.far_field
+        ));
+    }
     Ok((summary, performance))
 }
 
@@ -302,47 +273,6 @@ fn write_snapshot(
         "vtk",
         export::vtk_contacts(sim, contacts, &title),
     )
-}
-
-fn summarise(
-    scenario: &Scenario,
-    plan: &RunPlan,
-    bed: &BedSummary,
-    means: &Means,
-    sim: &mut Sim,
-) -> RunSummary {
-    let digest = sim.digest();
-    let [x, y, _] = scenario.bed.size;
-    let diameter = scenario.intruder.diameter;
-    let weight = bed.packing_fraction * scenario.bed.density * scenario.gravity;
-    let above = weight * (x * y) * (bed.depth + 0.5 * diameter);
-    RunSummary {
-        name: plan.name.clone(),
-        bed: bed.name.clone(),
-        froude: plan.froude,
-        speed: plan.speed,
-        diameter,
-        depth: bed.depth,
-        distance: plan.distance,
-        steps: plan.steps,
-        window_start: plan.discard,
-        window_end: plan.distance,
-        window_steps: means.window_steps,
-        drag: means.drag,
-        lift: means.lift,
-        side: means.side,
-        contacts: means.contacts,
-        contact_angle: means.contact_angle,
-        coordination: means.coordination,
-        drag_uncut: means.drag_uncut,
-        plug_ratio: means.drag.mean / above,
-        digest: hex(&digest.whole),
-        digest_parts: PARTS
-            .iter()
-            .zip(digest.parts())
-            .map(|(name, part)| (name.to_string(), hex(part)))
-            .collect(),
-    }
 }
 
 /// Writes a value as JSON; a number that is not finite, which JSON would turn into null, is refused.

@@ -1,0 +1,310 @@
+//! Rest: when the fall is over, how the motion left is taken out, and when a bed counts as settled.
+
+use bitgrain_kernel::{Bond, Fault};
+
+use super::Measures;
+use crate::error::{Error, Result};
+use crate::observe::{INTRUDER, weight_and_support};
+use crate::progress::Stage;
+use crate::scenario::{BedPlan, Moves, Scenario, Shape};
+use crate::sim::{Role, Sim, sphere_mass};
+
+/// Steps between looks at the kinetic energy. Part of the recipe: it decides where settling ends.
+const LOOK: u64 = 500;
+
+/// Steps between glances at the kinetic energy where maxima are looked for: a small part of the period
+/// with which a bed of some tens of grains breathes.
+const GLANCE: u64 = 50;
+
+/// A settled bed is carried by its base, planes and intruder to this fraction of its weight.
+const CARRIED: f64 = 5e-4;
+
+/// Kinetic energy per free grain, over its weight times its diameter, below which the fall is over:
+/// what still moves rattles in its place.
+const FALLEN: f64 = 1e-3;
+
+/// Longest settling, in units of the time a grain takes to fall from the top of the lattice.
+const PATIENCE: f64 = 60.0;
+
+/// Where a settling ends.
+pub struct Goal {
+    /// Kinetic energy per free grain over its weight times its diameter.
+    energy: f64,
+    /// Whether the weight must be carried too.
+    carried: bool,
+    /// Change of the upward force on the intruder between two looks, over its buoyancy.
+    steady: Option<f64>,
+    /// Whether only grains that bear a load count: without weight, one that was squeezed out flies on.
+    borne: bool,
+    /// Whether all motion is stopped each time the kinetic energy begins to fall.
+    halting: bool,
+    /// Fewest steps.
+    least: u64,
+    /// Steps of the fall, by which patience is measured.
+    fall_steps: u64,
+}
+
+/// Takes out what motion is left with more damping, and lets the bed rest under its own law.
+///
+/// Contacts hardly damp the breathing of a bed that is high or bears a lid, and nothing damps a ball that
+/// spins on a point. There all grains are stopped each time the kinetic energy passes a maximum, where a
+/// mode of oscillation is at its equilibrium: the kinetic damping of dynamic relaxation (Cundall 1976).
+pub fn come_to_rest(
+    sim: &mut Sim,
+    scenario: &Scenario,
+    plan: &BedPlan,
+    steady: Option<f64>,
+    stage: &mut Stage,
+) -> Result<()> {
+    let lattice_fall = scenario.expected_surface(plan.diameter);
+    let mut goal = Goal {
+        energy: scenario.bed.settled,
+        carried: true,
+        steady,
+        borne: plan.lid.is_some_and(|lid| !lid.pressure_gradient),
+        halting: halts(scenario, plan),
+        least: 2 * LOOK,
+        fall_steps: steps_of_fall(scenario, lattice_fall),
+    };
+    let law = sim.law;
+    sim.law = scenario
+        .law
+        .quenching(scenario.drag.dt, scenario.mean_diameter());
+    settle(sim, scenario, plan, &goal, stage)?;
+    sim.law = law;
+    goal.halting = false;
+    settle(sim, scenario, plan, &goal, stage)
+}
+
+/// Whether all motion is stopped at maxima of the kinetic energy. It hangs on what the recipe of the bed
+/// holds alone: the bare bed under a lid is one that other scenarios use without.
+fn halts(scenario: &Scenario, plan: &BedPlan) -> bool {
+    let still = scenario.intruder.shape == Shape::Sphere && scenario.drag.moves == Moves::Intruder;
+    !still || plan.lid.is_some()
+}
+
+fn steps_of_fall(scenario: &Scenario, height: f64) -> u64 {
+    ((2.0 * height / scenario.gravity).sqrt() / scenario.drag.dt) as u64
+}
+
+/// The fall from this height is over.
+pub fn fallen(scenario: &Scenario, height: f64) -> Goal {
+    let settled = scenario.bed.settled;
+    let fall_steps = steps_of_fall(scenario, height);
+    Goal {
+        energy: if settled > FALLEN { settled } else { FALLEN },
+        carried: false,
+        steady: None,
+        borne: false,
+        halting: false,
+        // Nothing can be settled before the highest grain has fallen.
+        least: fall_steps,
+        fall_steps,
+    }
+}
+
+pub fn stopped(bed: &str, sim: &Sim, fault: Fault) -> Error {
+    Error::run(format!("pouring {bed}"), sim.step_count() + 1, fault)
+}
+
+/// Steps on until the goal is reached.
+pub fn settle(
+    sim: &mut Sim,
+    scenario: &Scenario,
+    plan: &BedPlan,
+    goal: &Goal,
+    stage: &mut Stage,
+) -> Result<()> {
+    let begin = sim.step_count();
+    let limit = begin + (PATIENCE * goal.fall_steps as f64) as u64 + 100 * LOOK;
+    let buoyancy = scenario.buoyancy(plan.diameter);
+    let upward = |sim: &Sim| sim.obstacles[INTRUDER as usize].force[2];
+    let mut before = upward(sim);
+    loop {
+        let done = if goal.halting {
+            halt_at_maxima(sim)
+        } else {
+            sim.steps(LOOK)
+        };
+        done.map_err(|f| stopped(&plan.name, sim, f))?;
+        let energy = if goal.borne {
+            energy_of_borne(sim, &scenario.measures())
+        } else {
+            energy_per_grain(sim, &scenario.measures())
+        };
+        let (_, weight, support) = weight_and_support(sim);
+        // A bed that still breathes carries more or less than its weight.
+        let carried = (support - weight).abs() <= CARRIED * weight;
+        let change = (upward(sim) - before).abs();
+        before = upward(sim);
+        let steady = goal.steady.is_none_or(|bound| change < bound * buoyancy);
+        let quiet = energy < goal.energy && (carried || !goal.carried) && steady;
+        stage.settling(
+            sim,
+            energy,
+            scenario.bed.settled,
+            support / weight,
+            goal.fall_steps,
+        )?;
+        if quiet && sim.step_count() - begin >= goal.least {
+            return Ok(());
+        }
+        if sim.step_count() > limit {
+            return Err(Error::Unsettled {
+                bed: plan.name.clone(),
+                step: sim.step_count(),
+                energy,
+                bound: goal.energy,
+                carried: support / weight,
+            });
+        }
+    }
+}
+
+/// Steps on to the next look; stops every grain where the kinetic energy has just begun to fall.
+fn halt_at_maxima(sim: &mut Sim) -> std::result::Result<(), Fault> {
+    let mut before = sim.kinetic_energy();
+    let mut rising = false;
+    for _ in 0..LOOK / GLANCE {
+        sim.steps(GLANCE)?;
+        let energy = sim.kinetic_energy();
+        if rising && energy < before {
+            for i in 0..sim.count() {
+                sim.velocity[i] = [0.0, 0.0, 0.0, sim.velocity[i][3]];
+                sim.spin[i] = [0.0, 0.0, 0.0, sim.spin[i][3]];
+            }
+            (before, rising) = (0.0, true);
+        } else {
+            rising = energy > before;
+            before = energy;
+        }
+    }
+    Ok(())
+}
+
+/// [`energy_per_grain`] of the grains with two contacts or more, over all that are free.
+fn energy_of_borne(sim: &mut Sim, measures: &Measures) -> f64 {
+    let mut contacts = vec![0u32; sim.count()];
+    for bond in sim.bonds() {
+        match bond {
+            Bond::Pair { i, j, .. } => {
+                contacts[i as usize] += 1;
+                contacts[j as usize] += 1;
+            }
+            Bond::Touch { i, .. } => contacts[i as usize] += 1,
+        }
+    }
+    let borne = (0..sim.count()).filter(|&i| contacts[i] > 1);
+    let energy = borne.map(|i| sim.kinetic_energy_of(i)).sum::<f64>();
+    per_grain(energy, sim, measures)
+}
+
+/// Kinetic energy per free grain over a grain's mean weight times its mean diameter.
+pub fn energy_per_grain(sim: &Sim, measures: &Measures) -> f64 {
+    per_grain(sim.kinetic_energy(), sim, measures)
+}
+
+fn per_grain(energy: f64, sim: &Sim, measures: &Measures) -> f64 {
+    let free = (0..sim.count())
+        .filter(|&i| sim.role(i) == Role::Free)
+        .count();
+    let free = free.max(1) as f64;
+    let weight = sphere_mass(measures.diameter, measures.density) * measures.gravity;
+    energy / free / (weight * measures.diameter)
+}
+
+#[cfg(test)]
+mod tests {
+    use bitgrain_kernel::{Domain, Group, Obstacle};
+
+    use super::*;
+    use crate::law::LawSpec;
+    use crate::sim::Grain;
+
+    const D: f64 = 1.5e-3;
+
+    /// Grains at these places along x and z over a floor, which lose nothing in a contact.
+    fn bouncing(places: &[[f64; 2]]) -> Sim {
+        let law = LawSpec::HertzTsuji {
+            young: 5e6,
+            poisson: 0.45,
+            restitution: 1.0,
+            mu: 0.5,
+        };
+        let grain = |(k, &[x, z]): (usize, &[f64; 2])| Grain {
+            id: k as u32 + 1,
+            group: 0,
+            diameter: D,
+            density: 2500.0,
+            position: [x, 0.005, z],
+            velocity: [0.0; 3],
+            spin: [0.0; 3],
+        };
+        let grains: Vec<Grain> = places.iter().enumerate().map(grain).collect();
+        let domain = Domain::new([0.0; 3], [0.03, 0.01, 0.03], [true, true, false]).unwrap();
+        let groups = vec![Group::free([0.0, 0.0, -9.81])];
+        let floor = Obstacle::plane([0.0; 3], [0.0, 0.0, 1.0]);
+        let mut sim = Sim::new(
+            law.build().unwrap(),
+            domain,
+            1e-6,
+            groups,
+            &grains,
+            vec![floor],
+        );
+        sim.start().unwrap();
+        sim
+    }
+
+    fn fastest(sim: &mut Sim) -> f64 {
+        let mut most = 0.0;
+        for _ in 0..40 {
+            sim.steps(50).unwrap();
+            let energy = sim.kinetic_energy();
+            most = if energy > most { energy } else { most };
+        }
+        most
+    }
+
+    /// A grain that breathes on the floor, undamped, goes on as it is; stopped at maxima it comes to rest.
+    #[test]
+    fn stopping_at_maxima_takes_an_oscillation_out() {
+        // A quarter of what its weight presses it in: half its period is some 600 steps.
+        let mut sim = bouncing(&[[0.01, 0.5 * D - 1.3e-7]]);
+        let begin = fastest(&mut sim.clone());
+        let mut free = sim.clone();
+        free.steps(10 * LOOK).unwrap();
+        // Seen every 50 steps, a maximum is met to a part in fifty.
+        assert!((fastest(&mut free) / begin - 1.0).abs() < 0.02);
+        for _ in 0..10 {
+            halt_at_maxima(&mut sim).unwrap();
+        }
+        assert_eq!(sim.step_count(), 10 * LOOK);
+        let left = fastest(&mut sim) / begin;
+        assert!(left < 0.02, "{left}");
+    }
+
+    /// Who has two contacts bears a load; who rolls alone or flies does not, and counts among all only.
+    #[test]
+    fn who_flies_bears_nothing() {
+        let measures = Measures {
+            diameter: D,
+            density: 2500.0,
+            gravity: 9.81,
+        };
+        let low = 0.5 * D - 5e-7;
+        let pair = [[0.01, low], [0.01 + D - 1e-7, low]];
+        let mut sim = bouncing(&[pair[0], pair[1], [0.02, low], [0.02, 10.0 * D]]);
+        let speeds = [0.1, 0.0, 0.2, 0.3];
+        for (k, speed) in speeds.into_iter().enumerate() {
+            sim.velocity[k][1] = speed;
+        }
+        // Half the square of the speed over g d, a mean over the four.
+        let share = |speed: f64| 0.5 * speed * speed / (9.81 * D) / 4.0;
+        let whole = speeds.into_iter().map(share).sum::<f64>();
+        let all = energy_per_grain(&sim, &measures);
+        assert!((all / whole - 1.0).abs() < 1e-12, "{all}");
+        let borne = energy_of_borne(&mut sim, &measures);
+        assert!((borne / share(0.1) - 1.0).abs() < 1e-12, "{borne}");
+    }
+}

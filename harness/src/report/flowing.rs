@@ -1,0 +1,293 @@
+//! The page of beds that flow past their intruder.
+
+use super::course::{self, Course};
+use super::text::{escape, number_with_error, short, typeset};
+use super::{BedPicture, FlowPicture, around, chart, head, inputs, numbers, picture, repeat};
+use super::{rig_table, scaling, span, statements};
+use crate::claims::{self, FAR_FIELD_LEAST, Group, Verdict, drag_slope};
+use crate::scenario::{Moves, Shape};
+use crate::series::SeriesRow;
+use crate::summary::{Flow, RunSummary, Summary};
+
+/// Packing fraction above which equal spheres are no random packing (random close packing).
+const CLOSE: f64 = 0.64;
+
+/// One self-contained HTML page of beds that flow. The series and courses come in the order of the runs
+/// of the summary, the pictures in that of its beds, the flows name their runs; where one is missing, the
+/// page says so.
+pub fn flowing_page(
+    summary: &Summary,
+    scenario_text: &str,
+    series: &[Vec<SeriesRow>],
+    pictures: &[BedPicture],
+    flows: &[FlowPicture],
+    courses: &[Course],
+) -> String {
+    let groups = claims::groups(summary);
+    // One run of each point stands for its seeds where grains are drawn.
+    let first: Vec<usize> = groups
+        .iter()
+        .flat_map(|group| group.points.iter().filter_map(|p| p.runs.first().copied()))
+        .collect();
+    let kind = format!("Drag and lift on a {} in a flowing bed", shape(summary));
+    let mut out = head(&escape(&summary.scenario), &kind, STYLE);
+    out.push_str(&in_words(summary, &groups));
+    out.push_str(&remarks(summary));
+    out.push_str(&bed_figures(summary, pictures, &first));
+    out.push_str(&force_figures(summary, series));
+    out.push_str(&scaling::section(summary, &groups));
+    out.push_str(&course::section(summary, &groups, courses));
+    out.push_str(&around::section(summary, flows, &first));
+    out.push_str(&statements::section(summary));
+    out.push_str(&numbers(
+        summary,
+        &rig_table::rig_table(&summary.beds, &summary.units),
+        &rig_table::flow_table(&summary.runs, &summary.units),
+    ));
+    out.push_str(&rig_table::law_table(summary));
+    out.push_str(&inputs::section(scenario_text, &summary.units));
+    out.push_str(&repeat(summary, scenario_text));
+    out.push_str("</main>\n</body>\n</html>\n");
+    out
+}
+
+fn shape(summary: &Summary) -> &'static str {
+    match summary.inputs.intruder.shape {
+        Shape::Sphere => "sphere",
+        Shape::Cylinder => "cylinder",
+    }
+}
+
+/// The runs with how their beds flowed.
+fn passages(summary: &Summary) -> impl Iterator<Item = (&RunSummary, &Flow)> + Clone {
+    let runs = summary.runs.iter();
+    runs.filter_map(|run| Some((run, run.flow.as_ref()?)))
+}
+
+/// The main numbers as a paragraph.
+fn in_words(summary: &Summary, groups: &[Group]) -> String {
+    let (units, inputs) = (&summary.units, &summary.inputs);
+    let rigs = || summary.beds.iter().filter_map(|bed| bed.rig.as_ref());
+    let flow = |of: fn(&Flow) -> f64| span(passages(summary).map(|(_, f)| of(f)), "");
+    let seeds = inputs.all_seeds().len();
+    let moves = match inputs.drag.moves {
+        Moves::Bed => "rests while base and lid carry the bed past it",
+        Moves::Intruder => "moves through the bed",
+    };
+    let lids = match rigs().any(|rig| rig.lid_grains > 0) {
+        true => " Heavy grains on top of the bed make depths beyond its own.",
+        false => "",
+    };
+    let mut text = format!(
+        "A {} of diameter {} (D/d = {}) {moves} at {}, at effective depths of {}, in {} with {} of each \
+         kind.{lids}",
+        shape(summary),
+        span(rigs().map(|rig| rig.diameter), &units.length),
+        span(rigs().map(|rig| rig.diameter / inputs.mean_diameter()), ""),
+        span(summary.runs.iter().map(|run| run.speed), &units.speed),
+        span(
+            passages(summary).map(|(_, f)| f.effective_depth),
+            &units.length
+        ),
+        several(summary.runs.len(), "run", "runs"),
+        several(seeds, "seed", "seeds"),
+    );
+    for group in groups {
+        if let Some(fit) = drag_slope(group) {
+            text.push_str(&format!(
+                " The drag on the {} of D/d = {} is {} times the pressure on D L.",
+                shape(summary),
+                short(group.over_grain),
+                number_with_error(fit.slope, fit.error)
+            ));
+        }
+    }
+    let lift = |gradient: bool| {
+        let fits = move |(_, f): &(&RunSummary, &Flow)| f.pressure_gradient == gradient;
+        let lifts = passages(summary)
+            .filter(fits)
+            .map(|(_, f)| f.lift_over_buoyancy);
+        (lifts.clone().count() > 0).then(|| span(lifts, ""))
+    };
+    if let Some(lift) = lift(true) {
+        text.push_str(&format!(" The lift is {lift} times the buoyancy"));
+        text.push_str(if inputs.lid.is_some() {
+            " with a pressure gradient."
+        } else {
+            "."
+        });
+    }
+    if let Some(lift) = lift(false) {
+        text.push_str(&format!(
+            " Without a pressure gradient it is {lift} times the buoyancy."
+        ));
+    }
+    text.push_str(&format!(
+        " Far from it the bed moves past at {} of the speed asked for.",
+        flow(|f| f.far_field)
+    ));
+    let found = claims::statements(summary);
+    let of = |verdict: Verdict| found.iter().filter(|s| s.verdict == verdict).count();
+    format!(
+        "<p class=\"lead\">{text} Of {} statements about it, {} agree, {} differ and {} are \
+         unresolved.</p>\n",
+        found.len(),
+        of(Verdict::Agrees),
+        of(Verdict::Differs),
+        of(Verdict::Unresolved)
+    )
+}
+
+fn several(n: usize, one: &str, many: &str) -> String {
+    match n {
+        1 => format!("one {one}"),
+        n => format!("{n} {many}"),
+    }
+}
+
+/// What to beware of, in words.
+fn remarks(summary: &Summary) -> String {
+    let mut out = String::new();
+    let mut add = |title: &str, words: String| {
+        out.push_str(&format!(
+            "<p class=\"remark\"><b>{title}.</b> {words}</p>\n"
+        ));
+    };
+    let names = |fits: &dyn Fn(&Flow) -> bool| -> String {
+        let runs = passages(summary).filter(|(_, f)| fits(f));
+        let names: Vec<String> = runs.map(|(run, _)| escape(&run.name)).collect();
+        names.join(", ")
+    };
+    let slow = names(&|f| f.far_field < FAR_FIELD_LEAST || f.far_field.is_nan());
+    if !slow.is_empty() {
+        add(
+            "The bed slips",
+            format!(
+                "In {slow} the grains far from the intruder move at less than {FAR_FIELD_LEAST} of the \
+                 speed of the base: forces there belong to another speed, and to a bed that shears. A \
+                 longer box lets base and lid carry more."
+            ),
+        );
+    }
+    let [least, most] = summary.inputs.bed.diameters;
+    let close = names(&|f| f.packing_fraction > CLOSE);
+    if least == most && !close.is_empty() {
+        add(
+            "The bed crystallises",
+            format!(
+                "In {close} the packing fraction is above {CLOSE}, which no random packing of equal \
+                 spheres has."
+            ),
+        );
+    }
+    let floating: u64 = passages(summary)
+        .map(|(_, f)| f.floating)
+        .max()
+        .unwrap_or(0);
+    if floating > 0 {
+        add(
+            "Grains above the lid",
+            format!(
+                "Up to {} came to lie above the lid at one time (in {}): counted here, and left where \
+                 they are.",
+                several(floating as usize, "free grain", "free grains"),
+                names(&|f| f.floating > 0)
+            ),
+        );
+    }
+    out
+}
+
+/// A slice of the first bed of each point.
+fn bed_figures(summary: &Summary, pictures: &[BedPicture], first: &[usize]) -> String {
+    let unit = escape(&typeset(&summary.units.length));
+    let mut out = "<section>\n<h2>The settled bed</h2>\n".to_owned();
+    if summary.beds.len() > first.len() {
+        out.push_str("<p>One of the seeds of each kind.</p>\n");
+    }
+    let bed_moves = summary.inputs.drag.moves == Moves::Bed;
+    let moving = match bed_moves {
+        true => "the motion of bed, base and lid past the intruder, which rests",
+        false => "the motion of the intruder",
+    };
+    out.push_str(&format!(
+        "<p>Each circle is the cut of one grain, to scale, so cuts off centre are small. Light: free \
+         grains. Hatched: the base. Blue: the lid. Black: the intruder. Arrow: {moving}. Dashed: free \
+         surface. The box repeats along x and y.</p>\n"
+    ));
+    out.push_str("<div class=\"grid\">\n");
+    let mut shown: Vec<&str> = Vec::new();
+    for run in first.iter().filter_map(|&k| summary.runs.get(k)) {
+        let name = run.bed.as_str();
+        if shown.contains(&name) {
+            continue;
+        }
+        shown.push(name);
+        let drawn = pictures.iter().find(|p| p.name == name);
+        let drawn =
+            drawn.and_then(|p| Some((p, picture::slice(p, &summary.units.length, shown.len())?)));
+        let Some((picture, svg)) = drawn else {
+            out.push_str(&format!("<p>No picture of bed {}.</p>\n", escape(name)));
+            continue;
+        };
+        out.push_str(&format!(
+            "<figure class=\"bed\">{svg}<figcaption><b>{}</b>{}. Slice at y&nbsp;=&nbsp;{}&nbsp;{unit}; \
+             free surface at z&nbsp;=&nbsp;{}&nbsp;{unit}.</figcaption></figure>\n",
+            escape(name),
+            depth_words(summary, run),
+            short(picture.intruder.0[1]),
+            short(picture.surface),
+        ));
+    }
+    out + "</div>\n</section>\n"
+}
+
+/// Effective depth, gradient and seed of a run.
+pub(super) fn depth_words(summary: &Summary, run: &RunSummary) -> String {
+    let bed = summary.beds.iter().find(|bed| bed.name == run.bed);
+    let (Some(flow), Some(rig)) = (&run.flow, bed.and_then(|bed| bed.rig.as_ref())) else {
+        return String::new();
+    };
+    let gradient = match flow.pressure_gradient {
+        true => "with",
+        false => "without",
+    };
+    format!(
+        ", h\u{303}&nbsp;=&nbsp;{}&nbsp;{}, {gradient} pressure gradient, seed {}",
+        short(flow.effective_depth),
+        escape(&typeset(&summary.units.length)),
+        rig.seed
+    )
+}
+
+/// Drag and lift against travel, side by side, for every run.
+fn force_figures(summary: &Summary, series: &[Vec<SeriesRow>]) -> String {
+    let (units, runs) = (&summary.units, &summary.runs);
+    let force = escape(&typeset(&units.force));
+    let mut figures = String::new();
+    for (k, run) in runs.iter().enumerate() {
+        let rows = series.get(k).map_or(&[][..], |s| s.as_slice());
+        for (lift, mean) in [(false, run.drag), (true, run.lift)] {
+            let chart = chart::along_travel(run, rows, units, runs.len(), lift);
+            let chart = chart.unwrap_or_else(|| "<p class=\"none\">No series.</p>".to_owned());
+            figures.push_str(&format!(
+                "<figure>{chart}<figcaption><b>{}, {}</b>{}. Mean of the window {}&nbsp;{force}.\
+                 </figcaption></figure>\n",
+                escape(&run.name),
+                if lift { "lift" } else { "drag" },
+                depth_words(summary, run),
+                super::plus_minus(mean),
+            ));
+        }
+    }
+    format!(
+        "<section>\n<h2>Drag and lift against travel</h2>\n<p class=\"legend\">{}</p>\n\
+         <div class=\"grid\">\n{figures}</div>\n</section>\n",
+        super::LEGEND.replacen("drag, mean", "force, mean", 1)
+    )
+}
+
+/// What this page has beside the others.
+const STYLE: &str = "\n.statements td{min-width:14rem;max-width:24rem}\n\
+    .statements td:nth-child(2){min-width:6rem}\n\
+    .statements .agrees{color:#12562f}.statements .differs{color:#8f1d14}\n";

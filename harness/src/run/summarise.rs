@@ -1,0 +1,150 @@
+//! From what was measured to the numbers of the summary.
+
+use bitgrain_kernel::PARTS;
+
+use crate::drag::{Means, Record};
+use crate::flow::FlowMeans;
+use crate::observe::{INTRUDER, pressure_at};
+use crate::scenario::{BedPlan, RunPlan, Scenario, Shape};
+use crate::sim::{Role, Sim, hex};
+use crate::summary::{BedSummary, Flow, Rig, RunSummary};
+
+/// What a settled bed that flows has besides.
+pub(super) fn rig(scenario: &Scenario, plan: &BedPlan, bed: &BedSummary, sim: &Sim) -> Rig {
+    let lid: Vec<usize> = (0..sim.count())
+        .filter(|&i| sim.role(i) == Role::Lid)
+        .collect();
+    let lid_density = lid.first().map_or(0.0, |&i| {
+        let (mass, radius) = (sim.velocity[i][3], sim.position[i][3]);
+        mass / crate::sim::sphere_mass(2.0 * radius, 1.0)
+    });
+    let bulk_density = bed.packing_fraction * scenario.bed.density;
+    let body = &sim.obstacles[INTRUDER as usize];
+    let buoyancy = bulk_density * scenario.gravity * scenario.intruder_volume(plan.diameter);
+    let pressure_gradient = plan.lid.is_none_or(|lid| lid.pressure_gradient);
+    let mut rig = Rig {
+        seed: plan.seed,
+        diameter: plan.diameter,
+        length: match scenario.intruder.shape {
+            Shape::Cylinder => scenario.bed.size[1],
+            Shape::Sphere => plan.diameter,
+        },
+        pressure_gradient,
+        lid_grains: lid.len(),
+        lid_density,
+        bulk_density,
+        effective_depth: 0.0,
+        pressure: pressure_at(sim, body.point[2]),
+        reaction_over_buoyancy: body.force[2] / buoyancy,
+    };
+    rig.effective_depth = effective_depth(scenario, &rig, bed.depth, bulk_density);
+    rig
+}
+
+/// `h + (pi d/6)(rho_lid/rho)`, without h where the bed has no weight (Guillard 2014, section III A).
+fn effective_depth(scenario: &Scenario, rig: &Rig, depth: f64, bulk_density: f64) -> f64 {
+    let own = if rig.pressure_gradient { depth } else { 0.0 };
+    own + scenario.lid_depth(rig.lid_density, bulk_density)
+}
+
+/// Forces over what they scale with: `rho g h~ D L` for the drag and the buoyancy for the lift, `rho`
+/// with the packing fraction of the run (Guillard 2014, eq. 2 and Fig. 8).
+fn flow(
+    scenario: &Scenario,
+    plan: &RunPlan,
+    bed: &BedSummary,
+    means: &Means,
+    measured: &FlowMeans,
+    record: &Record,
+) -> Option<Flow> {
+    let rig = bed.rig.as_ref()?;
+    let bulk_density = measured.packing * scenario.bed.density;
+    let effective_depth = effective_depth(scenario, rig, bed.depth, bulk_density);
+    let pressure = bulk_density * scenario.gravity * effective_depth;
+    let buoyancy = bulk_density * scenario.gravity * scenario.intruder_volume(rig.diameter);
+    let scale = pressure * rig.diameter * rig.length;
+    // Layers cut by the base or by the surface hold few grains.
+    let d = scenario.mean_diameter();
+    let layers = record
+        .flow
+        .as_ref()
+        .map_or(vec![], |flow| flow.profile.speeds());
+    let inside = layers
+        .iter()
+        .filter(|(low, high, _)| *low >= scenario.bed.base + d && *high <= bed.surface - d);
+    let least = inside.fold(
+        f64::INFINITY,
+        |a, (.., speed)| if *speed < a { *speed } else { a },
+    );
+    Some(Flow {
+        pressure_gradient: rig.pressure_gradient,
+        packing_fraction: measured.packing,
+        bulk_density,
+        effective_depth,
+        pressure,
+        pressure_measured: measured.pressure,
+        buoyancy,
+        drag_coefficient: means.drag.mean / scale,
+        drag_coefficient_error: means.drag.standard_error / scale,
+        lift_over_buoyancy: means.lift.mean / buoyancy,
+        lift_over_buoyancy_error: means.lift.standard_error / buoyancy,
+        far_field: measured.far_field,
+        far_field_least: if least.is_finite() {
+            least
+        } else {
+            measured.far_field
+        },
+        carried_by_base: measured.base / measured.drag,
+        carried_by_lid: measured.lid / measured.drag,
+        inertia: measured.inertia / measured.drag,
+        floating: measured.floating,
+        travel: (plan.distance - plan.discard) / d,
+        drag_halves: measured.drag_halves,
+        lift_halves: measured.lift_halves.map(|lift| lift / buoyancy),
+    })
+}
+
+pub(super) fn summarise(
+    scenario: &Scenario,
+    plan: &RunPlan,
+    bed: &BedSummary,
+    means: &Means,
+    record: &Record,
+    sim: &mut Sim,
+) -> RunSummary {
+    let digest = sim.digest();
+    let [x, y, _] = scenario.bed.size;
+    let diameter = scenario.beds()[plan.bed].diameter;
+    let weight = bed.packing_fraction * scenario.bed.density * scenario.gravity;
+    let above = weight * (x * y) * (bed.depth + 0.5 * diameter);
+    RunSummary {
+        name: plan.name.clone(),
+        bed: bed.name.clone(),
+        froude: plan.froude,
+        speed: plan.speed,
+        diameter,
+        depth: bed.depth,
+        distance: plan.distance,
+        steps: plan.steps,
+        window_start: plan.discard,
+        window_end: plan.distance,
+        window_steps: means.window_steps,
+        drag: means.drag,
+        lift: means.lift,
+        side: means.side,
+        contacts: means.contacts,
+        contact_angle: means.contact_angle,
+        coordination: means.coordination,
+        drag_uncut: means.drag_uncut,
+        plug_ratio: means.drag.mean / above,
+        flow: means
+            .flow
+            .and_then(|m| flow(scenario, plan, bed, means, &m, record)),
+        digest: hex(&digest.whole),
+        digest_parts: PARTS
+            .iter()
+            .zip(digest.parts())
+            .map(|(name, part)| (name.to_string(), hex(part)))
+            .collect(),
+    }
+}
