@@ -206,10 +206,7 @@ impl Gauges {
         if !row {
             return;
         }
-        let ahead = match scenario.drag.moves {
-            Moves::Intruder => 1.0,
-            Moves::Bed => -1.0,
-        };
+        let ahead = scenario.drag.moves.forward();
         let (angles, near) = observe::neighbourhood(sim, NEAR * scenario.mean_diameter(), ahead);
         let (angle, coordination) = (mean(&angles), mean(&near));
         if counted {

@@ -233,7 +233,7 @@ impl FlowGauge {
         let every = (EVERY * d / (plan.speed * sim.dt)).round() as u64;
         let bed_moves = scenario.drag.moves == Moves::Bed;
         let mut gauge = Self {
-            sign: if bed_moves { 1.0 } else { -1.0 },
+            sign: -scenario.drag.moves.forward(),
             frame: if bed_moves { 0.0 } else { plan.speed },
             every: every.max(1),
             speed: plan.speed,

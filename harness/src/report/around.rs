@@ -2,7 +2,7 @@
 //! captions.
 
 use super::flow::{
-    FlowPicture, MOVING, NAMES, OUTLINE, RAMP, Seen, Window, drawing, forward, seen, shows, window,
+    FlowPicture, MOVING, NAMES, OUTLINE, RAMP, Seen, Window, drawing, seen, shows, window,
 };
 use super::flowing::depth_words;
 use super::picture::{INK, LID};
@@ -107,7 +107,7 @@ fn caption(flow: &FlowPicture, window: &Window, run: &RunSummary, summary: &Summ
     };
     let half = 0.5 * (flow.hi[0] - flow.lo[0]);
     let seen = seen(flow, window);
-    let forward = forward(flow.moves);
+    let forward = flow.moves.forward();
     let moving = |ahead: bool| {
         // Each grain once: not the images beyond half the box.
         let there = |s: &&Seen| {

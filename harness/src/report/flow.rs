@@ -88,14 +88,6 @@ pub(super) struct Seen {
     pub(super) role: Role,
 }
 
-/// Where the intruder goes along x, as seen from the bed.
-pub(super) fn forward(moves: Moves) -> f64 {
-    match moves {
-        Moves::Intruder => 1.0,
-        Moves::Bed => -1.0,
-    }
-}
-
 /// Whether there is something to draw.
 pub(super) fn shows(flow: &FlowPicture) -> bool {
     let (centre, radius) = flow.intruder;
@@ -215,7 +207,13 @@ pub(super) fn drawing(
     }];
     let style = format!("fill=\"{INK}\" stroke=\"#fff\"");
     circles(&mut out, &scale, &body, &style);
-    arrows(&mut out, &scale, &seen, ARROW * radius, forward(flow.moves));
+    arrows(
+        &mut out,
+        &scale,
+        &seen,
+        ARROW * radius,
+        flow.moves.forward(),
+    );
     out.push_str("</g>");
     frame(&mut out, &scale, flow.lo[2] - flow.intruder.0[2]);
     let name = |axis| {

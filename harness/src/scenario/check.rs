@@ -37,6 +37,15 @@ pub(super) fn positive(key: &str, value: f64) -> Check {
 }
 
 impl Scenario {
+    /// The key that says how high the intruder lies.
+    pub(super) fn height_key(&self) -> &'static str {
+        if self.intruder.height.is_some() {
+            "intruder.height"
+        } else {
+            "intruder.depth"
+        }
+    }
+
     pub(super) fn check(&self) -> Check {
         let plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
         if self.name.is_empty() || !self.name.chars().all(plain) {
@@ -267,11 +276,7 @@ impl Scenario {
                 ),
             );
         }
-        let key = if self.intruder.height.is_some() {
-            "intruder.height"
-        } else {
-            "intruder.depth"
-        };
+        let key = self.height_key();
         let heights = self.heights(diameter);
         if heights.is_empty() {
             return refuse(key, "is empty; expected at least one value");

@@ -265,6 +265,16 @@ pub enum Moves {
     Bed,
 }
 
+impl Moves {
+    /// Where the intruder goes along x as seen from the bed: 1 or -1.
+    pub fn forward(self) -> f64 {
+        match self {
+            Moves::Intruder => 1.0,
+            Moves::Bed => -1.0,
+        }
+    }
+}
+
 /// Tangential springs of the settled bed as the drag begins.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

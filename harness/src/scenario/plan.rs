@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::rig::STEADY;
 use super::{Gradient, Moves, Scenario, Several, Shape, UnitSystem};
 use crate::units::Units;
 
@@ -312,7 +313,7 @@ impl Scenario {
     /// of the distance; for a cylinder 2 D (Guillard 2014, section III A).
     fn default_discard(&self, diameter: f64, distance: f64) -> f64 {
         match self.intruder.shape {
-            Shape::Cylinder => 2.0 * diameter,
+            Shape::Cylinder => STEADY * diameter,
             Shape::Sphere if 0.1 * distance > diameter => 0.1 * distance,
             Shape::Sphere => diameter,
         }

@@ -85,11 +85,7 @@ impl Scenario {
             // Frozen centres lie below the base's height.
             let base = self.bed.base + 0.5 * most;
             if lowest <= base {
-                let key = if self.intruder.height.is_some() {
-                    "intruder.height"
-                } else {
-                    "intruder.depth"
-                };
+                let key = self.height_key();
                 return refuse(
                     key,
                     format!(
