@@ -3,8 +3,7 @@
 //! A digest reads the numbers' words, little-endian, by ascending id, so it is the same on machines
 //! of either byte order, and its parts say what differs when two runs differ.
 
-use blake3::Hasher;
-
+use crate::blake3::Hasher;
 use crate::pairs::Bond;
 use crate::real::Real;
 use crate::vec3::Vec3;
@@ -60,7 +59,7 @@ pub fn digest<R: Real>(world: &World<'_, R>) -> Digest {
     let n = g.count();
     let positions = hash(|h| {
         for i in 0..n {
-            word(h, g.id[i]);
+            h.word(g.id[i]);
             numbers(h, &g.position[i]);
             images(h, &g.image[i]);
         }
@@ -105,7 +104,7 @@ pub fn digest<R: Real>(world: &World<'_, R>) -> Digest {
             &forces,
             &obstacles,
         ] {
-            h.update(part);
+            h.hash(part);
         }
     });
     Digest {
@@ -122,28 +121,28 @@ pub fn digest<R: Real>(world: &World<'_, R>) -> Digest {
 fn hash(feed: impl FnOnce(&mut Hasher)) -> [u8; 32] {
     let mut hasher = Hasher::new();
     feed(&mut hasher);
-    *hasher.finalize().as_bytes()
-}
-
-fn word(h: &mut Hasher, value: u32) {
-    h.update(&value.to_le_bytes());
+    hasher.finish()
 }
 
 fn numbers<R: Real>(h: &mut Hasher, values: &[R]) {
     for value in values {
-        h.update(value.to_le_bytes().as_ref());
+        let (low, high) = value.to_words();
+        h.word(low);
+        if let Some(high) = high {
+            h.word(high);
+        }
     }
 }
 
 fn images(h: &mut Hasher, image: &[i32; 3]) {
     for k in image {
-        h.update(&k.to_le_bytes());
+        h.word(*k as u32);
     }
 }
 
 fn spring_of<R: Real>(h: &mut Hasher, kind: u32, i: u32, partner: u32, spring: Vec3<R>) {
-    word(h, kind);
-    word(h, i);
-    word(h, partner);
+    for word in [kind, i, partner] {
+        h.word(word);
+    }
     numbers(h, &spring);
 }

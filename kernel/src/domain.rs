@@ -44,6 +44,15 @@ impl<R: Real> Domain<R> {
         })
     }
 
+    /// No space at all: what a store holds before it is given a box.
+    pub(crate) const VACANT: Self = Self {
+        lo: [R::ZERO; 3],
+        hi: [R::ZERO; 3],
+        periodic: [false; 3],
+        period: [R::ZERO; 3],
+        half: [R::ZERO; 3],
+    };
+
     /// Space without edges or periods.
     pub fn open() -> Self {
         Self {

@@ -31,8 +31,8 @@ pub trait Real:
     const EPSILON: Self;
     /// The largest finite number; stands for "no limit".
     const MAX: Self;
-    /// Bytes of one number in little-endian order.
-    type Bytes: AsRef<[u8]>;
+    /// How this type is called in Rust, `f64` or `f32`.
+    const NAME: &'static str;
 
     /// The correctly rounded square root; NaN below zero.
     fn sqrt(self) -> Self;
@@ -44,19 +44,20 @@ pub trait Real:
     fn is_finite(self) -> bool;
     /// Truncated towards zero, 0 for negative numbers and NaN; for the cells of the search only.
     fn to_index(self) -> usize;
-    /// The number's bytes, lowest first: what a digest reads.
-    fn to_le_bytes(self) -> Self::Bytes;
+    /// The number's bits in words, the lowest first, for a digest; the second is `None` where one
+    /// word holds them.
+    fn to_words(self) -> (u32, Option<u32>);
 }
 
 macro_rules! real {
-    ($float:ident, $sqrt:path, $bytes:literal) => {
+    ($float:ident, $sqrt:path, $words:path) => {
         impl Real for $float {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
             const HALF: Self = 0.5;
             const EPSILON: Self = $float::EPSILON;
             const MAX: Self = $float::MAX;
-            type Bytes = [u8; $bytes];
+            const NAME: &'static str = stringify!($float);
 
             #[inline(always)]
             fn sqrt(self) -> Self {
@@ -79,8 +80,8 @@ macro_rules! real {
                 self as usize
             }
             #[inline(always)]
-            fn to_le_bytes(self) -> Self::Bytes {
-                $float::to_le_bytes(self)
+            fn to_words(self) -> (u32, Option<u32>) {
+                $words(self)
             }
         }
     };
@@ -109,8 +110,19 @@ mod root {
     }
 }
 
-real!(f64, root::f64, 8);
-real!(f32, root::f32, 4);
+/// The words of a number.
+mod words {
+    pub fn f64(x: f64) -> (u32, Option<u32>) {
+        let bits = x.to_bits();
+        (bits as u32, Some((bits >> 32) as u32))
+    }
+    pub fn f32(x: f32) -> (u32, Option<u32>) {
+        (x.to_bits(), None)
+    }
+}
+
+real!(f64, root::f64, words::f64);
+real!(f32, root::f32, words::f32);
 
 /// The larger of two numbers by comparison; the first when they compare equal or not at all.
 #[inline(always)]

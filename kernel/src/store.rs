@@ -11,12 +11,24 @@ use crate::real::Real;
 use crate::search::Cells;
 use crate::world::{Clock, World};
 
-/// A world of at most `GRAINS` grains, `PAIRS` listed pairs and as many obstacle contacts, `BODIES`
-/// obstacles and groups, all inside one value.
+/// A world of at most `GRAINS` grains, `PAIRS` listed pairs, `TOUCHES` listed obstacle contacts and
+/// `BODIES` obstacles and as many groups, all inside one value.
 ///
 /// With too few `PAIRS` for its skin a store can be given a smaller skin; at skin 0 it lists what
 /// may touch in one step, and a fault then means that `PAIRS` is too small for the bed itself.
-pub struct Store<R, const GRAINS: usize, const PAIRS: usize, const BODIES: usize> {
+///
+/// ```
+/// use bitgrain_kernel::Store;
+/// // In zeroed static memory; `clear` gives it a box before use.
+/// static EMPTY: Store<f64, 8, 32, 8, 2> = Store::vacant();
+/// ```
+pub struct Store<
+    R,
+    const GRAINS: usize,
+    const PAIRS: usize,
+    const TOUCHES: usize,
+    const BODIES: usize,
+> {
     domain: Domain<R>,
     dt: R,
     skin: R,
@@ -30,33 +42,31 @@ pub struct Store<R, const GRAINS: usize, const PAIRS: usize, const BODIES: usize
     torque: Vec<Row<R>, GRAINS>,
     image: Vec<[i32; 3], GRAINS>,
     obstacles: Vec<Obstacle<R>, BODIES>,
-    lists: [List<R, GRAINS, PAIRS>; 2],
+    lists: [List<R, PAIRS, TOUCHES>; 2],
     cell_start: [u32; PAIRS],
     cell_grain: [u32; GRAINS],
     clock: Clock<R>,
 }
 
-struct List<R, const GRAINS: usize, const PAIRS: usize> {
+struct List<R, const PAIRS: usize, const TOUCHES: usize> {
     /// One entry more than grains.
     row: Vec<u32, PAIRS>,
     partner: [u32; PAIRS],
     spring: [Row<R>; PAIRS],
-    touch_grain: [u32; PAIRS],
-    touch_obstacle: [u32; PAIRS],
-    touch_spring: [Row<R>; PAIRS],
+    touch_grain: [u32; TOUCHES],
+    touch_obstacle: [u32; TOUCHES],
+    touch_spring: [Row<R>; TOUCHES],
 }
 
-impl<R: Real, const GRAINS: usize, const PAIRS: usize> List<R, GRAINS, PAIRS> {
-    fn new() -> Self {
-        Self {
-            row: Vec::new(),
-            partner: [0; PAIRS],
-            spring: [[R::ZERO; 4]; PAIRS],
-            touch_grain: [0; PAIRS],
-            touch_obstacle: [0; PAIRS],
-            touch_spring: [[R::ZERO; 4]; PAIRS],
-        }
-    }
+impl<R: Real, const PAIRS: usize, const TOUCHES: usize> List<R, PAIRS, TOUCHES> {
+    const EMPTY: Self = Self {
+        row: Vec::new(),
+        partner: [0; PAIRS],
+        spring: [[R::ZERO; 4]; PAIRS],
+        touch_grain: [0; TOUCHES],
+        touch_obstacle: [0; TOUCHES],
+        touch_spring: [[R::ZERO; 4]; TOUCHES],
+    };
 
     fn lend(&mut self) -> Pairs<'_, R> {
         Pairs {
@@ -70,16 +80,18 @@ impl<R: Real, const GRAINS: usize, const PAIRS: usize> List<R, GRAINS, PAIRS> {
     }
 }
 
-impl<R: Real, const GRAINS: usize, const PAIRS: usize, const BODIES: usize>
-    Store<R, GRAINS, PAIRS, BODIES>
+impl<R: Real, const GRAINS: usize, const PAIRS: usize, const TOUCHES: usize, const BODIES: usize>
+    Store<R, GRAINS, PAIRS, TOUCHES, BODIES>
 {
-    /// An empty world. `PAIRS` must be at least `GRAINS + 1` and 2.
-    pub fn new(domain: Domain<R>, dt: R, skin: R) -> Self {
+    /// A store without a box, for static memory: every byte of it is zero. [`Store::clear`] makes an
+    /// empty world of it; until then [`crate::start`] refuses it. `PAIRS` must be at least
+    /// `GRAINS + 1` and 2.
+    pub const fn vacant() -> Self {
         const { assert!(PAIRS > GRAINS && PAIRS >= 2, "PAIRS must exceed GRAINS") };
         Self {
-            domain,
-            dt,
-            skin,
+            domain: Domain::VACANT,
+            dt: R::ZERO,
+            skin: R::ZERO,
             id: Vec::new(),
             group: Vec::new(),
             groups: Vec::new(),
@@ -90,11 +102,34 @@ impl<R: Real, const GRAINS: usize, const PAIRS: usize, const BODIES: usize>
             torque: Vec::new(),
             image: Vec::new(),
             obstacles: Vec::new(),
-            lists: [List::new(), List::new()],
+            lists: [const { List::EMPTY }; 2],
             cell_start: [0; PAIRS],
             cell_grain: [0; GRAINS],
-            clock: Clock::default(),
+            clock: Clock::ZERO,
         }
+    }
+
+    /// An empty world; as for [`Store::vacant`], `PAIRS` must be at least `GRAINS + 1` and 2.
+    pub fn new(domain: Domain<R>, dt: R, skin: R) -> Self {
+        let mut store = Self::vacant();
+        store.clear(domain, dt, skin);
+        store
+    }
+
+    /// Makes this an empty world at step 0, whatever it was.
+    pub fn clear(&mut self, domain: Domain<R>, dt: R, skin: R) {
+        (self.domain, self.dt, self.skin) = (domain, dt, skin);
+        self.id.clear();
+        self.group.clear();
+        self.groups.clear();
+        self.position.clear();
+        self.velocity.clear();
+        self.spin.clear();
+        self.force.clear();
+        self.torque.clear();
+        self.image.clear();
+        self.obstacles.clear();
+        self.clock = Clock::ZERO;
     }
 
     /// How far beyond touching pairs are listed from now on (length): speed only, never a bit.

@@ -28,7 +28,20 @@ pub struct Clock<R> {
     pub(crate) started: bool,
 }
 
-impl<R> Clock<R> {
+impl<R: Real> Clock<R> {
+    /// Before the first step.
+    pub(crate) const ZERO: Self = Self {
+        step: 0,
+        searches: 0,
+        listed: 0,
+        touches: 0,
+        radius_min: R::ZERO,
+        budget: R::ZERO,
+        next_travel: R::ZERO,
+        rounding: R::ZERO,
+        started: false,
+    };
+
     /// Searches done.
     pub fn searches(&self) -> u64 {
         self.searches

@@ -15,7 +15,7 @@ mod common {
 }
 
 type V = Vec3<f64>;
-type Box64 = Box<Store<f64, 64, 512, 2>>;
+type Box64 = Box<Store<f64, 64, 512, 128, 2>>;
 
 const LAW: HertzHistory<f64> = HertzHistory {
     kn: 2e5,
@@ -112,7 +112,7 @@ proptest! {
     ) {
         let domain = Domain::new([0.0; 3], [SIDE; 3], [true; 3]).unwrap();
         let dt = 1.0 / 1024.0;
-        let mut store = Store::<f64, 2, 16, 1>::new(domain, dt, 0.1);
+        let mut store = Store::<f64, 2, 16, 2, 1>::new(domain, dt, 0.1);
         store.add_group(Group::carried()).unwrap();
         let exact = |steps: [i32; 3], unit: f64| steps.map(|s| f64::from(s) * unit);
         for k in 0..2 {
@@ -162,7 +162,7 @@ fn a_contact_that_parted_begins_anew() {
     for skin in [0.0, 0.1, 3.5] {
         let domain = Domain::new([0.0; 3], [8.0; 3], [true, false, false]).unwrap();
         // A step of 1/512 along x: 8 units take 4096 steps, and every place is exact.
-        let mut store = Store::<f64, 2, 16, 2>::new(domain, 1.0 / 4096.0, skin);
+        let mut store = Store::<f64, 2, 16, 4, 2>::new(domain, 1.0 / 4096.0, skin);
         store.add_group(Group::frozen()).unwrap();
         store.add_group(Group::carried()).unwrap();
         store.add_grain(1, 0, [3.0, 4.0, 4.0], 0.5, 0.5).unwrap();

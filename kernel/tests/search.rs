@@ -151,7 +151,7 @@ proptest! {
             lo[a] + nudged(length, units).max(least)
         });
         let domain = Domain::new(lo, hi, periodic).unwrap();
-        let mut store = Box::new(Store::<f64, 40, 1024, 2>::new(domain, 1e-3, skin));
+        let mut store = Box::new(Store::<f64, 40, 1024, 80, 2>::new(domain, 1e-3, skin));
         store.add_group(Group::free([0.0; 3])).unwrap();
         store.add_group(Group::frozen()).unwrap();
         let mut before = lo;
@@ -184,7 +184,7 @@ proptest! {
         ),
     ) {
         let domain = Domain::new([0.0; 3], [9.0; 3], [true; 3]).unwrap();
-        let mut store = Box::new(Store::<f64, 54, 256, 1>::new(domain, 1e-3, 0.1));
+        let mut store = Box::new(Store::<f64, 54, 256, 54, 1>::new(domain, 1e-3, 0.1));
         store.add_group(Group::free([0.0; 3])).unwrap();
         for (k, &(toward, ri, rj, units)) in pairs.iter().enumerate() {
             let length = dot(toward, toward).sqrt();
@@ -291,7 +291,7 @@ fn two_that_fly_at_each_other_meet_in_time() {
     for gap in [0.0005, 0.05, 0.15, 0.25, 0.35, 0.45] {
         let mut met: Vec<(f64, u64, Digest)> = Vec::new();
         for skin in [0.0, 0.1, 0.2, 0.3, 0.4, 5.0] {
-            let mut store = Store::<f64, 2, 16, 1>::new(Domain::open(), 1e-3, skin);
+            let mut store = Store::<f64, 2, 16, 2, 1>::new(Domain::open(), 1e-3, skin);
             store.add_group(Group::free([0.0; 3])).unwrap();
             store.add_grain(1, 0, [0.0; 3], 0.5, 0.5).unwrap();
             store

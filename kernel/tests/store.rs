@@ -21,7 +21,7 @@ const BALL: ([f64; 3], f64) = ([2.75, 2.5, 0.8], 0.8);
 
 /// Thirty grains of unequal sizes in loose layers over a floor, beside and above a resting ball, in
 /// a box that is periodic along x and y.
-fn bed<const PAIRS: usize>(skin: f64) -> Box<Store<f64, GRAINS, PAIRS, 2>> {
+fn bed<const PAIRS: usize>(skin: f64) -> Box<Store<f64, GRAINS, PAIRS, 64, 2>> {
     let domain = Domain::new([0.0, 0.0, -1.0], [5.5, 5.0, 20.0], [true, true, false]).unwrap();
     let mut store = Box::new(Store::new(domain, 5e-4, skin));
     store.add_group(Group::free([0.0, 0.0, -1.0])).unwrap();

@@ -144,7 +144,7 @@ fn nothing_is_left_over(world: &World<'_, f64>, seen: &[Pushed<f64>]) -> Result<
 /// A grain pressed into a corner of three walls by a ball. Fewer than three obstacles would not
 /// tell one order from another.
 fn corner(deep: V, velocity: V, spin: V) -> Result<(), TestCaseError> {
-    let mut store = Store::<f64, 1, 16, 4>::new(Domain::open(), 1e-4, 0.1);
+    let mut store = Store::<f64, 1, 16, 4, 4>::new(Domain::open(), 1e-4, 0.1);
     store.add_group(Group::free([0.0, 0.0, -1.0])).unwrap();
     for axis in 0..3 {
         let mut normal = [0.0; 3];

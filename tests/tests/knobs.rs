@@ -219,7 +219,7 @@ fn digests_are_the_golden_ones() {
 
 /// Twelve grains in a column, in single precision and without an allocator.
 fn column_f32() -> [u8; 32] {
-    let mut store = Store::<f32, 12, 64, 2>::new(bitgrain_kernel::Domain::open(), 2e-4, 0.1);
+    let mut store = Store::<f32, 12, 64, 24, 2>::new(bitgrain_kernel::Domain::open(), 2e-4, 0.1);
     let law = HertzHistory {
         kn: 2e4,
         kt: 2.45e4,

@@ -6,7 +6,7 @@ use bitgrain_kernel::{Store, digest, start, step};
 use bitgrain_tests::{golden, golden_case};
 
 /// Room for the larger cases: 60 grains, and the five groups that a case has.
-type Room<const PAIRS: usize, const BODIES: usize> = Store<f64, 60, PAIRS, BODIES>;
+type Room<const PAIRS: usize, const BODIES: usize> = Store<f64, 60, PAIRS, 256, BODIES>;
 
 /// The digests that `golden/digests` holds of a case, by step.
 fn golden_digests(name: &str) -> Vec<(u64, String)> {

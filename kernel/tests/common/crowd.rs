@@ -49,7 +49,7 @@ pub fn tsuji() -> HertzTsuji<f64> {
 }
 
 /// Storage for a crowd of up to 64 grains, listed up to 0.6 diameters beyond touching.
-pub type Crowd = Store<f64, 64, 1024, 5>;
+pub type Crowd = Store<f64, 64, 1024, 320, 5>;
 
 /// Random numbers from 0 to 1 that one grain takes.
 pub const PER_GRAIN: usize = 5;
