@@ -7,7 +7,7 @@ use std::path::Path;
 use bitgrain::bench::{read_bed, soft_law};
 use bitgrain::sim::{AnyLaw, Grain, Sim};
 use bitgrain_kernel::law::{Contact, HertzHistory, HertzTsuji, Law, Reaction};
-use bitgrain_kernel::push::{Part, Sight, Spill, spill, sum};
+use bitgrain_kernel::push::{LANES, Part, Sight, Spill, spill, sum};
 use bitgrain_kernel::vec3::{Vec3, dot, head, scale, sub};
 use bitgrain_kernel::{Bond, Domain, World};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
@@ -66,26 +66,19 @@ fn tsuji() -> HertzTsuji<f64> {
 /// Evaluates and sums all listed pairs. Springs do not advance, so that every call does the same.
 #[inline(always)]
 fn sum_pairs<L: Law<f64>>(world: &mut World<'_, f64>, law: &L) {
-    let g = &mut world.grains;
+    let (sight, _, mut part) = world.pushing(0.0);
     // What the obstacles' pass does where there are none.
-    g.force.fill([0.0; 4]);
-    g.torque.fill([0.0; 4]);
-    let sight = Sight {
-        domain: world.domain,
-        position: g.position,
-        velocity: g.velocity,
-        spin: g.spin,
-        row: world.pairs.row,
-        dt: 0.0,
-    };
-    let mut part = Part {
-        rows: 0..g.position.len(),
-        force: g.force,
-        torque: g.torque,
-        partner: world.pairs.partner,
-        spring: world.pairs.spring,
-    };
-    black_box(sum(sight, &mut part, law, &[], &[], |_| {}));
+    part.force.fill([0.0; 4]);
+    part.torque.fill([0.0; 4]);
+    let none = std::iter::empty();
+    black_box(sum::<f64, L, LANES>(
+        sight,
+        &mut part,
+        law,
+        none,
+        &[],
+        |_| {},
+    ));
 }
 
 /// The law alone, over an array of contacts.
@@ -212,28 +205,15 @@ fn contact_block(c: &mut Criterion) {
 
 /// Every contact of a world as a spill: each grain is a range of its own.
 fn spills(world: &mut World<'_, f64>, law: &HertzHistory<f64>) -> Vec<Spill<f64>> {
-    let g = &mut world.grains;
-    let sight = Sight {
-        domain: world.domain,
-        position: g.position,
-        velocity: g.velocity,
-        spin: g.spin,
-        row: world.pairs.row,
-        dt: 0.0,
-    };
+    let (sight, _, mut rest) = world.pushing(0.0);
     let mut all = Vec::new();
-    for i in 0..g.position.len() {
-        let row = sight.row[i] as usize..sight.row[i + 1] as usize;
-        let mut out = vec![Spill::default(); row.len()];
-        let mut part = Part {
-            rows: i..i + 1,
-            force: &mut [],
-            torque: &mut [],
-            partner: &mut world.pairs.partner[row.clone()],
-            spring: &mut world.pairs.spring[row],
-        };
-        let (count, _) = spill(sight, &mut part, law, &mut out).expect("as many as pairs");
+    while !rest.rows.is_empty() {
+        let (mut part, others) = rest.split(1, sight.row);
+        let mut out = vec![Spill::default(); part.spills(sight.row)];
+        let spilt = spill::<_, _, LANES>(sight, &mut part, law, &mut out);
+        let (count, _) = spilt.expect("as many as pairs");
         all.extend_from_slice(&out[..count]);
+        rest = others;
     }
     all
 }
@@ -280,7 +260,14 @@ fn gather(
         spring: &mut [],
     };
     // To the higher grains as from lower ranges, to the lower grains as their own.
-    black_box(sum(sight, &mut part, law, &[all], all, |_| {}));
+    black_box(sum::<_, _, LANES>(
+        sight,
+        &mut part,
+        law,
+        all.iter(),
+        all,
+        |_| {},
+    ));
 }
 
 /// The search of a settled bed; with it, as always on taking up a state, the checks.

@@ -15,7 +15,8 @@
 //!   [`present`] finds in the run directory.
 //!
 //! Beside the pipeline: [`case`](mod@case) and [`replay`] for the smallest unit of work, [`bench`](mod@bench)
-//! for speed, [`sim`] for whoever wants a simulation in a program, [`cli`], [`shelf`] (what
+//! for speed, [`sim`] for whoever wants a simulation in a program ([`stepping`] and
+//! [`registers`] are how it uses threads and wide instructions), [`cli`], [`shelf`] (what
 //! `bitgrain bed` prints), [`progress`], [`files`] and [`error`].
 
 pub mod bed;
@@ -41,6 +42,7 @@ pub mod order;
 pub mod present;
 pub mod progress;
 pub mod random;
+pub mod registers;
 pub mod replay;
 pub mod report;
 pub mod run;
@@ -48,5 +50,6 @@ pub mod scenario;
 pub mod series;
 pub mod shelf;
 pub mod sim;
+pub mod stepping;
 pub mod summary;
 pub mod units;

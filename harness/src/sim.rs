@@ -1,12 +1,13 @@
-//! A simulation that owns its storage, and the stepping of it with the machine's widest registers.
+//! A simulation that owns its storage.
 
 use bitgrain_kernel::law::{HertzHistory, HertzTsuji};
 use bitgrain_kernel::{
     Bond, Cells, Clock, Digest, Domain, Fault, Grains, Group, Obstacle, Pairs, Pushed, Row,
     TOUCHING, World, start_watched, step_watched,
 };
-use multiversion::multiversion;
 use serde::{Deserialize, Serialize};
+
+use crate::stepping::Stepping;
 
 /// A contact law with its numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -89,6 +90,8 @@ pub struct Sim {
     pub image: Vec<[i32; 3]>,
     /// Obstacles by number.
     pub obstacles: Vec<Obstacle<f64>>,
+    /// How it steps: speed only, never a bit.
+    pub stepping: Stepping,
     lists: [List; 2],
     cell_start: Vec<u32>,
     cell_grain: Vec<u32>,
@@ -165,6 +168,7 @@ impl Sim {
             torque: vec![[0.0; 4]; n],
             image: vec![[0; 3]; n],
             obstacles,
+            stepping: Stepping::default(),
             lists: [List::default(), List::default()],
             cell_start: Vec::new(),
             cell_grain: Vec::new(),
@@ -329,19 +333,22 @@ impl Sim {
         self.grow_while_full(|sim| bitgrain_kernel::resume(&mut sim.world(), bonds.iter().copied()))
     }
 
-    /// Advances by `count` steps.
+    /// Advances by `count` steps, on the threads of the rayon pool that this is called in.
     ///
     /// # Errors
     /// The fault that stopped a step; [`Sim::step_count`] says how many were finished.
     pub fn steps(&mut self, count: u64) -> Result<(), Fault> {
         let end = self.clock.step + count;
-        self.grow_while_full(|sim| {
+        let mut stepping = std::mem::take(&mut self.stepping);
+        let done = self.grow_while_full(|sim| {
             let left = end - sim.clock.step;
             match sim.law {
-                AnyLaw::HertzHistory(law) => step_history(&mut sim.world(), &law, left),
-                AnyLaw::HertzTsuji(law) => step_tsuji(&mut sim.world(), &law, left),
+                AnyLaw::HertzHistory(law) => stepping.steps(&mut sim.world(), &law, left),
+                AnyLaw::HertzTsuji(law) => stepping.steps(&mut sim.world(), &law, left),
             }
-        })
+        });
+        self.stepping = stepping;
+        done
     }
 
     /// The digest of the state.
@@ -370,26 +377,4 @@ impl Sim {
         let w2 = w[0] * w[0] + w[1] * w[1] + w[2] * w[2];
         0.5 * v[3] * (v2 + 0.4 * r * r * w2)
     }
-}
-
-// One monomorphic copy of the step for each law and instruction set; the kernel's phases are inlined
-// into it. Without fused operations every copy gives the same bits.
-#[multiversion(targets("x86_64+avx2"))]
-fn step_history(
-    world: &mut World<'_, f64>,
-    law: &HertzHistory<f64>,
-    count: u64,
-) -> Result<(), Fault> {
-    for _ in 0..count {
-        bitgrain_kernel::step(world, law)?;
-    }
-    Ok(())
-}
-
-#[multiversion(targets("x86_64+avx2"))]
-fn step_tsuji(world: &mut World<'_, f64>, law: &HertzTsuji<f64>, count: u64) -> Result<(), Fault> {
-    for _ in 0..count {
-        bitgrain_kernel::step(world, law)?;
-    }
-    Ok(())
 }

@@ -6,7 +6,8 @@
 use crate::blake3::Hasher;
 use crate::pairs::Bond;
 use crate::real::Real;
-use crate::vec3::Vec3;
+use crate::rows::at;
+use crate::vec3::{Vec3, head};
 use crate::world::World;
 
 /// BLAKE3 hashes of a state, 32 bytes each.
@@ -56,34 +57,32 @@ impl Digest {
 /// Digests a state. Forces and histories are those of the last evaluation.
 pub fn digest<R: Real>(world: &World<'_, R>) -> Digest {
     let g = &world.grains;
-    let n = g.count();
+    let id = |place: u32| at(g.id, place as usize);
     let positions = hash(|h| {
-        for i in 0..n {
-            h.word(g.id[i]);
-            numbers(h, &g.position[i]);
-            images(h, &g.image[i]);
+        for ((id, position), image) in g.id.iter().zip(&*g.position).zip(&*g.image) {
+            h.word(*id);
+            numbers(h, position);
+            images(h, image);
         }
     });
-    let velocities = hash(|h| (0..n).for_each(|i| numbers(h, &g.velocity[i])));
-    let spins = hash(|h| (0..n).for_each(|i| numbers(h, &g.spin[i][..3])));
+    let velocities = hash(|h| g.velocity.iter().for_each(|v| numbers(h, v)));
+    let spins = hash(|h| g.spin.iter().for_each(|w| numbers(h, &head(*w))));
     let histories = hash(|h| {
         for bond in world.bonds() {
             match bond {
-                Bond::Pair { i, j, spring } => {
-                    spring_of(h, 0, g.id[i as usize], g.id[j as usize], spring)
-                }
+                Bond::Pair { i, j, spring } => spring_of(h, 0, id(i), id(j), spring),
                 Bond::Touch {
                     i,
                     obstacle,
                     spring,
-                } => spring_of(h, 1, g.id[i as usize], obstacle, spring),
+                } => spring_of(h, 1, id(i), obstacle, spring),
             }
         }
     });
     let forces = hash(|h| {
-        for i in 0..n {
-            numbers(h, &g.force[i][..3]);
-            numbers(h, &g.torque[i][..3]);
+        for (force, torque) in g.force.iter().zip(&*g.torque) {
+            numbers(h, &head(*force));
+            numbers(h, &head(*torque));
         }
     });
     let obstacles = hash(|h| {

@@ -76,6 +76,7 @@ mod pairs;
 pub mod push;
 mod real;
 pub mod reference;
+mod rows;
 mod search;
 mod step;
 mod store;
@@ -91,7 +92,9 @@ pub use pairs::{Bond, Pairs, TOUCHING};
 pub use push::{Partner, Pushed};
 pub use real::Real;
 pub use search::Cells;
-pub use step::{resume, start, start_watched, step, step_watched};
+pub use step::{
+    find_who_may_touch, finish, judge, resume, start, start_watched, step, step_watched,
+};
 pub use store::Store;
 pub use world::{Clock, World};
 

@@ -6,6 +6,7 @@
 
 use crate::grains::Row;
 use crate::real::Real;
+use crate::rows::at;
 
 /// Bit of a listed partner that says the pair touched in the last evaluation.
 pub const TOUCHING: u32 = 1 << 31;
@@ -65,7 +66,7 @@ impl<R: Real> Pairs<'_, R> {
     /// Entries of the row of grain `i`.
     #[inline(always)]
     pub(crate) fn row_of(&self, i: usize) -> core::ops::Range<usize> {
-        self.row[i] as usize..self.row[i + 1] as usize
+        at(self.row, i) as usize..at(self.row, i + 1) as usize
     }
 
     /// The touching grain pairs by `(i, j)`, then the touching obstacle contacts by grain and
@@ -74,19 +75,19 @@ impl<R: Real> Pairs<'_, R> {
         let grains = self.row.len().saturating_sub(1);
         let pairs = (0..grains).flat_map(move |i| {
             self.row_of(i)
-                .filter(|&p| self.partner[p] & TOUCHING != 0)
+                .filter(|&p| at(self.partner, p) & TOUCHING != 0)
                 .map(move |p| Bond::Pair {
                     i: i as u32,
-                    j: self.partner[p] & PLACE,
-                    spring: crate::vec3::head(self.spring[p]),
+                    j: at(self.partner, p) & PLACE,
+                    spring: crate::vec3::head(at(self.spring, p)),
                 })
         });
         let touches = (0..touches.min(self.touch_grain.len()))
-            .filter(|&t| self.touch_obstacle[t] & TOUCHING != 0)
+            .filter(|&t| at(self.touch_obstacle, t) & TOUCHING != 0)
             .map(|t| Bond::Touch {
-                i: self.touch_grain[t],
-                obstacle: self.touch_obstacle[t] & PLACE,
-                spring: crate::vec3::head(self.touch_spring[t]),
+                i: at(self.touch_grain, t),
+                obstacle: at(self.touch_obstacle, t) & PLACE,
+                spring: crate::vec3::head(at(self.touch_spring, t)),
             });
         pairs.chain(touches)
     }
@@ -97,33 +98,30 @@ impl<R: Real> Pairs<'_, R> {
         if !spring.iter().all(|s| s.is_finite()) {
             return false;
         }
-        match *bond {
+        let ([x, y, z], place, word, springs) = match *bond {
             Bond::Pair { i, j, spring } => {
-                if i as usize + 1 >= self.row.len() {
-                    return false;
-                }
-                let row = self.row_of(i as usize);
-                let Some(p) = row.into_iter().find(|&p| self.partner[p] & PLACE == j) else {
-                    return false;
-                };
-                self.partner[p] |= TOUCHING;
-                self.spring[p] = [spring[0], spring[1], spring[2], R::ZERO];
+                let mut row = self.row_of(i as usize);
+                let place = row.find(|&p| at(self.partner, p) & PLACE == j);
+                (spring, place, &mut *self.partner, &mut *self.spring)
             }
             Bond::Touch {
                 i,
                 obstacle,
                 spring,
             } => {
-                let found = (0..touches).find(|&t| {
-                    self.touch_grain[t] == i && self.touch_obstacle[t] & PLACE == obstacle
+                let place = (0..touches).find(|&t| {
+                    at(self.touch_grain, t) == i && at(self.touch_obstacle, t) & PLACE == obstacle
                 });
-                let Some(t) = found else {
-                    return false;
-                };
-                self.touch_obstacle[t] |= TOUCHING;
-                self.touch_spring[t] = [spring[0], spring[1], spring[2], R::ZERO];
+                let (word, springs) = (&mut *self.touch_obstacle, &mut *self.touch_spring);
+                (spring, place, word, springs)
             }
-        }
+        };
+        let entry = place.and_then(|p| Some((word.get_mut(p)?, springs.get_mut(p)?)));
+        let Some((word, row)) = entry else {
+            return false;
+        };
+        *word |= TOUCHING;
+        *row = [x, y, z, R::ZERO];
         true
     }
 }

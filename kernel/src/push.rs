@@ -21,10 +21,17 @@ use crate::law::{Contact, Law};
 use crate::obstacle::Obstacle;
 use crate::pairs::{PLACE, TOUCHING};
 use crate::real::{Real, smaller};
+use crate::rows::{at, gain, halves_mut, lose, set};
 use crate::vec3::{Vec3, add, cross, dot, head, scale, sub};
 
-/// Contacts evaluated at once: four doubles fill a register of AVX2. It has no effect on any bit.
-pub const LANES: usize = 4;
+/// Contacts evaluated at once where the caller does not say: four doubles fill a register of AVX2;
+/// small cores have no wide registers, and one lane takes a quarter of the code. It has no effect on
+/// any bit.
+pub const LANES: usize = if cfg!(any(target_arch = "arm", target_arch = "riscv32")) {
+    1
+} else {
+    4
+};
 
 /// What the force phase reads: the whole world, shared by all ranges.
 #[derive(Clone, Copy)]
@@ -55,6 +62,70 @@ pub struct Part<'a, R> {
     pub partner: &'a mut [u32],
     /// The springs of their rows.
     pub spring: &'a mut [Row<R>],
+}
+
+impl<'a, R: Real> Part<'a, R> {
+    /// The first `grains` rows of the range, and the others; `row` is that of [`Sight`].
+    pub fn split(self, grains: usize, row: &[u32]) -> (Self, Self) {
+        let (first, end) = (self.rows.start, self.rows.end);
+        let middle = if grains < end - first {
+            first + grains
+        } else {
+            end
+        };
+        let pairs = (at(row, middle) as usize).saturating_sub(at(row, first) as usize);
+        let force = halves_mut(self.force, middle - first);
+        let torque = halves_mut(self.torque, middle - first);
+        let partner = halves_mut(self.partner, pairs);
+        let spring = halves_mut(self.spring, pairs);
+        let left = Self {
+            rows: first..middle,
+            force: force.0,
+            torque: torque.0,
+            partner: partner.0,
+            spring: spring.0,
+        };
+        let right = Self {
+            rows: middle..end,
+            force: force.1,
+            torque: torque.1,
+            partner: partner.1,
+            spring: spring.1,
+        };
+        (left, right)
+    }
+
+    /// Where the row of grain `i` lies in the range's own slices.
+    #[inline(always)]
+    fn row(&self, row: &[u32], i: usize) -> Range<usize> {
+        row_of(row, at(row, self.rows.start), i)
+    }
+
+    /// Pairs of the range whose partner lies beyond it: what [`spill`] needs room for.
+    pub fn spills(&self, row: &[u32]) -> usize {
+        let end = self.rows.end;
+        let rows = self.rows.clone();
+        rows.map(|i| beyond(self.partner, self.row(row, i), end).len())
+            .sum()
+    }
+}
+
+/// The row of grain `i` in slices that begin at pair `base`.
+#[inline(always)]
+fn row_of(row: &[u32], base: u32, i: usize) -> Range<usize> {
+    let (begin, end) = (at(row, i), at(row, i + 1));
+    begin.wrapping_sub(base) as usize..end.wrapping_sub(base) as usize
+}
+
+/// The pairs of a row whose partner lies at `end` or beyond it.
+#[inline(always)]
+fn beyond(partner: &[u32], row: Range<usize>, end: usize) -> Range<usize> {
+    let mut begin = row.end;
+    // Partners ascend, and most rows end within the range.
+    while begin > row.start && (at(partner, begin - 1) & PLACE) as usize >= end {
+        begin -= 1;
+    }
+    begin..row.end
 }
 
 /// The force of one contact whose partner lies beyond the range that evaluated it.
@@ -103,84 +174,79 @@ pub struct Pushed<R> {
 /// Two places whose grains overlap beyond the limit, or nothing.
 pub type Deep = Option<(u32, u32)>;
 
-/// Evaluates the pairs of a range whose partner lies beyond it, into `out`, by `(i, j)`.
-/// Returns how many there are.
+/// The lower of two deepest pairs: what one range over both would have found first.
+pub fn first_deep(a: Deep, b: Deep) -> Deep {
+    match (a, b) {
+        (Some(a), Some(b)) => Some(if b < a { b } else { a }),
+        (a, b) => a.or(b),
+    }
+}
+
+/// Evaluates the pairs of a range whose partner lies beyond it, `W` at once, into `out`, by
+/// `(i, j)`. Returns how many there are.
 ///
 /// # Errors
-/// [`Fault::PairsFull`] where `out` is too short for the pairs listed; nothing is lost.
+/// [`Fault::PairsFull`] where `out` is shorter than [`Part::spills`]; nothing is lost.
 #[inline(always)]
-pub fn spill<R: Real, L: Law<R>>(
+pub fn spill<R: Real, L: Law<R>, const W: usize>(
     sight: Sight<'_, R>,
     part: &mut Part<'_, R>,
     law: &L,
     out: &mut [Spill<R>],
 ) -> Result<(usize, Deep), Fault> {
-    let end = part.rows.end as u32;
-    let base = sight.row[part.rows.start] as usize;
-    let beyond = |partner: &[u32], i: usize| {
-        let row = sight.row[i] as usize - base..sight.row[i + 1] as usize - base;
-        let inner = partner[row.clone()].partition_point(|&p| p & PLACE < end);
-        row.start + inner..row.end
-    };
-    let needed = part
-        .rows
-        .clone()
-        .map(|i| beyond(part.partner, i).len())
-        .sum();
+    let needed = part.spills(sight.row);
     if needed > out.len() {
         return Err(Fault::PairsFull { needed });
     }
+    let (rows, end) = (part.rows.clone(), part.rows.end);
+    let base = at(sight.row, rows.start);
     let mut count = 0;
-    let deep = sweep(
+    let deep = sweep::<R, L, W>(
         sight,
-        part.rows.clone(),
+        rows,
         part.partner,
         part.spring,
         law,
-        beyond,
+        |partner, i| beyond(partner, row_of(sight.row, base, i), end),
         |one, _| {
-            out[count] = one;
+            set(out, count, one);
             count += 1;
         },
     );
     Ok((count, deep))
 }
 
-/// Sums the forces and torques of a range that already hold the obstacles' share.
+/// Sums the forces and torques of a range that already hold the obstacles' share, evaluating `W`
+/// contacts at once.
 ///
 /// `lower` are the spills of the ranges before this one, in order; `own` are this range's. With one
 /// range over all grains both are empty, and this is the definition. `watch` sees every contact
 /// evaluated here (not the spills); it cannot change one.
 #[inline(always)]
-pub fn sum<R: Real, L: Law<R>>(
+pub fn sum<'s, R: Real, L: Law<R>, const W: usize>(
     sight: Sight<'_, R>,
     part: &mut Part<'_, R>,
     law: &L,
-    lower: &[&[Spill<R>]],
+    lower: impl Iterator<Item = &'s Spill<R>>,
     own: &[Spill<R>],
     mut watch: impl FnMut(Pushed<R>),
 ) -> Deep {
     let rows = part.rows.clone();
     let (first, end) = (rows.start, rows.end);
-    for one in lower.iter().flat_map(|spills| spills.iter()) {
+    for one in lower {
         if rows.contains(&(one.j as usize)) {
-            let g = one.j as usize - first;
-            part.force[g] = minus(part.force[g], one.force);
-            part.torque[g] = minus(part.torque[g], scale(one.couple, one.arm_j));
+            let g = (one.j as usize).wrapping_sub(first);
+            lose(part.force, g, one.force);
+            lose(part.torque, g, scale(one.couple, one.arm_j));
         }
     }
-    let base = sight.row[first] as usize;
+    let base = at(sight.row, first);
     let within = |partner: &[u32], i: usize| {
-        let row = sight.row[i] as usize - base..sight.row[i + 1] as usize - base;
-        // The last partner is the highest: most rows end within the range.
-        if row.is_empty() || ((partner[row.end - 1] & PLACE) as usize) < end {
-            return row;
-        }
-        let inner = partner[row.clone()].partition_point(|&p| ((p & PLACE) as usize) < end);
-        row.start..row.start + inner
+        let row = row_of(sight.row, base, i);
+        row.start..beyond(partner, row, end).start
     };
     let (force, torque) = (&mut *part.force, &mut *part.torque);
-    let deep = sweep(
+    let deep = sweep::<R, L, W>(
         sight,
         rows,
         part.partner,
@@ -189,23 +255,24 @@ pub fn sum<R: Real, L: Law<R>>(
         within,
         |one, pushed| {
             watch(pushed);
-            let (i, j) = (one.i as usize - first, one.j as usize - first);
-            force[i] = plus(force[i], one.force);
-            force[j] = minus(force[j], one.force);
-            torque[i] = minus(torque[i], scale(one.couple, one.arm_i));
-            torque[j] = minus(torque[j], scale(one.couple, one.arm_j));
+            let place = |g: u32| (g as usize).wrapping_sub(first);
+            let (i, j) = (place(one.i), place(one.j));
+            gain(force, i, one.force);
+            lose(force, j, one.force);
+            lose(torque, i, scale(one.couple, one.arm_i));
+            lose(torque, j, scale(one.couple, one.arm_j));
         },
     );
     for one in own {
-        let i = one.i as usize - first;
-        part.force[i] = plus(part.force[i], one.force);
-        part.torque[i] = minus(part.torque[i], scale(one.couple, one.arm_i));
+        let i = (one.i as usize).wrapping_sub(first);
+        gain(part.force, i, one.force);
+        lose(part.torque, i, scale(one.couple, one.arm_i));
     }
     deep
 }
 
 /// Contacts that passed the filter and wait for evaluation, so that filter and law each run over
-/// many at a time. A multiple of [`LANES`] and a power of two.
+/// many at a time. A multiple of every number of lanes and a power of two.
 const BATCH: usize = 64;
 
 /// Places of both grains of a contact and of the pair in its list.
@@ -214,7 +281,7 @@ type Waiting = [u32; 3];
 /// Walks the pairs that `take` gives for each row, filters them, evaluates those that may touch in
 /// blocks, keeps their springs, and hands each touching contact to `emit` in order.
 #[inline(always)]
-fn sweep<R: Real, L: Law<R>>(
+fn sweep<R: Real, L: Law<R>, const W: usize>(
     sight: Sight<'_, R>,
     rows: Range<usize>,
     partner: &mut [u32],
@@ -223,6 +290,12 @@ fn sweep<R: Real, L: Law<R>>(
     take: impl Fn(&[u32], usize) -> Range<usize>,
     mut emit: impl FnMut(Spill<R>, Pushed<R>),
 ) -> Deep {
+    const {
+        assert!(
+            W > 0 && BATCH.is_multiple_of(W),
+            "lanes must divide a batch"
+        )
+    };
     // Squares of distances are rounded by a few units in the last place; the filter gives 16.
     let margin = R::ONE + R::EPSILON * R::from_f64(16.0);
     let position = sight.position;
@@ -230,20 +303,16 @@ fn sweep<R: Real, L: Law<R>>(
     let mut batch: [Waiting; BATCH] = [[0; 3]; BATCH];
     let mut count = 0;
     for i in rows {
-        let x = position[i];
+        let x = at(position, i);
         let row = take(partner, i);
         let mut p = row.start;
         while p < row.end {
             // Idle lanes at the end of a row repeat its first and are never kept.
-            let used = if row.end - p < LANES {
-                row.end - p
-            } else {
-                LANES
-            };
-            let word: [u32; LANES] =
-                core::array::from_fn(|k| partner[p + if k < used { k } else { 0 }]);
-            let y = lanes(position, core::array::from_fn(|k| word[k] & PLACE));
-            let near: [bool; LANES] = core::array::from_fn(|k| {
+            let used = if row.end - p < W { row.end - p } else { W };
+            let word: [u32; W] =
+                core::array::from_fn(|k| at(partner, p + if k < used { k } else { 0 }));
+            let y = lanes(position, word.map(|w| w & PLACE));
+            let near: [bool; W] = core::array::from_fn(|k| {
                 let d = sight
                     .domain
                     .separation(head(x), [y[0][k], y[1][k], y[2][k]]);
@@ -251,46 +320,44 @@ fn sweep<R: Real, L: Law<R>>(
                 dot(d, d) < reach * reach * margin
             });
             let mut parted = false;
-            for k in 0..LANES {
+            for k in 0..W {
                 // Written always, kept only when near: no branch to mispredict.
                 batch[count % BATCH] = [i as u32, word[k] & PLACE, (p + k) as u32];
                 count += (near[k] && k < used) as usize;
                 parted |= !near[k] && word[k] & TOUCHING != 0;
             }
             if parted {
-                for k in 0..used {
-                    if !near[k] {
-                        partner[p + k] = word[k] & PLACE;
-                        spring[p + k] = [R::ZERO; 4];
+                for k in 0..W {
+                    if k < used && !near[k] {
+                        set(partner, p + k, word[k] & PLACE);
+                        set(spring, p + k, [R::ZERO; 4]);
                     }
                 }
             }
-            if count > BATCH - LANES {
-                let found = evaluate_all(sight, &batch, count, partner, spring, law, &mut emit);
+            if count > BATCH - W {
+                let found =
+                    evaluate_all::<R, L, W>(sight, &batch, count, partner, spring, law, &mut emit);
                 deep = deep.or(found);
                 count = 0;
             }
-            p += LANES;
+            p += W;
         }
     }
-    deep.or(evaluate_all(
-        sight, &batch, count, partner, spring, law, &mut emit,
-    ))
+    let found = evaluate_all::<R, L, W>(sight, &batch, count, partner, spring, law, &mut emit);
+    deep.or(found)
 }
 
-/// One word of several rows side by side.
-type Lane<R> = [R; LANES];
-
-/// The rows at these places, turned into lanes.
+/// The rows at these places, turned into lanes: word by word, side by side.
 #[inline(always)]
-fn lanes<R: Real>(rows: &[Row<R>], places: [u32; LANES]) -> [Lane<R>; 4] {
-    let row: [&Row<R>; LANES] = core::array::from_fn(|k| &rows[places[k] as usize]);
+fn lanes<R: Real, const W: usize>(rows: &[Row<R>], places: [u32; W]) -> [[R; W]; 4] {
+    let none = [R::ZERO; 4];
+    let row: [&Row<R>; W] = core::array::from_fn(|k| rows.get(places[k] as usize).unwrap_or(&none));
     core::array::from_fn(|w| core::array::from_fn(|k| row[k][w]))
 }
 
 /// The first `count` contacts of a batch, block by block.
 #[inline(always)]
-fn evaluate_all<R: Real, L: Law<R>>(
+fn evaluate_all<R: Real, L: Law<R>, const W: usize>(
     sight: Sight<'_, R>,
     batch: &[Waiting; BATCH],
     count: usize,
@@ -303,47 +370,43 @@ fn evaluate_all<R: Real, L: Law<R>>(
     let mut done = 0;
     while done < count {
         // Idle lanes of the last block repeat its first contact and are ignored.
-        let used = if count - done < LANES {
-            count - done
-        } else {
-            LANES
-        };
-        let block: [Waiting; LANES] =
+        let used = if count - done < W { count - done } else { W };
+        let block: [Waiting; W] =
             core::array::from_fn(|k| batch[(done + if k < used { k } else { 0 }) % BATCH]);
         let found = evaluate(sight, &block, used, partner, spring, law, emit);
         deep = deep.or(found);
-        done += LANES;
+        done += W;
     }
     deep
 }
 
 /// One block: rows into lanes, the law in every lane, lanes out in order.
 #[inline(always)]
-fn evaluate<R: Real, L: Law<R>>(
+fn evaluate<R: Real, L: Law<R>, const W: usize>(
     sight: Sight<'_, R>,
-    block: &[Waiting; LANES],
+    block: &[Waiting; W],
     used: usize,
     partner: &mut [u32],
     spring: &mut [Row<R>],
     law: &L,
     emit: &mut impl FnMut(Spill<R>, Pushed<R>),
 ) -> Deep {
-    let zero = [R::ZERO; LANES];
-    let turn = |rows: &[Row<R>], body: usize| lanes(rows, core::array::from_fn(|k| block[k][body]));
+    let zero = [R::ZERO; W];
+    let turn = |rows: &[Row<R>], body: usize| lanes(rows, block.map(|one| one[body]));
     let (xi, xj) = (turn(sight.position, 0), turn(sight.position, 1));
     let (vi, vj) = (turn(sight.velocity, 0), turn(sight.velocity, 1));
     let (wi, wj) = (turn(sight.spin, 0), turn(sight.spin, 1));
     let mut s = turn(spring, 2);
 
-    let mut force: [Lane<R>; 3] = [zero; 3];
-    let mut couple: [Lane<R>; 3] = [zero; 3];
-    let mut normal: [Lane<R>; 3] = [zero; 3];
-    let mut tangential: [Lane<R>; 3] = [zero; 3];
-    let mut arm: [Lane<R>; 2] = [zero; 2];
+    let mut force = [zero; 3];
+    let mut couple = [zero; 3];
+    let mut normal = [zero; 3];
+    let mut tangential = [zero; 3];
+    let mut arm = [zero; 2];
     let (mut overlap, mut normal_force) = (zero, zero);
-    for k in 0..LANES {
-        let at = |v: &[Lane<R>]| [v[0][k], v[1][k], v[2][k]];
-        let d = sight.domain.separation(at(&xi), at(&xj));
+    for k in 0..W {
+        let of = |v: &[[R; W]]| [v[0][k], v[1][k], v[2][k]];
+        let d = sight.domain.separation(of(&xi), of(&xj));
         let distance = dot(d, d).sqrt();
         let (ri, rj) = (xi[3][k], xj[3][k]);
         let contact = Contact {
@@ -353,11 +416,11 @@ fn evaluate<R: Real, L: Law<R>>(
             radius_j: rj,
             radius_effective: (ri * rj) / (ri + rj),
             mass_effective: R::ONE / (wi[3][k] + wj[3][k]),
-            velocity: sub(at(&vi), at(&vj)),
-            spin_i: at(&wi),
-            spin_j: at(&wj),
+            velocity: sub(of(&vi), of(&vj)),
+            spin_i: of(&wi),
+            spin_j: of(&wj),
         };
-        let r = law.react(&contact, at(&s), sight.dt);
+        let r = law.react(&contact, of(&s), sight.dt);
         let push = add(scale(contact.normal, r.normal), r.tangential);
         let turn = cross(contact.normal, r.tangential);
         for w in 0..3 {
@@ -372,36 +435,36 @@ fn evaluate<R: Real, L: Law<R>>(
     }
 
     let mut deep = None;
-    for k in 0..used {
-        let pair = block[k][2] as usize;
-        let at = |v: &[Lane<R>]| [v[0][k], v[1][k], v[2][k]];
+    for (k, [i, j, pair]) in block.iter().copied().enumerate().take(used) {
+        let pair = pair as usize;
+        let of = |v: &[[R; W]]| [v[0][k], v[1][k], v[2][k]];
         // Only the law's own overlap opens or erases a contact.
         if overlap[k] > R::ZERO {
-            partner[pair] |= TOUCHING;
-            spring[pair] = [s[0][k], s[1][k], s[2][k], R::ZERO];
+            set(partner, pair, j | TOUCHING);
+            set(spring, pair, [s[0][k], s[1][k], s[2][k], R::ZERO]);
             let spill = Spill {
-                i: block[k][0],
-                j: block[k][1],
-                force: at(&force),
-                couple: at(&couple),
+                i,
+                j,
+                force: of(&force),
+                couple: of(&couple),
                 arm_i: arm[0][k],
                 arm_j: arm[1][k],
             };
             let pushed = Pushed {
-                i: block[k][0],
-                partner: Partner::Grain(block[k][1]),
+                i,
+                partner: Partner::Grain(j),
                 overlap: overlap[k],
-                normal: at(&normal),
+                normal: of(&normal),
                 normal_force: normal_force[k],
-                tangential_force: at(&tangential),
+                tangential_force: of(&tangential),
             };
             emit(spill, pushed);
             if overlap[k] > smaller(xi[3][k], xj[3][k]) * R::HALF && deep.is_none() {
-                deep = Some((block[k][0], block[k][1]));
+                deep = Some((i, j));
             }
-        } else if partner[pair] & TOUCHING != 0 {
-            partner[pair] &= PLACE;
-            spring[pair] = [R::ZERO; 4];
+        } else if at(partner, pair) & TOUCHING != 0 {
+            set(partner, pair, j);
+            set(spring, pair, [R::ZERO; 4]);
         }
     }
     deep
@@ -438,18 +501,21 @@ pub fn push_obstacles<R: Real, L: Law<R>>(
         body.force = [R::ZERO; 3];
         body.torque = [R::ZERO; 3];
     }
-    for t in 0..touch.grain.len() {
-        let i = touch.grain[t] as usize;
-        let k = touch.obstacle[t] & PLACE;
-        let body = &mut touch.obstacles[k as usize];
+    let listed = touch.grain.iter().zip(touch.obstacle.iter_mut());
+    for ((grain, obstacle), spring) in listed.zip(touch.spring.iter_mut()) {
+        let i = *grain as usize;
+        let k = *obstacle & PLACE;
+        let Some(body) = touch.obstacles.get_mut(k as usize) else {
+            continue;
+        };
         let (contact, offset) = touch_contact(sight, body, i);
         let touching = contact.overlap > R::ZERO;
         if !touching {
-            touch.obstacle[t] = k;
-            touch.spring[t] = [R::ZERO; 4];
+            *obstacle = k;
+            *spring = [R::ZERO; 4];
             continue;
         }
-        let r = law.react(&contact, head(touch.spring[t]), sight.dt);
+        let r = law.react(&contact, head(*spring), sight.dt);
         let push = add(scale(contact.normal, r.normal), r.tangential);
         let couple = cross(contact.normal, r.tangential);
         // A ball's lever is the law's, as for two grains. Elsewhere the force acts where the grain's
@@ -459,10 +525,10 @@ pub fn push_obstacles<R: Real, L: Law<R>>(
         } else {
             cross(sub(offset, scale(contact.normal, r.arm_i)), push)
         };
-        touch.obstacle[t] = k | TOUCHING;
-        touch.spring[t] = [r.spring[0], r.spring[1], r.spring[2], R::ZERO];
-        force[i] = plus(force[i], push);
-        torque[i] = minus(torque[i], scale(couple, r.arm_i));
+        *obstacle = k | TOUCHING;
+        *spring = [r.spring[0], r.spring[1], r.spring[2], R::ZERO];
+        gain(force, i, push);
+        lose(torque, i, scale(couple, r.arm_i));
         body.force = sub(body.force, push);
         body.torque = sub(body.torque, moment);
         watch(Pushed {
@@ -493,7 +559,8 @@ fn touch_contact<R: Real>(
     body: &Obstacle<R>,
     i: usize,
 ) -> (Contact<R>, Vec3<R>) {
-    let x = sight.position[i];
+    let x = at(sight.position, i);
+    let (v, w) = (at(sight.velocity, i), at(sight.spin, i));
     let meeting = body.meet(sight.domain, head(x), x[3]);
     let flat = meeting.radius == R::ZERO;
     let curved = (x[3] * meeting.radius) / (x[3] + meeting.radius);
@@ -503,20 +570,10 @@ fn touch_contact<R: Real>(
         radius_i: x[3],
         radius_j: meeting.radius,
         radius_effective: if flat { x[3] } else { curved },
-        mass_effective: R::ONE / (sight.spin[i][3] + body.inverse_mass),
-        velocity: sub(head(sight.velocity[i]), body.velocity),
-        spin_i: head(sight.spin[i]),
+        mass_effective: R::ONE / (w[3] + body.inverse_mass),
+        velocity: sub(head(v), body.velocity),
+        spin_i: head(w),
         spin_j: [R::ZERO; 3],
     };
     (contact, meeting.offset)
-}
-
-#[inline(always)]
-fn plus<R: Real>(a: Row<R>, b: Vec3<R>) -> Row<R> {
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3]]
-}
-
-#[inline(always)]
-fn minus<R: Real>(a: Row<R>, b: Vec3<R>) -> Row<R> {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2], a[3]]
 }

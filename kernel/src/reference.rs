@@ -112,22 +112,24 @@ pub fn run<R: Real>(
         show(&line);
     };
     collapse(room)?;
-    follow(room, &history(50.0), 0, 600, |n, d| {
+    follow(room, &history(50.0), 0, 600, &mut |n, d| {
         tell("collapse-hertz_history", n, d)
     })?;
     collapse(room)?;
-    follow(room, &tsuji(), 0, 600, |n, d| {
+    follow(room, &tsuji(), 0, 600, &mut |n, d| {
         tell("collapse-hertz_tsuji", n, d)
     })?;
     bed(room)?;
     // Damped at first, the bed is at rest before the ball sets off.
-    follow(room, &history(500.0), 0, 500, |n, d| tell("bed", n, d))?;
+    follow(room, &history(500.0), 0, 500, &mut |n, d| tell("bed", n, d))?;
     if let Some(ball) = room.world().obstacles.first_mut() {
         ball.velocity = [R::ONE, R::ZERO, R::ZERO];
     }
-    follow(room, &history(50.0), 500, 1000, |n, d| tell("bed", n, d))?;
+    follow(room, &history(50.0), 500, 1000, &mut |n, d| {
+        tell("bed", n, d)
+    })?;
     rig(room)?;
-    follow(room, &tsuji(), 0, 800, |n, d| tell("rig", n, d))
+    follow(room, &tsuji(), 0, 800, &mut |n, d| tell("rig", n, d))
 }
 
 /// Goes on to step `last`, telling the digest of every [`EVERY`]th step after `first`, and at step 0.
@@ -137,7 +139,7 @@ fn follow<R: Real, L: Law<R>>(
     law: &L,
     first: u64,
     last: u64,
-    mut tell: impl FnMut(u64, [u8; 32]),
+    tell: &mut dyn FnMut(u64, [u8; 32]),
 ) -> Result<(), Fault> {
     let mut world = room.world();
     if first == 0 {

@@ -9,8 +9,9 @@ use crate::domain::Domain;
 use crate::fault::Fault;
 use crate::grains::{Grains, Row};
 use crate::obstacle::Obstacle;
-use crate::pairs::{PLACE, Pairs, TOUCHING};
+use crate::pairs::{PLACE, Pairs};
 use crate::real::{Real, larger, magnitude, smaller};
+use crate::rows::{at, front, front_mut, set};
 use crate::vec3::{dot, head};
 
 /// Storage of the cells, borrowed.
@@ -101,7 +102,9 @@ impl<R: Real> Grid<R> {
             return ([0, 1, 2], n);
         }
         if self.periodic[a] {
-            return ([(k + n - 1) % n, k, (k + 1) % n], 3);
+            let before = if k > 0 { k - 1 } else { n - 1 };
+            let after = if k + 1 < n { k + 1 } else { 0 };
+            return ([before, k, after], 3);
         }
         let first = k.saturating_sub(1);
         let last = (k + 1).min(n - 1);
@@ -156,7 +159,8 @@ pub(crate) fn search<R: Real>(
     let skin = larger(scene.skin, need) + slack;
 
     let width = (radius + radius) + skin + slack;
-    let grid = Grid::new(domain, position, width, cells.start.len() - 1);
+    let room = cells.start.len().saturating_sub(1);
+    let grid = Grid::new(domain, position, width, room);
     sort_into_cells(&grid, position, cells);
 
     let listed = list_pairs(scene, &grid, cells, spare, skin)?;
@@ -174,24 +178,29 @@ pub(crate) fn search<R: Real>(
 
 fn sort_into_cells<R: Real>(grid: &Grid<R>, position: &[Row<R>], cells: &mut Cells<'_>) {
     let count = grid.count[0] * grid.count[1] * grid.count[2];
-    cells.start[..=count].fill(0);
+    let start = front_mut(cells.start, count + 1);
+    start.fill(0);
     for x in position {
-        cells.start[grid.number(grid.place(x)) + 1] += 1;
+        let c = grid.number(grid.place(x)) + 1;
+        set(start, c, at(start, c) + 1);
     }
-    for c in 0..count {
-        cells.start[c + 1] += cells.start[c];
+    let mut before = 0;
+    for end in start.iter_mut() {
+        before += *end;
+        *end = before;
     }
     // Filling from the last grain down moves each cell's end to its beginning and keeps order.
-    for i in (0..position.len()).rev() {
-        let c = grid.number(grid.place(&position[i]));
-        cells.start[c + 1] -= 1;
-        cells.grain[cells.start[c + 1] as usize] = i as u32;
+    for (i, x) in position.iter().enumerate().rev() {
+        let c = grid.number(grid.place(x)) + 1;
+        let slot = at(start, c).saturating_sub(1);
+        set(start, c, slot);
+        set(cells.grain, slot as usize, i as u32);
     }
     // Now start[c + 1] is where cell c begins; shift down and close the last cell.
-    for c in 0..count {
-        cells.start[c] = cells.start[c + 1];
+    let mut next = position.len() as u32;
+    for begin in start.iter_mut().rev() {
+        core::mem::swap(begin, &mut next);
     }
-    cells.start[count] = position.len() as u32;
 }
 
 /// Fills the rows of the spare list, partners ascending, and returns how many pairs there are.
@@ -205,49 +214,68 @@ fn list_pairs<R: Real>(
     let (domain, grains) = (scene.domain, scene.grains);
     let position = &*grains.position;
     let n = position.len();
-    let frozen = |i: usize| grains.groups[grains.group[i] as usize].heavy;
     let capacity = spare.partner.len();
     let mut listed = 0usize;
-    for i in 0..n {
-        spare.row[i] = listed.min(capacity) as u32;
+    for (i, x) in position.iter().enumerate() {
+        set(spare.row, i, listed.min(capacity) as u32);
         let begin = listed;
-        let x = position[i];
-        let heavy = frozen(i);
-        let cell = grid.place(&x);
+        let heavy = is_heavy(grains, i);
+        let cell = grid.place(x);
         let (zs, zn) = grid.around(2, cell[2]);
         let (ys, yn) = grid.around(1, cell[1]);
         let (xs, xn) = grid.around(0, cell[0]);
-        for &cz in &zs[..zn] {
-            for &cy in &ys[..yn] {
-                for &cx in &xs[..xn] {
+        for &cz in zs.iter().take(zn) {
+            for &cy in ys.iter().take(yn) {
+                for &cx in xs.iter().take(xn) {
                     let c = grid.number([cx, cy, cz]);
-                    let members = cells.start[c] as usize..cells.start[c + 1] as usize;
-                    for &j in &cells.grain[members] {
+                    let from = at(cells.start, c) as usize;
+                    let members = front(cells.grain, at(cells.start, c + 1) as usize);
+                    for &j in members.get(from..).unwrap_or_default() {
                         let k = j as usize;
-                        if k <= i || (heavy && frozen(k)) {
+                        if k <= i || (heavy && is_heavy(grains, k)) {
                             continue;
                         }
-                        let d = domain.separation(head(x), head(position[k]));
-                        let reach = (x[3] + position[k][3]) + skin;
+                        let y = at(position, k);
+                        let d = domain.separation(head(*x), head(y));
+                        let reach = (x[3] + y[3]) + skin;
                         if dot(d, d) < reach * reach {
-                            if listed < capacity {
-                                spare.partner[listed] = j;
-                            }
+                            set(spare.partner, listed, j);
                             listed += 1;
                         }
                     }
                 }
             }
         }
-        if listed <= capacity {
-            spare.partner[begin..listed].sort_unstable();
+        if let Some(row) = spare.partner.get_mut(begin..listed) {
+            sort(row);
         }
     }
     if listed > capacity {
         return Err(Fault::PairsFull { needed: listed });
     }
-    spare.row[n] = listed as u32;
+    set(spare.row, n, listed as u32);
     Ok(listed)
+}
+
+fn is_heavy<R: Real>(grains: &Grains<'_, R>, i: usize) -> bool {
+    let group = grains.groups.get(usize::from(at(grains.group, i)));
+    group.is_some_and(|group| group.heavy)
+}
+
+/// Shell's sort with Ciura's gaps: rows are short, and it cannot panic.
+fn sort(words: &mut [u32]) {
+    for gap in [701, 301, 132, 57, 23, 10, 4, 1] {
+        for k in gap..words.len() {
+            let word = at(words, k);
+            let mut place = k;
+            while place >= gap && at(words, place - gap) > word {
+                let before = at(words, place - gap);
+                set(words, place, before);
+                place -= gap;
+            }
+            set(words, place, word);
+        }
+    }
 }
 
 fn list_touches<R: Real>(
@@ -259,19 +287,16 @@ fn list_touches<R: Real>(
 ) -> Result<usize, Fault> {
     let capacity = spare.touch_grain.len();
     let mut touches = 0;
-    for i in 0..grains.count() {
-        let group = &grains.groups[grains.group[i] as usize];
+    for (i, x) in grains.position.iter().enumerate() {
+        let heavy = is_heavy(grains, i);
         for (k, body) in obstacles.iter().enumerate() {
-            if group.heavy && body.inverse_mass == R::ZERO {
+            if heavy && body.inverse_mass == R::ZERO {
                 continue;
             }
-            let x = grains.position[i];
-            let meeting = body.meet(domain, head(x), x[3]);
+            let meeting = body.meet(domain, head(*x), x[3]);
             if meeting.overlap > -skin {
-                if touches < capacity {
-                    spare.touch_grain[touches] = i as u32;
-                    spare.touch_obstacle[touches] = k as u32;
-                }
+                set(spare.touch_grain, touches, i as u32);
+                set(spare.touch_obstacle, touches, k as u32);
                 touches += 1;
             }
         }
@@ -287,17 +312,21 @@ fn take_springs<R: Real>(old: &Pairs<'_, R>, new: &mut Pairs<'_, R>, n: usize) {
     for i in 0..n {
         let mut from = old.row_of(i);
         for p in new.row_of(i) {
-            let j = new.partner[p];
-            while from.start < from.end && old.partner[from.start] & PLACE < j {
+            let j = at(new.partner, p);
+            while from.start < from.end && at(old.partner, from.start) & PLACE < j {
                 from.start += 1;
             }
-            let same = from.start < from.end && old.partner[from.start] & PLACE == j;
+            let word = at(old.partner, from.start);
+            let same = from.start < from.end && word & PLACE == j;
             if same {
-                new.partner[p] = old.partner[from.start];
-                new.spring[p] = old.spring[from.start];
-            } else {
-                new.spring[p] = [R::ZERO; 4];
+                set(new.partner, p, word);
             }
+            let spring = if same {
+                at(old.spring, from.start)
+            } else {
+                [R::ZERO; 4]
+            };
+            set(new.spring, p, spring);
         }
     }
 }
@@ -310,17 +339,21 @@ fn take_touch_springs<R: Real>(
 ) {
     let mut from = 0;
     for t in 0..touches {
-        let key = (new.touch_grain[t], new.touch_obstacle[t]);
-        let old_key = |f: usize| (old.touch_grain[f], old.touch_obstacle[f] & PLACE);
+        let key = (at(new.touch_grain, t), at(new.touch_obstacle, t));
+        let old_key = |f: usize| (at(old.touch_grain, f), at(old.touch_obstacle, f) & PLACE);
         while from < old_touches && old_key(from) < key {
             from += 1;
         }
-        if from < old_touches && old_key(from) == key {
-            new.touch_obstacle[t] |= old.touch_obstacle[from] & TOUCHING;
-            new.touch_spring[t] = old.touch_spring[from];
-        } else {
-            new.touch_spring[t] = [R::ZERO; 4];
+        let same = from < old_touches && old_key(from) == key;
+        if same {
+            set(new.touch_obstacle, t, at(old.touch_obstacle, from));
         }
+        let spring = if same {
+            at(old.touch_spring, from)
+        } else {
+            [R::ZERO; 4]
+        };
+        set(new.touch_spring, t, spring);
     }
 }
 
@@ -331,10 +364,34 @@ fn copy_back<R: Real>(
     pairs: usize,
     touches: usize,
 ) {
-    to.row[..=n].copy_from_slice(&from.row[..=n]);
-    to.partner[..pairs].copy_from_slice(&from.partner[..pairs]);
-    to.spring[..pairs].copy_from_slice(&from.spring[..pairs]);
-    to.touch_grain[..touches].copy_from_slice(&from.touch_grain[..touches]);
-    to.touch_obstacle[..touches].copy_from_slice(&from.touch_obstacle[..touches]);
-    to.touch_spring[..touches].copy_from_slice(&from.touch_spring[..touches]);
+    copy(to.row, from.row, n + 1);
+    copy(to.partner, from.partner, pairs);
+    copy(to.spring, from.spring, pairs);
+    copy(to.touch_grain, from.touch_grain, touches);
+    copy(to.touch_obstacle, from.touch_obstacle, touches);
+    copy(to.touch_spring, from.touch_spring, touches);
+}
+
+fn copy<T: Copy>(to: &mut [T], from: &[T], count: usize) {
+    for (to, from) in to.iter_mut().zip(from).take(count) {
+        *to = *from;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use std::vec::Vec;
+
+    proptest! {
+        #[test]
+        fn rows_are_sorted(words in prop::collection::vec(0..5000u32, 0..1500)) {
+            let mut ours: Vec<u32> = words;
+            let mut theirs = ours.clone();
+            sort(&mut ours);
+            theirs.sort_unstable();
+            prop_assert_eq!(ours, theirs);
+        }
+    }
 }

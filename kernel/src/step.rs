@@ -3,10 +3,11 @@
 
 use crate::fault::Fault;
 use crate::law::Law;
-use crate::motion::{Kick, begin_kick, drift, end_kick};
+use crate::motion::{foresee, kick, kick_and_drift};
 use crate::pairs::Bond;
-use crate::push::{Part, Pushed, Sight, TouchPart, push_obstacles, sum};
+use crate::push::{Deep, LANES, Pushed, push_obstacles, sum};
 use crate::real::{Real, smaller};
+use crate::rows::at;
 use crate::search::{Scene, search};
 use crate::vec3::dot;
 use crate::world::World;
@@ -16,9 +17,9 @@ use crate::world::World;
 /// # Errors
 /// A full list leaves the state untouched: enlarge the storage and call again. Any other fault
 /// leaves the world stopped in the middle of the step, for inspection.
-#[inline(always)]
+#[inline]
 pub fn step<R: Real, L: Law<R>>(world: &mut World<'_, R>, law: &L) -> Result<(), Fault> {
-    step_watched(world, law, |_| {})
+    step_watched(world, law, nobody)
 }
 
 /// [`step`], showing every touching contact to `watch`: first those on obstacles, by grain and
@@ -26,26 +27,22 @@ pub fn step<R: Real, L: Law<R>>(world: &mut World<'_, R>, law: &L) -> Result<(),
 ///
 /// # Errors
 /// As [`step`].
-#[inline(always)]
+#[inline]
 pub fn step_watched<R: Real, L: Law<R>>(
     world: &mut World<'_, R>,
     law: &L,
     watch: impl FnMut(Pushed<R>),
 ) -> Result<(), Fault> {
     find_who_may_touch(world)?;
-    // A fault below stops the world in the middle of a step.
-    world.clock.started = false;
-
-    let half = world.dt * R::HALF;
-    begin_kick(&mut kick_of(world), half);
-    drift_all(world)?;
+    kick_and_drift(&mut world.moving())?;
     push_and_sum(world, law, world.dt, watch)?;
-    finish_kick(world, half)?;
-
-    world.clock.step += 1;
-    world.clock.started = true;
+    let fastest = kick(&mut world.moving())?;
+    finish(world, fastest);
     Ok(())
 }
+
+/// Watches nothing. A function of its own, so that starting and stepping share their code.
+fn nobody<R>(_: Pushed<R>) {}
 
 /// Checks a world, makes its pair list, empties every history and evaluates the forces at step 0,
 /// with the velocities as given.
@@ -53,16 +50,16 @@ pub fn step_watched<R: Real, L: Law<R>>(
 /// # Errors
 /// Whatever is wrong with the world, before anything is changed; a full list: enlarge the storage
 /// and start again; or what the forces show: overlaps too deep, speeds too high.
-#[inline(always)]
+#[inline]
 pub fn start<R: Real, L: Law<R>>(world: &mut World<'_, R>, law: &L) -> Result<(), Fault> {
-    start_watched(world, law, |_| {})
+    start_watched(world, law, nobody)
 }
 
 /// [`start`], showing every touching contact to `watch` as [`step_watched`] does.
 ///
 /// # Errors
 /// As [`start`].
-#[inline(always)]
+#[inline]
 pub fn start_watched<R: Real, L: Law<R>>(
     world: &mut World<'_, R>,
     law: &L,
@@ -70,8 +67,8 @@ pub fn start_watched<R: Real, L: Law<R>>(
 ) -> Result<(), Fault> {
     prepare(world)?;
     push_and_sum(world, law, R::ZERO, watch)?;
-    foresee(world)?;
-    world.clock.started = true;
+    let fastest = foresee(&mut world.moving())?;
+    ready(world, fastest);
     Ok(())
 }
 
@@ -81,7 +78,7 @@ pub fn start_watched<R: Real, L: Law<R>>(
 /// # Errors
 /// As [`start`]; [`Fault::BadBond`] for a bond that is not finite or joins bodies that are not near
 /// each other.
-#[inline(always)]
+#[inline]
 pub fn resume<R: Real>(
     world: &mut World<'_, R>,
     bonds: impl IntoIterator<Item = Bond<R>>,
@@ -92,24 +89,25 @@ pub fn resume<R: Real>(
             return Err(Fault::BadBond);
         }
     }
-    foresee(world)?;
-    world.clock.started = true;
+    let fastest = foresee(&mut world.moving())?;
+    ready(world, fastest);
     Ok(())
 }
 
-#[inline(always)]
+#[inline]
 fn prepare<R: Real>(world: &mut World<'_, R>) -> Result<(), Fault> {
     world.clock.started = false;
     world.clock.listed = 0;
     world.clock.touches = 0;
     world.check()?;
     world.clock.radius_min = R::MAX;
-    for i in 0..world.grains.count() {
-        let heavy = world.grains.groups[world.grains.group[i] as usize].heavy;
-        let per_mass = R::ONE / world.grains.velocity[i][3];
-        world.grains.spin[i][3] = if heavy { R::ZERO } else { per_mass };
-        let radius = world.grains.position[i][3];
-        world.clock.radius_min = smaller(world.clock.radius_min, radius);
+    let g = &mut world.grains;
+    let rows = g.velocity.iter().zip(g.position.iter()).zip(g.group);
+    for (w, ((v, x), group)) in g.spin.iter_mut().zip(rows) {
+        world.clock.radius_min = smaller(world.clock.radius_min, x[3]);
+        let group = g.groups.get(usize::from(*group));
+        let heavy = group.is_some_and(|group| group.heavy);
+        w[3] = if heavy { R::ZERO } else { R::ONE / v[3] };
     }
     world.pairs.row.fill(0);
     world.clock.budget = -R::ONE;
@@ -118,10 +116,13 @@ fn prepare<R: Real>(world: &mut World<'_, R>) -> Result<(), Fault> {
     search_now(world, travel)
 }
 
-/// Searches when the list might not hold through the coming drift. Which step that is has no effect
-/// on any result.
-#[inline(always)]
-fn find_who_may_touch<R: Real>(world: &mut World<'_, R>) -> Result<(), Fault> {
+/// The first joint of a step, before [`kick_and_drift`]: searches when the list might not hold
+/// through the drift, and moves the obstacles. Which step searches has no effect on any result.
+///
+/// # Errors
+/// A full list, before anything is changed; an obstacle that is too fast; a world not started.
+#[inline]
+pub fn find_who_may_touch<R: Real>(world: &mut World<'_, R>) -> Result<(), Fault> {
     if !world.clock.started {
         return Err(Fault::NotStarted);
     }
@@ -132,11 +133,16 @@ fn find_who_may_touch<R: Real>(world: &mut World<'_, R>) -> Result<(), Fault> {
         travel = travel + world.clock.rounding;
     }
     world.clock.budget = world.clock.budget - travel;
+    // A fault from here on stops the world in the middle of a step.
+    world.clock.started = false;
+    for body in world.obstacles.iter_mut() {
+        body.advance(world.domain, world.dt);
+    }
     Ok(())
 }
 
 /// Bound of what the fastest body moves in the next step.
-#[inline(always)]
+#[inline]
 fn next_travel<R: Real>(world: &World<'_, R>) -> Result<R, Fault> {
     let mut travel = world.clock.next_travel;
     for (k, body) in world.obstacles.iter().enumerate() {
@@ -176,100 +182,53 @@ fn search_now<R: Real>(world: &mut World<'_, R>, travel: R) -> Result<(), Fault>
     Ok(())
 }
 
-#[inline(always)]
-fn drift_all<R: Real>(world: &mut World<'_, R>) -> Result<(), Fault> {
-    for body in world.obstacles.iter_mut() {
-        body.advance(world.domain, world.dt);
-    }
-    let g = &mut world.grains;
-    drift(
-        world.domain,
-        g.id,
-        g.position,
-        g.image,
-        g.velocity,
-        world.dt,
-    )
-}
-
 /// Obstacles first, then pairs: the order of every grain's sum.
-#[inline(always)]
 fn push_and_sum<R: Real, L: Law<R>>(
     world: &mut World<'_, R>,
     law: &L,
     dt: R,
     mut watch: impl FnMut(Pushed<R>),
 ) -> Result<(), Fault> {
-    let n = world.grains.count();
-    let g = &mut world.grains;
-    let sight = Sight {
-        domain: world.domain,
-        position: g.position,
-        velocity: g.velocity,
-        spin: g.spin,
-        row: world.pairs.row,
-        dt,
-    };
-    let touches = world.clock.touches;
-    let mut touch = TouchPart {
-        grain: &world.pairs.touch_grain[..touches],
-        obstacle: &mut world.pairs.touch_obstacle[..touches],
-        spring: &mut world.pairs.touch_spring[..touches],
-        obstacles: world.obstacles,
-    };
-    let hit = push_obstacles(sight, &mut touch, g.force, g.torque, law, &mut watch);
-    let mut part = Part {
-        rows: 0..n,
-        force: g.force,
-        torque: g.torque,
-        partner: world.pairs.partner,
-        spring: world.pairs.spring,
-    };
-    let deep = sum(sight, &mut part, law, &[], &[], &mut watch);
+    let (sight, mut touch, mut part) = world.pushing(dt);
+    let hit = push_obstacles(sight, &mut touch, part.force, part.torque, law, &mut watch);
+    let none = core::iter::empty();
+    let deep = sum::<R, L, LANES>(sight, &mut part, law, none, &[], &mut watch);
+    judge(world, hit, deep)
+}
+
+/// The joint after [`push_obstacles`] and [`sum`], which say what they found too deep.
+///
+/// # Errors
+/// A force on an obstacle that is not finite, or one of the overlaps.
+pub fn judge<R: Real>(world: &World<'_, R>, hit: Deep, deep: Deep) -> Result<(), Fault> {
     for (k, body) in world.obstacles.iter().enumerate() {
         if !body.force.iter().chain(&body.torque).all(|f| f.is_finite()) {
             return Err(Fault::ObstacleNotFinite { obstacle: k as u32 });
         }
     }
+    let id = |place: u32| at(world.grains.id, place as usize);
     if let Some((i, obstacle)) = hit {
-        let id = g.id[i as usize];
-        return Err(Fault::ObstacleTooDeep { id, obstacle });
+        return Err(Fault::ObstacleTooDeep {
+            id: id(i),
+            obstacle,
+        });
     }
     if let Some((i, j)) = deep {
-        let (i, j) = (g.id[i as usize], g.id[j as usize]);
-        return Err(Fault::OverlapTooDeep { i, j });
+        return Err(Fault::OverlapTooDeep { i: id(i), j: id(j) });
     }
     Ok(())
 }
 
-#[inline(always)]
-fn finish_kick<R: Real>(world: &mut World<'_, R>, half: R) -> Result<(), Fault> {
-    let dt = world.dt;
-    let fastest = end_kick(&mut kick_of(world), half, dt, true)?;
-    world.clock.next_travel = fastest.sqrt() * dt;
-    Ok(())
+/// The last joint of a step: counts it. `fastest` is what [`kick`] returned, the largest of all
+/// ranges.
+#[inline]
+pub fn finish<R: Real>(world: &mut World<'_, R>, fastest: R) {
+    world.clock.step += 1;
+    ready(world, fastest);
 }
 
-/// Bounds the first step's travel without moving anything.
-#[inline(always)]
-fn foresee<R: Real>(world: &mut World<'_, R>) -> Result<(), Fault> {
-    let (dt, half) = (world.dt, world.dt * R::HALF);
-    let fastest = end_kick(&mut kick_of(world), half, dt, false)?;
-    world.clock.next_travel = fastest.sqrt() * dt;
-    Ok(())
-}
-
-#[inline(always)]
-fn kick_of<'w, R: Real>(world: &'w mut World<'_, R>) -> Kick<'w, R> {
-    let g = &mut world.grains;
-    Kick {
-        id: g.id,
-        group: g.group,
-        groups: g.groups,
-        position: g.position,
-        force: g.force,
-        torque: g.torque,
-        velocity: g.velocity,
-        spin: g.spin,
-    }
+#[inline]
+fn ready<R: Real>(world: &mut World<'_, R>, fastest: R) {
+    world.clock.next_travel = fastest.sqrt() * world.dt;
+    world.clock.started = true;
 }

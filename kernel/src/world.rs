@@ -3,10 +3,14 @@
 use crate::domain::Domain;
 use crate::fault::Fault;
 use crate::grains::Grains;
+use crate::motion::Moving;
 use crate::obstacle::Obstacle;
 use crate::pairs::{Bond, Pairs, TOUCHING};
+use crate::push::{Part, Sight, TouchPart};
 use crate::real::{Real, larger};
+use crate::rows::{at, front, front_mut};
 use crate::search::Cells;
+use crate::vec3::head;
 
 /// Where a world is in time and how long its pair list holds. Everything but `step` is about the
 /// search and has no effect on any result.
@@ -89,6 +93,55 @@ impl<R: Real> World<'_, R> {
         self.pairs.bonds(self.clock.touches)
     }
 
+    /// What the passes of motion read and write, for all grains.
+    #[inline(always)]
+    pub fn moving(&mut self) -> Moving<'_, R> {
+        let g = &mut self.grains;
+        Moving {
+            domain: self.domain,
+            dt: self.dt,
+            id: g.id,
+            group: g.group,
+            groups: g.groups,
+            position: g.position,
+            image: g.image,
+            force: g.force,
+            torque: g.torque,
+            velocity: g.velocity,
+            spin: g.spin,
+        }
+    }
+
+    /// What the force phase reads, and what it writes for all obstacle contacts and all grains;
+    /// `dt` is the time by which springs advance.
+    #[inline(always)]
+    pub fn pushing(&mut self, dt: R) -> (Sight<'_, R>, TouchPart<'_, R>, Part<'_, R>) {
+        let (rows, touches) = (0..self.grains.count(), self.clock.touches);
+        let (g, pairs) = (&mut self.grains, &mut self.pairs);
+        let sight = Sight {
+            domain: self.domain,
+            position: g.position,
+            velocity: g.velocity,
+            spin: g.spin,
+            row: pairs.row,
+            dt,
+        };
+        let touch = TouchPart {
+            grain: front(pairs.touch_grain, touches),
+            obstacle: front_mut(pairs.touch_obstacle, touches),
+            spring: front_mut(pairs.touch_spring, touches),
+            obstacles: self.obstacles,
+        };
+        let part = Part {
+            rows,
+            force: g.force,
+            torque: g.torque,
+            partner: pairs.partner,
+            spring: pairs.spring,
+        };
+        (sight, touch, part)
+    }
+
     /// Checks that the lent slices fit together: what a step relies on.
     #[inline(always)]
     pub(crate) fn check_storage(&self) -> Result<(), Fault> {
@@ -117,24 +170,24 @@ impl<R: Real> World<'_, R> {
         }
         let g = &self.grains;
         for i in 0..n {
-            let id = g.id[i];
-            if i > 0 && g.id[i - 1] >= id {
+            let id = at(g.id, i);
+            if i > 0 && at(g.id, i - 1) >= id {
                 return Err(Fault::BadOrder { id });
             }
-            let (radius, mass) = (g.position[i][3], g.velocity[i][3]);
+            let numbers = [at(g.position, i), at(g.velocity, i), at(g.spin, i)];
+            let [[.., radius], [.., mass], _] = numbers;
             let sized = radius > R::ZERO && radius.is_finite();
             let heavy = mass > R::ZERO && mass.is_finite() && (R::ONE / mass).is_finite();
-            if (g.group[i] as usize) >= g.groups.len() || !sized || !heavy {
+            if usize::from(at(g.group, i)) >= g.groups.len() || !sized || !heavy {
                 return Err(Fault::BadGrain { id });
             }
-            let numbers = [g.position[i], g.velocity[i], g.spin[i]];
             let finite = numbers
                 .iter()
-                .all(|row| row[..3].iter().all(|x| x.is_finite()));
+                .all(|row| head(*row).iter().all(|x| x.is_finite()));
             if !finite {
                 return Err(Fault::NotFinite { id });
             }
-            let mut place = crate::vec3::head(g.position[i]);
+            let mut place = head(at(g.position, i));
             let mut image = [0; 3];
             if !self.domain.wrap(&mut place, &mut image) || image != [0; 3] {
                 return Err(Fault::Escaped { id });

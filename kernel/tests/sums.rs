@@ -1,6 +1,7 @@
 //! The sums of a step: their order, Newton's third law, and any cut of the grains into ranges.
 
 use bitgrain_kernel::law::Law;
+use bitgrain_kernel::push::LANES;
 use bitgrain_kernel::vec3::{Vec3, add, cross, dot, head, scale, sub};
 use bitgrain_kernel::{
     Domain, Fault, Group, Obstacle, Partner, Pushed, Store, World, start, step, step_watched,
@@ -181,7 +182,7 @@ fn evaluate_cut(seed: &[f64], cuts: &[usize]) -> Result<Vec<Vec<u64>>, Fault> {
     for _ in 0..200 {
         step(&mut world, &law)?;
     }
-    evaluate(&mut world, &law, cuts)?;
+    evaluate::<LANES>(&mut world, &law, cuts)?;
     let words = |rows: &[[f64; 4]]| rows.iter().flatten().map(|x| x.to_bits()).collect();
     let listed = world.clock.listed();
     Ok(vec![

@@ -187,7 +187,7 @@ fn cut(sim: &Sim, law: &impl Law<f64>, name: &str) {
 type Forces = Vec<[u64; 6]>;
 
 fn evaluate(sim: &mut Sim, law: &impl Law<f64>, cuts: &[usize]) -> Forces {
-    cuts::evaluate(&mut sim.world(), law, cuts).unwrap();
+    cuts::evaluate::<4>(&mut sim.world(), law, cuts).unwrap();
     let (force, torque) = (&sim.force, &sim.torque);
     let bits = |i: usize| {
         let (f, t) = (force[i], torque[i]);

@@ -1,0 +1,303 @@
+//! Steps over ranges of grains, one for each thread, with the machine's widest registers. The phases
+//! are the kernel's and any cut into ranges gives the bits of one range, so nothing here can change
+//! a result.
+
+use bitgrain_kernel::law::Law;
+use bitgrain_kernel::motion::{Moving, kick, kick_and_drift};
+use bitgrain_kernel::push::{
+    Deep, Part, Sight, Spill, TouchPart, first_deep, push_obstacles, spill, sum,
+};
+use bitgrain_kernel::{Fault, World, find_who_may_touch, finish, judge};
+
+use crate::registers::{Job, Registers};
+
+/// Fewest grains of a range: handing over less costs more than it saves.
+const RANGE_MIN: usize = 500;
+
+/// How a simulation steps: speed only, never a bit.
+#[derive(Clone, Debug)]
+pub struct Stepping {
+    /// Lanes and instructions.
+    pub registers: Registers,
+    /// Fewest grains of a thread's range.
+    pub range_min: usize,
+    /// Where ranges end, but for the last.
+    cuts: Vec<usize>,
+    /// What each range sends to later ones.
+    outboxes: Vec<Outbox>,
+    /// The search that ranges and spills were fitted to.
+    fitted: Option<(u64, usize, usize)>,
+}
+
+/// The spills of a range: storage, and how many there are in this step.
+#[derive(Clone, Debug, Default)]
+struct Outbox {
+    spills: Vec<Spill<f64>>,
+    count: usize,
+}
+
+impl Outbox {
+    fn sent(&self) -> &[Spill<f64>] {
+        &self.spills[..self.count]
+    }
+}
+
+impl Default for Stepping {
+    fn default() -> Self {
+        Self {
+            registers: Registers::best(),
+            range_min: RANGE_MIN,
+            cuts: Vec::new(),
+            outboxes: Vec::new(),
+            fitted: None,
+        }
+    }
+}
+
+/// Threads of the pool that this is called in; 1 outside of any.
+fn threads() -> usize {
+    if rayon::current_thread_index().is_some() {
+        rayon::current_num_threads()
+    } else {
+        1
+    }
+}
+
+impl Stepping {
+    /// Advances a world by `count` steps, on the threads of the pool that this is called in.
+    pub(crate) fn steps<L: Law<f64>>(
+        &mut self,
+        world: &mut World<'_, f64>,
+        law: &L,
+        count: u64,
+    ) -> Result<(), Fault> {
+        let threads = threads();
+        for _ in 0..count {
+            self.step(world, law, threads)?;
+        }
+        Ok(())
+    }
+
+    /// The kernel's step, phase by phase over ranges.
+    fn step<L: Law<f64>>(
+        &mut self,
+        world: &mut World<'_, f64>,
+        law: &L,
+        threads: usize,
+    ) -> Result<(), Fault> {
+        let with = self.registers;
+        find_who_may_touch(world)?;
+        self.fit(world, threads);
+
+        let cuts = &self.cuts;
+
+        each(
+            world.moving(),
+            cuts,
+            &|m, _| with.run(Drift(m)),
+            &Result::and,
+        )?;
+
+        let (sight, touch, part) = world.pushing(world.dt);
+        let hit = with.run(Touch(Summing(sight, part), touch, law));
+        let mut sent = None;
+        if !cuts.is_empty() {
+            let (sight, _, part) = world.pushing(world.dt);
+            let sending = Sending(Summing(sight, part), &mut self.outboxes);
+            sent = each(
+                sending,
+                cuts,
+                &|s, _| with.run(Spilling(s, law)),
+                &first_deep,
+            );
+        }
+        let (sight, _, part) = world.pushing(world.dt);
+        let outboxes = &self.outboxes;
+        let add = |s, range| with.run(Sum(s, law, outboxes, range));
+        let summed = each(Summing(sight, part), cuts, &add, &first_deep);
+        judge(world, hit, first_deep(sent, summed))?;
+
+        let fastest = each(world.moving(), cuts, &|m, _| with.run(Kick(m)), &faster)?;
+        finish(world, fastest);
+        Ok(())
+    }
+
+    /// Cuts the grains into ranges of about equal work, and makes room for what they send, whenever
+    /// the pair list is new.
+    fn fit(&mut self, world: &mut World<'_, f64>, threads: usize) {
+        let now = Some((world.clock.searches(), threads, self.range_min));
+        if self.fitted == now {
+            return;
+        }
+        self.fitted = now;
+        let n = world.grains.count();
+        let ranges = threads.min(n / self.range_min.max(1)).max(1);
+        let (sight, _, mut rest) = world.pushing(0.0);
+        // A grain costs about as much as a listed pair.
+        let work = |i: usize| i + sight.row[i] as usize;
+        self.cuts.clear();
+        for i in 1..n {
+            let done = self.cuts.len() + 1;
+            if done < ranges && work(i) * ranges >= work(n) * done {
+                self.cuts.push(i);
+            }
+        }
+        self.outboxes.resize_with(ranges, Outbox::default);
+        let mut begin = 0;
+        for (&end, outbox) in self.cuts.iter().zip(&mut self.outboxes) {
+            let (part, others) = rest.split(end - begin, sight.row);
+            let needed = part.spills(sight.row);
+            if outbox.spills.len() < needed {
+                outbox.spills.resize(needed + needed / 8, Spill::default());
+            }
+            (begin, rest) = (end, others);
+        }
+    }
+}
+
+/// The larger of two speeds; of faults the lower range's.
+fn faster(a: Result<f64, Fault>, b: Result<f64, Fault>) -> Result<f64, Fault> {
+    let (a, b) = (a?, b?);
+    Ok(if b > a { b } else { a })
+}
+
+/// Something for a stretch of grains that splits into two stretches.
+trait Split: Sized + Send {
+    /// The first `grains` grains, which are `ranges` ranges, and the others.
+    fn split(self, grains: usize, ranges: usize) -> (Self, Self);
+}
+
+/// Does `work` for each range, side by side, and joins what it returns, lower ranges left. `work` is
+/// told the number of its range.
+fn each<P: Split, T: Send>(
+    piece: P,
+    cuts: &[usize],
+    work: &(impl Fn(P, usize) -> T + Sync),
+    join: &(impl Fn(T, T) -> T + Sync),
+) -> T {
+    halve(piece, cuts, 0, 0, work, join)
+}
+
+/// [`each`] for the ranges from number `range`, which begins at grain `begin`.
+fn halve<P: Split, T: Send>(
+    piece: P,
+    cuts: &[usize],
+    begin: usize,
+    range: usize,
+    work: &(impl Fn(P, usize) -> T + Sync),
+    join: &(impl Fn(T, T) -> T + Sync),
+) -> T {
+    let middle = cuts.len() / 2;
+    let Some(&cut) = cuts.get(middle) else {
+        return work(piece, range);
+    };
+    let (left, right) = piece.split(cut - begin, middle + 1);
+    let (left, right) = rayon::join(
+        || halve(left, &cuts[..middle], begin, range, work, join),
+        || {
+            halve(
+                right,
+                &cuts[middle + 1..],
+                cut,
+                range + middle + 1,
+                work,
+                join,
+            )
+        },
+    );
+    join(left, right)
+}
+
+impl Split for Moving<'_, f64> {
+    fn split(self, grains: usize, _: usize) -> (Self, Self) {
+        Moving::split(self, grains)
+    }
+}
+
+/// A stretch whose forces are summed.
+struct Summing<'a>(Sight<'a, f64>, Part<'a, f64>);
+
+impl Split for Summing<'_> {
+    fn split(self, grains: usize, _: usize) -> (Self, Self) {
+        let (left, right) = self.1.split(grains, self.0.row);
+        (Self(self.0, left), Self(self.0, right))
+    }
+}
+
+/// A stretch that sends its spills, with an outbox for each of its ranges.
+struct Sending<'a>(Summing<'a>, &'a mut [Outbox]);
+
+impl Split for Sending<'_> {
+    fn split(self, grains: usize, ranges: usize) -> (Self, Self) {
+        let (left, right) = Split::split(self.0, grains, ranges);
+        let (out, others) = self.1.split_at_mut(ranges);
+        (Self(left, out), Self(right, others))
+    }
+}
+
+struct Drift<'a>(Moving<'a, f64>);
+
+impl Job for Drift<'_> {
+    type Output = Result<(), Fault>;
+
+    #[inline(always)]
+    fn run<const W: usize>(mut self) -> Self::Output {
+        kick_and_drift(&mut self.0)
+    }
+}
+
+struct Kick<'a>(Moving<'a, f64>);
+
+impl Job for Kick<'_> {
+    type Output = Result<f64, Fault>;
+
+    #[inline(always)]
+    fn run<const W: usize>(mut self) -> Self::Output {
+        kick(&mut self.0)
+    }
+}
+
+/// All obstacle contacts at once: an obstacle's sum runs over all grains.
+struct Touch<'a, L>(Summing<'a>, TouchPart<'a, f64>, &'a L);
+
+impl<L: Law<f64>> Job for Touch<'_, L> {
+    type Output = Deep;
+
+    #[inline(always)]
+    fn run<const W: usize>(mut self) -> Deep {
+        let Summing(sight, part) = self.0;
+        push_obstacles(sight, &mut self.1, part.force, part.torque, self.2, |_| {})
+    }
+}
+
+struct Spilling<'a, L>(Sending<'a>, &'a L);
+
+impl<L: Law<f64>> Job for Spilling<'_, L> {
+    type Output = Deep;
+
+    #[inline(always)]
+    fn run<const W: usize>(self) -> Deep {
+        let Spilling(Sending(Summing(sight, mut part), outboxes), law) = self;
+        let [outbox, ..] = outboxes else {
+            return None;
+        };
+        let sent = spill::<f64, L, W>(sight, &mut part, law, &mut outbox.spills);
+        let (count, deep) = sent.expect("outboxes fit the list");
+        outbox.count = count;
+        deep
+    }
+}
+
+struct Sum<'a, L>(Summing<'a>, &'a L, &'a [Outbox], usize);
+
+impl<L: Law<f64>> Job for Sum<'_, L> {
+    type Output = Deep;
+
+    #[inline(always)]
+    fn run<const W: usize>(self) -> Deep {
+        let Sum(Summing(sight, mut part), law, outboxes, range) = self;
+        let lower = outboxes[..range].iter().flat_map(Outbox::sent);
+        let own = outboxes.get(range).map_or(&[][..], Outbox::sent);
+        sum::<f64, L, W>(sight, &mut part, law, lower, own, |_| {})
+    }
+}

@@ -1,0 +1,69 @@
+//! Reading and writing lent slices without a way to panic.
+//!
+//! A world's slices are checked to fit together before a step relies on them, so the case that is
+//! handled here in place of a panic is never seen; without a panic the kernel can go into firmware
+//! that must not have one.
+
+use crate::grains::Row;
+use crate::real::Real;
+use crate::vec3::Vec3;
+
+/// The entry at a place; the default beyond the end.
+#[inline(always)]
+pub(crate) fn at<T: Copy + Default>(slice: &[T], place: usize) -> T {
+    slice.get(place).copied().unwrap_or_default()
+}
+
+/// Writes the entry at a place; nothing beyond the end.
+#[inline(always)]
+pub(crate) fn set<T>(slice: &mut [T], place: usize, value: T) {
+    if let Some(entry) = slice.get_mut(place) {
+        *entry = value;
+    }
+}
+
+/// Adds a vector to the row at a place.
+#[inline(always)]
+pub(crate) fn gain<R: Real>(rows: &mut [Row<R>], place: usize, by: Vec3<R>) {
+    if let Some(row) = rows.get_mut(place) {
+        // The whole row, so that it is one wide load and store.
+        *row = [row[0] + by[0], row[1] + by[1], row[2] + by[2], row[3]];
+    }
+}
+
+/// Subtracts a vector from the row at a place.
+#[inline(always)]
+pub(crate) fn lose<R: Real>(rows: &mut [Row<R>], place: usize, by: Vec3<R>) {
+    if let Some(row) = rows.get_mut(place) {
+        *row = [row[0] - by[0], row[1] - by[1], row[2] - by[2], row[3]];
+    }
+}
+
+/// A slice from its beginning to `end`; empty where it is shorter.
+#[inline(always)]
+pub(crate) fn front<T>(slice: &[T], end: usize) -> &[T] {
+    slice.get(..end).unwrap_or_default()
+}
+
+/// The same to write to.
+#[inline(always)]
+pub(crate) fn front_mut<T>(slice: &mut [T], end: usize) -> &mut [T] {
+    slice.get_mut(..end).unwrap_or_default()
+}
+
+/// Both sides of a place; all on the left where the slice is shorter.
+#[inline(always)]
+pub(crate) fn halves<T>(slice: &[T], place: usize) -> (&[T], &[T]) {
+    slice.split_at_checked(place).unwrap_or((slice, &[]))
+}
+
+/// The same to write to.
+#[inline(always)]
+pub(crate) fn halves_mut<T>(slice: &mut [T], place: usize) -> (&mut [T], &mut [T]) {
+    let place = if place < slice.len() {
+        place
+    } else {
+        slice.len()
+    };
+    slice.split_at_mut_checked(place).unwrap_or_default()
+}
