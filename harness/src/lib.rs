@@ -19,6 +19,8 @@
 //! [`registers`] are how it uses threads and wide instructions), [`cli`], [`shelf`] (what
 //! `bitgrain bed` prints), [`progress`], [`files`] and [`error`].
 
+#![forbid(unsafe_code)]
+
 pub mod bed;
 pub mod bench;
 pub mod blocks;

@@ -7,7 +7,7 @@ use bitgrain_kernel::motion::{Moving, kick, kick_and_drift};
 use bitgrain_kernel::push::{
     Deep, Part, Sight, Spill, TouchPart, first_deep, push_obstacles, spill, sum,
 };
-use bitgrain_kernel::{Fault, World, find_who_may_touch, finish, judge};
+use bitgrain_kernel::{Fault, World, check_arithmetic, find_who_may_touch, finish, judge};
 
 use crate::registers::{Job, Registers};
 
@@ -72,6 +72,11 @@ impl Stepping {
         count: u64,
     ) -> Result<(), Fault> {
         let threads = threads();
+        if threads > 1 && self.fitted.is_none() {
+            // Each thread has its own rounding mode.
+            let checks = rayon::broadcast(|_| check_arithmetic::<f64>());
+            checks.into_iter().collect::<Result<(), Fault>>()?;
+        }
         for _ in 0..count {
             self.step(world, law, threads)?;
         }

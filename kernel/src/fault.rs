@@ -35,6 +35,27 @@ pub enum Fault {
     },
     /// The time step is not positive and finite, or the skin is negative or NaN.
     BadTimeStep,
+    /// The machine's arithmetic is not that of the bit contract.
+    Arithmetic {
+        /// What is wrong with it.
+        flaw: Flaw,
+    },
+    /// A grain that is carried would move less than 16 units in the last place of the largest
+    /// coordinate in one step, and so not at its speed.
+    TooSlow {
+        /// The grain.
+        id: u32,
+    },
+    /// The same of an obstacle.
+    ObstacleTooSlow {
+        /// The obstacle.
+        obstacle: u32,
+    },
+    /// The same of a grain that falls at the speed it gains on a way of its own radius.
+    GravityTooWeak {
+        /// The group.
+        group: u8,
+    },
     /// A saved contact is not finite or joins bodies that are not near each other.
     BadBond,
     /// The lent pair list is too short; nothing was changed.
@@ -90,6 +111,44 @@ pub enum Fault {
     NotStarted,
 }
 
+/// How a machine's arithmetic departs from the bit contract.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Flaw {
+    /// Subnormal results become zero.
+    FlushToZero,
+    /// Subnormal operands count as zero.
+    DenormalsAreZero,
+    /// Results are not rounded to nearest.
+    Rounding,
+    /// Results are kept with more digits and rounded twice.
+    ExcessPrecision,
+    /// A product and a sum are rounded as one.
+    Fused,
+}
+
+impl fmt::Display for Flaw {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Flaw::FlushToZero => {
+                "results below the least normal number become zero (flush-to-zero is on, as a \
+                 library linked with fast-math turns it on)"
+            }
+            Flaw::DenormalsAreZero => {
+                "operands below the least normal number count as zero (denormals-are-zero is on, \
+                 as a library linked with fast-math turns it on)"
+            }
+            Flaw::Rounding => {
+                "results are not rounded to nearest (something has changed the rounding mode)"
+            }
+            Flaw::ExcessPrecision => "results are rounded twice (x87 registers hold more digits)",
+            Flaw::Fused => {
+                "products and sums are rounded as one (built with fused multiply-add allowed)"
+            }
+        })
+    }
+}
+
 impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
@@ -110,6 +169,14 @@ impl fmt::Display for Fault {
                 write!(f, "obstacle {obstacle} is impossible in this box")
             }
             Fault::BadTimeStep => write!(f, "time step or skin is not positive and finite"),
+            Fault::Arithmetic { flaw } => {
+                write!(f, "this machine's arithmetic would change the bits: {flaw}")
+            }
+            Fault::TooSlow { id } => write!(f, "grain {id} is carried {TOO_SLOW}"),
+            Fault::ObstacleTooSlow { obstacle } => {
+                write!(f, "obstacle {obstacle} moves {TOO_SLOW}")
+            }
+            Fault::GravityTooWeak { group } => write!(f, "grains of group {group} fall {TOO_SLOW}"),
             Fault::BadBond => write!(f, "a saved contact fits no bodies near each other"),
             Fault::PairsFull { needed } => write!(f, "pair list is full, {needed} entries needed"),
             Fault::TouchesFull { needed } => {
@@ -142,5 +209,8 @@ impl fmt::Display for Fault {
         }
     }
 }
+
+const TOO_SLOW: &str = "less than 16 units in the last place of the largest coordinate in one step: \
+                        take a longer time step, a smaller box or more digits";
 
 impl core::error::Error for Fault {}

@@ -65,6 +65,7 @@ extern crate std;
 compile_error!("x87 arithmetic rounds twice, so its bits differ: build for a target with SSE2");
 
 pub mod blake3;
+mod canary;
 mod digest;
 mod domain;
 mod fault;
@@ -83,9 +84,10 @@ mod store;
 pub mod vec3;
 mod world;
 
+pub use canary::check_arithmetic;
 pub use digest::{Digest, PARTS, digest};
 pub use domain::Domain;
-pub use fault::Fault;
+pub use fault::{Fault, Flaw};
 pub use grains::{Grains, Group, Row};
 pub use obstacle::{Obstacle, Shape};
 pub use pairs::{Bond, Pairs, TOUCHING};

@@ -31,6 +31,10 @@ pub trait Real:
     const EPSILON: Self;
     /// The largest finite number; stands for "no limit".
     const MAX: Self;
+    /// The least positive number, a subnormal one.
+    const LEAST: Self;
+    /// The least positive normal number.
+    const LEAST_NORMAL: Self;
     /// How this type is called in Rust, `f64` or `f32`.
     const NAME: &'static str;
 
@@ -57,6 +61,8 @@ macro_rules! real {
             const HALF: Self = 0.5;
             const EPSILON: Self = $float::EPSILON;
             const MAX: Self = $float::MAX;
+            const LEAST: Self = $float::from_bits(1);
+            const LEAST_NORMAL: Self = $float::MIN_POSITIVE;
             const NAME: &'static str = stringify!($float);
 
             #[inline(always)]

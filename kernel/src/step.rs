@@ -1,6 +1,7 @@
 //! One step: velocity Verlet with spin. This file is the physics on one screen; each phase is a
 //! pass that lives in its own file.
 
+use crate::canary::check_arithmetic;
 use crate::fault::Fault;
 use crate::law::Law;
 use crate::motion::{foresee, kick, kick_and_drift};
@@ -99,6 +100,7 @@ fn prepare<R: Real>(world: &mut World<'_, R>) -> Result<(), Fault> {
     world.clock.started = false;
     world.clock.listed = 0;
     world.clock.touches = 0;
+    check_arithmetic::<R>()?;
     world.check()?;
     world.clock.radius_min = R::MAX;
     let g = &mut world.grains;

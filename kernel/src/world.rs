@@ -7,10 +7,13 @@ use crate::motion::Moving;
 use crate::obstacle::Obstacle;
 use crate::pairs::{Bond, Pairs, TOUCHING};
 use crate::push::{Part, Sight, TouchPart};
-use crate::real::{Real, larger};
+use crate::real::{Real, larger, magnitude};
 use crate::rows::{at, front, front_mut};
 use crate::search::Cells;
-use crate::vec3::head;
+use crate::vec3::{Vec3, dot, head};
+
+/// Units in the last place of the largest coordinate that a step must move by.
+const RESOLVED: f64 = 16.0;
 
 /// Where a world is in time and how long its pair list holds. Everything but `step` is about the
 /// search and has no effect on any result.
@@ -196,7 +199,57 @@ impl<R: Real> World<'_, R> {
         for (number, body) in self.obstacles.iter().enumerate() {
             body.check(self.domain, number as u32)?;
         }
-        self.check_periods()
+        self.check_periods()?;
+        self.check_resolution()
+    }
+
+    /// What is carried, what moves as prescribed and what falls must move by [`RESOLVED`] units in
+    /// the last place in a step, or rounding would rule its speed: the valid range of a number type.
+    fn check_resolution(&self) -> Result<(), Fault> {
+        let mut extent = R::ZERO;
+        for a in 0..3 {
+            for x in self.grains.position.iter() {
+                extent = larger(extent, magnitude(x[a]));
+            }
+            for body in self.obstacles.iter().filter(|body| body.reach() > R::ZERO) {
+                extent = larger(extent, magnitude(body.point[a]));
+            }
+            if self.domain.periodic()[a] {
+                let (lo, hi) = (self.domain.lo()[a], self.domain.hi()[a]);
+                extent = larger(extent, larger(magnitude(lo), magnitude(hi)));
+            }
+        }
+        let least = extent * (R::EPSILON * R::from_f64(RESOLVED));
+        let moves = |v: &Vec3<R>| v.iter().any(|x| *x != R::ZERO);
+        let lost = |v: &Vec3<R>, speed: R| moves(v) && speed * self.dt < least;
+        for (k, body) in self.obstacles.iter().enumerate() {
+            if lost(&body.velocity, dot(body.velocity, body.velocity).sqrt()) {
+                return Err(Fault::ObstacleTooSlow { obstacle: k as u32 });
+            }
+        }
+        let g = &self.grains;
+        for (i, (x, v)) in g.position.iter().zip(g.velocity.iter()).enumerate() {
+            let number = at(g.group, i);
+            let Some(group) = g.groups.get(usize::from(number)) else {
+                continue;
+            };
+            let mut carried = [R::ZERO; 3];
+            let mut pull = [R::ZERO; 3];
+            for a in 0..3 {
+                if group.integrates[a] {
+                    pull[a] = group.gravity[a];
+                } else {
+                    carried[a] = v[a];
+                }
+            }
+            if lost(&carried, dot(carried, carried).sqrt()) {
+                return Err(Fault::TooSlow { id: at(g.id, i) });
+            }
+            if lost(&pull, (dot(pull, pull).sqrt() * x[3]).sqrt()) {
+                return Err(Fault::GravityTooWeak { group: number });
+            }
+        }
+        Ok(())
     }
 
     /// Every period must be longer than twice the largest contact distance, or a grain could touch
