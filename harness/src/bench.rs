@@ -14,6 +14,7 @@ use crate::law::LawSpec;
 use crate::progress::Progress;
 use crate::scenario;
 use crate::sim::{Sim, hex};
+use crate::stepping::on_threads;
 
 /// Steps before the clock starts.
 const WARM_UP: u64 = 500;
@@ -27,8 +28,10 @@ pub struct Speed {
     pub grains: usize,
     /// Steps timed, after 500 that were not.
     pub steps: u64,
-    /// Threads, each stepping a copy of the bed.
+    /// Threads that step it.
     pub threads: usize,
+    /// Copies of the bed that were stepped side by side, each on so many threads.
+    pub copies: usize,
     /// Seconds that the steps took.
     pub seconds: f64,
     /// Grains times steps of all copies over the seconds.
@@ -84,11 +87,17 @@ pub fn read_bed(path: &Path) -> Result<Sim> {
     Ok(sim)
 }
 
-/// Times `steps` steps of a bed, on `threads` copies side by side.
+/// Times `steps` steps of a bed on `threads` threads, of `copies` side by side.
 ///
 /// # Errors
 /// A bed that cannot be read, or a run that goes wrong.
-pub fn bench(bed: Option<&Path>, steps: u64, threads: usize, progress: &Progress) -> Result<Speed> {
+pub fn bench(
+    bed: Option<&Path>,
+    steps: u64,
+    threads: usize,
+    copies: usize,
+    progress: &Progress,
+) -> Result<Speed> {
     let (name, mut sim) = match bed {
         Some(path) => {
             let name = path
@@ -117,28 +126,26 @@ pub fn bench(bed: Option<&Path>, steps: u64, threads: usize, progress: &Progress
     };
     stepped(&mut sim, WARM_UP)?;
     let (before, ..) = sim.search_counts();
-    let mut copies = vec![sim; threads];
-    let began = Instant::now();
+    let mut sims = vec![sim; copies];
     let stage = progress.stage("stepping", steps);
+    let one = |k: usize, sim: &mut Sim| {
+        let mut done = 0;
+        while done < steps {
+            let some = 500.min(steps - done);
+            stepped(sim, some)?;
+            done += some;
+            if k == 0 {
+                stage.at(done, sim.count(), "")?;
+            }
+        }
+        Ok(())
+    };
+    let began = Instant::now();
     std::thread::scope(|scope| {
-        let (stepped, stage) = (&stepped, &stage);
-        let workers: Vec<_> = copies
-            .iter_mut()
-            .enumerate()
-            .map(|(k, sim)| {
-                scope.spawn(move || {
-                    let mut done = 0;
-                    while done < steps {
-                        let some = 500.min(steps - done);
-                        stepped(sim, some)?;
-                        done += some;
-                        if k == 0 {
-                            stage.at(done, sim.count(), "")?;
-                        }
-                    }
-                    Ok(())
-                })
-            })
+        let one = &one;
+        let each = sims.iter_mut().enumerate();
+        let workers: Vec<_> = each
+            .map(|(k, sim)| scope.spawn(move || on_threads(threads, || one(k, sim))?))
             .collect();
         let ends = workers
             .into_iter()
@@ -147,7 +154,7 @@ pub fn bench(bed: Option<&Path>, steps: u64, threads: usize, progress: &Progress
     })?;
     let seconds = began.elapsed().as_secs_f64();
     stage.finish();
-    let sim = &mut copies[0];
+    let sim = &mut sims[0];
     let grains = sim.count();
     let (searches, listed, _) = sim.search_counts();
     Ok(Speed {
@@ -155,8 +162,9 @@ pub fn bench(bed: Option<&Path>, steps: u64, threads: usize, progress: &Progress
         grains,
         steps,
         threads,
+        copies,
         seconds,
-        grain_steps_per_s: threads as f64 * grains as f64 * steps as f64 / seconds,
+        grain_steps_per_s: copies as f64 * grains as f64 * steps as f64 / seconds,
         contacts_per_grain: sim.bonds().len() as f64 / grains as f64,
         listed_pairs_per_grain: listed as f64 / grains as f64,
         rebuilds: searches - before,

@@ -55,7 +55,8 @@ struct Run {
     out: Option<PathBuf>,
     #[command(flatten)]
     beds: Beds,
-    /// Beds and speeds to run side by side [default: one for each processor].
+    /// Threads, for beds and speeds side by side and for each where there are fewer [default: one
+    /// for each processor].
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
     /// Change a key of the scenario, as in --set law.mu=0.3; may be given several times.
@@ -116,9 +117,12 @@ struct Bench {
     /// Steps to time, after 500 to warm up.
     #[arg(long, default_value_t = 4000, value_parser = clap::value_parser!(u64).range(1..))]
     steps: u64,
-    /// Threads, each stepping a copy of the bed.
+    /// Threads that step the bed.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: u16,
+    /// Copies of the bed to step side by side, each on so many threads.
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    copies: u16,
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
@@ -254,8 +258,9 @@ fn run_bed(bed: Bed) -> Result<()> {
 }
 
 fn run_bench(what: &Bench) -> Result<()> {
-    let threads = usize::from(what.threads);
-    let speed = bench(what.bed.as_deref(), what.steps, threads, &stoppable(false))?;
+    let (threads, copies) = (usize::from(what.threads), usize::from(what.copies));
+    let progress = stoppable(false);
+    let speed = bench(what.bed.as_deref(), what.steps, threads, copies, &progress)?;
     let tree = serde_json::to_value(&speed).map_err(|e| Error::Output(e.into()))?;
     if what.json {
         return print(&format!("{tree}\n"));

@@ -12,7 +12,7 @@
 //!   [`histogram`], [`blocks`] and [`summary`] hold what was measured, in [`units`]; [`claims`] what the
 //!   runs say together, beside the paper;
 //! * [`export`] and [`lammps`] write fields that others read, [`report`] draws the page from what
-//!   [`present`] finds in the run directory.
+//!   [`present`] finds in the run directory; [`compare`] says where two states first differ.
 //!
 //! Beside the pipeline: [`case`](mod@case) and [`replay`] for the smallest unit of work, [`bench`](mod@bench)
 //! for speed, [`sim`] for whoever wants a simulation in a program ([`stepping`] and
@@ -29,6 +29,7 @@ pub mod checkpoint;
 pub mod claims;
 pub mod cli;
 pub mod coefficients;
+pub mod compare;
 pub mod drag;
 pub mod error;
 pub mod export;

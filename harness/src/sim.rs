@@ -242,6 +242,15 @@ impl Sim {
             .count() as u32
     }
 
+    /// Lends lists of this many entries, and cells, until they prove too short: speed and memory only,
+    /// never a bit. Contacts are forgotten: [`Sim::resume`] or start again.
+    pub fn lend(&mut self, entries: usize) {
+        for list in &mut self.lists {
+            list.resize(self.id.len(), entries, entries);
+        }
+        self.cell_start.resize(entries.max(2), 0);
+    }
+
     fn reserve(&mut self, pairs: usize, touches: usize) {
         for list in &mut self.lists {
             let (p, t) = (

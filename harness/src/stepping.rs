@@ -9,7 +9,12 @@ use bitgrain_kernel::push::{
 };
 use bitgrain_kernel::{Fault, World, check_arithmetic, find_who_may_touch, finish, judge};
 
+use rayon::ThreadPoolBuilder;
+
+use crate::error::{Error, Result};
 use crate::registers::{Job, Registers};
+
+type Fallible<T> = std::result::Result<T, Fault>;
 
 /// Fewest grains of a range: handing over less costs more than it saves.
 const RANGE_MIN: usize = 500;
@@ -63,6 +68,24 @@ fn threads() -> usize {
     }
 }
 
+/// Does a job on this many threads: those of a pool round it, or, for one, where it is called.
+///
+/// # Errors
+/// [`Error::Input`] where so many cannot be started.
+pub fn on_threads<T: Send>(threads: usize, job: impl FnOnce() -> T + Send) -> Result<T> {
+    if threads <= 1 {
+        return Ok(job());
+    }
+    let pool = ThreadPoolBuilder::new().num_threads(threads).build();
+    Ok(pool.map_err(|e| no_threads(threads, &e))?.install(job))
+}
+
+/// The refusal of a number of threads.
+pub(crate) fn no_threads(threads: usize, why: &dyn std::error::Error) -> Error {
+    let problem = format!("{threads} threads cannot be started: {why}");
+    Error::input("--threads", problem)
+}
+
 impl Stepping {
     /// Advances a world by `count` steps, on the threads of the pool that this is called in.
     pub(crate) fn steps<L: Law<f64>>(
@@ -70,12 +93,12 @@ impl Stepping {
         world: &mut World<'_, f64>,
         law: &L,
         count: u64,
-    ) -> Result<(), Fault> {
+    ) -> Fallible<()> {
         let threads = threads();
         if threads > 1 && self.fitted.is_none() {
             // Each thread has its own rounding mode.
             let checks = rayon::broadcast(|_| check_arithmetic::<f64>());
-            checks.into_iter().collect::<Result<(), Fault>>()?;
+            checks.into_iter().collect::<Fallible<()>>()?;
         }
         for _ in 0..count {
             self.step(world, law, threads)?;
@@ -89,7 +112,7 @@ impl Stepping {
         world: &mut World<'_, f64>,
         law: &L,
         threads: usize,
-    ) -> Result<(), Fault> {
+    ) -> Fallible<()> {
         let with = self.registers;
         find_who_may_touch(world)?;
         self.fit(world, threads);
@@ -100,7 +123,7 @@ impl Stepping {
             world.moving(),
             cuts,
             &|m, _| with.run(Drift(m)),
-            &Result::and,
+            &Fallible::and,
         )?;
 
         let (sight, touch, part) = world.pushing(world.dt);
@@ -161,7 +184,7 @@ impl Stepping {
 }
 
 /// The larger of two speeds; of faults the lower range's.
-fn faster(a: Result<f64, Fault>, b: Result<f64, Fault>) -> Result<f64, Fault> {
+fn faster(a: Fallible<f64>, b: Fallible<f64>) -> Fallible<f64> {
     let (a, b) = (a?, b?);
     Ok(if b > a { b } else { a })
 }
@@ -243,7 +266,7 @@ impl Split for Sending<'_> {
 struct Drift<'a>(Moving<'a, f64>);
 
 impl Job for Drift<'_> {
-    type Output = Result<(), Fault>;
+    type Output = Fallible<()>;
 
     #[inline(always)]
     fn run<const W: usize>(mut self) -> Self::Output {
@@ -254,7 +277,7 @@ impl Job for Drift<'_> {
 struct Kick<'a>(Moving<'a, f64>);
 
 impl Job for Kick<'_> {
-    type Output = Result<f64, Fault>;
+    type Output = Fallible<f64>;
 
     #[inline(always)]
     fn run<const W: usize>(mut self) -> Self::Output {

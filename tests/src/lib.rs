@@ -20,17 +20,21 @@ pub fn golden(name: &str) -> PathBuf {
 
 /// A JSON golden, packed or plain.
 pub fn json(name: &str) -> Value {
+    serde_json::from_slice(&unpacked(name)).expect("the golden is JSON")
+}
+
+/// The bytes of a golden, packed or plain.
+pub fn unpacked(name: &str) -> Vec<u8> {
     let bytes = std::fs::read(golden(name)).expect("the golden is in the repository");
-    let mut text = String::new();
-    if name.ends_with(".gz") {
-        let mut unpacked = flate2::read::GzDecoder::new(bytes.as_slice());
-        unpacked
-            .read_to_string(&mut text)
-            .expect("the golden is whole");
-    } else {
-        text = String::from_utf8(bytes).expect("the golden is text");
+    if !name.ends_with(".gz") {
+        return bytes;
     }
-    serde_json::from_str(&text).expect("the golden is JSON")
+    let mut plain = Vec::new();
+    let mut unpacked = flate2::read::GzDecoder::new(bytes.as_slice());
+    unpacked
+        .read_to_end(&mut plain)
+        .expect("the golden is whole");
+    plain
 }
 
 /// A number of a JSON value.

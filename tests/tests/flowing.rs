@@ -3,8 +3,6 @@
 //!
 //! `golden/README.md` says how the files are made.
 
-use std::io::Read;
-
 use bitgrain::claims;
 use bitgrain::drag::{self, Record};
 use bitgrain::flow::{FlowRow, flow_text, parse_flow, parse_profile};
@@ -13,7 +11,7 @@ use bitgrain::scenario::{self, Scenario};
 use bitgrain::series::{SeriesRow, read_series, series_text};
 use bitgrain::summary::{Flow, RunSummary, Summary, read_summary};
 use bitgrain::{blocks::Mean, checkpoint};
-use bitgrain_tests::golden;
+use bitgrain_tests::{golden, unpacked};
 
 /// Steps done again: eight rows of the force series and one of the flow.
 const AGAIN: u64 = 4_000;
@@ -23,15 +21,7 @@ fn scenario() -> Scenario {
 }
 
 fn bytes(name: &str) -> Vec<u8> {
-    let bytes = std::fs::read(golden("guillard-small").join(name)).unwrap();
-    if !name.ends_with(".gz") {
-        return bytes;
-    }
-    let mut whole = Vec::new();
-    flate2::read::GzDecoder::new(bytes.as_slice())
-        .read_to_end(&mut whole)
-        .unwrap();
-    whole
+    unpacked(&format!("guillard-small/{name}"))
 }
 
 fn text(name: &str) -> String {

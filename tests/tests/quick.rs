@@ -6,7 +6,7 @@ use std::process::Command;
 use bitgrain::bed::library::Library;
 use bitgrain::progress::Progress;
 use bitgrain::{run, scenario, summary};
-use bitgrain_tests::{golden, results};
+use bitgrain_tests::{golden, results, unpacked};
 
 fn settings(recipe: &str) -> insta::Settings {
     let mut settings = insta::Settings::clone_current();
@@ -134,6 +134,9 @@ fn the_quick_scenario_gives_its_goldens() {
         .map(|(name, bytes)| format!("{}  {name}\n", blake3::hash(bytes).to_hex()))
         .collect();
     snapshot("files", recipe, &hashes);
+    let settled = &files["beds/bed.safetensors"];
+    let golden = unpacked("quick/settled.safetensors.gz");
+    assert!(*settled == golden, "the bed that other tests begin with");
     let bed = first_picture(&files["report.html"]);
     settings(recipe).bind(|| insta::assert_binary_snapshot!("bed.svg", bed));
     let series = std::str::from_utf8(&files["runs/run-4/forces.csv"]).unwrap();

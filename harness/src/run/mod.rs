@@ -2,6 +2,7 @@
 //! next through files of the run directory, in a first run too.
 
 mod beds;
+mod jobs;
 mod summarise;
 
 pub use beds::bare_beds;
@@ -10,7 +11,6 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use bitgrain_kernel::{BITS_VERSION, Pushed};
-use rayon::ThreadPoolBuilder;
 use serde::Serialize;
 
 use crate::bed::library::Library;
@@ -28,6 +28,7 @@ use crate::sim::Sim;
 use crate::summary::{BedSummary, RunRecord, RunSummary, Summary};
 use crate::{checkpoint, drag, export, flow, lammps, present};
 use beds::{pour_bare, settle_one};
+use jobs::side_by_side;
 use summarise::summarise;
 
 /// Timings and other facts of the machine, kept apart from the results.
@@ -53,7 +54,8 @@ struct StagePerformance {
 /// Runs a scenario into the folder `out` and returns the path of its report.
 ///
 /// Beds come from `library` or are poured and kept there, side by side and then the drags, on
-/// `threads` threads; results do not depend on how many, nor on where a bed came from.
+/// `threads` threads, several for each where there are fewer of them; results do not depend on how
+/// many, nor on where a bed came from.
 ///
 /// # Errors
 /// The first stage that went wrong, in the order of the scenario; what the others wrote stays.
@@ -71,15 +73,6 @@ pub fn run(
         // Found out now rather than after days of pouring.
         check_writable(library.folder())?;
     }
-    let pool = ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .map_err(|e| {
-            Error::input(
-                "--threads",
-                format!("{threads} threads cannot be started: {e}"),
-            )
-        })?;
     let si = scenario.units == UnitSystem::Si;
     let (d, density) = (scenario.mean_diameter(), scenario.bed.density);
     if let Some(table) = table_text(&scenario.law, d, density, si) {
@@ -94,29 +87,29 @@ pub fn run(
         bare.clear();
     }
     let poured = side_by_side(
-        &pool,
+        threads,
         bare.len(),
         |k| height(&bare[k]),
         |k| pour_bare(scenario, &bare[k], &folder, library, progress),
-    );
+    )?;
     let mut stages: Vec<StagePerformance> = poured.into_iter().collect::<Result<_>>()?;
 
     let beds = side_by_side(
-        &pool,
+        threads,
         plans.len(),
         |k| height(&plans[k]),
         |k| settle_one(scenario, &plans[k], &folder, library, progress),
-    );
+    )?;
     let beds: Vec<(BedSummary, StagePerformance)> = beds.into_iter().collect::<Result<_>>()?;
     let (beds, timed): (Vec<_>, Vec<_>) = beds.into_iter().unzip();
     stages.extend(timed);
 
     let dragged = side_by_side(
-        &pool,
+        threads,
         runs.len(),
         |k| runs[k].steps,
         |k| drag_one(scenario, &runs[k], &beds[runs[k].bed], &folder, progress),
-    );
+    )?;
     let dragged: Vec<(RunSummary, StagePerformance)> =
         dragged.into_iter().collect::<Result<_>>()?;
     let (runs, timed): (Vec<_>, Vec<_>) = dragged.into_iter().unzip();
@@ -141,30 +134,6 @@ pub fn run(
     };
     write_json(&folder.performance(), &performance)?;
     Ok(folder.report())
-}
-
-/// Does `count` jobs on the pool, the longest first, and returns their results in order.
-fn side_by_side<T: Send>(
-    pool: &rayon::ThreadPool,
-    count: usize,
-    length: impl Fn(usize) -> u64,
-    job: impl Fn(usize) -> T + Sync,
-) -> Vec<T> {
-    let mut order: Vec<usize> = (0..count).collect();
-    order.sort_by_key(|&k| (u64::MAX - length(k), k));
-    let mut results: Vec<Option<T>> = (0..count).map(|_| None).collect();
-    let (job, slots) = (&job, results.iter_mut());
-    let mut slots: Vec<Option<&mut Option<T>>> = slots.map(Some).collect();
-    pool.scope_fifo(|scope| {
-        for k in order {
-            let slot = slots[k].take().expect("each job is given out once");
-            scope.spawn_fifo(move |_| *slot = Some(job(k)));
-        }
-    });
-    results
-        .into_iter()
-        .map(|r| r.expect("the scope waits for every job"))
-        .collect()
 }
 
 fn timed(stage: Stage, how: &str, sim: &Sim, steps: u64) -> StagePerformance {

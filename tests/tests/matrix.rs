@@ -1,0 +1,185 @@
+//! Every knob that must not change a bit, on beds in motion, step by step: threads, lanes and
+//! instructions, skins and search schedules, what is watched and saved, and how much storage is lent.
+//! Run in debug and in release.
+
+use bitgrain::bench::read_bed;
+use bitgrain::checkpoint;
+use bitgrain::compare::first_difference;
+use bitgrain::registers::Registers;
+use bitgrain::sim::{AnyLaw, Sim};
+use bitgrain::stepping::on_threads;
+use bitgrain_kernel::Digest;
+use bitgrain_kernel::law::HertzTsuji;
+use bitgrain_tests::{golden, unpacked};
+
+/// The settled bed of `quick`, its ball set in motion.
+fn quick() -> Sim {
+    let bytes = unpacked("quick/settled.safetensors.gz");
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("bed");
+    std::fs::write(&path, bytes).unwrap();
+    let mut sim = checkpoint::read(&path).expect("the golden bed is whole");
+    sim.obstacles[0].velocity = [2.0, 0.0, 0.0];
+    sim
+}
+
+/// A settled bed of 10,000 grains round a ball that moves.
+fn large() -> Sim {
+    let mut sim = read_bed(&golden("peers/bedA_D4.data.gz")).expect("the golden bed is sound");
+    sim.start().expect("the golden bed is sound");
+    sim
+}
+
+/// The same grains under the other law, without history, about as stiff.
+fn tsuji(mut sim: Sim) -> Sim {
+    sim.law = AnyLaw::HertzTsuji(HertzTsuji::new(2e5, 0.3, 0.6, 0.5));
+    sim.start().expect("the golden bed is sound");
+    sim
+}
+
+/// One way to step. What is not said is as by default.
+#[derive(Clone, Copy, Debug)]
+struct Way {
+    threads: usize,
+    registers: Registers,
+    /// Over the skin that the simulation chose.
+    skin: f64,
+    /// Watches every second step and saves every third.
+    interrupted: bool,
+    /// Entries of the lists and cells for each grain.
+    room: usize,
+}
+
+/// All knobs one by one, and then several at once.
+fn ways() -> Vec<Way> {
+    let registers = Registers::best();
+    let plain = Way {
+        threads: 1,
+        registers,
+        skin: 1.0,
+        interrupted: false,
+        room: 4,
+    };
+    let mut ways = vec![plain];
+    ways.extend([2, 3, 8].map(|threads| Way { threads, ..plain }));
+    let every = Registers::all();
+    ways.extend(every.iter().map(|&registers| Way { registers, ..plain }));
+    ways.extend([0.0, 0.3, 4.0].map(|skin| Way { skin, ..plain }));
+    ways.extend([0, 1, 60].map(|room| Way { room, ..plain }));
+    let interrupted = true;
+    ways.push(Way {
+        interrupted,
+        ..plain
+    });
+    for (k, registers) in every.into_iter().enumerate() {
+        ways.push(Way {
+            threads: [2, 3, 8][k % 3],
+            registers,
+            skin: [0.0, 2.0][k % 2],
+            interrupted,
+            room: k,
+        });
+    }
+    ways
+}
+
+impl Way {
+    fn prepare(&self, sim: &mut Sim) {
+        sim.stepping.registers = self.registers;
+        // Also beds of fewer grains are to be cut into as many ranges as there are threads.
+        sim.stepping.range_min = 1;
+        let bonds = sim.bonds();
+        sim.skin *= self.skin;
+        sim.lend(self.room * sim.count());
+        sim.resume(&bonds).expect("the state is sound");
+    }
+
+    fn step(&self, sim: &mut Sim, n: usize) {
+        if self.interrupted && n % 2 == 0 {
+            sim.step_watched(|_| {}).expect("a sound bed");
+        } else {
+            sim.steps(1).expect("a sound bed");
+        }
+        if self.interrupted && n % 3 == 0 {
+            assert!(!checkpoint::bytes(sim, "").is_empty());
+        }
+    }
+}
+
+/// Steps a simulation by the kernel's own step and then in every way, and compares each step.
+fn compare(name: &str, steps: usize, begin: &Sim) {
+    let mut sim = begin.clone();
+    let first = sim.digest();
+    let mut digests: Vec<Digest> = Vec::new();
+    for _ in 0..steps {
+        sim.step_watched(|_| {}).expect("a sound bed");
+        digests.push(sim.digest());
+    }
+    assert_ne!(first, sim.digest());
+    for way in ways() {
+        let mut sim = begin.clone();
+        way.prepare(&mut sim);
+        let step = |n: usize| {
+            way.step(&mut sim, n);
+            sim.digest()
+        };
+        let seen = on_threads(way.threads, || (0..steps).map(step).collect::<Vec<_>>());
+        let seen = seen.expect("so many threads");
+        let wrong = seen.iter().zip(&digests).position(|(a, b)| a != b);
+        if let Some(n) = wrong {
+            panic!("{name}: {way:?}: {}", explain(&way, n, begin, begin));
+        }
+    }
+}
+
+/// The first step, part, grain and component that differ: the one way from the one state and the
+/// kernel's own step from the other.
+fn explain(way: &Way, step: usize, begin: &Sim, plain: &Sim) -> String {
+    let (mut plain, mut other) = (plain.clone(), begin.clone());
+    way.prepare(&mut other);
+    let stepped = on_threads(way.threads, || {
+        (0..=step).for_each(|n| way.step(&mut other, n));
+    });
+    stepped.expect("so many threads");
+    for _ in 0..=step {
+        plain.step_watched(|_| {}).expect("a sound bed");
+    }
+    let found = first_difference(&mut plain, &mut other);
+    found.map_or("a second try was the same".into(), |difference| {
+        format!("step {}: {difference}", step + 1)
+    })
+}
+
+/// Debug builds take a hundred times as long a step.
+fn steps(release: usize) -> usize {
+    if cfg!(debug_assertions) {
+        release / 30
+    } else {
+        release
+    }
+}
+
+#[test]
+fn no_knob_changes_a_bit_of_the_quick_bed() {
+    compare("quick", steps(600), &quick());
+    compare("quick, hertz_tsuji", steps(600), &tsuji(quick()));
+}
+
+#[test]
+fn no_knob_changes_a_bit_of_ten_thousand_grains() {
+    compare("large", steps(100), &large());
+    compare("large, hertz_tsuji", steps(100), &tsuji(large()));
+}
+
+/// What the matrix would say of a state that is off by one unit in the last place.
+#[test]
+fn a_difference_is_named() {
+    let plain = quick();
+    let mut other = plain.clone();
+    let y = &mut other.position[7][1];
+    *y = y.next_up();
+    let told = explain(&ways()[0], 0, &other, &plain);
+    let expected = format!("step 1: positions of grain {}, y: ", plain.id[7]);
+    assert!(told.starts_with(&expected), "{told}");
+    assert_eq!(told.matches("(0x").count(), 2, "{told}");
+}
