@@ -98,7 +98,7 @@ const HOST: Target = Target {
 };
 
 /// All targets, in the order in which they run.
-pub const TARGETS: &[Target] = &[
+pub static TARGETS: &[Target] = &[
     HOST,
     Target {
         name: "host-debug",
@@ -319,8 +319,8 @@ mod tests {
 
     #[test]
     fn names_are_told_apart() {
-        for (k, target) in TARGETS.iter().enumerate() {
-            assert!(std::ptr::eq(find(target.name).unwrap(), &TARGETS[k]));
+        for target in TARGETS {
+            assert!(std::ptr::eq(find(target.name).unwrap(), target));
             assert!(!target.about.is_empty() && !target.packages().is_empty());
         }
     }
