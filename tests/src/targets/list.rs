@@ -246,13 +246,11 @@ const M4F: &[&str] = &[
     "{}",
 ];
 
-/// A micro:bit whose nRF51 is of the kind with 32 kB of RAM.
+/// A micro:bit with its Cortex-M0 and 16 kB of RAM.
 const M0: &[&str] = &[
     "qemu-system-arm",
     "-M",
     "microbit",
-    "-global",
-    "nrf51-soc.sram-size=32768",
     "-nographic",
     "-monitor",
     "none",

@@ -15,6 +15,9 @@ use bitgrain_kernel::{Fault, Real};
 use cortex_m_semihosting::debug::{self, EXIT_FAILURE, EXIT_SUCCESS};
 use cortex_m_semihosting::hio::{self, HostStream};
 
+// Static, so that the table of sizes counts it where it lies.
+static mut ALL: Hasher = Hasher::new();
+
 /// One room after the other, in the same memory.
 union Rooms {
     double: ManuallyDrop<Room<f64>>,
@@ -42,9 +45,10 @@ fn report() -> bool {
     let Ok(mut host) = hio::hstdout() else {
         return false;
     };
-    let mut all = Hasher::new();
-    let ran = double(&mut all, &mut host).and_then(|()| single(&mut all, &mut host));
-    print(&mut host, &reference::last(&all));
+    // SAFETY: one core, no interrupts, and this function runs once.
+    let all = unsafe { &mut *addr_of_mut!(ALL) };
+    let ran = double(all, &mut host).and_then(|()| single(all, &mut host));
+    print(&mut host, &reference::last(all));
     tell_stack(&mut host);
     ran.is_ok()
 }
