@@ -117,6 +117,8 @@ pub fn digest<R: Real>(world: &World<'_, R>) -> Digest {
     }
 }
 
+// One after the other in the same memory: inlined, several hashers would lie on the stack side by side.
+#[inline(never)]
 fn hash(feed: impl FnOnce(&mut Hasher)) -> [u8; 32] {
     let mut hasher = Hasher::new();
     feed(&mut hasher);

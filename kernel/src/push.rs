@@ -272,8 +272,12 @@ pub fn sum<'s, R: Real, L: Law<R>, const W: usize>(
 }
 
 /// Contacts that passed the filter and wait for evaluation, so that filter and law each run over
-/// many at a time. A multiple of every number of lanes and a power of two.
-const BATCH: usize = 64;
+/// many at a time: fewer where the stack is small. A multiple of every number of lanes and a power of two.
+const BATCH: usize = if cfg!(any(target_arch = "arm", target_arch = "riscv32")) {
+    16
+} else {
+    64
+};
 
 /// Places of both grains of a contact and of the pair in its list.
 type Waiting = [u32; 3];

@@ -1,6 +1,8 @@
-//! What several tests share: where the goldens are, how the peers' data is read, and small cases.
+//! What several tests share: where the goldens are, how the peers' data is read, and small cases; and
+//! other machines.
 
 pub mod fuzzing;
+pub mod targets;
 
 use std::collections::BTreeMap;
 use std::io::Read;

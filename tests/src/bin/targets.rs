@@ -1,0 +1,117 @@
+//! Runs the reference worlds on other machines, in emulators, and compares every bit with the golden text.
+
+use std::process::ExitCode;
+
+use bitgrain_tests::golden;
+use bitgrain_tests::targets::list::{TARGETS, Target, find};
+use bitgrain_tests::targets::{check, firmware, machine, report};
+
+const HELP: &str = "\
+Builds the reference worlds for other machines, runs them and compares every bit with
+golden/digests/reference.snap.txt.
+
+targets [--list] [--require NAME,...] [NAME ...]
+
+  --list             names every target, with the Debian packages that it takes
+  --require NAME,... it is an error that these cannot be tried
+  NAME ...           only these (and those required); all where none is named
+
+Exit status: 0 all that ran is as it must be, 1 something is not or a required target cannot be tried,
+2 no such target or option.";
+
+/// What the command line asks for.
+struct Wish {
+    list: bool,
+    chosen: Vec<&'static Target>,
+    required: Vec<&'static str>,
+}
+
+fn wish(args: impl Iterator<Item = String>) -> Result<Wish, String> {
+    let mut list = false;
+    let mut names: Vec<String> = Vec::new();
+    let mut required: Vec<String> = Vec::new();
+    let mut all = true;
+    let mut args = args;
+    while let Some(arg) = args.next() {
+        if arg == "--list" {
+            list = true;
+        } else if arg == "--require" {
+            let next = args.next().ok_or("--require takes names, with commas")?;
+            required.extend(next.split(',').map(str::to_string));
+        } else if arg.starts_with('-') {
+            return Err(format!("unknown option `{arg}`; --help shows all"));
+        } else {
+            names.push(arg);
+            all = false;
+        }
+    }
+    for name in names.iter().chain(&required) {
+        find(name)?;
+    }
+    let is = |names: &[String], target: &Target| names.iter().any(|name| name == target.name);
+    let asked = |target: &&Target| all || is(&names, target) || is(&required, target);
+    let must = TARGETS.iter().filter(|target| is(&required, target));
+    Ok(Wish {
+        list,
+        chosen: TARGETS.iter().filter(asked).collect(),
+        required: must.map(|target| target.name).collect(),
+    })
+}
+
+fn main() -> ExitCode {
+    if std::env::args().any(|arg| arg == "--help" || arg == "-h") {
+        println!("{HELP}");
+        return ExitCode::SUCCESS;
+    }
+    let wish = match wish(std::env::args().skip(1)) {
+        Ok(wish) => wish,
+        Err(why) => {
+            eprintln!("{why}");
+            return ExitCode::from(2);
+        }
+    };
+    if wish.list {
+        for target in wish.chosen {
+            let packages = target.packages().join(" ");
+            println!("{:<13} {}\n{:13} {packages}", target.name, target.about, "");
+        }
+        return ExitCode::SUCCESS;
+    }
+    match run(&wish) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(why) => {
+            eprintln!("{why}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Runs what is wished and says whether all of it is as it must be.
+fn run(wish: &Wish) -> Result<bool, String> {
+    let read = |name: &str| {
+        let text = std::fs::read_to_string(golden(name));
+        text.map_err(|why| format!("golden/{name}: {why}"))
+    };
+    let text = read("digests/reference.snap.txt")?;
+    let bounds = firmware::bounds(&read("firmware.csv")?)?;
+    let version = machine::cross_version();
+    if !version.is_empty() {
+        println!("other machines' compiler: {version}\n");
+    }
+    println!("{}", report::heading());
+    let mut rows = Vec::new();
+    for target in &wish.chosen {
+        let row = check(target, &text);
+        println!("{}", row.text());
+        rows.push(row);
+    }
+    let (table, sound) = report::firmware(&rows, &bounds);
+    print!("{table}");
+    let must = |row: &&report::Row| row.is_skipped() && wish.required.contains(&row.name);
+    let lacking: Vec<&str> = rows.iter().filter(must).map(|row| row.name).collect();
+    if !lacking.is_empty() {
+        println!("\nrequired, but skipped: {}", lacking.join(", "));
+    }
+    Ok(sound && lacking.is_empty() && rows.iter().all(report::Row::is_good))
+}
