@@ -13,6 +13,7 @@ use crate::error::{Error, Result};
 use crate::folder::Folder;
 use crate::progress::Progress;
 use crate::replay::{Replay, replay};
+use crate::selftest::selftest;
 use crate::{forecast, present, scenario, shelf};
 
 /// Granular beds whose every run is reproducible to the last bit.
@@ -40,6 +41,9 @@ enum Command {
     /// Time steps of a settled bed on this machine.
     #[command(after_help = BENCH_HELP)]
     Bench(Bench),
+    /// Run the reference worlds on this machine and say whether it keeps the bit contract.
+    #[command(after_help = SELFTEST_HELP)]
+    Selftest,
     /// Replay a case file and print one JSON line for each sampled step.
     #[command(after_help = REPLAY_HELP)]
     Replay(Case),
@@ -164,6 +168,13 @@ Examples:
   bitgrain bench --steps 2000
   bitgrain bench --bed golden/peers/bed200.data --steps 4000 --json";
 
+const SELFTEST_HELP: &str = "\
+Example:
+  bitgrain selftest
+
+It takes seconds. Every way of stepping that this machine has (instruction sets, one thread and several)
+must give the published digests. Exit status: 0 it keeps the contract, 3 it does not.";
+
 const REPLAY_HELP: &str = "\
 Examples:
   bitgrain replay golden/cases/collapse.json --steps 100 --every 10 --contacts
@@ -195,6 +206,7 @@ fn run(command: Command) -> Result<()> {
         }
         Command::Bed(bed) => run_bed(bed),
         Command::Bench(what) => run_bench(&what),
+        Command::Selftest => selftest(|line| print(&format!("{line}\n"))),
         Command::Replay(case) => {
             let what = Replay {
                 steps: case.steps,

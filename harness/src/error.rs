@@ -58,6 +58,15 @@ pub enum Error {
         /// Steps done.
         step: u64,
     },
+    /// This machine or this build does not keep the bit contract.
+    #[error(
+        "this machine does not keep the bit contract: {problem}; no result of it can be trusted: see what \
+         the process is linked with, its compiler flags and the processor's modes"
+    )]
+    Contract {
+        /// What was found.
+        problem: String,
+    },
     /// A file could not be written.
     #[error("cannot write {path}: {source}; {hint}", hint = write_hint(source))]
     Write {
@@ -72,12 +81,12 @@ pub enum Error {
 }
 
 impl Error {
-    /// 2 for refused input, 3 for a run that went wrong, 1 for output that could not be written, 130
+    /// 2 for refused input, 3 for a run that went wrong or a machine that does, 1 for output that could not be written, 130
     /// for a command that was interrupted.
     pub fn exit_status(&self) -> u8 {
         match self {
             Error::Input { .. } => 2,
-            Error::Run { .. } | Error::Unsettled { .. } => 3,
+            Error::Run { .. } | Error::Unsettled { .. } | Error::Contract { .. } => 3,
             Error::Write { .. } | Error::Output(_) => 1,
             Error::Interrupted { .. } => 130,
         }
@@ -109,6 +118,10 @@ impl Error {
 
     /// A run that the kernel stopped.
     pub fn run(stage: impl Into<String>, step: u64, fault: Fault) -> Self {
+        if let Fault::Arithmetic { flaw } = fault {
+            let problem = flaw.to_string();
+            return Error::Contract { problem };
+        }
         Error::Run {
             stage: stage.into(),
             step,

@@ -5,6 +5,7 @@ use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use bitgrain_kernel::BITS_VERSION;
 use flate2::Compression;
 use flate2::write::GzEncoder;
 
@@ -12,6 +13,11 @@ use crate::error::{Error, Result};
 
 /// Files written so far by this process.
 static WRITES: AtomicU64 = AtomicU64::new(0);
+
+/// What every file of results says somewhere: the arithmetic that it was made with.
+pub fn bits() -> String {
+    format!("BITS_VERSION {BITS_VERSION}")
+}
 
 /// Reads a whole file, unpacking gzip where its first bytes say so.
 ///

@@ -8,6 +8,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::files::bits;
 use crate::observe::{INTRUDER, packing_fraction, pressure_at};
 use crate::scenario::{Moves, RunPlan, Scenario};
 use crate::series::finite;
@@ -57,8 +58,10 @@ pub const FLOW_COLUMNS: &str =
 pub fn flow_text(units: &crate::units::Units, rows: &[FlowRow]) -> String {
     let mut out = format!(
         "# units: distance, lid_height {}; drag, lift, base, lid {}; momentum force times time; \
-         pressure force over length^2\n{FLOW_COLUMNS}\n",
-        units.length, units.force
+         pressure force over length^2; {}\n{FLOW_COLUMNS}\n",
+        units.length,
+        units.force,
+        bits()
     );
     for r in rows {
         out.push_str(&format!(
@@ -150,7 +153,7 @@ impl Profile {
 
     /// `z_low,z_high,far_field`: the mean over the window's rows, every grain of every row alike.
     pub fn text(&self) -> String {
-        let mut out = String::from("z_low,z_high,far_field\n");
+        let mut out = format!("# {}\nz_low,z_high,far_field\n", bits());
         for (low, high, speed) in self.speeds() {
             out.push_str(&format!("{low},{high},{speed}\n"));
         }
@@ -168,8 +171,9 @@ pub fn parse_profile(text: &str) -> Result<Vec<(f64, f64, f64)>, usize> {
         let row = (words.next()??, words.next()??, words.next()??);
         words.next().is_none().then_some(row)
     };
-    let lines = text.lines().enumerate().skip(1);
-    lines.map(|(k, line)| row(line).ok_or(k + 1)).collect()
+    let lines = text.lines().enumerate();
+    let rows = lines.filter(|(_, line)| !line.starts_with('#')).skip(1);
+    rows.map(|(k, line)| row(line).ok_or(k + 1)).collect()
 }
 
 /// Means of the rows that lie wholly in the averaging window.

@@ -4,7 +4,7 @@ use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
-use crate::files::{make_folder, write_whole};
+use crate::files::{bits, make_folder, write_whole};
 use crate::scenario::Scenario;
 
 /// A run directory.
@@ -73,7 +73,7 @@ impl Folder<'_> {
     /// It is this process's as long as the returned file lives.
     pub fn claim(&self, scenario: &Scenario) -> Result<File> {
         let inputs = self.inputs(scenario);
-        self.claim_text(&inputs.to_toml())?;
+        self.claim_text(&format!("# {}\n{}", bits(), inputs.to_toml()))?;
         let path = self.scenario();
         let lock = File::open(&path).map_err(|e| Error::read(&path, &e))?;
         if matches!(lock.try_lock(), Err(TryLockError::WouldBlock)) {

@@ -1,6 +1,8 @@
 //! Histograms of a drag, as CSV files: contact angles on the intruder (Kumar 2018, Fig. 6) and the
 //! coordination numbers of the grains near it (Fig. 7).
 
+use crate::files::bits;
+
 /// Bins of the contact angle between 0 and pi: five degrees each.
 pub const ANGLE_BINS: usize = 36;
 
@@ -30,7 +32,7 @@ impl Angles {
 
     /// `angle_low`, `angle_high` (radians), `contacts` (all of the window's samples together).
     pub fn text(&self) -> String {
-        let mut out = String::from("angle_low,angle_high,contacts\n");
+        let mut out = format!("# {}\nangle_low,angle_high,contacts\n", bits());
         let edge = |k: usize| k as f64 * (std::f64::consts::PI / ANGLE_BINS as f64);
         for (k, count) in self.bins.iter().enumerate() {
             out.push_str(&format!("{},{},{count}\n", edge(k), edge(k + 1)));
@@ -60,7 +62,7 @@ impl Coordination {
 
     /// `contacts` and the number of `grains` that have so many (all of the window's samples together).
     pub fn text(&self) -> String {
-        let mut out = String::from("contacts,grains\n");
+        let mut out = format!("# {}\ncontacts,grains\n", bits());
         for (contacts, grains) in self.grains.iter().enumerate() {
             out.push_str(&format!("{contacts},{grains}\n"));
         }
@@ -81,9 +83,11 @@ mod tests {
             (angles.bins[0], angles.bins[18], angles.bins[35]),
             (2, 1, 1)
         );
-        assert_eq!(angles.text().lines().count(), 37);
+        assert_eq!(angles.text().lines().count(), 38);
         let mut numbers = Coordination::default();
         numbers.add(&[0.0, 4.0, 4.0]);
-        assert_eq!(numbers.text(), "contacts,grains\n0,1\n1,0\n2,0\n3,0\n4,2\n");
+        let text = numbers.text();
+        let (_, rows) = text.split_once('\n').unwrap();
+        assert_eq!(rows, "contacts,grains\n0,1\n1,0\n2,0\n3,0\n4,2\n");
     }
 }

@@ -15,7 +15,7 @@
 //!   [`present`] finds in the run directory; [`compare`] says where two states first differ.
 //!
 //! Beside the pipeline: [`case`](mod@case) and [`replay`] for the smallest unit of work, [`bench`](mod@bench)
-//! for speed, [`sim`] for whoever wants a simulation in a program ([`stepping`] and
+//! for speed, [`selftest`](mod@selftest) for the machine, [`sim`] for whoever wants a simulation in a program ([`stepping`] and
 //! [`registers`] are how it uses threads and wide instructions), [`cli`], [`shelf`] (what
 //! `bitgrain bed` prints), [`progress`], [`files`] and [`error`].
 
@@ -50,6 +50,7 @@ pub mod replay;
 pub mod report;
 pub mod run;
 pub mod scenario;
+pub mod selftest;
 pub mod series;
 pub mod shelf;
 pub mod sim;

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::error::{Error, Result};
-use crate::files::read_text;
+use crate::files::{bits, read_text};
 use crate::scenario::Measure;
 use crate::units::Units;
 
@@ -63,11 +63,12 @@ pub fn series_text(units: &Units, measure: &Measure, rows: &[SeriesRow]) -> Stri
         .filter(|name| wanted(name))
         .collect();
     let mut out = format!(
-        "# units: time {}; distance {}; drag, lift, side {}; torque {}; angle rad\n{}\n",
+        "# units: time {}; distance {}; drag, lift, side {}; torque {}; angle rad; {}\n{}\n",
         units.time,
         units.length,
         units.force,
         units.torque,
+        bits(),
         columns.join(",")
     );
     for row in rows {

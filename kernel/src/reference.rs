@@ -14,7 +14,7 @@ use crate::real::Real;
 use crate::step::{start, step};
 use crate::store::Store;
 
-/// Grains of each world.
+/// Most grains of a world.
 pub const GRAINS: usize = 30;
 
 /// Storage for any of the worlds: 12 kB in double precision.
@@ -89,6 +89,85 @@ fn hexadecimal(four_bits: u8) -> u8 {
     }
 }
 
+/// The worlds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum World {
+    /// Eighteen grains of every kind fall on a row of frozen ones, a row of free ones and a row that
+    /// is carried, over a floor, past a ball and a bar that move.
+    CollapseHistory,
+    /// The same under the other law.
+    CollapseTsuji,
+    /// A bed on a frozen layer comes to rest; then a ball is dragged through it.
+    Bed,
+    /// A base and a heavy lid are carried past a bar, grains without weight between them, under a
+    /// ceiling.
+    Rig,
+}
+
+/// How a world goes on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stage {
+    /// Up to this step.
+    pub last: u64,
+    /// Damping of [`HertzHistory`] (1 / (time length)); `None` under [`HertzTsuji`].
+    pub gamma: Option<f64>,
+    /// What the first obstacle's speed along x becomes, if it changes.
+    pub speed: Option<f64>,
+}
+
+impl World {
+    /// In the order in which they are run.
+    pub const ALL: [Self; 4] = [
+        Self::CollapseHistory,
+        Self::CollapseTsuji,
+        Self::Bed,
+        Self::Rig,
+    ];
+
+    /// What a line calls it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::CollapseHistory => "collapse-hertz_history",
+            Self::CollapseTsuji => "collapse-hertz_tsuji",
+            Self::Bed => "bed",
+            Self::Rig => "rig",
+        }
+    }
+
+    /// Its stages, one after the other.
+    pub fn stages(self) -> &'static [Stage] {
+        const fn stage(last: u64, gamma: Option<f64>, speed: Option<f64>) -> Stage {
+            Stage { last, gamma, speed }
+        }
+        match self {
+            Self::CollapseHistory => const { &[stage(600, Some(50.0), None)] },
+            Self::CollapseTsuji => const { &[stage(600, None, None)] },
+            // Damped at first, the bed is at rest before the ball sets off.
+            Self::Bed => {
+                const {
+                    &[
+                        stage(800, Some(300.0), None),
+                        stage(1300, Some(50.0), Some(1.0)),
+                    ]
+                }
+            }
+            Self::Rig => const { &[stage(800, None, None)] },
+        }
+    }
+
+    /// Makes it in `room`, whatever was there; not yet started.
+    ///
+    /// # Errors
+    /// None where [`Room`] is as large as it is.
+    pub fn lay<R: Real>(self, room: &mut Room<R>) -> Result<(), Fault> {
+        match self {
+            Self::CollapseHistory | Self::CollapseTsuji => collapse(room),
+            Self::Bed => bed(room),
+            Self::Rig => rig(room),
+        }
+    }
+}
+
 /// Runs every world in `room`, shows a line at step 0 and every [`EVERY`] steps, and takes the same
 /// lines, as text, into `all`.
 ///
@@ -99,63 +178,57 @@ pub fn run<R: Real>(
     all: &mut Hasher,
     mut show: impl FnMut(&Line),
 ) -> Result<(), Fault> {
-    let mut tell = |world: &'static str, step: u64, digest: [u8; 32]| {
-        let line = Line {
-            real: R::NAME,
-            world,
-            step,
-            digest,
+    for one in World::ALL {
+        let mut tell = |step: u64, digest: [u8; 32]| {
+            let line = Line {
+                real: R::NAME,
+                world: one.name(),
+                step,
+                digest,
+            };
+            for four in line.text().as_chunks().0 {
+                all.word(u32::from_le_bytes(*four));
+            }
+            show(&line);
         };
-        for four in line.text().as_chunks().0 {
-            all.word(u32::from_le_bytes(*four));
-        }
-        show(&line);
-    };
-    collapse(room)?;
-    follow(room, &history(50.0), 0, 600, &mut |n, d| {
-        tell("collapse-hertz_history", n, d)
-    })?;
-    collapse(room)?;
-    follow(room, &tsuji(), 0, 600, &mut |n, d| {
-        tell("collapse-hertz_tsuji", n, d)
-    })?;
-    bed(room)?;
-    // Damped at first, the bed is at rest before the ball sets off.
-    follow(room, &history(500.0), 0, 500, &mut |n, d| tell("bed", n, d))?;
-    if let Some(ball) = room.world().obstacles.first_mut() {
-        ball.velocity = [R::ONE, R::ZERO, R::ZERO];
-    }
-    follow(room, &history(50.0), 500, 1000, &mut |n, d| {
-        tell("bed", n, d)
-    })?;
-    rig(room)?;
-    follow(room, &tsuji(), 0, 800, &mut |n, d| tell("rig", n, d))
-}
-
-/// Goes on to step `last`, telling the digest of every [`EVERY`]th step after `first`, and at step 0.
-#[inline(never)]
-fn follow<R: Real, L: Law<R>>(
-    room: &mut Room<R>,
-    law: &L,
-    first: u64,
-    last: u64,
-    tell: &mut dyn FnMut(u64, [u8; 32]),
-) -> Result<(), Fault> {
-    let mut world = room.world();
-    if first == 0 {
-        start(&mut world, law)?;
-        tell(0, digest(&world).whole);
-    }
-    for n in first..last {
-        step(&mut world, law)?;
-        if (n + 1) % EVERY == 0 {
-            tell(n + 1, digest(&world).whole);
+        one.lay(room)?;
+        for stage in one.stages() {
+            if let (Some(speed), Some(body)) = (stage.speed, room.world().obstacles.first_mut()) {
+                body.velocity[0] = R::from_f64(speed);
+            }
+            match stage.gamma {
+                Some(gamma) => follow(room, &history(gamma), stage.last, &mut tell)?,
+                None => follow(room, &tsuji(), stage.last, &mut tell)?,
+            }
         }
     }
     Ok(())
 }
 
-fn history<R: Real>(gamma: f64) -> HertzHistory<R> {
+/// Goes on to step `last`, telling the digest of step 0 and of every [`EVERY`]th.
+#[inline(never)]
+fn follow<R: Real, L: Law<R>>(
+    room: &mut Room<R>,
+    law: &L,
+    last: u64,
+    tell: &mut dyn FnMut(u64, [u8; 32]),
+) -> Result<(), Fault> {
+    let mut world = room.world();
+    if world.clock.step == 0 {
+        start(&mut world, law)?;
+        tell(0, digest(&world).whole);
+    }
+    while world.clock.step < last {
+        step(&mut world, law)?;
+        if world.clock.step.is_multiple_of(EVERY) {
+            tell(world.clock.step, digest(&world).whole);
+        }
+    }
+    Ok(())
+}
+
+/// The law of a stage with damping.
+pub fn history<R: Real>(gamma: f64) -> HertzHistory<R> {
     let [kn, kt, gamma, mu] = [2e3, 2.45e3, gamma, 0.5].map(R::from_f64);
     HertzHistory {
         kn,
@@ -166,7 +239,8 @@ fn history<R: Real>(gamma: f64) -> HertzHistory<R> {
     }
 }
 
-fn tsuji<R: Real>() -> HertzTsuji<R> {
+/// The law of a stage without.
+pub fn tsuji<R: Real>() -> HertzTsuji<R> {
     HertzTsuji::new(4e3, 0.3, 0.6, 0.5)
 }
 
@@ -226,18 +300,14 @@ fn grain<R: Real>(
     };
     let near = |k: u32, x: f64| R::from_f64(x + 0.04 * (chance(k) - 0.5));
     let [x, y, z] = place;
+    let mut place = [near(0, x), near(1, y), near(2, z)];
+    room.world().domain.wrap(&mut place, &mut [0; 3]);
     let radius = 0.45 + 0.05 * chance(3);
     let mass = 4.0 / 3.0 * core::f64::consts::PI * (radius * radius * radius);
     let (radius, mass) = (R::from_f64(radius), R::from_f64(mass));
     // Every third number is left out: ids are not places.
     let id = number + number / 3;
-    room.add_grain(
-        id,
-        group,
-        [near(0, x), near(1, y), near(2, z)],
-        radius,
-        mass,
-    )?;
+    room.add_grain(id, group, place, radius, mass)?;
     if let Some(row) = room.world().grains.velocity.last_mut() {
         let [vx, vy, vz] = velocity.map(R::from_f64);
         *row = [vx, vy, vz, mass];
@@ -245,8 +315,6 @@ fn grain<R: Real>(
     Ok(())
 }
 
-/// Eighteen grains of every kind fall on a row of frozen ones, a row of free ones and a row that is
-/// carried, over a floor, past a ball and a bar that move.
 fn collapse<R: Real>(room: &mut Room<R>) -> Result<(), Fault> {
     clear(room, 4.0, 3.0)?;
     let half = R::HALF;
@@ -264,7 +332,7 @@ fn collapse<R: Real>(room: &mut Room<R>) -> Result<(), Fault> {
     for x in [0.5, 1.5, 2.5, 3.5] {
         grain(room, FROZEN, [x, 0.5, 0.53], [0.0; 3])?;
         grain(room, FREE, [x, 1.5, 0.5], [0.0; 3])?;
-        grain(room, CARRIED, [x, 2.5, 0.57], [0.5, 0.0, 0.0])?;
+        grain(room, CARRIED, [x, 2.45, 0.57], [0.5, 0.0, 0.0])?;
     }
     for n in 0..18u8 {
         let (layer, site) = (n / 6, n % 6);
@@ -286,24 +354,18 @@ fn collapse<R: Real>(room: &mut Room<R>) -> Result<(), Fault> {
     Ok(())
 }
 
-/// A frozen layer, a bed on it and a ball at rest in it.
 fn bed<R: Real>(room: &mut Room<R>) -> Result<(), Fault> {
-    clear(room, 4.0, 3.0)?;
-    let place = [2.0, 1.5, 2.0].map(R::from_f64);
-    let ball = Obstacle::sphere(place, R::from_f64(0.7));
-    obstacle(room, ball, [0.0; 3])?;
-    for layer in 0..4u8 {
-        for site in 0..12u8 {
-            let [x, y] = [site % 4, site / 4].map(f64::from);
-            let place = [x + 0.5, y + 0.5, f64::from(layer)];
-            let across = x == 1.0 || x == 2.0;
-            let taken = match layer {
-                0 => false,
-                1 => across && y == 1.0,
-                2 => across,
-                _ => site > 1,
-            };
-            if !taken {
+    clear(room, 3.0, 3.0)?;
+    let place = [1.5, 1.5, 1.6].map(R::from_f64);
+    obstacle(room, Obstacle::sphere(place, R::from_f64(0.6)), [0.0; 3])?;
+    // Each layer lies over the holes of the one below it, so that it soon rests.
+    for layer in 0..3u8 {
+        let shift = if layer == 1 { 1.0 } else { 0.5 };
+        for site in 0..9u8 {
+            let [x, y] = [site % 3, site / 3].map(f64::from);
+            let place = [x + shift, y + shift, 0.72 * f64::from(layer)];
+            // On top only three corners: the ball is in the middle.
+            if layer < 2 || [2, 6, 8].contains(&site) {
                 let group = if layer == 0 { FROZEN } else { FREE };
                 grain(room, group, place, [0.0; 3])?;
             }
@@ -312,8 +374,6 @@ fn bed<R: Real>(room: &mut Room<R>) -> Result<(), Fault> {
     Ok(())
 }
 
-/// A base and a heavy lid that are carried past a bar, grains without weight between them, and a
-/// ceiling.
 fn rig<R: Real>(room: &mut Room<R>) -> Result<(), Fault> {
     clear(room, 4.0, 2.25)?;
     let speed = [0.5, 0.0, 0.0];

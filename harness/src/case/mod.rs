@@ -292,7 +292,7 @@ pub(crate) fn refuse(name: &str, fault: Fault, place_of: impl Fn(u32) -> String)
             "{} has a velocity, spin or force too large to compute with",
             place_of(id)
         ),
-        Fault::OverlapTooDeep { .. } | Fault::ObstacleTooDeep { .. } => {
+        Fault::OverlapTooDeep { .. } | Fault::ObstacleTooDeep { .. } | Fault::Arithmetic { .. } => {
             return Error::run(name, 0, fault);
         }
         other => other.to_string(),

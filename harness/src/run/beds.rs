@@ -6,7 +6,7 @@ use super::{StagePerformance, timed};
 use crate::bed::library::Library;
 use crate::bed::recipe::Recipe;
 use crate::error::Result;
-use crate::files::{write_text, write_whole};
+use crate::files::{bits, write_text, write_whole};
 use crate::folder::Folder;
 use crate::progress::{Progress, Stage};
 use crate::scenario::{BedPlan, Scenario};
@@ -109,7 +109,12 @@ pub(super) fn settle_one(
         }
         _ => 0,
     };
-    let title = format!("{} of {}: atom_style sphere", plan.name, scenario.name);
+    let title = format!(
+        "{} of {}: atom_style sphere; {}",
+        plan.name,
+        scenario.name,
+        bits()
+    );
     let data = lammps::data_text(&export::atoms(&sim, true), &title);
     write_text(&folder.bed_data(&plan.name), &data, scenario.measure.gzip)?;
     let steps = match from {

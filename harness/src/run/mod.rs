@@ -18,7 +18,7 @@ use crate::blocks::METHOD;
 use crate::coefficients::table_text;
 use crate::drag::Record;
 use crate::error::{Error, Result};
-use crate::files::{check_writable, write_text, write_whole};
+use crate::files::{bits, check_writable, write_text, write_whole};
 use crate::folder::Folder;
 use crate::progress::{Progress, Stage};
 use crate::report;
@@ -34,6 +34,7 @@ use summarise::summarise;
 /// Timings and other facts of the machine, kept apart from the results.
 #[derive(Serialize)]
 struct Performance {
+    bits_version: u32,
     threads: usize,
     seconds: f64,
     stages: Vec<StagePerformance>,
@@ -128,6 +129,7 @@ pub fn run(
     write_json(&folder.summary(), &whole)?;
     present::write_report(&folder)?;
     let performance = Performance {
+        bits_version: BITS_VERSION,
         threads,
         seconds: began.elapsed().as_secs_f64(),
         stages,
@@ -229,7 +231,7 @@ fn write_snapshot(
 ) -> Result<()> {
     let (mut frame, forces) = export::frame(sim);
     frame.step = step;
-    let title = format!("{run}, step {step}");
+    let title = format!("{run}, step {step}; {}", bits());
     let dump = folder.snapshot(run, "grains", step, "dump");
     let text = lammps::dump_text(&frame, Some(&forces));
     write_text(&dump, &text, scenario.measure.gzip)?;
