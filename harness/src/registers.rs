@@ -57,9 +57,14 @@ impl Registers {
 #[cfg(target_arch = "x86_64")]
 fn detect() -> (bool, bool) {
     let avx2 = std::is_x86_feature_detected!("avx2");
-    let wide = std::is_x86_feature_detected!("avx512f");
-    let narrow = std::is_x86_feature_detected!("avx512vl");
-    (avx2, wide && narrow)
+    // Machines with all of it do not slow down for it.
+    let wide =
+        std::is_x86_feature_detected!("avx512f") && std::is_x86_feature_detected!("avx512vl");
+    let late = std::is_x86_feature_detected!("avx512vbmi2")
+        && std::is_x86_feature_detected!("avx512bitalg")
+        && std::is_x86_feature_detected!("gfni")
+        && std::is_x86_feature_detected!("vaes");
+    (avx2, wide && late)
 }
 
 #[cfg(not(target_arch = "x86_64"))]

@@ -300,6 +300,10 @@ fn sweep<R: Real, L: Law<R>, const W: usize>(
             "lanes must divide a batch"
         )
     };
+    // Copies of its own: the compiler must see that nothing written here can change them, or it does
+    // not use wide registers.
+    let (law, domain) = (&{ *law }, &{ *sight.domain });
+    let sight = Sight { domain, ..sight };
     // Squares of distances are rounded by a few units in the last place; the filter gives 16.
     let margin = R::ONE + R::EPSILON * R::from_f64(16.0);
     let position = sight.position;
