@@ -159,6 +159,8 @@ impl World {
     ///
     /// # Errors
     /// None where [`Room`] is as large as it is.
+    // Inlined, what it keeps on the stack would stay there through the steps.
+    #[inline(never)]
     pub fn lay<R: Real>(self, room: &mut Room<R>) -> Result<(), Fault> {
         match self {
             Self::CollapseHistory | Self::CollapseTsuji => collapse(room),

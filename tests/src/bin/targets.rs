@@ -97,7 +97,7 @@ fn run(wish: &Wish) -> Result<bool, String> {
     let bounds = firmware::bounds(&read("firmware.csv")?)?;
     let version = machine::cross_version();
     if !version.is_empty() {
-        println!("other machines' compiler: {version}\n");
+        println!("Debian's compiler: {version}\n");
     }
     println!("{}", report::heading());
     let mut rows = Vec::new();
