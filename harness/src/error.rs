@@ -60,8 +60,8 @@ pub enum Error {
     },
     /// This machine or this build does not keep the bit contract.
     #[error(
-        "this machine does not keep the bit contract: {problem}; no result of it can be trusted: see what \
-         the process is linked with, its compiler flags and the processor's modes"
+        "this machine does not keep the bit contract: {problem}; no result of it can be trusted: see \
+         what the process is linked with, its compiler flags and the processor's modes"
     )]
     Contract {
         /// What was found.
@@ -81,8 +81,8 @@ pub enum Error {
 }
 
 impl Error {
-    /// 2 for refused input, 3 for a run that went wrong or a machine that does, 1 for output that could not be written, 130
-    /// for a command that was interrupted.
+    /// 2 for refused input, 3 for a run or a machine that went wrong, 1 for output that could not be
+    /// written, 130 for a command that was interrupted.
     pub fn exit_status(&self) -> u8 {
         match self {
             Error::Input { .. } => 2,

@@ -15,9 +15,9 @@
 //!   [`present`] finds in the run directory; [`compare`] says where two states first differ.
 //!
 //! Beside the pipeline: [`case`](mod@case) and [`replay`] for the smallest unit of work, [`bench`](mod@bench)
-//! for speed, [`selftest`](mod@selftest) for the machine, [`sim`] for whoever wants a simulation in a program ([`stepping`] and
-//! [`registers`] are how it uses threads and wide instructions), [`cli`], [`shelf`] (what
-//! `bitgrain bed` prints), [`progress`], [`files`] and [`error`].
+//! for speed, [`selftest`](mod@selftest) for the machine, [`sim`] for whoever wants a simulation in a
+//! program ([`stepping`] and [`registers`] are how it uses threads and wide instructions), [`cli`],
+//! [`shelf`] (what `bitgrain bed` prints), [`progress`], [`files`] and [`error`].
 
 #![forbid(unsafe_code)]
 

@@ -4,10 +4,10 @@
 
 use bitgrain_kernel::law::Law;
 use bitgrain_kernel::motion::{Moving, kick, kick_and_drift};
-use bitgrain_kernel::push::{
-    Deep, Part, Sight, Spill, TouchPart, first_deep, push_obstacles, spill, sum,
-};
-use bitgrain_kernel::{Fault, World, check_arithmetic, find_who_may_touch, finish, judge};
+use bitgrain_kernel::push::{Deep, Part, Sight, Spill, first_deep, spill, sum};
+use bitgrain_kernel::step::{find_who_may_touch, finish, judge};
+use bitgrain_kernel::touch::{TouchPart, push_obstacles};
+use bitgrain_kernel::{Fault, World, check_arithmetic};
 
 use rayon::ThreadPoolBuilder;
 

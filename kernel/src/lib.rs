@@ -17,16 +17,22 @@
 //!   [`law::HertzTsuji`] (Guillard 2014).
 //! * [`Pairs`] list who may touch and keep the tangential springs of those who do. The search that
 //!   fills them runs when it must, and when that is has no effect on any result.
-//! * [`World`] gathers all of that, borrowed. [`start`] evaluates the forces, [`step`] goes on by
+//! * [`World`] gathers all of that, borrowed. [`start`] evaluates the forces, [`step()`] goes on by
 //!   one time step, [`resume`] goes on from a saved state.
 //! * [`digest()`] hashes a state, part by part. [`BITS_VERSION`] names the arithmetic.
+//! * [`reference`](mod@reference) holds small worlds with published digests: run them on a new target,
+//!   and see whether it keeps the contract. [`check_arithmetic`] tries what a host often gets wrong, and
+//!   every world does so as it starts.
 //!
-//! For threads, [`push`] and [`motion`] hold the phases of a step as functions over ranges of
-//! grains with disjoint output; any cut into ranges gives the same bits.
+//! A host with threads makes a step of its phases, each over ranges of grains with disjoint output;
+//! any cut into ranges gives the same bits. In order: [`step::find_who_may_touch`],
+//! [`motion::kick_and_drift`], [`touch::push_obstacles`], [`push::spill`] and [`push::sum`],
+//! [`step::judge`], [`motion::kick`], [`step::finish`].
 //!
 //! # What it does not do
 //!
-//! It allocates nothing, reads no clock, prints nothing and holds no `unsafe`. It makes no beds,
+//! It allocates nothing, reads no clock, prints nothing and holds no `unsafe`; nothing in a release build
+//! of it can panic (the firmware among the tests is searched for the symbols of a panic). It makes no beds,
 //! reads no files and fits nothing: that is the harness's work.
 //!
 //! # A ball dropped on a floor
@@ -79,8 +85,9 @@ mod real;
 pub mod reference;
 mod rows;
 mod search;
-mod step;
+pub mod step;
 mod store;
+pub mod touch;
 pub mod vec3;
 mod world;
 
@@ -94,9 +101,7 @@ pub use pairs::{Bond, Pairs, TOUCHING};
 pub use push::{Partner, Pushed};
 pub use real::Real;
 pub use search::Cells;
-pub use step::{
-    find_who_may_touch, finish, judge, resume, start, start_watched, step, step_watched,
-};
+pub use step::{resume, start, start_watched, step, step_watched};
 pub use store::Store;
 pub use world::{Clock, World};
 

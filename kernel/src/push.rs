@@ -18,7 +18,6 @@ use crate::domain::Domain;
 use crate::fault::Fault;
 use crate::grains::Row;
 use crate::law::{Contact, Law};
-use crate::obstacle::Obstacle;
 use crate::pairs::{PLACE, TOUCHING};
 use crate::real::{Real, smaller};
 use crate::rows::{at, gain, halves_mut, lose, set};
@@ -355,11 +354,19 @@ fn sweep<R: Real, L: Law<R>, const W: usize>(
     deep.or(found)
 }
 
-/// The rows at these places, turned into lanes: word by word, side by side.
+/// The rows at these places, turned into lanes: word by word, side by side; zeros where
+/// one of them is beyond the end. One way out for all: a default for each would cost more than the
+/// rows.
 #[inline(always)]
 fn lanes<R: Real, const W: usize>(rows: &[Row<R>], places: [u32; W]) -> [[R; W]; 4] {
     let none = [R::ZERO; 4];
-    let row: [&Row<R>; W] = core::array::from_fn(|k| rows.get(places[k] as usize).unwrap_or(&none));
+    let mut row: [&Row<R>; W] = [&none; W];
+    for k in 0..W {
+        let Some(found) = rows.get(places[k] as usize) else {
+            return [[R::ZERO; W]; 4];
+        };
+        row[k] = found;
+    }
     core::array::from_fn(|w| core::array::from_fn(|k| row[k][w]))
 }
 
@@ -476,112 +483,4 @@ fn evaluate<R: Real, L: Law<R>, const W: usize>(
         }
     }
     deep
-}
-
-/// Storage of the obstacle contacts: the list and the obstacles' own sums.
-pub struct TouchPart<'a, R> {
-    /// Place of each contact's grain.
-    pub grain: &'a [u32],
-    /// Number of its obstacle, with the touching bit.
-    pub obstacle: &'a mut [u32],
-    /// Its tangential spring.
-    pub spring: &'a mut [Row<R>],
-    /// All obstacles.
-    pub obstacles: &'a mut [Obstacle<R>],
-}
-
-/// Sets every force to the obstacles' share, by ascending grain and obstacle, and the force and
-/// torque on each obstacle to the sum over the grains in the same order. Returns the first grain
-/// and obstacle that overlap too deep. `watch` sees every contact and cannot change one.
-#[inline(always)]
-pub fn push_obstacles<R: Real, L: Law<R>>(
-    sight: Sight<'_, R>,
-    touch: &mut TouchPart<'_, R>,
-    force: &mut [Row<R>],
-    torque: &mut [Row<R>],
-    law: &L,
-    mut watch: impl FnMut(Pushed<R>),
-) -> Deep {
-    let mut deep = None;
-    force.fill([R::ZERO; 4]);
-    torque.fill([R::ZERO; 4]);
-    for body in touch.obstacles.iter_mut() {
-        body.force = [R::ZERO; 3];
-        body.torque = [R::ZERO; 3];
-    }
-    let listed = touch.grain.iter().zip(touch.obstacle.iter_mut());
-    for ((grain, obstacle), spring) in listed.zip(touch.spring.iter_mut()) {
-        let i = *grain as usize;
-        let k = *obstacle & PLACE;
-        let Some(body) = touch.obstacles.get_mut(k as usize) else {
-            continue;
-        };
-        let (contact, offset) = touch_contact(sight, body, i);
-        let touching = contact.overlap > R::ZERO;
-        if !touching {
-            *obstacle = k;
-            *spring = [R::ZERO; 4];
-            continue;
-        }
-        let r = law.react(&contact, head(*spring), sight.dt);
-        let push = add(scale(contact.normal, r.normal), r.tangential);
-        let couple = cross(contact.normal, r.tangential);
-        // A ball's lever is the law's, as for two grains. Elsewhere the force acts where the grain's
-        // lever ends, and its moment is about the obstacle's point.
-        let moment = if contact.radius_j > R::ZERO {
-            scale(couple, r.arm_j)
-        } else {
-            cross(sub(offset, scale(contact.normal, r.arm_i)), push)
-        };
-        *obstacle = k | TOUCHING;
-        *spring = [r.spring[0], r.spring[1], r.spring[2], R::ZERO];
-        gain(force, i, push);
-        lose(torque, i, scale(couple, r.arm_i));
-        body.force = sub(body.force, push);
-        body.torque = sub(body.torque, moment);
-        watch(Pushed {
-            i: i as u32,
-            partner: Partner::Obstacle(k),
-            overlap: contact.overlap,
-            normal: contact.normal,
-            normal_force: r.normal,
-            tangential_force: r.tangential,
-        });
-        let own = body.reach();
-        let least = if own > R::ZERO {
-            smaller(contact.radius_i, own)
-        } else {
-            contact.radius_i
-        };
-        if contact.overlap > least * R::HALF && deep.is_none() {
-            deep = Some((i as u32, k));
-        }
-    }
-    deep
-}
-
-/// The contact of grain `i` on an obstacle, and the offset of its centre from the obstacle's point.
-#[inline(always)]
-fn touch_contact<R: Real>(
-    sight: Sight<'_, R>,
-    body: &Obstacle<R>,
-    i: usize,
-) -> (Contact<R>, Vec3<R>) {
-    let x = at(sight.position, i);
-    let (v, w) = (at(sight.velocity, i), at(sight.spin, i));
-    let meeting = body.meet(sight.domain, head(x), x[3]);
-    let flat = meeting.radius == R::ZERO;
-    let curved = (x[3] * meeting.radius) / (x[3] + meeting.radius);
-    let contact = Contact {
-        normal: meeting.normal,
-        overlap: meeting.overlap,
-        radius_i: x[3],
-        radius_j: meeting.radius,
-        radius_effective: if flat { x[3] } else { curved },
-        mass_effective: R::ONE / (w[3] + body.inverse_mass),
-        velocity: sub(head(v), body.velocity),
-        spin_i: head(w),
-        spin_j: [R::ZERO; 3],
-    };
-    (contact, meeting.offset)
 }

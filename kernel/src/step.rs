@@ -6,10 +6,11 @@ use crate::fault::Fault;
 use crate::law::Law;
 use crate::motion::{foresee, kick, kick_and_drift};
 use crate::pairs::Bond;
-use crate::push::{Deep, LANES, Pushed, push_obstacles, sum};
+use crate::push::{Deep, LANES, Pushed, sum};
 use crate::real::{Real, smaller};
 use crate::rows::at;
 use crate::search::{Scene, search};
+use crate::touch::push_obstacles;
 use crate::vec3::dot;
 use crate::world::World;
 

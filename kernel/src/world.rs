@@ -6,10 +6,11 @@ use crate::grains::Grains;
 use crate::motion::Moving;
 use crate::obstacle::Obstacle;
 use crate::pairs::{Bond, Pairs, TOUCHING};
-use crate::push::{Part, Sight, TouchPart};
+use crate::push::{Part, Sight};
 use crate::real::{Real, larger, magnitude};
 use crate::rows::{at, front, front_mut};
 use crate::search::Cells;
+use crate::touch::TouchPart;
 use crate::vec3::{Vec3, dot, head};
 
 /// Units in the last place of the largest coordinate that a step must move by.

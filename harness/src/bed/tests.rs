@@ -203,3 +203,28 @@ fn a_lid_is_laid_on_a_lattice() {
     cells.dedup();
     assert_eq!(cells.len(), 18 * 3, "each square has one");
 }
+
+/// Every draw is keyed by seed, purpose and grain: more grains, or grains let go in another order, leave
+/// the draws of the others as they are.
+#[test]
+fn more_grains_or_another_order_leave_the_draws_of_the_others() {
+    let scenario = rig();
+    let plan = &bare_plan(&scenario);
+    let few = Lattice::new(&scenario, 90, 0.0, None).grains(&scenario, plan, 0);
+    let more = Lattice::new(&scenario, 140, 0.0, None).grains(&scenario, plan, 0);
+    assert_eq!(few, more[..90]);
+    // The second filling first, and higher up: sizes and velocities are those of their numbers.
+    let later = Lattice::new(&scenario, 50, 0.01, None).grains(&scenario, plan, 90);
+    for (one, other) in later.iter().zip(&more[90..]) {
+        assert_eq!(one.id, other.id);
+        assert_eq!(
+            (one.diameter, one.velocity),
+            (other.diameter, other.velocity)
+        );
+    }
+    let mut seeded = plan.clone();
+    seeded.seed += 1;
+    let others = Lattice::new(&scenario, 90, 0.0, None).grains(&scenario, &seeded, 0);
+    let differs = |k: usize| others[k].velocity != few[k].velocity;
+    assert!((0..90).all(differs));
+}

@@ -1,7 +1,8 @@
 //! The forces of a world evaluated over ranges of its grains, as threads would.
 
 use bitgrain_kernel::law::Law;
-use bitgrain_kernel::push::{Spill, push_obstacles, spill, sum};
+use bitgrain_kernel::push::{Spill, spill, sum};
+use bitgrain_kernel::touch::push_obstacles;
 use bitgrain_kernel::{Fault, World};
 
 /// Evaluates forces, torques and springs of a started world over the ranges that end at `cuts`

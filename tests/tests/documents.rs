@@ -1,0 +1,170 @@
+//! The commands of the README and of every `--help` run.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use bitgrain_tests::{SMALL, golden, output};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
+
+/// The repository.
+fn root() -> std::path::PathBuf {
+    golden("..").canonicalize().unwrap()
+}
+
+/// Commands in the README's blocks, tables and text.
+fn readme_commands() -> Vec<String> {
+    let readme = std::fs::read_to_string(root().join("README.md")).unwrap();
+    let blocks = readme.lines().filter_map(|line| line.strip_prefix("    "));
+    let inline = readme.lines().filter(|line| !line.starts_with("    "));
+    let inline = inline.flat_map(|line| line.split('`').skip(1).step_by(2));
+    let all = blocks
+        .chain(inline)
+        .map(|line| line.split(" #").next().unwrap_or("").trim());
+    let ours = |line: &&str| line.starts_with("bitgrain ") || line.starts_with("cargo ");
+    all.filter(ours).map(str::to_string).collect()
+}
+
+/// Examples at the end of a command's help.
+fn help_commands(command: &[&str]) -> Vec<String> {
+    let args: Vec<&str> = command.iter().copied().chain(["--help"]).collect();
+    let help = output(PROGRAM, Path::new("."), &args);
+    let help = String::from_utf8(help.stdout).unwrap().replace("\\\n", " ");
+    let lines = help.lines().map(str::trim);
+    let found: Vec<String> = lines
+        .filter(|line| line.starts_with("bitgrain "))
+        .map(str::to_string)
+        .collect();
+    assert!(!found.is_empty(), "{command:?} --help shows no example");
+    found
+}
+
+/// Words of a command line; single quotes hold words together.
+fn words(line: &str) -> Vec<String> {
+    let mut out = vec![];
+    for (k, part) in line.split('\'').enumerate() {
+        if k % 2 == 1 {
+            out.push(part.to_string());
+        } else {
+            out.extend(part.split_whitespace().map(str::to_string));
+        }
+    }
+    out
+}
+
+/// A folder in which every command of the documents can run: the goldens are at hand, and a bed with
+/// the name that examples use.
+fn desk() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let place = |name: &str| folder.path().join(name);
+    std::os::unix::fs::symlink(root().join("golden"), place("golden")).unwrap();
+    let text = SMALL.replacen("grains = 300", "grains = 300\nsettled = 1e-2", 1);
+    std::fs::write(place("my-bed.toml"), text).unwrap();
+    let out = output(
+        PROGRAM,
+        folder.path(),
+        &["run", "my-bed.toml", "--out", "made"],
+    );
+    assert!(out.status.success());
+    let bed = std::fs::read_dir(place("beds"))
+        .unwrap()
+        .next()
+        .unwrap()
+        .unwrap()
+        .path();
+    std::fs::rename(bed, place("beds/4f1c000000000000")).unwrap();
+    std::fs::copy(place("golden/cases/collapse.json"), place("case.json")).unwrap();
+    folder
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn documented_commands_run() {
+    let mut lines = readme_commands();
+    assert!(lines.len() > 15, "{lines:?}");
+    let commands: [&[&str]; 10] = [
+        &["run"],
+        &["bed"],
+        &["bed", "list"],
+        &["bed", "show"],
+        &["bed", "remove"],
+        &["bench"],
+        &["replay"],
+        &["selftest"],
+        &[],
+        &["help", "run"],
+    ];
+    for command in &commands[..8] {
+        lines.extend(help_commands(command));
+    }
+    for command in &commands[8..] {
+        let help: Vec<&str> = if command.is_empty() {
+            vec!["--help"]
+        } else {
+            command.to_vec()
+        };
+        assert!(output(PROGRAM, Path::new("."), &help).status.success());
+    }
+    let mut seen = BTreeSet::new();
+    // What takes beds away comes last.
+    lines.sort_by_key(|line| line.contains("remove --all"));
+    let mut folder = desk();
+    for line in lines.into_iter().filter(|line| seen.insert(line.clone())) {
+        let line = match line.strip_prefix("cargo run --release -- ") {
+            Some(rest) => format!("bitgrain {rest}"),
+            None => line,
+        };
+        if let Some(cargo) = line.strip_prefix("cargo ") {
+            cargo_command(cargo);
+            continue;
+        }
+        let mut args = words(&line);
+        args.remove(0);
+        // Placeholders in capitals stand for what the text explains.
+        let stands = |w: &String| w.len() > 1 && w.chars().all(|c| c.is_ascii_uppercase());
+        if args.iter().any(stands) || line.contains(['[', '…']) && !line.contains('\'') {
+            continue;
+        }
+        // Days of work are planned here, not done; the quick scenario has a test of its own.
+        if args[0] == "run" && !line.contains("my-bed") {
+            args.push("--dry-run".into());
+            args.dedup_by(|a, b| a == b);
+        }
+        if args[..2] == ["bed", "remove"] {
+            folder = desk();
+        }
+        let args: Vec<&str> = args.iter().map(String::as_str).collect();
+        let out = output(PROGRAM, folder.path(), &args);
+        let error = String::from_utf8_lossy(&out.stderr);
+        assert!(out.status.success(), "{line}: {error}");
+    }
+}
+
+/// A cargo command of the documents: what it names is there.
+fn cargo_command(line: &str) {
+    let words: Vec<&str> = line.split_whitespace().collect();
+    let after = |flag: &str| words.iter().position(|w| *w == flag).map(|k| words[k + 1]);
+    if let Some(test) = after("--test") {
+        assert!(
+            root().join(format!("tests/tests/{test}.rs")).exists(),
+            "{line}"
+        );
+    }
+    if let Some(bench) = after("--bench") {
+        assert!(
+            root().join(format!("harness/benches/{bench}.rs")).exists(),
+            "{line}"
+        );
+    }
+    if words[..2] == ["+nightly", "fuzz"] {
+        let target = words[3];
+        assert!(
+            root()
+                .join(format!("fuzz/fuzz_targets/{target}.rs"))
+                .exists(),
+            "{line}"
+        );
+    }
+    let known = ["test", "bench", "run", "+nightly", "install"];
+    assert!(known.contains(&words[0]), "{line}");
+}
