@@ -130,7 +130,7 @@ fn documented_commands_run() {
             args.push("--dry-run".into());
             args.dedup_by(|a, b| a == b);
         }
-        if args[..2] == ["bed", "remove"] {
+        if line.starts_with("bitgrain bed remove") {
             folder = desk();
         }
         let args: Vec<&str> = args.iter().map(String::as_str).collect();
@@ -149,6 +149,10 @@ fn cargo_command(line: &str) {
             root().join(format!("tests/tests/{test}.rs")).exists(),
             "{line}"
         );
+    }
+    if let Some(bin) = after("--bin") {
+        let source = format!("tests/src/bin/{bin}.rs");
+        assert!(root().join(source).exists(), "{line}");
     }
     if let Some(bench) = after("--bench") {
         assert!(
