@@ -171,6 +171,10 @@ impl Stepping {
             }
         }
         self.outboxes.resize_with(ranges, Outbox::default);
+        for outbox in &mut self.outboxes {
+            // What was sent over other ranges is no part of the next sum.
+            outbox.count = 0;
+        }
         let mut begin = 0;
         for (&end, outbox) in self.cuts.iter().zip(&mut self.outboxes) {
             let (part, others) = rest.split(end - begin, sight.row);

@@ -171,6 +171,19 @@ fn no_knob_changes_a_bit_of_ten_thousand_grains() {
     compare("large, hertz_tsuji", steps(45), &tsuji(large()));
 }
 
+/// Threads may come and go between steps: ranges are cut anew, and nothing is left of the old ones.
+#[test]
+fn the_number_of_threads_may_change_at_any_step() {
+    let (mut plain, mut other) = (quick(), quick());
+    other.stepping.range_min = 1;
+    for n in 0..steps(240) {
+        plain.step_watched(|_| {}).expect("a sound bed");
+        let threads = [3, 1, 2, 8, 1][n % 5];
+        on_threads(threads, || other.steps(1)).unwrap().unwrap();
+        assert_eq!(first_difference(&mut plain, &mut other), None, "step {n}");
+    }
+}
+
 /// What the matrix would say of a state that is off by one unit in the last place.
 #[test]
 fn a_difference_is_named() {
