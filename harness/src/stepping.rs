@@ -333,3 +333,85 @@ impl<L: Law<f64>> Job for Sum<'_, L> {
         sum::<f64, L, W>(sight, &mut part, law, lower, own, |_| {})
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sim::{AnyLaw, Grain, Sim};
+    use bitgrain_kernel::law::HertzHistory;
+    use bitgrain_kernel::{Domain, Group};
+
+    /// Eight grains in a row along x, of diameter 1 and 2 apart, that move along z or x as told.
+    fn row(velocity: impl Fn(u32) -> [f64; 3]) -> Sim {
+        let law = HertzHistory {
+            kn: 2e5,
+            kt: 2e5,
+            gamma_n: 0.0,
+            gamma_t: 0.0,
+            mu: 0.5,
+        };
+        let domain = Domain::new([0.0; 3], [20.0, 4.0, 4.0], [false; 3]).unwrap();
+        let grain = |id: u32| Grain {
+            id,
+            group: 0,
+            diameter: 1.0,
+            density: 1.0,
+            position: [2.0 * f64::from(id), 2.0, 2.0],
+            velocity: velocity(id),
+            spin: [0.0; 3],
+        };
+        let grains: Vec<Grain> = (1..=8).map(grain).collect();
+        let groups = vec![Group::free([0.0; 3])];
+        let mut sim = Sim::new(
+            AnyLaw::HertzHistory(law),
+            domain,
+            1e-3,
+            groups,
+            &grains,
+            vec![],
+        );
+        sim.stepping.range_min = 1;
+        sim.start().unwrap();
+        sim
+    }
+
+    /// The fault that ends a row, and after how many steps, on so many threads.
+    fn end(threads: usize, velocity: impl Fn(u32) -> [f64; 3]) -> (Option<Fault>, u64) {
+        let mut sim = row(velocity);
+        let ended = on_threads(threads, || sim.steps(2000)).unwrap();
+        (ended.err(), sim.step_count())
+    }
+
+    /// The search comes when the fastest grain of any range needs it: a missed contact would end
+    /// with grains in each other or past each other.
+    #[test]
+    fn a_fast_grain_of_any_range_is_heard() {
+        for fast in 2..=8 {
+            let mut states = Vec::new();
+            for threads in [1, 2, 3, 8] {
+                let mut sim = row(|id| [if id == fast { -30.0 } else { 0.0 }, 0.0, 0.0]);
+                on_threads(threads, || sim.steps(60)).unwrap().unwrap();
+                let left = sim.velocity[fast as usize - 2][0];
+                assert!(left < -20.0, "grain {fast} hits the one before it: {left}");
+                states.push(sim.digest());
+            }
+            assert!(states.iter().all(|state| *state == states[0]), "{fast}");
+        }
+    }
+
+    /// Of several faults in one step the lowest grain's is told, whichever range finds it.
+    #[test]
+    fn faults_are_those_of_one_range() {
+        // Grains 3, 5 and 8 leave the box through the top at the same step.
+        let leaves = |id: u32| [0.0, 0.0, if [3, 5, 8].contains(&id) { 10.0 } else { 0.0 }];
+        // Grains 4 and 7 hit the ones before them too fast for their stiffness.
+        let hits = |id: u32| [if [4, 7].contains(&id) { -300.0 } else { 0.0 }, 0.0, 0.0];
+        let (first, second) = (end(1, leaves), end(1, hits));
+        assert_eq!(first.0, Some(Fault::Escaped { id: 3 }));
+        assert_eq!(second.0, Some(Fault::OverlapTooDeep { i: 3, j: 4 }));
+        for threads in [2, 3, 5, 8] {
+            assert_eq!(end(threads, leaves), first);
+            assert_eq!(end(threads, hits), second);
+        }
+    }
+}
