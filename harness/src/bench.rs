@@ -124,7 +124,7 @@ pub fn bench(
         sim.steps(count)
             .map_err(|fault| Error::run(&name, sim.step_count() + 1, fault))
     };
-    stepped(&mut sim, WARM_UP)?;
+    on_threads(threads, || stepped(&mut sim, WARM_UP))??;
     let (before, ..) = sim.search_counts();
     let mut sims = vec![sim; copies];
     let stage = progress.stage("stepping", steps);

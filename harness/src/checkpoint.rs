@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use bitgrain_kernel::{BITS_VERSION, Bond, Domain, Group, Obstacle, Row};
+use bitgrain_kernel::{BITS_VERSION, Bond, Domain, Fault, Group, Obstacle, Row};
 use safetensors::tensor::{Dtype, SafeTensors, TensorView, serialize};
 use serde::{Deserialize, Serialize};
 
@@ -194,8 +194,11 @@ pub fn parse(bytes: &[u8], name: &str, recipe: Option<&str>) -> Result<Sim> {
     let mut sim = arrays.sim(&head).map_err(damaged)?;
     let bonds = arrays.bonds().map_err(damaged)?;
     sim.set_step_count(head.step);
-    sim.resume(&bonds)
-        .map_err(|fault| damaged(fault.to_string()))?;
+    sim.resume(&bonds).map_err(|fault| match fault {
+        // The machine's fault, not the file's.
+        Fault::Arithmetic { .. } => Error::run(place(), head.step, fault),
+        _ => damaged(fault.to_string()),
+    })?;
     let digest = hex(&sim.digest().whole);
     if digest != head.digest {
         return Err(damaged(format!(

@@ -146,20 +146,21 @@ pub fn drag(
 
 /// Sets the intruder in motion, or base, lid and planes; all at once.
 fn set_off(sim: &mut Sim, moves: Moves, speed: f64) -> std::result::Result<(), Fault> {
+    let bonds = sim.bonds();
     if moves == Moves::Intruder {
         sim.obstacles[INTRUDER as usize].velocity = [speed, 0.0, 0.0];
-        return Ok(());
-    }
-    let bonds = sim.bonds();
-    for i in 0..sim.count() {
-        if sim.role(i) != Role::Free {
-            sim.velocity[i][0] = speed;
+    } else {
+        for i in 0..sim.count() {
+            if sim.role(i) != Role::Free {
+                sim.velocity[i][0] = speed;
+            }
+        }
+        for body in &mut sim.obstacles[INTRUDER as usize + 1..] {
+            body.velocity = [speed, 0.0, 0.0];
         }
     }
-    for body in &mut sim.obstacles[INTRUDER as usize + 1..] {
-        body.velocity = [speed, 0.0, 0.0];
-    }
-    // Taken up anew, so that the list of pairs reckons with the motion.
+    // Taken up anew, so that the list of pairs reckons with the motion, and a speed that cannot be
+    // resolved is refused.
     sim.resume(&bonds)
 }
 

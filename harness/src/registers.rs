@@ -21,12 +21,12 @@ pub enum Registers {
     Four,
     /// Four lanes in AVX2.
     Avx2,
-    /// Eight lanes in AVX-512.
+    /// Eight lanes in AVX-512, of the machines that do not slow down for it: Ice Lake and later.
     Avx512,
 }
 
 impl Registers {
-    /// What this machine has, the plainest first.
+    /// Those that this machine has, the plainest first.
     pub fn all() -> Vec<Self> {
         let (avx2, avx512) = detect();
         let here = |registers: &Self| match registers {

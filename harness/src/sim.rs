@@ -235,9 +235,9 @@ impl Sim {
 
     /// How many grains touch an obstacle.
     pub fn touch_count(&self, obstacle: u32) -> u32 {
-        let listed = &self.lists[0].touch_obstacle[..self.clock.touches()];
+        let words = &self.lists[0].touch_obstacle;
+        let listed = words.iter().take(self.clock.touches());
         listed
-            .iter()
             .filter(|&&word| word == (obstacle | TOUCHING))
             .count() as u32
     }
@@ -249,6 +249,10 @@ impl Sim {
             list.resize(self.id.len(), entries, entries);
         }
         self.cell_start.resize(entries.max(2), 0);
+        let step = self.clock.step;
+        self.clock = Clock::default();
+        self.clock.step = step;
+        self.stepping = self.stepping.clone();
     }
 
     fn reserve(&mut self, pairs: usize, touches: usize) {

@@ -20,7 +20,7 @@ type Fallible<T> = std::result::Result<T, Fault>;
 const RANGE_MIN: usize = 500;
 
 /// How a simulation steps: speed only, never a bit.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Stepping {
     /// Lanes and instructions.
     pub registers: Registers,
@@ -30,8 +30,20 @@ pub struct Stepping {
     cuts: Vec<usize>,
     /// What each range sends to later ones.
     outboxes: Vec<Outbox>,
-    /// The search that ranges and spills were fitted to.
-    fitted: Option<(u64, usize, usize)>,
+    /// The list that ranges and outboxes were fitted to: number of its search, grains, pairs; and the
+    /// threads and the least range.
+    fitted: Option<[usize; 5]>,
+}
+
+/// A copy has the knobs; what is fitted to a pair list stays with that list.
+impl Clone for Stepping {
+    fn clone(&self) -> Self {
+        Self {
+            registers: self.registers,
+            range_min: self.range_min,
+            ..Self::default()
+        }
+    }
 }
 
 /// The spills of a range: storage, and how many there are in this step.
@@ -71,13 +83,19 @@ fn threads() -> usize {
 /// Does a job on this many threads: those of a pool round it, or, for one, where it is called.
 ///
 /// # Errors
-/// [`Error::Input`] where so many cannot be started.
+/// [`Error::Input`] where so many cannot be started, [`Error::Contract`] where one of them computes
+/// otherwise than the bit contract has it.
 pub fn on_threads<T: Send>(threads: usize, job: impl FnOnce() -> T + Send) -> Result<T> {
     if threads <= 1 {
         return Ok(job());
     }
     let pool = ThreadPoolBuilder::new().num_threads(threads).build();
-    Ok(pool.map_err(|e| no_threads(threads, &e))?.install(job))
+    let pool = pool.map_err(|e| no_threads(threads, &e))?;
+    // Each thread has a rounding mode of its own.
+    for checked in pool.broadcast(|_| check_arithmetic::<f64>()) {
+        checked.map_err(|fault| Error::run("a thread", 0, fault))?;
+    }
+    Ok(pool.install(job))
 }
 
 /// The refusal of a number of threads.
@@ -95,15 +113,15 @@ impl Stepping {
         count: u64,
     ) -> Fallible<()> {
         let threads = threads();
-        if threads > 1 && self.fitted.is_none() {
-            // Each thread has its own rounding mode.
-            let checks = rayon::broadcast(|_| check_arithmetic::<f64>());
-            checks.into_iter().collect::<Fallible<()>>()?;
-        }
         for _ in 0..count {
             self.step(world, law, threads)?;
         }
         Ok(())
+    }
+
+    /// Ranges of the step before: how many threads had a part in it.
+    pub fn ranges(&self) -> usize {
+        self.cuts.len() + 1
     }
 
     /// The kernel's step, phase by phase over ranges.
@@ -153,12 +171,13 @@ impl Stepping {
     /// Cuts the grains into ranges of about equal work, and makes room for what they send, whenever
     /// the pair list is new.
     fn fit(&mut self, world: &mut World<'_, f64>, threads: usize) {
-        let now = Some((world.clock.searches(), threads, self.range_min));
+        let n = world.grains.count();
+        let search = world.clock.searches() as usize;
+        let now = Some([search, n, world.clock.listed(), threads, self.range_min]);
         if self.fitted == now {
             return;
         }
         self.fitted = now;
-        let n = world.grains.count();
         let ranges = threads.min(n / self.range_min.max(1)).max(1);
         let (sight, _, mut rest) = world.pushing(0.0);
         // A grain costs about as much as a listed pair.

@@ -31,8 +31,9 @@
 //!
 //! # What it does not do
 //!
-//! It allocates nothing, reads no clock, prints nothing and holds no `unsafe`; nothing in a release build
-//! of it can panic (the firmware among the tests is searched for the symbols of a panic). It makes no beds,
+//! It allocates nothing, reads no clock, prints nothing and holds no `unsafe`; it indexes and
+//! divides by checked ways only, so that no input makes it panic (the image of the firmware among the
+//! tests, which links what a step takes, is searched for the symbols of a panic). It makes no beds,
 //! reads no files and fits nothing: that is the harness's work.
 //!
 //! # A ball dropped on a floor

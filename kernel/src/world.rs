@@ -69,7 +69,8 @@ impl<R: Real> Clock<R> {
 /// A world of grains and obstacles, in any consistent units.
 ///
 /// It is made anew for each stretch of steps from storage that its owner keeps; making one costs
-/// nothing. After changing a state by hand, call [`crate::start`] or [`crate::resume`] again.
+/// nothing. After changing a state by hand, call [`crate::start`] or [`crate::resume`] again; only the
+/// velocity of an obstacle may change between steps without, but is not checked then.
 pub struct World<'a, R> {
     /// The box.
     pub domain: &'a Domain<R>,

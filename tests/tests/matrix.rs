@@ -95,10 +95,11 @@ impl Way {
     }
 
     fn step(&self, sim: &mut Sim, n: usize) {
-        if self.interrupted && n.is_multiple_of(2) {
+        if self.interrupted && !n.is_multiple_of(2) {
             sim.step_watched(|_| {}).expect("a sound bed");
         } else {
             sim.steps(1).expect("a sound bed");
+            assert_eq!(sim.stepping.ranges(), self.threads);
         }
         if self.interrupted && n.is_multiple_of(3) {
             assert!(!checkpoint::bytes(sim, "").is_empty());
@@ -153,7 +154,7 @@ fn explain(way: &Way, step: usize, begin: &Sim, plain: &Sim) -> String {
 /// Debug builds take a hundred times as long a step.
 fn steps(release: usize) -> usize {
     if cfg!(debug_assertions) {
-        release / 30
+        (release / 30).max(4)
     } else {
         release
     }

@@ -176,8 +176,9 @@ fn a_second_run_gives_the_same_bytes() {
             ])
             .arg(&out);
         for set in [
-            "bed.grains=150",
-            "bed.box=[6.0, 5.0, 5.0]",
+            // Enough that threads share the work of each bed and drag.
+            "bed.grains=1100",
+            "bed.box=[14.0, 11.0, 8.0]",
             "bed.settled=1e-3",
             "intruder.diameter=1.5",
             "intruder.height=2.8",

@@ -57,6 +57,7 @@ fn with_names(fault: Fault, names: &[u32]) -> Fault {
         Fault::BadGrain { id } => Fault::BadGrain { id: name(id) },
         Fault::NotFinite { id } => Fault::NotFinite { id: name(id) },
         Fault::TooFast { id } => Fault::TooFast { id: name(id) },
+        Fault::TooSlow { id } => Fault::TooSlow { id: name(id) },
         Fault::Escaped { id } => Fault::Escaped { id: name(id) },
         Fault::OverlapTooDeep { i, j } => Fault::OverlapTooDeep {
             i: name(i),

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::{StagePerformance, timed};
 use crate::bed::library::Library;
 use crate::bed::recipe::Recipe;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::files::{bits, write_text, write_whole};
 use crate::folder::Folder;
 use crate::progress::{Progress, Stage};
@@ -176,10 +176,16 @@ fn fetch_bed(
     // An earlier run may have poured it and then found no room in the library.
     let digest = recipe.digest();
     let here = std::fs::read(path).ok();
-    let here = here.filter(|bytes| checkpoint::parse(bytes, "", Some(&digest)).is_ok());
     if let Some(bytes) = here {
-        library.keep(&recipe, &bytes)?;
-        return Ok("reused");
+        match checkpoint::parse(&bytes, "", Some(&digest)) {
+            Ok(_) => {
+                library.keep(&recipe, &bytes)?;
+                return Ok("reused");
+            }
+            Err(broken @ Error::Contract { .. }) => return Err(broken),
+            // Another recipe's, or damaged: it is made anew.
+            Err(_) => {}
+        }
     }
     let (mut sim, how) = match plan.lid {
         None => (bed::pour(scenario, plan, stage)?, "poured"),

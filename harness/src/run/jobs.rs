@@ -63,7 +63,7 @@ pub(super) fn side_by_side<T: Send>(
 /// Threads for a job that begins while `unfinished` are, itself among them.
 fn share(threads: usize, unfinished: usize, place: usize) -> usize {
     let jobs = threads.min(unfinished).max(1);
-    threads / jobs + usize::from(place < threads % jobs)
+    threads / jobs + usize::from(place % jobs < threads % jobs)
 }
 
 #[cfg(test)]
