@@ -172,3 +172,39 @@ fn cargo_command(line: &str) {
     let known = ["test", "bench", "run", "+nightly", "install"];
     assert!(known.contains(&words[0]), "{line}");
 }
+
+/// The README tells the reference digest and sizes of firmware that lie within the golden ranges.
+#[test]
+fn the_readme_has_the_goldens_numbers() {
+    let readme = std::fs::read_to_string(root().join("README.md")).unwrap();
+    let lines = std::fs::read_to_string(golden("digests/reference.snap.txt")).unwrap();
+    let digest = lines.split_whitespace().last().unwrap();
+    assert!(readme.contains(&format!("`{digest}`")), "{digest}");
+    let ranges = std::fs::read_to_string(golden("firmware.csv")).unwrap();
+    for (board, row) in [
+        ("cortex-m4f", "| Cortex-M4F | "),
+        ("cortex-m0", "| Cortex-M0 | "),
+    ] {
+        let row = readme.lines().find(|line| line.starts_with(row)).unwrap();
+        let cells = row
+            .split('|')
+            .skip(2)
+            .map(|cell| cell.trim().replace(',', ""));
+        let told: Vec<u32> = cells.filter_map(|cell| cell.parse().ok()).collect();
+        let held = ranges
+            .lines()
+            .filter(|line| line.starts_with(&format!("{board},")));
+        let held: Vec<(u32, u32)> = held
+            .map(|line| {
+                let mut words = line.split(',').skip(2).map(|word| word.parse().unwrap());
+                (words.next().unwrap(), words.next().unwrap())
+            })
+            .collect();
+        assert_eq!((told.len(), held.len()), (3, 3), "{row}");
+        let within = told
+            .iter()
+            .zip(&held)
+            .all(|(t, (least, most))| least <= t && t <= most);
+        assert!(within, "{row} in {held:?}");
+    }
+}
