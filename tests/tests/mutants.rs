@@ -42,8 +42,9 @@ const MUTANTS: &[Mutant] = &[
     Mutant {
         name: "sum order: what lower ranges send comes backwards",
         file: "push.rs",
-        from: "lower: impl Iterator<Item = &'s Spill<R>>,\n    own: &[Spill<R>],\n    mut watch: impl FnMut(Pushed<R>),\n) -> Deep {",
-        to: "lower: impl DoubleEndedIterator<Item = &'s Spill<R>>,\n    own: &[Spill<R>],\n    mut watch: impl FnMut(Pushed<R>),\n) -> Deep {\n    let lower = lower.rev();",
+        from: "for one in lower {",
+        to: "let mut sent = [Spill::default(); 999];\n    let mut count = 0;\n    for one in lower {\n        \
+             (sent[count], count) = (*one, count + 1);\n    }\n    for one in sent[..count].iter().rev() {",
         target: "sums",
         red: &["any_cut_into_ranges_gives_the_same_sums"],
     },
