@@ -230,37 +230,29 @@ pub static TARGETS: &[Target] = &[
     },
 ];
 
+/// The command that runs a program on an emulated board, and ends as the program says.
+const fn board(machine: &'static str) -> [&'static str; 12] {
+    [
+        "qemu-system-arm",
+        "-M",
+        machine,
+        "-nographic",
+        "-monitor",
+        "none",
+        "-serial",
+        "none",
+        "-semihosting-config",
+        "enable=on,target=native",
+        "-kernel",
+        "{}",
+    ]
+}
+
 /// An MPS2 board with its Cortex-M4F.
-const M4F: &[&str] = &[
-    "qemu-system-arm",
-    "-M",
-    "mps2-an386",
-    "-nographic",
-    "-monitor",
-    "none",
-    "-serial",
-    "none",
-    "-semihosting-config",
-    "enable=on,target=native",
-    "-kernel",
-    "{}",
-];
+const M4F: &[&str] = &board("mps2-an386");
 
 /// A micro:bit with its Cortex-M0 and 16 kB of RAM.
-const M0: &[&str] = &[
-    "qemu-system-arm",
-    "-M",
-    "microbit",
-    "-nographic",
-    "-monitor",
-    "none",
-    "-serial",
-    "none",
-    "-semihosting-config",
-    "enable=on,target=native",
-    "-kernel",
-    "{}",
-];
+const M0: &[&str] = &board("microbit");
 
 impl Target {
     /// Whether a board runs it, so that its size counts.
