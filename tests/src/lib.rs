@@ -13,6 +13,12 @@ use bitgrain::case::{self, Case, GrainSpec, ObstacleSpec};
 use bitgrain::law::LawSpec;
 use serde_json::Value;
 
+/// The folder of the repository.
+pub fn root() -> PathBuf {
+    let tests = Path::new(env!("CARGO_MANIFEST_DIR"));
+    tests.parent().unwrap_or(tests).to_path_buf()
+}
+
 /// A file or folder under `golden/`.
 pub fn golden(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))

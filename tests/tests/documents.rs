@@ -3,14 +3,9 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use bitgrain_tests::{SMALL, golden, output};
+use bitgrain_tests::{SMALL, golden, output, root};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
-
-/// The repository.
-fn root() -> std::path::PathBuf {
-    golden("..").canonicalize().unwrap()
-}
 
 /// Commands in the README's blocks, tables and text.
 fn readme_commands() -> Vec<String> {

@@ -15,10 +15,8 @@ use bitgrain_tests::{golden, unpacked};
 /// The settled bed of `quick`, its ball set in motion.
 fn quick() -> Sim {
     let bytes = unpacked("quick/settled.safetensors.gz");
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("bed");
-    std::fs::write(&path, bytes).unwrap();
-    let mut sim = checkpoint::read(&path).expect("the golden bed is whole");
+    let sim = checkpoint::parse(&bytes, "the golden bed", None);
+    let mut sim = sim.expect("the golden bed is whole");
     sim.obstacles[0].velocity = [2.0, 0.0, 0.0];
     sim
 }

@@ -271,7 +271,7 @@ struct Copy {
 
 impl Copy {
     fn new() -> Self {
-        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        let root = bitgrain_tests::root();
         let tmp = Path::new(env!("CARGO_TARGET_TMPDIR"));
         let build = tmp.parent().expect("it lies in target").join("mutants");
         // Always at one place: to cargo a package elsewhere is another, and is built beside the old.
@@ -352,7 +352,7 @@ impl Copy {
 /// Found out in seconds: a change of the kernel that leaves a mutant without its text.
 #[test]
 fn every_mutant_has_its_text() {
-    let kernel = Path::new(env!("CARGO_MANIFEST_DIR")).join("../kernel/src");
+    let kernel = bitgrain_tests::root().join("kernel/src");
     for mutant in MUTANTS {
         let whole = fs::read_to_string(kernel.join(mutant.file)).expect("a source of the kernel");
         assert_eq!(whole.matches(mutant.from).count(), 1, "{}", mutant.name);

@@ -2,13 +2,8 @@
 //! be, that every golden has a recipe and a test, and every law its source.
 
 use std::collections::BTreeSet;
-use std::path::PathBuf;
 
-use bitgrain_tests::golden;
-
-fn root() -> PathBuf {
-    golden("..").canonicalize().unwrap()
-}
+use bitgrain_tests::root;
 
 /// Files below a folder of the repository with this ending, by their names from its root.
 fn files(folder: &str, ending: &str) -> Vec<String> {

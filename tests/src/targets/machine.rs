@@ -9,6 +9,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use super::list::{self, Need, Rig, Target};
+use crate::root;
 
 /// Longest time that a build may take: a cold one takes half a minute of a quiet core.
 const BUILD: Duration = Duration::from_secs(900);
@@ -60,12 +61,6 @@ fn is_new(version: &str) -> bool {
     let ours = version.split(' ').nth(1).and_then(numbers);
     let least = numbers(env!("CARGO_PKG_RUST_VERSION"));
     ours >= least
-}
-
-/// The folder of the repository, as this program was built in it.
-fn root() -> PathBuf {
-    let tests = Path::new(env!("CARGO_MANIFEST_DIR"));
-    tests.parent().unwrap_or(tests).to_path_buf()
 }
 
 fn folder(rig: Rig) -> PathBuf {
