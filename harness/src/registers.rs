@@ -1,27 +1,25 @@
-//! Which registers a step uses: how many contacts it evaluates at once, and with which instructions.
-//! It has no effect on any bit.
+//! Which registers a step uses: with which instructions it is compiled, and so how many contacts it
+//! evaluates at once. It has no effect on any bit.
 
 use multiversion::multiversion;
 
-/// Work compiled for several instruction sets, `W` contacts at once.
+/// Work compiled for several instruction sets.
 pub(crate) trait Job {
     /// What it returns.
     type Output;
     /// Does it. An implementation is `#[inline(always)]`, or it is not compiled for the instructions
     /// of its caller.
-    fn run<const W: usize>(self) -> Self::Output;
+    fn run(self) -> Self::Output;
 }
 
-/// Lanes and instructions.
+/// Sets of instructions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Registers {
-    /// One lane, with what every machine of the target has.
-    One,
-    /// Four lanes, with what every machine of the target has.
-    Four,
-    /// Four lanes in AVX2.
+    /// What every machine of the target has.
+    Plain,
+    /// AVX2: four contacts at once.
     Avx2,
-    /// Eight lanes in AVX-512, of the machines that do not slow down for it: Ice Lake and later.
+    /// AVX-512, of the machines that do not slow down for it: Ice Lake and later.
     Avx512,
 }
 
@@ -30,24 +28,27 @@ impl Registers {
     pub fn all() -> Vec<Self> {
         let (avx2, avx512) = detect();
         let here = |registers: &Self| match registers {
-            Self::One | Self::Four => true,
+            Self::Plain => true,
             Self::Avx2 => avx2,
             Self::Avx512 => avx512,
         };
-        let every = [Self::One, Self::Four, Self::Avx2, Self::Avx512];
+        let every = [Self::Plain, Self::Avx2, Self::Avx512];
         every.into_iter().filter(here).collect()
     }
 
-    /// The fastest that this machine has. Eight lanes are not: rows of pairs are shorter.
+    /// The widest that this machine has.
     pub fn best() -> Self {
-        if detect().0 { Self::Avx2 } else { Self::Four }
+        match detect() {
+            (_, true) => Self::Avx512,
+            (true, _) => Self::Avx2,
+            _ => Self::Plain,
+        }
     }
 
     /// Does a job; where the machine lacks the instructions, with those it has.
     pub(crate) fn run<J: Job>(self, job: J) -> J::Output {
         match self {
-            Self::One => job.run::<1>(),
-            Self::Four => job.run::<4>(),
+            Self::Plain => job.run(),
             Self::Avx2 => avx2(job),
             Self::Avx512 => avx512(job),
         }
@@ -74,10 +75,10 @@ fn detect() -> (bool, bool) {
 
 #[multiversion(targets("x86_64+avx2"))]
 fn avx2<J: Job>(job: J) -> J::Output {
-    job.run::<4>()
+    job.run()
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512vl"))]
 fn avx512<J: Job>(job: J) -> J::Output {
-    job.run::<8>()
+    job.run()
 }

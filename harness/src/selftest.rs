@@ -97,7 +97,7 @@ fn by_ranges(registers: Registers, threads: usize) -> std::result::Result<Vec<Li
             }
             while sim.step_count() < stage.last {
                 sim.steps(EVERY)?;
-                debug_assert_eq!(sim.stepping.ranges(), threads, "every thread has a part");
+                debug_assert_eq!(sim.ranges(), threads, "every thread has a part");
                 tell(&mut sim);
             }
         }

@@ -2,12 +2,12 @@
 
 use bitgrain_kernel::law::{HertzHistory, HertzTsuji};
 use bitgrain_kernel::{
-    Bond, Cells, Clock, Digest, Domain, Fault, Grains, Group, Obstacle, Pairs, Pushed, Row,
-    TOUCHING, World, start_watched, step_watched,
+    Bond, Candidates, Cells, Clock, Digest, Domain, Fault, Grains, Group, Obstacle, Pairs, Pushed,
+    Row, TOUCHING, World, start_watched, step_watched,
 };
 use serde::{Deserialize, Serialize};
 
-use crate::stepping::Stepping;
+use crate::stepping::{Stepping, cut, threads};
 
 /// A contact law with its numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -70,6 +70,8 @@ pub struct Sim {
     pub dt: f64,
     /// How far beyond touching pairs are listed (length): speed only, never a bit.
     pub skin: f64,
+    /// How far beyond the skin pairs are candidates for the list (length): speed only, never a bit.
+    pub reach: f64,
     /// Names of the grains, ascending.
     pub id: Vec<u32>,
     /// Group of each grain.
@@ -93,6 +95,10 @@ pub struct Sim {
     /// How it steps: speed only, never a bit.
     pub stepping: Stepping,
     lists: [List; 2],
+    /// Where ranges of grains end, but for the last.
+    cuts: Vec<u32>,
+    candidate_row: Vec<u32>,
+    candidate: Vec<u32>,
     cell_start: Vec<u32>,
     cell_grain: Vec<u32>,
     clock: Clock<f64>,
@@ -100,19 +106,21 @@ pub struct Sim {
 
 #[derive(Clone, Debug, Default)]
 struct List {
-    row: Vec<u32>,
+    lower: Vec<u32>,
     partner: Vec<u32>,
-    spring: Vec<Row<f64>>,
+    spring: [Vec<f64>; 3],
     touch_grain: Vec<u32>,
     touch_obstacle: Vec<u32>,
     touch_spring: Vec<Row<f64>>,
 }
 
 impl List {
-    fn resize(&mut self, grains: usize, pairs: usize, touches: usize) {
-        self.row.resize(grains + 1, 0);
+    fn resize(&mut self, pairs: usize, touches: usize) {
+        self.lower.resize(pairs, 0);
         self.partner.resize(pairs, 0);
-        self.spring.resize(pairs, [0.0; 4]);
+        for component in &mut self.spring {
+            component.resize(pairs, 0.0);
+        }
         self.touch_grain.resize(touches, 0);
         self.touch_obstacle.resize(touches, 0);
         self.touch_spring.resize(touches, [0.0; 4]);
@@ -120,9 +128,9 @@ impl List {
 
     fn lend(&mut self) -> Pairs<'_, f64> {
         Pairs {
-            row: &mut self.row,
+            lower: &mut self.lower,
             partner: &mut self.partner,
-            spring: &mut self.spring,
+            spring: self.spring.each_mut().map(|s| &mut s[..]),
             touch_grain: &mut self.touch_grain,
             touch_obstacle: &mut self.touch_obstacle,
             touch_spring: &mut self.touch_spring,
@@ -130,13 +138,15 @@ impl List {
     }
 
     fn bytes(&self) -> usize {
-        4 * (self.row.capacity() + self.partner.capacity() + 2 * self.touch_grain.capacity())
-            + 32 * (self.spring.capacity() + self.touch_spring.capacity())
+        let springs: usize = self.spring.iter().map(Vec::capacity).sum();
+        4 * (self.lower.capacity() + self.partner.capacity() + 2 * self.touch_grain.capacity())
+            + 8 * springs
+            + 32 * self.touch_spring.capacity()
     }
 }
 
 impl Sim {
-    /// A simulation of these grains, not yet started. The skin is a tenth of the mean diameter.
+    /// A simulation of these grains, not yet started. Skin and reach are as [`Sim::choose_skin`] has them.
     pub fn new(
         law: AnyLaw,
         domain: Domain<f64>,
@@ -152,6 +162,7 @@ impl Sim {
             domain,
             dt,
             skin: 0.0,
+            reach: 0.0,
             id: grains.iter().map(|g| g.id).collect(),
             group: grains.iter().map(|g| g.group).collect(),
             groups,
@@ -170,6 +181,9 @@ impl Sim {
             obstacles,
             stepping: Stepping::default(),
             lists: [List::default(), List::default()],
+            cuts: Vec::new(),
+            candidate_row: Vec::new(),
+            candidate: Vec::new(),
             cell_start: Vec::new(),
             cell_grain: Vec::new(),
             clock: Clock::default(),
@@ -179,10 +193,12 @@ impl Sim {
         sim
     }
 
-    /// Sets the skin to a tenth of the mean diameter.
+    /// Sets the skin to a fiftieth of the mean diameter, and the reach beyond it to a tenth.
     pub fn choose_skin(&mut self) {
         let radii = self.position.iter().map(|x| x[3]).sum::<f64>();
-        self.skin = 0.2 * radii / self.count().max(1) as f64;
+        let diameter = 2.0 * radii / self.count().max(1) as f64;
+        self.skin = 0.02 * diameter;
+        self.reach = 0.1 * diameter;
     }
 
     /// Fits the lists and cells to the number of grains, after grains were added or read.
@@ -190,7 +206,8 @@ impl Sim {
         let n = self.count();
         self.cell_start.resize(2 * n + 64, 0);
         self.cell_grain.resize(n, 0);
-        self.reserve(4 * n + 64, n / 4 + 64);
+        self.candidate_row.resize(n + 1, 0);
+        self.reserve(3 * n + 64, 4 * n + 64, n / 8 + 64);
     }
 
     /// How many grains there are.
@@ -230,6 +247,7 @@ impl Sim {
     pub fn bytes(&self) -> usize {
         self.count() * (5 * 32 + 4 + 1 + 12)
             + 4 * (self.cell_start.len() + self.cell_grain.len())
+            + 4 * (self.candidate_row.len() + self.candidate.len())
             + self.lists.iter().map(List::bytes).sum::<usize>()
     }
 
@@ -246,22 +264,26 @@ impl Sim {
     /// never a bit. Contacts are forgotten: [`Sim::resume`] or start again.
     pub fn lend(&mut self, entries: usize) {
         for list in &mut self.lists {
-            list.resize(self.id.len(), entries, entries);
+            list.resize(entries, entries);
         }
+        self.candidate.resize(entries, 0);
         self.cell_start.resize(entries.max(2), 0);
         let step = self.clock.step;
         self.clock = Clock::default();
         self.clock.step = step;
         self.stepping = self.stepping.clone();
+        self.cuts.clear();
     }
 
-    fn reserve(&mut self, pairs: usize, touches: usize) {
+    fn reserve(&mut self, pairs: usize, candidates: usize, touches: usize) {
+        self.candidate
+            .resize(self.candidate.len().max(candidates), 0);
         for list in &mut self.lists {
             let (p, t) = (
                 list.partner.len().max(pairs),
                 list.touch_grain.len().max(touches),
             );
-            list.resize(self.id.len(), p, t);
+            list.resize(p, t);
         }
     }
 
@@ -272,6 +294,8 @@ impl Sim {
             domain: &self.domain,
             dt: self.dt,
             skin: self.skin,
+            reach: self.reach,
+            cuts: &self.cuts,
             grains: Grains {
                 id: &self.id,
                 group: &self.group,
@@ -286,6 +310,10 @@ impl Sim {
             obstacles: &mut self.obstacles,
             pairs: first.lend(),
             spare: second.lend(),
+            candidates: Candidates {
+                row: &mut self.candidate_row,
+                partner: &mut self.candidate,
+            },
             cells: Cells {
                 start: &mut self.cell_start,
                 grain: &mut self.cell_grain,
@@ -301,8 +329,9 @@ impl Sim {
     ) -> Result<(), Fault> {
         loop {
             match act(self) {
-                Err(Fault::PairsFull { needed }) => self.reserve(needed + needed / 8, 0),
-                Err(Fault::TouchesFull { needed }) => self.reserve(0, needed + needed / 8),
+                Err(Fault::PairsFull { needed }) => self.reserve(needed + needed / 8, 0, 0),
+                Err(Fault::CandidatesFull { needed }) => self.reserve(0, needed + needed / 8, 0),
+                Err(Fault::TouchesFull { needed }) => self.reserve(0, 0, needed + needed / 8),
                 other => return other,
             }
         }
@@ -352,16 +381,30 @@ impl Sim {
     /// The fault that stopped a step; [`Sim::step_count`] says how many were finished.
     pub fn steps(&mut self, count: u64) -> Result<(), Fault> {
         let end = self.clock.step + count;
+        self.cut();
         let mut stepping = std::mem::take(&mut self.stepping);
-        let done = self.grow_while_full(|sim| {
-            let left = end - sim.clock.step;
-            match sim.law {
-                AnyLaw::HertzHistory(law) => stepping.steps(&mut sim.world(), &law, left),
-                AnyLaw::HertzTsuji(law) => stepping.steps(&mut sim.world(), &law, left),
-            }
+        let done = self.grow_while_full(|sim| match sim.law {
+            AnyLaw::HertzHistory(law) => stepping.steps(&mut sim.world(), &law, end),
+            AnyLaw::HertzTsuji(law) => stepping.steps(&mut sim.world(), &law, end),
         });
         self.stepping = stepping;
         done
+    }
+
+    /// Cuts the grains into as many ranges as there are threads.
+    fn cut(&mut self) {
+        let n = self.count();
+        let least = self.stepping.range_min.max(1);
+        let ranges = threads().min(n / least).max(1);
+        if ranges != self.cuts.len() + 1 {
+            let listed = self.clock.listed() - self.clock.listed_across();
+            self.cuts = cut(n, &self.lists[0].lower[..listed], ranges);
+        }
+    }
+
+    /// Ranges of the last steps: how many threads had a part in them.
+    pub fn ranges(&self) -> usize {
+        self.cuts.len() + 1
     }
 
     /// The digest of the state.

@@ -3,9 +3,9 @@
 //! a result.
 
 use bitgrain_kernel::law::Law;
-use bitgrain_kernel::motion::{Moving, kick, kick_and_drift};
-use bitgrain_kernel::push::{Deep, Part, Sight, Spill, first_deep, spill, sum};
-use bitgrain_kernel::step::{find_who_may_touch, finish, judge};
+use bitgrain_kernel::motion::{Moving, Pass, Passed, pass};
+use bitgrain_kernel::push::{Deep, Part, Sight, Span, Spill, first_deep, spill, sum};
+use bitgrain_kernel::step::{drift, find_who_touches, finish, judge};
 use bitgrain_kernel::touch::{TouchPart, push_obstacles};
 use bitgrain_kernel::{Fault, World, check_arithmetic};
 
@@ -22,17 +22,12 @@ const RANGE_MIN: usize = 500;
 /// How a simulation steps: speed only, never a bit.
 #[derive(Debug)]
 pub struct Stepping {
-    /// Lanes and instructions.
+    /// Instructions.
     pub registers: Registers,
     /// Fewest grains of a thread's range.
     pub range_min: usize,
-    /// Where ranges end, but for the last.
-    cuts: Vec<usize>,
-    /// What each range sends to later ones.
-    outboxes: Vec<Outbox>,
-    /// The list that ranges and outboxes were fitted to: number of its search, grains, pairs; and the
-    /// threads and the least range.
-    fitted: Option<[usize; 5]>,
+    /// What pairs of two ranges give.
+    spills: Vec<Spill<f64>>,
 }
 
 /// A copy has the knobs; what is fitted to a pair list stays with that list.
@@ -46,33 +41,18 @@ impl Clone for Stepping {
     }
 }
 
-/// The spills of a range: storage, and how many there are in this step.
-#[derive(Clone, Debug, Default)]
-struct Outbox {
-    spills: Vec<Spill<f64>>,
-    count: usize,
-}
-
-impl Outbox {
-    fn sent(&self) -> &[Spill<f64>] {
-        &self.spills[..self.count]
-    }
-}
-
 impl Default for Stepping {
     fn default() -> Self {
         Self {
             registers: Registers::best(),
             range_min: RANGE_MIN,
-            cuts: Vec::new(),
-            outboxes: Vec::new(),
-            fitted: None,
+            spills: Vec::new(),
         }
     }
 }
 
 /// Threads of the pool that this is called in; 1 outside of any.
-fn threads() -> usize {
+pub(crate) fn threads() -> usize {
     if rayon::current_thread_index().is_some() {
         rayon::current_num_threads()
     } else {
@@ -105,124 +85,108 @@ pub(crate) fn no_threads(threads: usize, why: &dyn std::error::Error) -> Error {
 }
 
 impl Stepping {
-    /// Advances a world by `count` steps, on the threads of the pool that this is called in.
+    /// Advances a world to step `end`, on the threads of the pool that this is called in, one for each of
+    /// its ranges.
+    ///
+    /// Rows are fetched once a step: as soon as the force on a grain is complete, the pass that summed it
+    /// ends the grain's step and begins the next one.
     pub(crate) fn steps<L: Law<f64>>(
         &mut self,
         world: &mut World<'_, f64>,
         law: &L,
-        count: u64,
+        end: u64,
     ) -> Fallible<()> {
-        let threads = threads();
-        for _ in 0..count {
-            self.step(world, law, threads)?;
+        let with = self.registers;
+        if world.clock.step < end && world.clock.rests() {
+            let cuts = world.cuts;
+            let passed = each(
+                world.moving(),
+                cuts,
+                &|m, _| with.run(Move(m, Pass::Drift)),
+                &Passed::and,
+            );
+            drift(world, passed)?;
+        }
+        while world.clock.step < end {
+            find_who_touches(world)?;
+            let last = world.clock.step + 1 == end;
+            let passed = self.push_and_move(world, law, last)?;
+            finish(world, passed)?;
+            if !last {
+                drift(world, passed)?;
+            }
         }
         Ok(())
     }
 
-    /// Ranges of the step before: how many threads had a part in it.
-    pub fn ranges(&self) -> usize {
-        self.cuts.len() + 1
-    }
-
-    /// The kernel's step, phase by phase over ranges.
-    fn step<L: Law<f64>>(
+    /// Forces and sums of one step, and the motion that follows them.
+    fn push_and_move<L: Law<f64>>(
         &mut self,
         world: &mut World<'_, f64>,
         law: &L,
-        threads: usize,
-    ) -> Fallible<()> {
-        let with = self.registers;
-        find_who_may_touch(world)?;
-        self.fit(world, threads);
+        last: bool,
+    ) -> Fallible<Passed<f64>> {
+        let (with, cuts) = (self.registers, world.cuts);
+        let (part, touch) = world.pushing();
+        let hit = with.run(Touch(part, touch, law));
 
-        let cuts = &self.cuts;
+        let count = world.clock.listed_across();
+        if self.spills.len() < count {
+            self.spills.resize(count + count / 8, Spill::default());
+        }
+        let spills = &mut self.spills[..count];
+        let mut deep = None;
+        if count > 0 {
+            let (sight, pairs) = world.across();
+            let sending = Sending(sight, pairs, spills);
+            deep = share(sending, cuts.len() + 1, &|s| with.run(Across(s, law)));
+        }
 
-        each(
-            world.moving(),
-            cuts,
-            &|m, _| with.run(Drift(m)),
-            &Fallible::and,
-        )?;
-
-        let (sight, touch, part) = world.pushing(world.dt);
-        let hit = with.run(Touch(Summing(sight, part), touch, law));
-        let mut sent = None;
-        if !cuts.is_empty() {
-            let (sight, _, part) = world.pushing(world.dt);
-            let sending = Sending(Summing(sight, part), &mut self.outboxes);
-            sent = each(
-                sending,
-                cuts,
-                &|s, _| with.run(Spilling(s, law)),
-                &first_deep,
-            );
-        }
-        let (sight, _, part) = world.pushing(world.dt);
-        let outboxes = &self.outboxes;
-        let add = |s, range| with.run(Sum(s, law, outboxes, range));
-        let summed = each(Summing(sight, part), cuts, &add, &first_deep);
-        judge(world, hit, first_deep(sent, summed))?;
-
-        let fastest = each(world.moving(), cuts, &|m, _| with.run(Kick(m)), &faster)?;
-        finish(world, fastest);
-        Ok(())
-    }
-
-    /// Cuts the grains into ranges of about equal work, and makes room for what they send, whenever
-    /// the pair list is new.
-    fn fit(&mut self, world: &mut World<'_, f64>, threads: usize) {
-        let n = world.grains.count();
-        let search = world.clock.searches() as usize;
-        let now = Some([search, n, world.clock.listed(), threads, self.range_min]);
-        if self.fitted == now {
-            return;
-        }
-        self.fitted = now;
-        let ranges = threads.min(n / self.range_min.max(1)).max(1);
-        let (sight, _, mut rest) = world.pushing(0.0);
-        // A grain costs about as much as a listed pair.
-        let work = |i: usize| i + sight.row[i] as usize;
-        self.cuts.clear();
-        for i in 1..n {
-            let done = self.cuts.len() + 1;
-            if done < ranges && work(i) * ranges >= work(n) * done {
-                self.cuts.push(i);
-            }
-        }
-        self.outboxes.resize_with(ranges, Outbox::default);
-        for outbox in &mut self.outboxes {
-            // What was sent over other ranges is no part of the next sum.
-            outbox.count = 0;
-        }
-        let mut begin = 0;
-        for (&end, outbox) in self.cuts.iter().zip(&mut self.outboxes) {
-            let (part, others) = rest.split(end - begin, sight.row);
-            let needed = part.spills(sight.row);
-            if outbox.spills.len() < needed {
-                outbox.spills.resize(needed + needed / 8, Spill::default());
-            }
-            (begin, rest) = (end, others);
-        }
+        let spills = &*spills;
+        let (part, _) = world.pushing();
+        let work = |part, _| with.run(Sum(part, law, spills, last));
+        let join = |(a, p): (Deep, Passed<f64>), (b, q)| (first_deep(a, b), p.and(q));
+        let (within, passed) = each(part, cuts, &work, &join);
+        judge(world, hit, first_deep(deep, within))?;
+        Ok(passed)
     }
 }
 
-/// The larger of two speeds; of faults the lower range's.
-fn faster(a: Fallible<f64>, b: Fallible<f64>) -> Fallible<f64> {
-    let (a, b) = (a?, b?);
-    Ok(if b > a { b } else { a })
+/// Cuts the grains into ranges of about equal work, by the lower grains of the listed pairs, which
+/// ascend: the places where ranges end, but for the last.
+pub(crate) fn cut(grains: usize, lower: &[u32], ranges: usize) -> Vec<u32> {
+    // A grain costs about as much as a pair.
+    let work = |i: usize| i + lower.partition_point(|&l| (l as usize) < i);
+    let mut cuts: Vec<u32> = Vec::new();
+    for range in 1..ranges {
+        let share = work(grains) * range / ranges;
+        let (mut from, mut to) = (0, grains);
+        while from < to {
+            let middle = from + (to - from) / 2;
+            if work(middle) < share {
+                from = middle + 1;
+            } else {
+                to = middle;
+            }
+        }
+        // No range is empty, however few the grains.
+        let least = cuts.last().map_or(1, |&before| before as usize + 1);
+        cuts.push(from.clamp(least, grains - (ranges - range)) as u32);
+    }
+    cuts
 }
 
 /// Something for a stretch of grains that splits into two stretches.
 trait Split: Sized + Send {
-    /// The first `grains` grains, which are `ranges` ranges, and the others.
-    fn split(self, grains: usize, ranges: usize) -> (Self, Self);
+    /// The first `grains` grains, and the others.
+    fn split(self, grains: usize) -> (Self, Self);
 }
 
 /// Does `work` for each range, side by side, and joins what it returns, lower ranges left. `work` is
 /// told the number of its range.
 fn each<P: Split, T: Send>(
     piece: P,
-    cuts: &[usize],
+    cuts: &[u32],
     work: &(impl Fn(P, usize) -> T + Sync),
     join: &(impl Fn(T, T) -> T + Sync),
 ) -> T {
@@ -232,8 +196,8 @@ fn each<P: Split, T: Send>(
 /// [`each`] for the ranges from number `range`, which begins at grain `begin`.
 fn halve<P: Split, T: Send>(
     piece: P,
-    cuts: &[usize],
-    begin: usize,
+    cuts: &[u32],
+    begin: u32,
     range: usize,
     work: &(impl Fn(P, usize) -> T + Sync),
     join: &(impl Fn(T, T) -> T + Sync),
@@ -242,114 +206,124 @@ fn halve<P: Split, T: Send>(
     let Some(&cut) = cuts.get(middle) else {
         return work(piece, range);
     };
-    let (left, right) = piece.split(cut - begin, middle + 1);
+    let (left, right) = piece.split((cut - begin) as usize);
+    let (before, after) = (&cuts[..middle], &cuts[middle + 1..]);
     let (left, right) = rayon::join(
-        || halve(left, &cuts[..middle], begin, range, work, join),
-        || {
-            halve(
-                right,
-                &cuts[middle + 1..],
-                cut,
-                range + middle + 1,
-                work,
-                join,
-            )
-        },
+        || halve(left, before, begin, range, work, join),
+        || halve(right, after, cut, range + middle + 1, work, join),
     );
     join(left, right)
 }
 
+/// Evaluates the pairs of two ranges in as many shares as there are ranges, side by side.
+fn share(piece: Sending<'_>, shares: usize, work: &(impl Fn(Sending<'_>) -> Deep + Sync)) -> Deep {
+    if shares <= 1 {
+        return work(piece);
+    }
+    let lower = shares / 2;
+    let pairs = piece.1.len() * lower / shares;
+    let (left, right) = piece.split(pairs);
+    let (left, right) = rayon::join(
+        || share(left, lower, work),
+        || share(right, shares - lower, work),
+    );
+    first_deep(left, right)
+}
+
 impl Split for Moving<'_, f64> {
-    fn split(self, grains: usize, _: usize) -> (Self, Self) {
+    fn split(self, grains: usize) -> (Self, Self) {
         Moving::split(self, grains)
     }
 }
 
-/// A stretch whose forces are summed.
-struct Summing<'a>(Sight<'a, f64>, Part<'a, f64>);
-
-impl Split for Summing<'_> {
-    fn split(self, grains: usize, _: usize) -> (Self, Self) {
-        let (left, right) = self.1.split(grains, self.0.row);
-        (Self(self.0, left), Self(self.0, right))
+impl Split for Part<'_, f64> {
+    fn split(self, grains: usize) -> (Self, Self) {
+        Part::split(self, grains)
     }
 }
 
-/// A stretch that sends its spills, with an outbox for each of its ranges.
-struct Sending<'a>(Summing<'a>, &'a mut [Outbox]);
+/// Pairs of two ranges, what they read, and what they give.
+struct Sending<'a>(Sight<'a, f64>, Span<'a, f64>, &'a mut [Spill<f64>]);
 
-impl Split for Sending<'_> {
-    fn split(self, grains: usize, ranges: usize) -> (Self, Self) {
-        let (left, right) = Split::split(self.0, grains, ranges);
-        let (out, others) = self.1.split_at_mut(ranges);
-        (Self(left, out), Self(right, others))
+impl Sending<'_> {
+    /// The first `pairs` of them, and the others.
+    fn split(self, pairs: usize) -> (Self, Self) {
+        let (left, right) = self.1.split(pairs);
+        let (out, others) = self.2.split_at_mut(pairs);
+        (Self(self.0, left, out), Self(self.0, right, others))
     }
 }
 
-struct Drift<'a>(Moving<'a, f64>);
+struct Move<'a>(Moving<'a, f64>, Pass);
 
-impl Job for Drift<'_> {
-    type Output = Fallible<()>;
+impl Job for Move<'_> {
+    type Output = Passed<f64>;
 
     #[inline(always)]
-    fn run<const W: usize>(mut self) -> Self::Output {
-        kick_and_drift(&mut self.0)
-    }
-}
-
-struct Kick<'a>(Moving<'a, f64>);
-
-impl Job for Kick<'_> {
-    type Output = Fallible<f64>;
-
-    #[inline(always)]
-    fn run<const W: usize>(mut self) -> Self::Output {
-        kick(&mut self.0)
+    fn run(mut self) -> Self::Output {
+        pass(&mut self.0, self.1)
     }
 }
 
 /// All obstacle contacts at once: an obstacle's sum runs over all grains.
-struct Touch<'a, L>(Summing<'a>, TouchPart<'a, f64>, &'a L);
+struct Touch<'a, L>(Part<'a, f64>, TouchPart<'a, f64>, &'a L);
 
 impl<L: Law<f64>> Job for Touch<'_, L> {
     type Output = Deep;
 
     #[inline(always)]
-    fn run<const W: usize>(mut self) -> Deep {
-        let Summing(sight, part) = self.0;
-        push_obstacles(sight, &mut self.1, part.force, part.torque, self.2, |_| {})
+    fn run(mut self) -> Deep {
+        let dt = self.0.grains.dt;
+        push_obstacles(&mut self.0.grains, &mut self.1, self.2, dt, |_| {})
     }
 }
 
-struct Spilling<'a, L>(Sending<'a>, &'a L);
+struct Across<'a, L>(Sending<'a>, &'a L);
 
-impl<L: Law<f64>> Job for Spilling<'_, L> {
+impl<L: Law<f64>> Job for Across<'_, L> {
     type Output = Deep;
 
     #[inline(always)]
-    fn run<const W: usize>(self) -> Deep {
-        let Spilling(Sending(Summing(sight, mut part), outboxes), law) = self;
-        let [outbox, ..] = outboxes else {
-            return None;
-        };
-        let sent = spill::<f64, L, W>(sight, &mut part, law, &mut outbox.spills);
-        let (count, deep) = sent.expect("outboxes fit the list");
-        outbox.count = count;
-        deep
+    fn run(self) -> Deep {
+        let Across(Sending(sight, pairs, out), law) = self;
+        spill(sight, pairs, law, out)
     }
 }
 
-struct Sum<'a, L>(Summing<'a>, &'a L, &'a [Outbox], usize);
+/// A range, what pairs across it give, and whether this is the last of several steps.
+struct Sum<'a, L>(Part<'a, f64>, &'a L, &'a [Spill<f64>], bool);
 
 impl<L: Law<f64>> Job for Sum<'_, L> {
-    type Output = Deep;
+    type Output = (Deep, Passed<f64>);
 
     #[inline(always)]
-    fn run<const W: usize>(self) -> Deep {
-        let Sum(Summing(sight, mut part), law, outboxes, range) = self;
-        let lower = outboxes[..range].iter().flat_map(Outbox::sent);
-        let own = outboxes.get(range).map_or(&[][..], Outbox::sent);
-        sum::<f64, L, W>(sight, &mut part, law, lower, own, |_| {})
+    fn run(self) -> Self::Output {
+        let Sum(mut part, law, spills, last) = self;
+        let dt = part.grains.dt;
+        let grains = part.first..part.first + part.grains.position.len();
+        let place = |i: usize| spills.partition_point(|one| (one.i as usize) < i);
+        let own = &spills[place(grains.start)..place(grains.end)];
+        let lower = spills[..place(grains.start)].iter();
+        let lower = lower.filter(|one| grains.contains(&(one.j as usize)));
+        let mut passed = Passed::NONE;
+        let deep = sum(
+            &mut part,
+            law,
+            dt,
+            lower,
+            own,
+            |_| {},
+            |grains, complete| {
+                let mut moving = grains.stretch(complete.start, complete.end);
+                let more = if last {
+                    pass(&mut moving, Pass::Kick)
+                } else {
+                    pass(&mut moving, Pass::KickAndDrift)
+                };
+                passed = passed.and(more);
+            },
+        );
+        (deep, passed)
     }
 }
 

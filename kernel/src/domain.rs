@@ -2,7 +2,7 @@
 
 use crate::fault::Fault;
 use crate::real::Real;
-use crate::vec3::Vec3;
+use crate::vec3::{Vec3, sub};
 
 /// A rectangular box, each axis periodic or closed by its edges; or open space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,15 +82,25 @@ impl<R: Real> Domain<R> {
     /// `a - b` to the nearest image: subtract first, then one selection per axis.
     #[inline(always)]
     pub fn separation(&self, a: Vec3<R>, b: Vec3<R>) -> Vec3<R> {
-        let mut d = [R::ZERO; 3];
-        for k in 0..3 {
-            let raw = a[k] - b[k];
-            let down = raw - self.period[k];
-            let up = raw + self.period[k];
-            let high = if raw > self.half[k] { down } else { raw };
-            d[k] = if raw < -self.half[k] { up } else { high };
-        }
-        d
+        self.nearest(sub(a, b))
+    }
+
+    /// The nearest image of a difference of two places in the box: one selection per axis.
+    #[inline(always)]
+    pub(crate) fn nearest(&self, raw: Vec3<R>) -> Vec3<R> {
+        [
+            self.image(raw[0], 0),
+            self.image(raw[1], 1),
+            self.image(raw[2], 2),
+        ]
+    }
+
+    #[inline(always)]
+    fn image(&self, raw: R, k: usize) -> R {
+        let down = raw - self.period[k];
+        let up = raw + self.period[k];
+        let high = if raw > self.half[k] { down } else { raw };
+        if raw < -self.half[k] { up } else { high }
     }
 
     /// Brings `x` back into the box along periodic axes and counts the crossings in `image`.

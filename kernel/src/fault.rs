@@ -63,6 +63,11 @@ pub enum Fault {
         /// Entries that would have been enough.
         needed: usize,
     },
+    /// The lent list of candidates, pairs that may come near, is too short; nothing was changed.
+    CandidatesFull {
+        /// Entries that would have been enough.
+        needed: usize,
+    },
     /// The lent list of obstacle contacts is too short; nothing was changed.
     TouchesFull {
         /// Entries that would have been enough.
@@ -179,6 +184,9 @@ impl fmt::Display for Fault {
             Fault::GravityTooWeak { group } => write!(f, "grains of group {group} fall {TOO_SLOW}"),
             Fault::BadBond => write!(f, "a saved contact fits no bodies near each other"),
             Fault::PairsFull { needed } => write!(f, "pair list is full, {needed} entries needed"),
+            Fault::CandidatesFull { needed } => {
+                write!(f, "candidate list is full, {needed} entries needed")
+            }
             Fault::TouchesFull { needed } => {
                 write!(f, "obstacle list is full, {needed} entries needed")
             }

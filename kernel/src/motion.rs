@@ -3,8 +3,8 @@
 use crate::domain::Domain;
 use crate::fault::Fault;
 use crate::grains::{Group, Row};
-use crate::real::Real;
-use crate::rows::{halves, halves_mut};
+use crate::real::{Real, larger};
+use crate::rows::{halves, halves_mut, part, part_mut};
 use crate::vec3::{Vec3, dot, head};
 
 /// What a pass of motion reads and writes for a range of grains; ranges share nothing that is
@@ -25,9 +25,9 @@ pub struct Moving<'a, R> {
     /// Crossings of the periodic axes.
     pub image: &'a mut [[i32; 3]],
     /// Contact forces.
-    pub force: &'a [Row<R>],
+    pub force: &'a mut [Row<R>],
     /// Contact torques.
-    pub torque: &'a [Row<R>],
+    pub torque: &'a mut [Row<R>],
     /// Velocities and masses.
     pub velocity: &'a mut [Row<R>],
     /// Spins and inverse contact masses.
@@ -41,8 +41,8 @@ impl<'a, R: Real> Moving<'a, R> {
         let group = halves(self.group, grains);
         let position = halves_mut(self.position, grains);
         let image = halves_mut(self.image, grains);
-        let force = halves(self.force, grains);
-        let torque = halves(self.torque, grains);
+        let force = halves_mut(self.force, grains);
+        let torque = halves_mut(self.torque, grains);
         let velocity = halves_mut(self.velocity, grains);
         let spin = halves_mut(self.spin, grains);
         let left = Self {
@@ -72,6 +72,24 @@ impl<'a, R: Real> Moving<'a, R> {
             spin: spin.1,
         };
         (left, right)
+    }
+
+    /// The grains from `begin` to `end` of the range, lent.
+    #[inline(always)]
+    pub fn stretch(&mut self, begin: usize, end: usize) -> Moving<'_, R> {
+        Moving {
+            domain: self.domain,
+            dt: self.dt,
+            id: part(self.id, begin, end),
+            group: part(self.group, begin, end),
+            groups: self.groups,
+            position: part_mut(self.position, begin, end),
+            image: part_mut(self.image, begin, end),
+            force: part_mut(self.force, begin, end),
+            torque: part_mut(self.torque, begin, end),
+            velocity: part_mut(self.velocity, begin, end),
+            spin: part_mut(self.spin, begin, end),
+        }
     }
 }
 
@@ -104,17 +122,61 @@ fn kicked<R: Real>(row: Row<R>, by: Vec3<R>) -> Row<R> {
     [row[0] + by[0], row[1] + by[1], row[2] + by[2], row[3]]
 }
 
-/// Half a kick and a drift: the first half of a step. Grains wrap straight after the drift.
-///
-/// # Errors
-/// [`Fault::Escaped`] with the lowest id that is outside a closed edge; every grain has moved.
+/// What a pass of motion found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Passed<R> {
+    /// Square of the highest speed of the drift that comes next, or that was done.
+    pub speed2: R,
+    /// [`Fault::NotFinite`] or [`Fault::TooFast`] (more than its own radius in one step) of the lowest
+    /// id in the kicked state.
+    pub unsound: Option<Fault>,
+    /// [`Fault::Escaped`] with the lowest id that the drift took beyond a closed edge.
+    pub escaped: Option<Fault>,
+}
+
+impl<R: Real> Passed<R> {
+    /// A pass over no grains.
+    pub const NONE: Self = Self {
+        speed2: R::ZERO,
+        unsound: None,
+        escaped: None,
+    };
+
+    /// This pass and the one over the grains after it.
+    #[inline(always)]
+    pub fn and(self, next: Self) -> Self {
+        Self {
+            speed2: larger(self.speed2, next.speed2),
+            unsound: self.unsound.or(next.unsound),
+            escaped: self.escaped.or(next.escaped),
+        }
+    }
+}
+
+/// Which halves of a step's motion a pass does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pass {
+    /// Nothing: only looks, before the first step.
+    Look,
+    /// Half a kick and a drift: the beginning of a step.
+    Drift,
+    /// Half a kick: the end of a step.
+    Kick,
+    /// The end of a step and the beginning of the next, over rows that are in the cache once.
+    KickAndDrift,
+}
+
+/// One pass over a range of grains. Grains wrap straight after a drift, which also sets their forces
+/// to zero for the sums to come.
 #[inline(always)]
-pub fn kick_and_drift<R: Real>(m: &mut Moving<'_, R>) -> Result<(), Fault> {
+pub fn pass<R: Real>(m: &mut Moving<'_, R>, which: Pass) -> Passed<R> {
     let (dt, half) = (m.dt, m.dt * R::HALF);
-    let mut escaped = None;
+    let drifts = matches!(which, Pass::Drift | Pass::KickAndDrift);
+    let ends = matches!(which, Pass::Kick | Pass::KickAndDrift);
+    let mut passed = Passed::NONE;
     let places = m.position.iter_mut().zip(m.image.iter_mut());
     let speeds = m.velocity.iter_mut().zip(m.spin.iter_mut());
-    let pushes = m.force.iter().zip(m.torque);
+    let pushes = m.force.iter_mut().zip(m.torque.iter_mut());
     let names = m.group.iter().zip(m.id);
     for ((((x, image), (v, w)), (force, torque)), (group, id)) in
         places.zip(speeds).zip(pushes).zip(names)
@@ -123,68 +185,38 @@ pub fn kick_and_drift<R: Real>(m: &mut Moving<'_, R>) -> Result<(), Fault> {
             continue;
         };
         let (dv, dw) = half_kick(group, v[3], x[3], force, torque, half);
-        *v = kicked(*v, dv);
-        *w = kicked(*w, dw);
-        let mut to = [x[0] + v[0] * dt, x[1] + v[1] * dt, x[2] + v[2] * dt];
-        let inside = m.domain.wrap(&mut to, image);
-        *x = [to[0], to[1], to[2], x[3]];
-        if !inside && escaped.is_none() {
-            escaped = Some(*id);
-        }
-    }
-    escaped.map_or(Ok(()), |id| Err(Fault::Escaped { id }))
-}
-
-/// The second half kick; returns the square of the highest speed that the next step will drift
-/// with, so that a search can come before anything moves.
-///
-/// # Errors
-/// [`Fault::NotFinite`] or [`Fault::TooFast`] (more than its own radius in one step), the lowest id
-/// first.
-#[inline(always)]
-pub fn kick<R: Real>(m: &mut Moving<'_, R>) -> Result<R, Fault> {
-    look_ahead(m, true)
-}
-
-/// What [`kick`] returns, of grains that stay as they are: before the first step.
-///
-/// # Errors
-/// As [`kick`].
-pub fn foresee<R: Real>(m: &mut Moving<'_, R>) -> Result<R, Fault> {
-    look_ahead(m, false)
-}
-
-#[inline(always)]
-fn look_ahead<R: Real>(m: &mut Moving<'_, R>, apply: bool) -> Result<R, Fault> {
-    let (dt, half) = (m.dt, m.dt * R::HALF);
-    let mut fastest = R::ZERO;
-    let mut sound = true;
-    let speeds = m.velocity.iter_mut().zip(m.spin.iter_mut());
-    let pushes = m.force.iter().zip(m.torque);
-    let bodies = m.group.iter().zip(m.position.iter());
-    for (((v, w), (force, torque)), (group, x)) in speeds.zip(pushes).zip(bodies) {
-        let Some(group) = m.groups.get(usize::from(*group)) else {
-            continue;
-        };
-        let (dv, dw) = half_kick(group, v[3], x[3], force, torque, half);
-        if apply {
+        if ends {
             *v = kicked(*v, dv);
             *w = kicked(*w, dw);
         }
-        let (speed2, slow) = next_speed(*v, dv, x[3], dt);
-        sound = sound && slow && others(*w, force, torque) <= R::MAX;
-        fastest = if speed2 > fastest { speed2 } else { fastest };
+        let next = kicked(*v, dv);
+        if which != Pass::Drift {
+            let speed2 = dot(head(next), head(next));
+            // Comparisons with NaN are false, so what is not slow is everything that is not sound.
+            let slow = speed2 * (dt * dt) < x[3] * x[3];
+            let sound = others(*w, force, torque) <= R::MAX;
+            if !(slow && sound) && passed.unsound.is_none() {
+                passed.unsound = Some(if speed2.is_finite() && sound {
+                    Fault::TooFast { id: *id }
+                } else {
+                    Fault::NotFinite { id: *id }
+                });
+            }
+            passed.speed2 = larger(passed.speed2, speed2);
+        }
+        if drifts {
+            *v = next;
+            *w = kicked(*w, dw);
+            let mut to = [x[0] + v[0] * dt, x[1] + v[1] * dt, x[2] + v[2] * dt];
+            if !m.domain.wrap(&mut to, image) && passed.escaped.is_none() {
+                passed.escaped = Some(Fault::Escaped { id: *id });
+            }
+            *x = [to[0], to[1], to[2], x[3]];
+            *force = [R::ZERO; 4];
+            *torque = [R::ZERO; 4];
+        }
     }
-    if sound { Ok(fastest) } else { Err(blame(m)) }
-}
-
-/// Square of the speed of the next drift, and whether that stays below a radius a step. Comparisons
-/// with NaN are false, so what is not slow is everything that is not sound.
-#[inline(always)]
-fn next_speed<R: Real>(v: Row<R>, dv: Vec3<R>, radius: R, dt: R) -> (R, bool) {
-    let next = head(kicked(v, dv));
-    let speed2 = dot(next, next);
-    (speed2, speed2 * (dt * dt) < radius * radius)
+    passed
 }
 
 /// Squares of spin, force and torque together: finite where all of them are.
@@ -193,27 +225,4 @@ fn others<R: Real>(w: Row<R>, force: &Row<R>, torque: &Row<R>) -> R {
     let (force, torque) = (head(*force), head(*torque));
     let pushed2 = dot(force, force) + dot(torque, torque);
     dot(head(w), head(w)) + pushed2
-}
-
-#[cold]
-fn blame<R: Real>(m: &Moving<'_, R>) -> Fault {
-    let (dt, half) = (m.dt, m.dt * R::HALF);
-    let speeds = m.velocity.iter().zip(m.spin.iter());
-    let pushes = m.force.iter().zip(m.torque);
-    let bodies = m.group.iter().zip(m.position.iter()).zip(m.id);
-    for (((v, w), (force, torque)), ((group, x), id)) in speeds.zip(pushes).zip(bodies) {
-        let Some(group) = m.groups.get(usize::from(*group)) else {
-            continue;
-        };
-        let (dv, _) = half_kick(group, v[3], x[3], force, torque, half);
-        let (speed2, slow) = next_speed(*v, dv, x[3], dt);
-        if !speed2.is_finite() || !others(*w, force, torque).is_finite() {
-            return Fault::NotFinite { id: *id };
-        }
-        if !slow {
-            return Fault::TooFast { id: *id };
-        }
-    }
-    // Unreachable: the pass above found one of these.
-    Fault::NotFinite { id: 0 }
 }

@@ -1,33 +1,48 @@
 //! The list of pairs near enough to touch soon, and the tangential springs beside them.
 //!
-//! Grain pairs are a half list in rows by the lower grain, partners ascending. Obstacle contacts
-//! are a list of their own, by grain and then obstacle. A row keeps its spring as long as its bodies
+//! Grain pairs are listed once, by lower grain and then partner, both ascending. Obstacle contacts
+//! are a list of their own, by grain and then obstacle. A pair keeps its spring as long as its bodies
 //! touch; which further pairs are listed has no effect on any result.
 
+use crate::domain::Domain;
 use crate::grains::Row;
 use crate::real::Real;
-use crate::rows::at;
+use crate::rows::{at, front, set};
+use crate::vec3::{dot, head};
 
-/// Bit of a listed partner that says the pair touched in the last evaluation.
+/// Bit of a listed obstacle that says the contact touched in the last evaluation.
 pub const TOUCHING: u32 = 1 << 31;
 
-/// The rest of the word: the partner's place.
+/// The rest of the word: the obstacle's number.
 pub(crate) const PLACE: u32 = TOUCHING - 1;
 
-/// Storage of one list, borrowed. Two of them make a rebuild possible.
+/// Storage of one list, borrowed. Two of them make a renewal possible.
 pub struct Pairs<'a, R> {
-    /// Where each grain's row begins in `partner`; one entry more than grains.
-    pub row: &'a mut [u32],
-    /// Place of the higher grain, with [`TOUCHING`].
+    /// Place of the lower grain of each pair. First the pairs within one range of grains, then, as
+    /// ordered, those of two ranges; see [`crate::World::cuts`].
+    pub lower: &'a mut [u32],
+    /// Place of the higher grain.
     pub partner: &'a mut [u32],
-    /// Tangential spring of the pair, from the lower grain's side (length); last word unused.
-    pub spring: &'a mut [Row<R>],
+    /// Tangential spring of the pair, from the lower grain's side (length), component by component;
+    /// zero where the grains do not touch.
+    pub spring: [&'a mut [R]; 3],
     /// Obstacle contacts: place of the grain.
     pub touch_grain: &'a mut [u32],
     /// Number of the obstacle, with [`TOUCHING`].
     pub touch_obstacle: &'a mut [u32],
-    /// Tangential spring from the grain's side.
+    /// Tangential spring from the grain's side; last word unused.
     pub touch_spring: &'a mut [Row<R>],
+}
+
+/// How many entries of a list are in use.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Listed {
+    /// Pairs within one range of grains: the first ones.
+    pub inner: usize,
+    /// All pairs.
+    pub pairs: usize,
+    /// Obstacle contacts.
+    pub touches: usize,
 }
 
 /// One touching contact as the list holds it; places, not ids.
@@ -54,74 +69,145 @@ pub enum Bond<R> {
     },
 }
 
+/// Two ascending streams of pairs as one.
+struct Merged<A: Iterator, B: Iterator> {
+    a: core::iter::Peekable<A>,
+    b: core::iter::Peekable<B>,
+}
+
+impl<A, B> Iterator for Merged<A, B>
+where
+    A: Iterator<Item = (u32, u32, usize)>,
+    B: Iterator<Item = (u32, u32, usize)>,
+{
+    type Item = (u32, u32, usize);
+
+    fn next(&mut self) -> Option<Self::Item> {
+        match (self.a.peek(), self.b.peek()) {
+            (Some(a), Some(b)) if b < a => self.b.next(),
+            (None, _) => self.b.next(),
+            _ => self.a.next(),
+        }
+    }
+}
+
 impl<R: Real> Pairs<'_, R> {
-    pub(crate) fn is_whole(&self, grains: usize) -> bool {
-        self.row.len() == grains + 1
-            && self.partner.len() == self.spring.len()
+    pub(crate) fn is_whole(&self) -> bool {
+        self.partner.len() == self.lower.len()
+            && self.spring.iter().all(|s| s.len() == self.lower.len())
             && self.touch_grain.len() == self.touch_obstacle.len()
             && self.touch_grain.len() == self.touch_spring.len()
             && self.partner.len() < TOUCHING as usize
     }
 
-    /// Entries of the row of grain `i`.
-    #[inline(always)]
-    pub(crate) fn row_of(&self, i: usize) -> core::ops::Range<usize> {
-        at(self.row, i) as usize..at(self.row, i + 1) as usize
+    /// Whether the list has room for what is said to be in it.
+    pub(crate) fn holds(&self, listed: Listed) -> bool {
+        self.partner.len() >= listed.pairs && self.touch_grain.len() >= listed.touches
+    }
+
+    /// Lower grain, partner and entry of the listed pairs, by lower grain and partner.
+    pub(crate) fn in_order(&self, listed: Listed) -> impl Iterator<Item = (u32, u32, usize)> + '_ {
+        let entry = |p: usize| (at(self.lower, p), at(self.partner, p), p);
+        Merged {
+            a: (0..listed.inner).map(entry).peekable(),
+            b: (listed.inner..listed.pairs).map(entry).peekable(),
+        }
+    }
+
+    pub(crate) fn spring_of(&self, p: usize) -> [R; 3] {
+        let [x, y, z] = &self.spring;
+        [at(x, p), at(y, p), at(z, p)]
+    }
+
+    pub(crate) fn set_spring(&mut self, p: usize, spring: [R; 3]) {
+        let [x, y, z] = &mut self.spring;
+        set(x, p, spring[0]);
+        set(y, p, spring[1]);
+        set(z, p, spring[2]);
     }
 
     /// The touching grain pairs by `(i, j)`, then the touching obstacle contacts by grain and
-    /// obstacle; `touches` is the number of obstacle contacts listed.
-    pub fn bonds(&self, touches: usize) -> impl Iterator<Item = Bond<R>> + '_ {
-        let grains = self.row.len().saturating_sub(1);
-        let pairs = (0..grains).flat_map(move |i| {
-            self.row_of(i)
-                .filter(|&p| at(self.partner, p) & TOUCHING != 0)
-                .map(move |p| Bond::Pair {
-                    i: i as u32,
-                    j: at(self.partner, p) & PLACE,
-                    spring: crate::vec3::head(at(self.spring, p)),
-                })
+    /// obstacle. Grains are where the forces were evaluated, so the law's own overlap says who
+    /// touches.
+    pub(crate) fn bonds<'b>(
+        &'b self,
+        listed: Listed,
+        domain: &'b Domain<R>,
+        position: &'b [Row<R>],
+    ) -> impl Iterator<Item = Bond<R>> + 'b {
+        let touching = |i: u32, j: u32| {
+            let (x, y) = (at(position, i as usize), at(position, j as usize));
+            let d = domain.separation(head(x), head(y));
+            (x[3] + y[3]) - dot(d, d).sqrt() > R::ZERO
+        };
+        let pairs = self.in_order(listed);
+        let pairs = pairs.filter(move |(i, j, _)| touching(*i, *j));
+        let pairs = pairs.map(|(i, j, p)| Bond::Pair {
+            i,
+            j,
+            spring: self.spring_of(p),
         });
-        let touches = (0..touches.min(self.touch_grain.len()))
+        let touches = (0..listed.touches.min(self.touch_grain.len()))
             .filter(|&t| at(self.touch_obstacle, t) & TOUCHING != 0)
             .map(|t| Bond::Touch {
                 i: at(self.touch_grain, t),
                 obstacle: at(self.touch_obstacle, t) & PLACE,
-                spring: crate::vec3::head(at(self.touch_spring, t)),
+                spring: head(at(self.touch_spring, t)),
             });
         pairs.chain(touches)
     }
 
     /// Puts a bond back into a list that was just built; `false` where the list has no such entry.
-    pub(crate) fn restore(&mut self, bond: &Bond<R>, touches: usize) -> bool {
+    pub(crate) fn restore(&mut self, bond: &Bond<R>, listed: Listed) -> bool {
         let (Bond::Pair { spring, .. } | Bond::Touch { spring, .. }) = bond;
         if !spring.iter().all(|s| s.is_finite()) {
             return false;
         }
-        let ([x, y, z], place, word, springs) = match *bond {
+        match *bond {
             Bond::Pair { i, j, spring } => {
-                let mut row = self.row_of(i as usize);
-                let place = row.find(|&p| at(self.partner, p) & PLACE == j);
-                (spring, place, &mut *self.partner, &mut *self.spring)
+                let found = self.find(0..listed.inner, (i, j));
+                let found = found.or_else(|| self.find(listed.inner..listed.pairs, (i, j)));
+                let Some(p) = found else {
+                    return false;
+                };
+                self.set_spring(p, spring);
             }
             Bond::Touch {
                 i,
                 obstacle,
-                spring,
+                spring: [x, y, z],
             } => {
-                let place = (0..touches).find(|&t| {
-                    at(self.touch_grain, t) == i && at(self.touch_obstacle, t) & PLACE == obstacle
-                });
-                let (word, springs) = (&mut *self.touch_obstacle, &mut *self.touch_spring);
-                (spring, place, word, springs)
+                let grains = front(self.touch_grain, listed.touches).iter();
+                let mut entries = grains
+                    .zip(&mut *self.touch_obstacle)
+                    .zip(&mut *self.touch_spring);
+                let found =
+                    entries.find(|((grain, word), _)| (**grain, **word & PLACE) == (i, obstacle));
+                let Some(((_, word), row)) = found else {
+                    return false;
+                };
+                *word |= TOUCHING;
+                *row = [x, y, z, R::ZERO];
             }
-        };
-        let entry = place.and_then(|p| Some((word.get_mut(p)?, springs.get_mut(p)?)));
-        let Some((word, row)) = entry else {
-            return false;
-        };
-        *word |= TOUCHING;
-        *row = [x, y, z, R::ZERO];
+        }
         true
+    }
+
+    /// The entry of a pair in a stretch that ascends, by halving.
+    fn find(&self, stretch: core::ops::Range<usize>, pair: (u32, u32)) -> Option<usize> {
+        let (mut from, mut to) = (stretch.start, stretch.end);
+        while from < to {
+            let middle = from + (to - from) / 2;
+            let here = (at(self.lower, middle), at(self.partner, middle));
+            if here == pair {
+                return Some(middle);
+            }
+            if here < pair {
+                from = middle + 1;
+            } else {
+                to = middle;
+            }
+        }
+        None
     }
 }

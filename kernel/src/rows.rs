@@ -67,3 +67,15 @@ pub(crate) fn halves_mut<T>(slice: &mut [T], place: usize) -> (&mut [T], &mut [T
     };
     slice.split_at_mut_checked(place).unwrap_or_default()
 }
+
+/// A slice from `begin` to `end`; empty where it is shorter.
+#[inline(always)]
+pub(crate) fn part<T>(slice: &[T], begin: usize, end: usize) -> &[T] {
+    slice.get(begin..end).unwrap_or_default()
+}
+
+/// The same to write to.
+#[inline(always)]
+pub(crate) fn part_mut<T>(slice: &mut [T], begin: usize, end: usize) -> &mut [T] {
+    slice.get_mut(begin..end).unwrap_or_default()
+}

@@ -1,9 +1,9 @@
-//! The neighbour search: who may touch before the next search.
+//! The neighbour search: who may come near before the next search.
 //!
 //! Grains are sorted into cells at least as wide as the largest listed distance, by counting, so
 //! that each cell holds its grains in ascending order; a grain then looks at its own cell and the
-//! ones around it. The new list is made in the spare storage, takes over the springs of the old one
-//! and is copied back, so that an error leaves the old list whole.
+//! ones around it. What it finds are candidates, kept for many steps; the pairs that a step
+//! evaluates are picked from them, more often, in `near.rs`.
 
 use crate::domain::Domain;
 use crate::fault::Fault;
@@ -22,13 +22,22 @@ pub struct Cells<'a> {
     pub grain: &'a mut [u32],
 }
 
+/// Storage of the candidates, borrowed: pairs that may come near before the next search.
+pub struct Candidates<'a> {
+    /// Where each grain's row begins in `partner`; one entry more than grains.
+    pub row: &'a mut [u32],
+    /// Places of the higher grains, ascending in a row.
+    pub partner: &'a mut [u32],
+}
+
 /// What a search found.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Found<R> {
-    pub pairs: usize,
     pub touches: usize,
-    /// Travel of the fastest body that the list allows before a pair could be missing.
-    pub budget: R,
+    /// How far beyond touching every pair is a candidate, less rounding.
+    pub far: R,
+    /// Margin for the rounding of coordinates and distances.
+    pub slack: R,
     /// What one step's rounding may add to a travel.
     pub rounding: R,
 }
@@ -117,19 +126,18 @@ pub(crate) struct Scene<'a, R> {
     pub domain: &'a Domain<R>,
     pub grains: &'a Grains<'a, R>,
     pub obstacles: &'a [Obstacle<R>],
-    /// How far beyond touching a pair is listed.
-    pub skin: R,
-    /// How far the fastest body moves in the next step: the list covers that, whatever the skin.
-    pub step_travel: R,
+    /// How far beyond touching a pair is a candidate.
+    pub far: R,
 }
 
-/// Lists every pair and every obstacle contact closer than touching by up to the skin, with the
-/// springs that the old list of `old_touches` obstacle contacts holds.
+/// Finds every pair and every obstacle contact closer than touching by up to `scene.far`. The obstacle
+/// contacts keep the springs that the old list of `old_touches` of them holds.
 ///
 /// Margins: coordinates, separations and travels are each rounded by at most a few units in the
 /// last place of the largest coordinate, and 64 such units are added.
 pub(crate) fn search<R: Real>(
     scene: &Scene<'_, R>,
+    candidates: &mut Candidates<'_>,
     pairs: &mut Pairs<'_, R>,
     spare: &mut Pairs<'_, R>,
     cells: &mut Cells<'_>,
@@ -137,7 +145,6 @@ pub(crate) fn search<R: Real>(
 ) -> Result<Found<R>, Fault> {
     let (domain, grains, obstacles) = (scene.domain, scene.grains, scene.obstacles);
     let position = &*grains.position;
-    let n = position.len();
     let mut extent = R::ONE * R::EPSILON;
     let mut radius = R::ZERO;
     for x in position {
@@ -153,25 +160,27 @@ pub(crate) fn search<R: Real>(
             extent = larger(extent, magnitude(body.point[a]));
         }
     }
+    // Coordinates may grow by half of it before the next search.
+    let extent = extent + scene.far;
     let slack = (extent + widest) * (R::EPSILON * R::from_f64(64.0));
-    let need = scene.step_travel + scene.step_travel;
-    // However wide the skin: a pair is listed by its nearest image, and no other image comes first.
-    let skin = larger(scene.skin, need) + slack;
+    // However far: a pair is listed by its nearest image, and no other image comes first.
+    let far = scene.far + slack;
 
-    let width = (radius + radius) + skin + slack;
+    let width = (radius + radius) + far + slack;
     let room = cells.start.len().saturating_sub(1);
     let grid = Grid::new(domain, position, width, room);
     sort_into_cells(&grid, position, cells);
 
-    let listed = list_pairs(scene, &grid, cells, spare, skin)?;
-    let touches = list_touches(domain, grains, obstacles, spare, skin)?;
-    take_springs(pairs, spare, n);
+    let touches = list_touches(domain, grains, obstacles, spare, far)?;
+    list_candidates(scene, &grid, cells, candidates, far)?;
     take_touch_springs(pairs, old_touches, spare, touches);
-    copy_back(pairs, spare, n, listed, touches);
+    copy(pairs.touch_grain, spare.touch_grain, touches);
+    copy(pairs.touch_obstacle, spare.touch_obstacle, touches);
+    copy(pairs.touch_spring, spare.touch_spring, touches);
     Ok(Found {
-        pairs: listed,
         touches,
-        budget: (skin - slack) * R::HALF,
+        far: scene.far,
+        slack,
         rounding: extent * (R::EPSILON + R::EPSILON),
     })
 }
@@ -203,21 +212,21 @@ fn sort_into_cells<R: Real>(grid: &Grid<R>, position: &[Row<R>], cells: &mut Cel
     }
 }
 
-/// Fills the rows of the spare list, partners ascending, and returns how many pairs there are.
-fn list_pairs<R: Real>(
+/// Fills the rows of the candidates, partners ascending.
+fn list_candidates<R: Real>(
     scene: &Scene<'_, R>,
     grid: &Grid<R>,
     cells: &Cells<'_>,
-    spare: &mut Pairs<'_, R>,
-    skin: R,
-) -> Result<usize, Fault> {
+    candidates: &mut Candidates<'_>,
+    far: R,
+) -> Result<(), Fault> {
     let (domain, grains) = (scene.domain, scene.grains);
     let position = &*grains.position;
     let n = position.len();
-    let capacity = spare.partner.len();
+    let capacity = candidates.partner.len();
     let mut listed = 0usize;
     for (i, x) in position.iter().enumerate() {
-        set(spare.row, i, listed.min(capacity) as u32);
+        set(candidates.row, i, listed.min(capacity) as u32);
         let begin = listed;
         let heavy = is_heavy(grains, i);
         let cell = grid.place(x);
@@ -237,24 +246,24 @@ fn list_pairs<R: Real>(
                         }
                         let y = at(position, k);
                         let d = domain.separation(head(*x), head(y));
-                        let reach = (x[3] + y[3]) + skin;
+                        let reach = (x[3] + y[3]) + far;
                         if dot(d, d) < reach * reach {
-                            set(spare.partner, listed, j);
+                            set(candidates.partner, listed, j);
                             listed += 1;
                         }
                     }
                 }
             }
         }
-        if let Some(row) = spare.partner.get_mut(begin..listed) {
+        if let Some(row) = candidates.partner.get_mut(begin..listed) {
             sort(row);
         }
     }
     if listed > capacity {
-        return Err(Fault::PairsFull { needed: listed });
+        return Err(Fault::CandidatesFull { needed: listed });
     }
-    set(spare.row, n, listed as u32);
-    Ok(listed)
+    set(candidates.row, n, listed as u32);
+    Ok(())
 }
 
 fn is_heavy<R: Real>(grains: &Grains<'_, R>, i: usize) -> bool {
@@ -307,30 +316,6 @@ fn list_touches<R: Real>(
     Ok(touches)
 }
 
-/// Both rows ascend, so one walk along each finds the pairs that stay.
-fn take_springs<R: Real>(old: &Pairs<'_, R>, new: &mut Pairs<'_, R>, n: usize) {
-    for i in 0..n {
-        let mut from = old.row_of(i);
-        for p in new.row_of(i) {
-            let j = at(new.partner, p);
-            while from.start < from.end && at(old.partner, from.start) & PLACE < j {
-                from.start += 1;
-            }
-            let word = at(old.partner, from.start);
-            let same = from.start < from.end && word & PLACE == j;
-            if same {
-                set(new.partner, p, word);
-            }
-            let spring = if same {
-                at(old.spring, from.start)
-            } else {
-                [R::ZERO; 4]
-            };
-            set(new.spring, p, spring);
-        }
-    }
-}
-
 fn take_touch_springs<R: Real>(
     old: &Pairs<'_, R>,
     old_touches: usize,
@@ -357,22 +342,7 @@ fn take_touch_springs<R: Real>(
     }
 }
 
-fn copy_back<R: Real>(
-    to: &mut Pairs<'_, R>,
-    from: &Pairs<'_, R>,
-    n: usize,
-    pairs: usize,
-    touches: usize,
-) {
-    copy(to.row, from.row, n + 1);
-    copy(to.partner, from.partner, pairs);
-    copy(to.spring, from.spring, pairs);
-    copy(to.touch_grain, from.touch_grain, touches);
-    copy(to.touch_obstacle, from.touch_obstacle, touches);
-    copy(to.touch_spring, from.touch_spring, touches);
-}
-
-fn copy<T: Copy>(to: &mut [T], from: &[T], count: usize) {
+pub(crate) fn copy<T: Copy>(to: &mut [T], from: &[T], count: usize) {
     for (to, from) in to.iter_mut().zip(from).take(count) {
         *to = *from;
     }

@@ -4,15 +4,16 @@
 use crate::canary::check_arithmetic;
 use crate::fault::Fault;
 use crate::law::Law;
-use crate::motion::{foresee, kick, kick_and_drift};
-use crate::pairs::Bond;
-use crate::push::{Deep, LANES, Pushed, sum};
+use crate::motion::{Pass, Passed, pass};
+use crate::near::{Picking, pick};
+use crate::pairs::{Bond, Listed};
+use crate::push::{Deep, Pushed, sum};
 use crate::real::{Real, smaller};
 use crate::rows::at;
 use crate::search::{Scene, search};
 use crate::touch::push_obstacles;
 use crate::vec3::dot;
-use crate::world::World;
+use crate::world::{Stage, World};
 
 /// Advances a started world by one step `dt`.
 ///
@@ -36,11 +37,11 @@ pub fn step_watched<R: Real, L: Law<R>>(
     watch: impl FnMut(Pushed<R>),
 ) -> Result<(), Fault> {
     find_who_may_touch(world)?;
-    kick_and_drift(&mut world.moving())?;
+    let passed = pass(&mut world.moving(), Pass::Drift);
+    drift(world, passed)?;
     push_and_sum(world, law, world.dt, watch)?;
-    let fastest = kick(&mut world.moving())?;
-    finish(world, fastest);
-    Ok(())
+    let passed = pass(&mut world.moving(), Pass::Kick);
+    finish(world, passed)
 }
 
 /// Watches nothing. A function of its own, so that starting and stepping share their code.
@@ -68,10 +69,11 @@ pub fn start_watched<R: Real, L: Law<R>>(
     watch: impl FnMut(Pushed<R>),
 ) -> Result<(), Fault> {
     prepare(world)?;
+    world.grains.force.fill([R::ZERO; 4]);
+    world.grains.torque.fill([R::ZERO; 4]);
     push_and_sum(world, law, R::ZERO, watch)?;
-    let fastest = foresee(&mut world.moving())?;
-    ready(world, fastest);
-    Ok(())
+    let passed = pass(&mut world.moving(), Pass::Look);
+    rest(world, passed)
 }
 
 /// Checks a world, makes its pair list and puts back the histories of its touching contacts; the
@@ -87,20 +89,18 @@ pub fn resume<R: Real>(
 ) -> Result<(), Fault> {
     prepare(world)?;
     for bond in bonds {
-        if !world.pairs.restore(&bond, world.clock.touches) {
+        if !world.pairs.restore(&bond, world.clock.listed) {
             return Err(Fault::BadBond);
         }
     }
-    let fastest = foresee(&mut world.moving())?;
-    ready(world, fastest);
-    Ok(())
+    let passed = pass(&mut world.moving(), Pass::Look);
+    rest(world, passed)
 }
 
 #[inline]
 fn prepare<R: Real>(world: &mut World<'_, R>) -> Result<(), Fault> {
-    world.clock.started = false;
-    world.clock.listed = 0;
-    world.clock.touches = 0;
+    world.clock.stage = Stage::Stopped;
+    world.clock.listed = Listed::default();
     check_arithmetic::<R>()?;
     world.check()?;
     world.clock.radius_min = R::MAX;
@@ -112,34 +112,65 @@ fn prepare<R: Real>(world: &mut World<'_, R>) -> Result<(), Fault> {
         let heavy = group.is_some_and(|group| group.heavy);
         w[3] = if heavy { R::ZERO } else { R::ONE / v[3] };
     }
-    world.pairs.row.fill(0);
-    world.clock.budget = -R::ONE;
+    world.clock.far = -R::ONE;
     world.clock.next_travel = R::ZERO;
     let travel = next_travel(world)?;
-    search_now(world, travel)
+    renew(world, travel)
 }
 
-/// The first joint of a step, before [`kick_and_drift`]: searches when the list might not hold
-/// through the drift, and moves the obstacles. Which step searches has no effect on any result.
+/// The first joint of a step, of a world that rests: lists pairs anew when the list might not hold
+/// through the coming drift. Which step does so has no effect on any result.
 ///
 /// # Errors
 /// A full list, before anything is changed; an obstacle that is too fast; a world not started.
 #[inline]
 pub fn find_who_may_touch<R: Real>(world: &mut World<'_, R>) -> Result<(), Fault> {
-    if !world.clock.started {
+    if world.clock.stage != Stage::Resting {
         return Err(Fault::NotStarted);
     }
     world.check_storage()?;
-    let mut travel = next_travel(world)?;
-    if travel > world.clock.budget {
-        search_now(world, travel)?;
-        travel = travel + world.clock.rounding;
+    let travel = next_travel(world)?;
+    if travel > world.clock.budget || world.clock.cut != mark(world.cuts) {
+        renew(world, travel)?;
+    }
+    Ok(())
+}
+
+/// The joint after a pass that drifted: moves the obstacles, and counts what the list has lost of its
+/// validity.
+///
+/// # Errors
+/// A grain that left the box; an obstacle that is too fast. The world is stopped in the middle of a
+/// step.
+#[inline]
+pub fn drift<R: Real>(world: &mut World<'_, R>, passed: Passed<R>) -> Result<(), Fault> {
+    world.clock.stage = Stage::Stopped;
+    let travel = next_travel(world)?;
+    if let Some(fault) = passed.escaped {
+        return Err(fault);
     }
     world.clock.budget = world.clock.budget - travel;
-    // A fault from here on stops the world in the middle of a step.
-    world.clock.started = false;
+    world.clock.far = world.clock.far - (travel + travel);
     for body in world.obstacles.iter_mut() {
         body.advance(world.domain, world.dt);
+    }
+    world.clock.stage = Stage::Drifted;
+    Ok(())
+}
+
+/// The joint between a drift and the forces, where [`find_who_may_touch`] did not come before the
+/// drift: lists pairs anew when the list is too old.
+///
+/// # Errors
+/// A full list: enlarge the storage and call again; nothing is lost. A world that has not drifted.
+#[inline]
+pub fn find_who_touches<R: Real>(world: &mut World<'_, R>) -> Result<(), Fault> {
+    if world.clock.stage != Stage::Drifted {
+        return Err(Fault::NotStarted);
+    }
+    world.check_storage()?;
+    if world.clock.budget < R::ZERO || world.clock.cut != mark(world.cuts) {
+        renew(world, R::ZERO)?;
     }
     Ok(())
 }
@@ -160,27 +191,62 @@ fn next_travel<R: Real>(world: &World<'_, R>) -> Result<R, Fault> {
     Ok(travel * R::from_f64(1.001) + world.clock.rounding)
 }
 
+/// Tells one list of cuts from another.
+#[inline]
+fn mark(cuts: &[u32]) -> u64 {
+    let each = |mark: u64, cut: &u32| (mark ^ u64::from(*cut)).wrapping_mul(0x0100_0000_01b3);
+    cuts.iter().fold(cuts.len() as u64, each)
+}
+
+/// Lists pairs anew, so that the list holds for `travel` at least; searches for candidates first,
+/// where those of the last search do not reach as far.
 #[inline(never)]
-fn search_now<R: Real>(world: &mut World<'_, R>, travel: R) -> Result<(), Fault> {
+fn renew<R: Real>(world: &mut World<'_, R>, travel: R) -> Result<(), Fault> {
+    let need = travel + travel;
+    let skin = if need > world.skin { need } else { world.skin };
+    if world.clock.far < skin {
+        seek(world, skin + world.reach)?;
+    }
+    let picking = Picking {
+        domain: world.domain,
+        position: world.grains.position,
+        candidates: &world.candidates,
+        near: skin + world.clock.slack,
+        cuts: world.cuts,
+    };
+    let old = world.clock.listed;
     let clock = &mut *world.clock;
+    clock.listed = pick(&picking, &mut world.pairs, &mut world.spare, old)?;
+    clock.cut = mark(world.cuts);
+    clock.renewals += 1;
+    clock.budget = skin * R::HALF;
+    Ok(())
+}
+
+/// The search for candidates.
+#[inline(never)]
+fn seek<R: Real>(world: &mut World<'_, R>, far: R) -> Result<(), Fault> {
     let scene = Scene {
         domain: world.domain,
         grains: &world.grains,
         obstacles: world.obstacles,
-        skin: world.skin,
-        step_travel: travel,
+        far,
     };
+    let clock = &mut *world.clock;
+    // Until it is done there are none.
+    clock.far = -R::ONE;
     let found = search(
         &scene,
+        &mut world.candidates,
         &mut world.pairs,
         &mut world.spare,
         &mut world.cells,
-        clock.touches,
+        clock.listed.touches,
     )?;
     clock.searches += 1;
-    clock.listed = found.pairs;
-    clock.touches = found.touches;
-    clock.budget = found.budget;
+    clock.listed.touches = found.touches;
+    clock.far = found.far;
+    clock.slack = found.slack;
     clock.rounding = found.rounding;
     Ok(())
 }
@@ -192,10 +258,10 @@ fn push_and_sum<R: Real, L: Law<R>>(
     dt: R,
     mut watch: impl FnMut(Pushed<R>),
 ) -> Result<(), Fault> {
-    let (sight, mut touch, mut part) = world.pushing(dt);
-    let hit = push_obstacles(sight, &mut touch, part.force, part.torque, law, &mut watch);
+    let (mut part, mut touch) = world.pushing();
+    let hit = push_obstacles(&mut part.grains, &mut touch, law, dt, &mut watch);
     let none = core::iter::empty();
-    let deep = sum::<R, L, LANES>(sight, &mut part, law, none, &[], &mut watch);
+    let deep = sum(&mut part, law, dt, none, &[], &mut watch, |_, _| {});
     judge(world, hit, deep)
 }
 
@@ -222,16 +288,25 @@ pub fn judge<R: Real>(world: &World<'_, R>, hit: Deep, deep: Deep) -> Result<(),
     Ok(())
 }
 
-/// The last joint of a step: counts it. `fastest` is what [`kick`] returned, the largest of all
-/// ranges.
+/// The last joint of a step, after a pass that kicked: counts the step.
+///
+/// # Errors
+/// What the pass found unsound. The world is stopped.
 #[inline]
-pub fn finish<R: Real>(world: &mut World<'_, R>, fastest: R) {
+pub fn finish<R: Real>(world: &mut World<'_, R>, passed: Passed<R>) -> Result<(), Fault> {
+    rest(world, passed)?;
     world.clock.step += 1;
-    ready(world, fastest);
+    Ok(())
 }
 
+/// Leaves a world between two steps, unless it is unsound.
 #[inline]
-fn ready<R: Real>(world: &mut World<'_, R>, fastest: R) {
-    world.clock.next_travel = fastest.sqrt() * world.dt;
-    world.clock.started = true;
+fn rest<R: Real>(world: &mut World<'_, R>, passed: Passed<R>) -> Result<(), Fault> {
+    world.clock.stage = Stage::Stopped;
+    if let Some(fault) = passed.unsound {
+        return Err(fault);
+    }
+    world.clock.next_travel = passed.speed2.sqrt() * world.dt;
+    world.clock.stage = Stage::Resting;
+    Ok(())
 }

@@ -8,8 +8,8 @@ use crate::grains::{Grains, Group, Row};
 use crate::obstacle::Obstacle;
 use crate::pairs::Pairs;
 use crate::real::Real;
-use crate::search::Cells;
-use crate::world::{Clock, World};
+use crate::search::{Candidates, Cells};
+use crate::world::{Clock, Stage, World};
 
 /// A world of at most `GRAINS` grains, `PAIRS` listed pairs, `TOUCHES` listed obstacle contacts and
 /// `BODIES` obstacles and as many groups, all inside one value.
@@ -32,6 +32,7 @@ pub struct Store<
     domain: Domain<R>,
     dt: R,
     skin: R,
+    reach: R,
     id: Vec<u32, GRAINS>,
     group: Vec<u8, GRAINS>,
     groups: Vec<Group<R>, BODIES>,
@@ -43,16 +44,18 @@ pub struct Store<
     image: Vec<[i32; 3], GRAINS>,
     obstacles: Vec<Obstacle<R>, BODIES>,
     lists: [List<R, PAIRS, TOUCHES>; 2],
+    /// One entry more than grains.
+    candidate_row: Vec<u32, PAIRS>,
+    candidate: [u32; PAIRS],
     cell_start: [u32; PAIRS],
     cell_grain: [u32; GRAINS],
     clock: Clock<R>,
 }
 
 struct List<R, const PAIRS: usize, const TOUCHES: usize> {
-    /// One entry more than grains.
-    row: Vec<u32, PAIRS>,
+    lower: [u32; PAIRS],
     partner: [u32; PAIRS],
-    spring: [Row<R>; PAIRS],
+    spring: [[R; PAIRS]; 3],
     touch_grain: [u32; TOUCHES],
     touch_obstacle: [u32; TOUCHES],
     touch_spring: [Row<R>; TOUCHES],
@@ -60,9 +63,9 @@ struct List<R, const PAIRS: usize, const TOUCHES: usize> {
 
 impl<R: Real, const PAIRS: usize, const TOUCHES: usize> List<R, PAIRS, TOUCHES> {
     const EMPTY: Self = Self {
-        row: Vec::new(),
+        lower: [0; PAIRS],
         partner: [0; PAIRS],
-        spring: [[R::ZERO; 4]; PAIRS],
+        spring: [[R::ZERO; PAIRS]; 3],
         touch_grain: [0; TOUCHES],
         touch_obstacle: [0; TOUCHES],
         touch_spring: [[R::ZERO; 4]; TOUCHES],
@@ -70,9 +73,9 @@ impl<R: Real, const PAIRS: usize, const TOUCHES: usize> List<R, PAIRS, TOUCHES> 
 
     fn lend(&mut self) -> Pairs<'_, R> {
         Pairs {
-            row: &mut self.row,
+            lower: &mut self.lower,
             partner: &mut self.partner,
-            spring: &mut self.spring,
+            spring: self.spring.each_mut().map(|s| &mut s[..]),
             touch_grain: &mut self.touch_grain,
             touch_obstacle: &mut self.touch_obstacle,
             touch_spring: &mut self.touch_spring,
@@ -92,6 +95,7 @@ impl<R: Real, const GRAINS: usize, const PAIRS: usize, const TOUCHES: usize, con
             domain: Domain::VACANT,
             dt: R::ZERO,
             skin: R::ZERO,
+            reach: R::ZERO,
             id: Vec::new(),
             group: Vec::new(),
             groups: Vec::new(),
@@ -103,6 +107,8 @@ impl<R: Real, const GRAINS: usize, const PAIRS: usize, const TOUCHES: usize, con
             image: Vec::new(),
             obstacles: Vec::new(),
             lists: [const { List::EMPTY }; 2],
+            candidate_row: Vec::new(),
+            candidate: [0; PAIRS],
             cell_start: [0; PAIRS],
             cell_grain: [0; GRAINS],
             clock: Clock::ZERO,
@@ -118,7 +124,8 @@ impl<R: Real, const GRAINS: usize, const PAIRS: usize, const TOUCHES: usize, con
 
     /// Makes this an empty world at step 0, whatever it was.
     pub fn clear(&mut self, domain: Domain<R>, dt: R, skin: R) {
-        (self.domain, self.dt, self.skin) = (domain, dt, skin);
+        (self.domain, self.dt) = (domain, dt);
+        (self.skin, self.reach) = (skin, R::ZERO);
         self.id.clear();
         self.group.clear();
         self.groups.clear();
@@ -137,6 +144,12 @@ impl<R: Real, const GRAINS: usize, const PAIRS: usize, const TOUCHES: usize, con
         self.skin = skin;
     }
 
+    /// How far beyond the skin pairs are candidates from now on (length; 0 at first): speed only, never
+    /// a bit. Candidates are stored in `PAIRS` entries too.
+    pub fn set_reach(&mut self, reach: R) {
+        self.reach = reach;
+    }
+
     /// Adds a group and returns its number.
     ///
     /// # Errors
@@ -146,7 +159,7 @@ impl<R: Real, const GRAINS: usize, const PAIRS: usize, const TOUCHES: usize, con
             return Err(group);
         };
         self.groups.push(group)?;
-        self.clock.started = false;
+        self.clock.stage = Stage::Stopped;
         Ok(number)
     }
 
@@ -156,7 +169,7 @@ impl<R: Real, const GRAINS: usize, const PAIRS: usize, const TOUCHES: usize, con
     /// The obstacle, where `BODIES` are there already.
     pub fn add_obstacle(&mut self, obstacle: Obstacle<R>) -> Result<(), Obstacle<R>> {
         self.obstacles.push(obstacle)?;
-        self.clock.started = false;
+        self.clock.stage = Stage::Stopped;
         Ok(())
     }
 
@@ -175,7 +188,7 @@ impl<R: Real, const GRAINS: usize, const PAIRS: usize, const TOUCHES: usize, con
         if self.id.is_full() {
             return Err(Fault::BadStorage);
         }
-        self.clock.started = false;
+        self.clock.stage = Stage::Stopped;
         let rest = [R::ZERO; 4];
         // Every list has the same capacity, so none of these can be full now.
         let _ = self.id.push(id);
@@ -194,15 +207,15 @@ impl<R: Real, const GRAINS: usize, const PAIRS: usize, const TOUCHES: usize, con
     /// Lends everything as a world.
     pub fn world(&mut self) -> World<'_, R> {
         let rows = self.id.len() + 1;
-        for list in &mut self.lists {
-            // GRAINS + 1 <= PAIRS, so this always fits.
-            let _ = list.row.resize(rows, 0);
-        }
+        // GRAINS + 1 <= PAIRS, so this always fits.
+        let _ = self.candidate_row.resize(rows, 0);
         let [first, second] = &mut self.lists;
         World {
             domain: &self.domain,
             dt: self.dt,
             skin: self.skin,
+            reach: self.reach,
+            cuts: &[],
             grains: Grains {
                 id: &self.id,
                 group: &self.group,
@@ -217,6 +230,10 @@ impl<R: Real, const GRAINS: usize, const PAIRS: usize, const TOUCHES: usize, con
             obstacles: &mut self.obstacles,
             pairs: first.lend(),
             spare: second.lend(),
+            candidates: Candidates {
+                row: &mut self.candidate_row,
+                partner: &mut self.candidate,
+            },
             cells: Cells {
                 start: &mut self.cell_start,
                 grain: &mut self.cell_grain,

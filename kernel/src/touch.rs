@@ -3,9 +3,10 @@
 
 use crate::grains::Row;
 use crate::law::{Contact, Law};
+use crate::motion::Moving;
 use crate::obstacle::Obstacle;
 use crate::pairs::{PLACE, TOUCHING};
-use crate::push::{Deep, Partner, Pushed, Sight};
+use crate::push::{Deep, Partner, Pushed};
 use crate::real::{Real, smaller};
 use crate::rows::{at, gain, lose};
 use crate::vec3::{Vec3, add, cross, head, scale, sub};
@@ -22,21 +23,18 @@ pub struct TouchPart<'a, R> {
     pub obstacles: &'a mut [Obstacle<R>],
 }
 
-/// Sets every force to the obstacles' share, by ascending grain and obstacle, and the force and
-/// torque on each obstacle to the sum over the grains in the same order. Returns the first grain
+/// Adds the obstacles' share to forces that are zero, by ascending grain and obstacle, and sets the
+/// force and torque on each obstacle to the sum over the grains in the same order. Returns the first grain
 /// and obstacle that overlap too deep. `watch` sees every contact and cannot change one.
 #[inline(always)]
 pub fn push_obstacles<R: Real, L: Law<R>>(
-    sight: Sight<'_, R>,
+    grains: &mut Moving<'_, R>,
     touch: &mut TouchPart<'_, R>,
-    force: &mut [Row<R>],
-    torque: &mut [Row<R>],
     law: &L,
+    dt: R,
     mut watch: impl FnMut(Pushed<R>),
 ) -> Deep {
     let mut deep = None;
-    force.fill([R::ZERO; 4]);
-    torque.fill([R::ZERO; 4]);
     for body in touch.obstacles.iter_mut() {
         body.force = [R::ZERO; 3];
         body.torque = [R::ZERO; 3];
@@ -48,14 +46,14 @@ pub fn push_obstacles<R: Real, L: Law<R>>(
         let Some(body) = touch.obstacles.get_mut(k as usize) else {
             continue;
         };
-        let (contact, offset) = touch_contact(sight, body, i);
+        let (contact, offset) = touch_contact(grains, body, i);
         let touching = contact.overlap > R::ZERO;
         if !touching {
             *obstacle = k;
             *spring = [R::ZERO; 4];
             continue;
         }
-        let r = law.react(&contact, head(*spring), sight.dt);
+        let r = law.react(&contact, head(*spring), dt);
         let push = add(scale(contact.normal, r.normal), r.tangential);
         let couple = cross(contact.normal, r.tangential);
         // A ball's lever is the law's, as for two grains. Elsewhere the force acts where the grain's
@@ -67,8 +65,8 @@ pub fn push_obstacles<R: Real, L: Law<R>>(
         };
         *obstacle = k | TOUCHING;
         *spring = [r.spring[0], r.spring[1], r.spring[2], R::ZERO];
-        gain(force, i, push);
-        lose(torque, i, scale(couple, r.arm_i));
+        gain(grains.force, i, push);
+        lose(grains.torque, i, scale(couple, r.arm_i));
         body.force = sub(body.force, push);
         body.torque = sub(body.torque, moment);
         watch(Pushed {
@@ -95,13 +93,13 @@ pub fn push_obstacles<R: Real, L: Law<R>>(
 /// The contact of grain `i` on an obstacle, and the offset of its centre from the obstacle's point.
 #[inline(always)]
 fn touch_contact<R: Real>(
-    sight: Sight<'_, R>,
+    grains: &Moving<'_, R>,
     body: &Obstacle<R>,
     i: usize,
 ) -> (Contact<R>, Vec3<R>) {
-    let x = at(sight.position, i);
-    let (v, w) = (at(sight.velocity, i), at(sight.spin, i));
-    let meeting = body.meet(sight.domain, head(x), x[3]);
+    let x = at(grains.position, i);
+    let (v, w) = (at(grains.velocity, i), at(grains.spin, i));
+    let meeting = body.meet(grains.domain, head(x), x[3]);
     let flat = meeting.radius == R::ZERO;
     let curved = (x[3] * meeting.radius) / (x[3] + meeting.radius);
     let contact = Contact {

@@ -44,3 +44,13 @@ pub fn cross<R: Real>(a: Vec3<R>, b: Vec3<R>) -> Vec3<R> {
 pub fn head<R: Real>(row: [R; 4]) -> Vec3<R> {
     [row[0], row[1], row[2]]
 }
+
+/// `a` where `first` holds, else `b`: three selections, not a branch.
+#[inline(always)]
+pub fn either<R: Real>(first: bool, a: Vec3<R>, b: Vec3<R>) -> Vec3<R> {
+    [
+        if first { a[0] } else { b[0] },
+        if first { a[1] } else { b[1] },
+        if first { a[2] } else { b[2] },
+    ]
+}

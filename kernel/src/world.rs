@@ -5,11 +5,11 @@ use crate::fault::Fault;
 use crate::grains::Grains;
 use crate::motion::Moving;
 use crate::obstacle::Obstacle;
-use crate::pairs::{Bond, Pairs, TOUCHING};
-use crate::push::{Part, Sight};
+use crate::pairs::{Bond, Listed, Pairs, TOUCHING};
+use crate::push::{Part, Sight, Span};
 use crate::real::{Real, larger, magnitude};
-use crate::rows::{at, front, front_mut};
-use crate::search::Cells;
+use crate::rows::{at, front, front_mut, halves, halves_mut};
+use crate::search::{Candidates, Cells};
 use crate::touch::TouchPart;
 use crate::vec3::{Vec3, dot, head};
 
@@ -23,17 +23,35 @@ pub struct Clock<R> {
     /// Steps done; time is `step * dt`.
     pub step: u64,
     pub(crate) searches: u64,
-    pub(crate) listed: usize,
-    pub(crate) touches: usize,
+    pub(crate) renewals: u64,
+    pub(crate) listed: Listed,
+    /// What the cuts were when the pairs were listed.
+    pub(crate) cut: u64,
     /// The smallest grain radius: what an obstacle may move in one step.
     pub(crate) radius_min: R,
-    /// Travel that the pair list still allows (length).
+    /// Travel of the fastest body that the pair list still allows (length); below zero it is too old.
     pub(crate) budget: R,
+    /// How far beyond touching every pair is still a candidate (length); below zero there are none.
+    pub(crate) far: R,
+    /// Margin for the rounding of coordinates and distances.
+    pub(crate) slack: R,
     /// Bound of the next step's travel (length).
     pub(crate) next_travel: R,
     /// What rounding may add to it.
     pub(crate) rounding: R,
-    pub(crate) started: bool,
+    pub(crate) stage: Stage,
+}
+
+/// Where a world is within a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Stage {
+    /// Not started, or stopped by a fault.
+    #[default]
+    Stopped,
+    /// Between two steps.
+    Resting,
+    /// After a drift: positions are those of the step that is being done, forces are zero.
+    Drifted,
 }
 
 impl<R: Real> Clock<R> {
@@ -41,13 +59,20 @@ impl<R: Real> Clock<R> {
     pub(crate) const ZERO: Self = Self {
         step: 0,
         searches: 0,
-        listed: 0,
-        touches: 0,
+        renewals: 0,
+        listed: Listed {
+            inner: 0,
+            pairs: 0,
+            touches: 0,
+        },
+        cut: 0,
         radius_min: R::ZERO,
         budget: R::ZERO,
+        far: R::ZERO,
+        slack: R::ZERO,
         next_travel: R::ZERO,
         rounding: R::ZERO,
-        started: false,
+        stage: Stage::Stopped,
     };
 
     /// Searches done.
@@ -55,14 +80,30 @@ impl<R: Real> Clock<R> {
         self.searches
     }
 
+    /// Times that pairs were picked from the candidates of a search.
+    pub fn renewals(&self) -> u64 {
+        self.renewals
+    }
+
     /// Grain pairs listed.
     pub fn listed(&self) -> usize {
-        self.listed
+        self.listed.pairs
+    }
+
+    /// Those of them whose grains are in two ranges; see [`World::cuts`].
+    pub fn listed_across(&self) -> usize {
+        self.listed.pairs.saturating_sub(self.listed.inner)
     }
 
     /// Obstacle contacts listed.
     pub fn touches(&self) -> usize {
-        self.touches
+        self.listed.touches
+    }
+
+    /// Whether the world is between two steps: not after a fault, and not where a full list stopped
+    /// several steps on their way.
+    pub fn rests(&self) -> bool {
+        self.stage == Stage::Resting
     }
 }
 
@@ -78,6 +119,12 @@ pub struct World<'a, R> {
     pub dt: R,
     /// How far beyond touching a pair is listed (length, zero or more): a matter of speed only.
     pub skin: R,
+    /// How far beyond the skin a pair is a candidate for the list (length, zero or more): a matter of
+    /// speed only.
+    pub reach: R,
+    /// Where ranges of grains end, but for the last: places that ascend, none for one range. The list
+    /// keeps pairs of two ranges apart, so that ranges share nothing: a matter of speed only.
+    pub cuts: &'a [u32],
     /// The grains.
     pub grains: Grains<'a, R>,
     /// The obstacles, by number.
@@ -86,6 +133,8 @@ pub struct World<'a, R> {
     pub pairs: Pairs<'a, R>,
     /// Storage for the next list; its pair and obstacle entries bound how many can be listed.
     pub spare: Pairs<'a, R>,
+    /// Storage of the candidates.
+    pub candidates: Candidates<'a>,
     /// Storage of the search.
     pub cells: Cells<'a>,
     /// Time, and how long the list holds.
@@ -95,7 +144,8 @@ pub struct World<'a, R> {
 impl<R: Real> World<'_, R> {
     /// The contacts that touched in the last evaluation, by places; see [`Pairs::bonds`].
     pub fn bonds(&self) -> impl Iterator<Item = Bond<R>> + '_ {
-        self.pairs.bonds(self.clock.touches)
+        let (domain, position) = (self.domain, &*self.grains.position);
+        self.pairs.bonds(self.clock.listed, domain, position)
     }
 
     /// What the passes of motion read and write, for all grains.
@@ -117,46 +167,76 @@ impl<R: Real> World<'_, R> {
         }
     }
 
-    /// What the force phase reads, and what it writes for all obstacle contacts and all grains;
-    /// `dt` is the time by which springs advance.
+    /// All grains and the pairs within ranges of them, and the obstacle contacts.
     #[inline(always)]
-    pub fn pushing(&mut self, dt: R) -> (Sight<'_, R>, TouchPart<'_, R>, Part<'_, R>) {
-        let (rows, touches) = (0..self.grains.count(), self.clock.touches);
+    pub fn pushing(&mut self) -> (Part<'_, R>, TouchPart<'_, R>) {
+        let listed = self.clock.listed;
         let (g, pairs) = (&mut self.grains, &mut self.pairs);
+        let touch = TouchPart {
+            grain: front(pairs.touch_grain, listed.touches),
+            obstacle: front_mut(pairs.touch_obstacle, listed.touches),
+            spring: front_mut(pairs.touch_spring, listed.touches),
+            obstacles: self.obstacles,
+        };
+        let [x, y, z] = &mut pairs.spring;
+        let span = Span {
+            lower: front(pairs.lower, listed.inner),
+            partner: front(pairs.partner, listed.inner),
+            spring: [x, y, z].map(|s| front_mut(s, listed.inner)),
+        };
+        let grains = Moving {
+            domain: self.domain,
+            dt: self.dt,
+            id: g.id,
+            group: g.group,
+            groups: g.groups,
+            position: g.position,
+            image: g.image,
+            force: g.force,
+            torque: g.torque,
+            velocity: g.velocity,
+            spin: g.spin,
+        };
+        let part = Part {
+            first: 0,
+            grains,
+            pairs: span,
+        };
+        (part, touch)
+    }
+
+    /// The pairs of two ranges, and the rows they read.
+    #[inline(always)]
+    pub fn across(&mut self) -> (Sight<'_, R>, Span<'_, R>) {
+        let Listed { inner, pairs, .. } = self.clock.listed;
+        let list = &mut self.pairs;
+        let [x, y, z] = &mut list.spring;
+        let span = Span {
+            lower: halves(front(list.lower, pairs), inner).1,
+            partner: halves(front(list.partner, pairs), inner).1,
+            spring: [x, y, z].map(|s| halves_mut(front_mut(s, pairs), inner).1),
+        };
+        let g = &self.grains;
         let sight = Sight {
             domain: self.domain,
             position: g.position,
             velocity: g.velocity,
             spin: g.spin,
-            row: pairs.row,
-            dt,
+            dt: self.dt,
         };
-        let touch = TouchPart {
-            grain: front(pairs.touch_grain, touches),
-            obstacle: front_mut(pairs.touch_obstacle, touches),
-            spring: front_mut(pairs.touch_spring, touches),
-            obstacles: self.obstacles,
-        };
-        let part = Part {
-            rows,
-            force: g.force,
-            torque: g.torque,
-            partner: pairs.partner,
-            spring: pairs.spring,
-        };
-        (sight, touch, part)
+        (sight, span)
     }
 
     /// Checks that the lent slices fit together: what a step relies on.
     #[inline(always)]
     pub(crate) fn check_storage(&self) -> Result<(), Fault> {
         let n = self.grains.count();
-        let lists = self.pairs.is_whole(n)
-            && self.spare.is_whole(n)
+        let lists = self.pairs.is_whole()
+            && self.spare.is_whole()
             && self.pairs.partner.len() >= self.spare.partner.len()
             && self.pairs.touch_grain.len() >= self.spare.touch_grain.len()
-            && self.pairs.partner.len() >= self.clock.listed
-            && self.pairs.touch_grain.len() >= self.clock.touches;
+            && self.pairs.holds(self.clock.listed)
+            && self.candidates.row.len() == n + 1;
         let cells = self.cells.start.len() >= 2 && self.cells.grain.len() >= n;
         let countable = n < TOUCHING as usize;
         if self.grains.is_whole() && lists && cells && countable {
@@ -170,7 +250,11 @@ impl<R: Real> World<'_, R> {
     pub(crate) fn check(&self) -> Result<(), Fault> {
         let n = self.grains.count();
         self.check_storage()?;
-        if !(self.dt > R::ZERO && self.dt.is_finite() && self.skin >= R::ZERO) {
+        if !(self.dt > R::ZERO
+            && self.dt.is_finite()
+            && self.skin >= R::ZERO
+            && self.reach >= R::ZERO)
+        {
             return Err(Fault::BadTimeStep);
         }
         let g = &self.grains;

@@ -79,16 +79,18 @@ fn distance(domain: &Domain<f64>, a: V, b: V) -> f64 {
     dot(d, d).sqrt()
 }
 
-/// The listed pairs, which ascend in every row.
+/// The listed pairs, which ascend.
 fn listed_pairs(world: &World<'_, f64>) -> Listed {
-    let mut all = Listed::new();
-    for i in 0..world.grains.count() {
-        let row = world.pairs.row[i] as usize..world.pairs.row[i + 1] as usize;
-        let partners = &world.pairs.partner[row];
-        assert!(partners.is_sorted_by(|a, b| a < b), "row {i} ascends");
-        all.extend(partners.iter().map(|&j| (i, j as usize)));
-    }
-    all
+    let listed = 0..world.clock.listed();
+    let pair = |p: usize| {
+        (
+            world.pairs.lower[p] as usize,
+            world.pairs.partner[p] as usize,
+        )
+    };
+    let all: Vec<_> = listed.map(pair).collect();
+    assert!(all.is_sorted_by(|a, b| a < b), "pairs ascend");
+    all.into_iter().collect()
 }
 
 fn listed_touches(world: &World<'_, f64>) -> Listed {

@@ -1,14 +1,14 @@
 //! The sums of a step: their order, Newton's third law, and any cut of the grains into ranges.
 
 use bitgrain_kernel::law::Law;
-use bitgrain_kernel::push::LANES;
 use bitgrain_kernel::vec3::{Vec3, add, cross, dot, head, scale, sub};
 use bitgrain_kernel::{
-    Domain, Fault, Group, Obstacle, Partner, Pushed, Store, World, start, step, step_watched,
+    Digest, Domain, Fault, Group, Obstacle, Partner, Pushed, Store, World, digest, start,
+    step_watched,
 };
 use common::cases::cases;
 use common::crowd::{DENSE, PER_GRAIN, REDUCED, SI, Units, crowd, history, tsuji};
-use common::cuts::evaluate;
+use common::cuts::step_cut;
 use proptest::prelude::*;
 
 mod common {
@@ -173,23 +173,17 @@ fn corner(deep: V, velocity: V, spin: V) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// Forces and springs of a crowd after 200 steps, evaluated over ranges that end at `cuts`.
-fn evaluate_cut(seed: &[f64], cuts: &[usize]) -> Result<Vec<Vec<u64>>, Fault> {
+/// The state of a crowd after 200 steps over ranges that end at `cuts`.
+fn after_cut_steps(seed: &[f64], cuts: &[u32]) -> Result<Digest, Fault> {
     let law = history(0.5);
     let mut store = crowd(seed, &DENSE, &REDUCED, 0.2);
     let mut world = store.world();
+    world.cuts = cuts;
     start(&mut world, &law)?;
     for _ in 0..200 {
-        step(&mut world, &law)?;
+        step_cut(&mut world, &law)?;
     }
-    evaluate::<LANES>(&mut world, &law, cuts)?;
-    let words = |rows: &[[f64; 4]]| rows.iter().flatten().map(|x| x.to_bits()).collect();
-    let listed = world.clock.listed();
-    Ok(vec![
-        words(world.grains.force),
-        words(world.grains.torque),
-        words(&world.pairs.spring[..listed]),
-    ])
+    Ok(digest(&world))
 }
 
 proptest! {
@@ -223,11 +217,11 @@ proptest! {
     #[test]
     fn any_cut_into_ranges_gives_the_same_sums(
         seed in prop::collection::vec(0.0..1.0f64, PER_GRAIN * 64),
-        cuts in prop::collection::btree_set(1..64usize, 1..12),
+        cuts in prop::collection::btree_set(1..64u32, 1..12),
     ) {
-        let whole = evaluate_cut(&seed, &[]);
+        let whole = after_cut_steps(&seed, &[]);
         prop_assume!(whole.is_ok());
-        let cuts: Vec<usize> = cuts.into_iter().collect();
-        prop_assert_eq!(evaluate_cut(&seed, &cuts), whole);
+        let cuts: Vec<u32> = cuts.into_iter().collect();
+        prop_assert_eq!(after_cut_steps(&seed, &cuts), whole);
     }
 }

@@ -97,7 +97,7 @@ impl Way {
             sim.step_watched(|_| {}).expect("a sound bed");
         } else {
             sim.steps(1).expect("a sound bed");
-            assert_eq!(sim.stepping.ranges(), self.threads);
+            assert_eq!(sim.ranges(), self.threads);
         }
         if self.interrupted && n.is_multiple_of(3) {
             assert!(!checkpoint::bytes(sim, "").is_empty());

@@ -3,9 +3,9 @@
 //! Symbols follow the paper: `delta` overlap, `R` effective radius, `m` effective mass, `s`
 //! tangential spring. The order of evaluation written here is part of the bit contract.
 
-use super::{Contact, Law, Reaction};
+use super::{Law, Press, Shear, Slide, Squeeze};
 use crate::real::{Real, magnitude};
-use crate::vec3::{Vec3, add, cross, dot, scale, sub};
+use crate::vec3::{add, dot, either, scale, sub};
 
 /// `F_n = sqrt(R delta) (K_n delta - m gamma_n v_n)` and
 /// `F_t = -sqrt(R delta) (K_t s + m gamma_t v_t)` with `|F_t| <= mu |F_n|`.
@@ -32,23 +32,26 @@ pub struct HertzHistory<R> {
 
 impl<R: Real> Law<R> for HertzHistory<R> {
     #[inline(always)]
-    fn react(&self, c: &Contact<R>, spring: Vec3<R>, dt: R) -> Reaction<R> {
-        let h = (c.radius_effective * c.overlap).sqrt();
-        let vn = dot(c.velocity, c.normal);
-        let fn_ = h * (self.kn * c.overlap - (c.mass_effective * self.gamma_n) * vn);
+    fn press(&self, c: &Squeeze<R>) -> Press<R> {
+        let root = (c.radius_effective * c.overlap).sqrt();
+        let damped = (c.mass_effective * self.gamma_n) * c.speed;
+        Press {
+            force: root * (self.kn * c.overlap - damped),
+            root,
+            damping: c.mass_effective * self.gamma_t,
+            arm_i: c.radius_i,
+            arm_j: c.radius_j,
+        }
+    }
 
-        let turn = add(scale(c.spin_i, c.radius_i), scale(c.spin_j, c.radius_j));
-        let vt = add(sub(c.velocity, scale(c.normal, vn)), cross(c.normal, turn));
-
-        let grown = add(spring, scale(vt, dt));
-        let empty = dot(grown, grown) == R::ZERO;
-        let s = sub(grown, scale(c.normal, dot(grown, c.normal)));
-
-        // q = K_t s + m gamma_t v_t, so that F_t = -h q.
-        let damp = scale(vt, c.mass_effective * self.gamma_t);
+    #[inline(always)]
+    fn shear(&self, press: &Press<R>, slide: &Slide<R>) -> Shear<R> {
+        let s = slide.spring;
+        // q = K_t s + m gamma_t v_t, so that F_t = -sqrt(R delta) q.
+        let damp = scale(slide.velocity, press.damping);
         let q = add(scale(s, self.kt), damp);
-        let ft = h * dot(q, q).sqrt();
-        let cap = self.mu * magnitude(fn_);
+        let ft = press.root * dot(q, q).sqrt();
+        let cap = self.mu * magnitude(press.force);
         let slides = ft > cap;
         let f = if slides { cap / ft } else { R::ONE };
 
@@ -58,20 +61,11 @@ impl<R: Real> Law<R> for HertzHistory<R> {
             R::ZERO
         };
         let shrunk = scale(sub(scale(q, f), damp), per_kt);
-        let keep = !slides;
-        let hold = slides && empty;
-        let g = if hold { R::ZERO } else { -(h * f) };
-        let mut left = [R::ZERO; 3];
-        for k in 0..3 {
-            let slid = if hold { s[k] } else { shrunk[k] };
-            left[k] = if keep { s[k] } else { slid };
-        }
-        Reaction {
-            normal: fn_,
-            tangential: scale(q, g),
-            spring: left,
-            arm_i: c.radius_i,
-            arm_j: c.radius_j,
+        let hold = slides && slide.length2 == R::ZERO;
+        let g = if hold { R::ZERO } else { -(press.root * f) };
+        Shear {
+            force: scale(q, g),
+            spring: either(slides && !hold, shrunk, s),
         }
     }
 }

@@ -4,9 +4,9 @@
 //! LIGGGHTS (`hertz tangential history`), whose numbers the paper reports. The order of evaluation
 //! written here is part of the bit contract.
 
-use super::{Contact, Law, Reaction};
+use super::{Law, Press, Shear, Slide, Squeeze};
 use crate::real::{Real, magnitude};
-use crate::vec3::{Vec3, add, cross, dot, scale, sub};
+use crate::vec3::{add, dot, scale};
 
 /// `F_n = k_n delta - gamma_n v_n`, `F_t = -k_t s - gamma_t v_t`, all four coefficients growing
 /// with `sqrt(R delta)`; the spring alone is held to `mu |F_n|`, and a contact that slides has no
@@ -52,36 +52,34 @@ impl<R: Real> HertzTsuji<R> {
 
 impl<R: Real> Law<R> for HertzTsuji<R> {
     #[inline(always)]
-    fn react(&self, c: &Contact<R>, spring: Vec3<R>, dt: R) -> Reaction<R> {
-        let h = (c.radius_effective * c.overlap).sqrt();
-        let damp = (c.mass_effective * h).sqrt();
-        let vn = dot(c.velocity, c.normal);
-        let fn_ = (self.kn * h) * c.overlap - (self.cn * damp) * vn;
-
+    fn press(&self, c: &Squeeze<R>) -> Press<R> {
+        let root = (c.radius_effective * c.overlap).sqrt();
+        let damp = (c.mass_effective * root).sqrt();
         let short = c.overlap * R::HALF;
-        let arm_i = c.radius_i - short;
-        let arm_j = c.radius_j - short;
-        let turn = add(scale(c.spin_i, arm_i), scale(c.spin_j, arm_j));
-        let vt = add(sub(c.velocity, scale(c.normal, vn)), cross(c.normal, turn));
+        Press {
+            force: (self.kn * root) * c.overlap - (self.cn * damp) * c.speed,
+            root,
+            damping: self.ct * damp,
+            arm_i: c.radius_i - short,
+            arm_j: c.radius_j - short,
+        }
+    }
 
-        let grown = add(spring, scale(vt, dt));
-        let s = sub(grown, scale(c.normal, dot(grown, c.normal)));
-
-        let kt = self.kt * h;
+    #[inline(always)]
+    fn shear(&self, press: &Press<R>, slide: &Slide<R>) -> Shear<R> {
+        let s = slide.spring;
+        let kt = self.kt * press.root;
         let pull = kt * dot(s, s).sqrt();
-        let cap = self.mu * magnitude(fn_);
+        let cap = self.mu * magnitude(press.force);
         let slides = pull > cap;
         let f = if slides { cap / pull } else { R::ONE };
-        let gamma_t = if slides { R::ZERO } else { self.ct * damp };
+        let gamma_t = if slides { R::ZERO } else { press.damping };
 
         let left = scale(s, f);
-        let tangential = scale(add(scale(left, kt), scale(vt, gamma_t)), -R::ONE);
-        Reaction {
-            normal: fn_,
-            tangential,
+        let resisted = add(scale(left, kt), scale(slide.velocity, gamma_t));
+        Shear {
+            force: scale(resisted, -R::ONE),
             spring: left,
-            arm_i,
-            arm_j,
         }
     }
 }

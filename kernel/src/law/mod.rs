@@ -1,8 +1,10 @@
 //! Contact laws: from how two bodies touch to the force between them.
 //!
-//! A law is a pure function of one contact, the same for grain on grain and grain on obstacle, with
-//! no branch on the data, so that a block of contacts is evaluated in lanes. A new law is one new
-//! file in this folder.
+//! A law is two pure functions of one contact, the same for grain on grain and grain on obstacle, with
+//! no branch on the data: how hard the bodies press each other, and how they resist being slid. What
+//! comes before, between and after is the same for every law and stands here once. A block of
+//! contacts is evaluated in lanes, function by function: short chains of operations keep a processor
+//! busy where one long chain has it wait. A new law is one new file in this folder.
 
 mod hertz_history;
 mod hertz_tsuji;
@@ -11,7 +13,7 @@ pub use hertz_history::HertzHistory;
 pub use hertz_tsuji::HertzTsuji;
 
 use crate::real::Real;
-use crate::vec3::Vec3;
+use crate::vec3::{Vec3, add, cross, dot, scale, sub};
 
 /// How two bodies touch. `i` is the grain that is pushed, `j` its partner.
 #[derive(Clone, Copy, Debug)]
@@ -51,13 +53,119 @@ pub struct Reaction<R> {
     pub arm_j: R,
 }
 
-/// A contact law.
+/// A contact seen along its normal: what [`Law::press`] is told.
+#[derive(Clone, Copy, Debug)]
+pub struct Squeeze<R> {
+    /// Depth of the overlap (length).
+    pub overlap: R,
+    /// Speed along the normal; negative while the bodies approach.
+    pub speed: R,
+    /// Radius of the grain.
+    pub radius_i: R,
+    /// Radius of the partner; 0 for flat.
+    pub radius_j: R,
+    /// Effective radius.
+    pub radius_effective: R,
+    /// Effective mass.
+    pub mass_effective: R,
+}
+
+/// How hard two bodies press each other, and what their sliding needs to know of it.
+#[derive(Clone, Copy, Debug)]
+pub struct Press<R> {
+    /// Normal force on the grain; negative when it pulls.
+    pub force: R,
+    /// `sqrt(R delta)`, the radius of Hertz's contact (length).
+    pub root: R,
+    /// Tangential damping, in units of the law's own.
+    pub damping: R,
+    /// Lever of the tangential force about the grain's centre.
+    pub arm_i: R,
+    /// Lever about the partner's centre.
+    pub arm_j: R,
+}
+
+/// A contact seen in its tangent plane: what [`Law::shear`] is told.
+#[derive(Clone, Copy, Debug)]
+pub struct Slide<R> {
+    /// Velocity of the grain's surface over the partner's.
+    pub velocity: Vec3<R>,
+    /// Tangential spring, advanced and projected on the tangent plane (length).
+    pub spring: Vec3<R>,
+    /// Square of its length before the projection.
+    pub length2: R,
+}
+
+/// How two bodies resist being slid.
+#[derive(Clone, Copy, Debug)]
+pub struct Shear<R> {
+    /// Tangential force on the grain.
+    pub force: Vec3<R>,
+    /// The spring that is left (length).
+    pub spring: Vec3<R>,
+}
+
+/// A contact law. Where `overlap <= 0` its results are unspecified and the caller discards them.
 pub trait Law<R: Real>: Copy + Send + Sync {
-    /// The force of one contact, with its tangential `spring` advanced over `dt`.
+    /// Along the normal.
+    fn press(&self, squeeze: &Squeeze<R>) -> Press<R>;
+
+    /// In the tangent plane.
+    fn shear(&self, press: &Press<R>, slide: &Slide<R>) -> Shear<R>;
+
+    /// The force of one contact, with its tangential `spring` advanced over `dt`: the definition that
+    /// a block of contacts follows step by step.
     ///
     /// With `dt = 0` and an empty spring the spring stays empty: the evaluation at step 0.
-    /// Where `overlap <= 0` the result is unspecified and the caller discards it.
-    fn react(&self, contact: &Contact<R>, spring: Vec3<R>, dt: R) -> Reaction<R>;
+    #[inline(always)]
+    fn react(&self, c: &Contact<R>, spring: Vec3<R>, dt: R) -> Reaction<R> {
+        let speed = dot(c.velocity, c.normal);
+        let press = self.press(&Squeeze {
+            overlap: c.overlap,
+            speed,
+            radius_i: c.radius_i,
+            radius_j: c.radius_j,
+            radius_effective: c.radius_effective,
+            mass_effective: c.mass_effective,
+        });
+        let turn = roll(c.spin_i, press.arm_i, c.spin_j, press.arm_j);
+        let slide = slide(c.normal, c.velocity, speed, turn, spring, dt);
+        let shear = self.shear(&press, &slide);
+        Reaction {
+            normal: press.force,
+            tangential: shear.force,
+            spring: shear.spring,
+            arm_i: press.arm_i,
+            arm_j: press.arm_j,
+        }
+    }
+}
+
+/// `w_i a_i + w_j a_j`: what the spins add to the sliding, before it is crossed with the normal.
+#[inline(always)]
+pub(crate) fn roll<R: Real>(spin_i: Vec3<R>, arm_i: R, spin_j: Vec3<R>, arm_j: R) -> Vec3<R> {
+    add(scale(spin_i, arm_i), scale(spin_j, arm_j))
+}
+
+/// The sliding `v_t = (v - n v_n) + n x turn`, and the spring `s + v_t dt` projected by
+/// `s - n (s . n)`.
+#[inline(always)]
+pub(crate) fn slide<R: Real>(
+    normal: Vec3<R>,
+    velocity: Vec3<R>,
+    speed: R,
+    turn: Vec3<R>,
+    spring: Vec3<R>,
+    dt: R,
+) -> Slide<R> {
+    let along = sub(velocity, scale(normal, speed));
+    let velocity = add(along, cross(normal, turn));
+    let grown = add(spring, scale(velocity, dt));
+    Slide {
+        velocity,
+        spring: sub(grown, scale(normal, dot(grown, normal))),
+        length2: dot(grown, grown),
+    }
 }
 
 #[cfg(test)]

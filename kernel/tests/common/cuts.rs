@@ -1,39 +1,49 @@
 //! The forces of a world evaluated over ranges of its grains, as threads would.
 
 use bitgrain_kernel::law::Law;
+use bitgrain_kernel::motion::{Pass, pass};
 use bitgrain_kernel::push::{Spill, spill, sum};
+use bitgrain_kernel::step::{drift, find_who_may_touch, finish, judge};
 use bitgrain_kernel::touch::push_obstacles;
 use bitgrain_kernel::{Fault, World};
 
-/// Evaluates forces, torques and springs of a started world over the ranges that end at `cuts`
-/// (ascending, below the number of grains) and the one after the last, `W` contacts at once.
-pub fn evaluate<const W: usize>(
-    world: &mut World<'_, f64>,
-    law: &impl Law<f64>,
-    cuts: &[usize],
-) -> Result<(), Fault> {
+/// Does one step of a started world over the ranges that end at its cuts.
+pub fn step_cut(world: &mut World<'_, f64>, law: &impl Law<f64>) -> Result<(), Fault> {
     let dt = world.dt;
-    let (sight, mut touch, mut rest) = world.pushing(dt);
-    push_obstacles(sight, &mut touch, rest.force, rest.torque, law, |_| {});
+    find_who_may_touch(world)?;
+    let passed = pass(&mut world.moving(), Pass::Drift);
+    drift(world, passed)?;
+    let (mut part, mut touch) = world.pushing();
+    let hit = push_obstacles(&mut part.grains, &mut touch, law, dt, |_| {});
+
+    let (sight, across) = world.across();
+    let mut spills = vec![Spill::default(); across.len()];
+    spill(sight, across, law, &mut spills);
+    let cuts = world.cuts;
+    let (mut rest, _) = world.pushing();
     let mut parts = Vec::new();
     let mut begin = 0;
     for &end in cuts {
-        let (part, others) = rest.split(end - begin, sight.row);
+        let (part, others) = rest.split(end as usize - begin);
         parts.push(part);
-        (begin, rest) = (end, others);
+        (begin, rest) = (end as usize, others);
     }
     parts.push(rest);
-    let mut spills: Vec<Vec<Spill<f64>>> = Vec::new();
-    for part in &mut parts {
-        let mut out = vec![Spill::default(); part.spills(sight.row)];
-        let (count, _) = spill::<_, _, W>(sight, part, law, &mut out)?;
-        out.truncate(count);
-        spills.push(out);
-    }
+    let mut deep = None;
     // The last first: the order in which ranges are done must not matter.
-    for k in (0..parts.len()).rev() {
-        let lower = spills[..k].iter().flatten();
-        sum::<_, _, W>(sight, &mut parts[k], law, lower, &spills[k], |_| {});
+    for part in parts.iter_mut().rev() {
+        let grains = part.first..part.first + part.grains.position.len();
+        let lower = spills
+            .iter()
+            .filter(|one| grains.contains(&(one.j as usize)));
+        let own: Vec<_> = spills
+            .iter()
+            .copied()
+            .filter(|one| grains.contains(&(one.i as usize)))
+            .collect();
+        deep = sum(part, law, dt, lower, &own, |_| {}, |_, _| {}).or(deep);
     }
-    Ok(())
+    judge(world, hit, deep)?;
+    let passed = pass(&mut world.moving(), Pass::Kick);
+    finish(world, passed)
 }

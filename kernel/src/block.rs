@@ -1,0 +1,315 @@
+//! A block of contacts evaluated together, in columns: rows of grains in, forces in rows out.
+//!
+//! Each step of the evaluation is a loop of its own over the block, short enough for a compiler to
+//! put into the widest registers it may use, and with short chains of operations, so that a
+//! processor need not wait for one root or division before it begins the next. What a loop leaves for
+//! the next one lies in columns that stay in the nearest cache. Nothing here branches on the data:
+//! a pair that does not touch is evaluated too and gives +0.0, which changes no sum.
+
+use crate::domain::Domain;
+use crate::grains::Row;
+use crate::law::{Law, Press, Slide, Squeeze, roll, slide};
+use crate::real::{Real, smaller};
+use crate::rows::front;
+use crate::vec3::{Vec3, add, cross, dot, either, head, scale};
+
+/// Pairs of a block: enough that filling and emptying it costs little, few enough for the nearest
+/// cache; fewer where the stack is small. A multiple of [`STRIDE`].
+pub(crate) const BLOCK: usize = if cfg!(any(target_arch = "arm", target_arch = "riscv32")) {
+    2
+} else {
+    64
+};
+
+/// A block is evaluated in whole strides, so that no register is left partly filled: what fills up the
+/// last one is not read.
+const STRIDE: usize = if BLOCK < 8 { BLOCK } else { 8 };
+
+type Column<R> = [R; BLOCK];
+type Columns<R> = [Column<R>; 3];
+type Rows<R> = [Row<R>; BLOCK];
+
+/// Rows of grains: positions, velocities and spins of a stretch that begins at place `first`.
+#[derive(Clone, Copy)]
+pub(crate) struct Bodies<'a, R> {
+    pub first: usize,
+    /// Positions and radii.
+    pub position: &'a [Row<R>],
+    /// Velocities and masses.
+    pub velocity: &'a [Row<R>],
+    /// Spins and inverse contact masses.
+    pub spin: &'a [Row<R>],
+}
+
+/// The columns of a block.
+#[repr(align(64))]
+pub(crate) struct Block<R> {
+    count: usize,
+    /// Separation, and the radius of the lower grain.
+    apart: Rows<R>,
+    /// Velocity of the lower grain less that of the higher one, and the radius of the higher one.
+    relative: Rows<R>,
+    /// Spins and inverse contact masses.
+    spin: [Rows<R>; 2],
+    normal: Columns<R>,
+    overlap: Column<R>,
+    speed: Column<R>,
+    press: Presses<R>,
+    sliding: Columns<R>,
+    length2: Column<R>,
+    /// Tangential springs, advanced and then left.
+    spring: Columns<R>,
+    tangential: Columns<R>,
+    /// Force on the lower grain, and its lever.
+    force: Rows<R>,
+    /// Normal crossed with the tangential force, and the lever of the higher grain.
+    couple: Rows<R>,
+}
+
+/// [`Press`] in columns.
+struct Presses<R> {
+    force: Column<R>,
+    root: Column<R>,
+    damping: Column<R>,
+    arm_i: Column<R>,
+    arm_j: Column<R>,
+}
+
+#[inline(always)]
+fn taken<R: Real>(columns: &Columns<R>, k: usize) -> Vec3<R> {
+    [columns[0][k], columns[1][k], columns[2][k]]
+}
+
+#[inline(always)]
+fn put<R: Real>(columns: &mut Columns<R>, k: usize, v: Vec3<R>) {
+    columns[0][k] = v[0];
+    columns[1][k] = v[1];
+    columns[2][k] = v[2];
+}
+
+impl<R: Real> Block<R> {
+    #[inline(always)]
+    pub fn new() -> Self {
+        let column = [R::ZERO; BLOCK];
+        let columns = [column; 3];
+        let rows = [[R::ZERO; 4]; BLOCK];
+        Self {
+            count: 0,
+            apart: rows,
+            relative: rows,
+            spin: [rows; 2],
+            normal: columns,
+            overlap: column,
+            speed: column,
+            press: Presses {
+                force: column,
+                root: column,
+                damping: column,
+                arm_i: column,
+                arm_j: column,
+            },
+            sliding: columns,
+            length2: column,
+            spring: columns,
+            tangential: columns,
+            force: rows,
+            couple: rows,
+        }
+    }
+
+    /// How many columns a loop runs over.
+    #[inline(always)]
+    fn whole(&self) -> usize {
+        let whole = self.count.wrapping_add(STRIDE - 1) / STRIDE * STRIDE;
+        if whole < BLOCK { whole } else { BLOCK }
+    }
+
+    /// Takes up the rows of these pairs, a block at most, and their springs.
+    #[inline(always)]
+    pub fn fill(
+        &mut self,
+        bodies: Bodies<'_, R>,
+        lower: &[u32],
+        partner: &[u32],
+        spring: [&[R]; 3],
+    ) {
+        self.count = 0;
+        let rows = self.apart.iter_mut().zip(&mut self.relative);
+        let [spin_i, spin_j] = &mut self.spin;
+        let spins = spin_i.iter_mut().zip(spin_j);
+        for ((i, j), ((apart, relative), (spin_i, spin_j))) in
+            lower.iter().zip(partner).zip(rows.zip(spins))
+        {
+            let i = (*i as usize).wrapping_sub(bodies.first);
+            let j = (*j as usize).wrapping_sub(bodies.first);
+            let both = |rows: &[Row<R>]| Some((*rows.get(i)?, *rows.get(j)?));
+            let (Some((x, y)), Some((v, u)), Some((w, z))) = (
+                both(bodies.position),
+                both(bodies.velocity),
+                both(bodies.spin),
+            ) else {
+                return;
+            };
+            // Whole rows, so that each is one wide load, subtraction and store.
+            *apart = [x[0] - y[0], x[1] - y[1], x[2] - y[2], x[3]];
+            *relative = [v[0] - u[0], v[1] - u[1], v[2] - u[2], y[3]];
+            *spin_i = w;
+            *spin_j = z;
+            self.count += 1;
+        }
+        for (column, spring) in self.spring.iter_mut().zip(spring) {
+            for (to, from) in column.iter_mut().zip(spring) {
+                *to = *from;
+            }
+        }
+    }
+
+    /// Evaluates the block; springs advance by `dt`.
+    #[inline(always)]
+    pub fn evaluate<L: Law<R>>(&mut self, domain: &Domain<R>, law: &L, dt: R) {
+        self.meet(domain);
+        self.press(law);
+        self.slide(dt);
+        self.shear(law);
+        self.push();
+    }
+
+    /// Separation to the nearest image, distance, normal `d (1/r)` and overlap `(r_i + r_j) - r`.
+    #[inline(always)]
+    fn meet(&mut self, domain: &Domain<R>) {
+        for k in 0..self.whole() {
+            let (a, b) = (self.apart[k], self.relative[k]);
+            let d = domain.nearest(head(a));
+            let distance = dot(d, d).sqrt();
+            put(&mut self.normal, k, scale(d, R::ONE / distance));
+            self.overlap[k] = (a[3] + b[3]) - distance;
+        }
+    }
+
+    #[inline(always)]
+    fn press<L: Law<R>>(&mut self, law: &L) {
+        for k in 0..self.whole() {
+            let (a, b) = (self.apart[k], self.relative[k]);
+            let (ri, rj) = (a[3], b[3]);
+            let speed = dot(head(b), taken(&self.normal, k));
+            let press = law.press(&Squeeze {
+                overlap: self.overlap[k],
+                speed,
+                radius_i: ri,
+                radius_j: rj,
+                radius_effective: (ri * rj) / (ri + rj),
+                mass_effective: R::ONE / (self.spin[0][k][3] + self.spin[1][k][3]),
+            });
+            self.speed[k] = speed;
+            self.press.force[k] = press.force;
+            self.press.root[k] = press.root;
+            self.press.damping[k] = press.damping;
+            self.press.arm_i[k] = press.arm_i;
+            self.press.arm_j[k] = press.arm_j;
+        }
+    }
+
+    #[inline(always)]
+    fn slide(&mut self, dt: R) {
+        for k in 0..self.whole() {
+            let (wi, wj) = (self.spin[0][k], self.spin[1][k]);
+            let turn = roll(head(wi), self.press.arm_i[k], head(wj), self.press.arm_j[k]);
+            let normal = taken(&self.normal, k);
+            let velocity = head(self.relative[k]);
+            let spring = taken(&self.spring, k);
+            let slide = slide(normal, velocity, self.speed[k], turn, spring, dt);
+            put(&mut self.sliding, k, slide.velocity);
+            put(&mut self.spring, k, slide.spring);
+            self.length2[k] = slide.length2;
+        }
+    }
+
+    #[inline(always)]
+    fn shear<L: Law<R>>(&mut self, law: &L) {
+        for k in 0..self.whole() {
+            let press = Press {
+                force: self.press.force[k],
+                root: self.press.root[k],
+                damping: self.press.damping[k],
+                arm_i: self.press.arm_i[k],
+                arm_j: self.press.arm_j[k],
+            };
+            let slide = Slide {
+                velocity: taken(&self.sliding, k),
+                spring: taken(&self.spring, k),
+                length2: self.length2[k],
+            };
+            let shear = law.shear(&press, &slide);
+            put(&mut self.tangential, k, shear.force);
+            // Only the law's own overlap opens or erases a history.
+            let touches = self.overlap[k] > R::ZERO;
+            let left = either(touches, shear.spring, [R::ZERO; 3]);
+            put(&mut self.spring, k, left);
+        }
+    }
+
+    #[inline(always)]
+    fn push(&mut self) {
+        for k in 0..self.whole() {
+            let (normal, tangential) = (taken(&self.normal, k), taken(&self.tangential, k));
+            let touches = self.overlap[k] > R::ZERO;
+            let force = add(scale(normal, self.press.force[k]), tangential);
+            let force = either(touches, force, [R::ZERO; 3]);
+            let couple = either(touches, cross(normal, tangential), [R::ZERO; 3]);
+            self.force[k] = [force[0], force[1], force[2], self.press.arm_i[k]];
+            self.couple[k] = [couple[0], couple[1], couple[2], self.press.arm_j[k]];
+        }
+    }
+
+    /// What each pair of the block gives, in order: force on the lower grain and its lever, couple and
+    /// the higher grain's lever.
+    #[inline(always)]
+    pub fn shares(&self) -> impl Iterator<Item = (&Row<R>, &Row<R>)> {
+        front(&self.force, self.count).iter().zip(&self.couple)
+    }
+
+    /// The springs that are left.
+    #[inline(always)]
+    pub fn springs(&self) -> [&[R]; 3] {
+        let [x, y, z] = &self.spring;
+        [
+            front(x, self.count),
+            front(y, self.count),
+            front(z, self.count),
+        ]
+    }
+
+    /// The first pair of the block that overlaps by more than half the smaller radius.
+    #[inline(always)]
+    pub fn deepest(&self) -> Option<usize> {
+        let too_deep = |k: usize| {
+            let least = smaller(self.apart[k][3], self.relative[k][3]);
+            self.overlap[k] > least * R::HALF
+        };
+        let mut any = 0u64;
+        for k in 0..self.whole() {
+            any |= u64::from(too_deep(k));
+        }
+        // Columns beyond the count hold an earlier block's pairs, which were judged then.
+        if any == 0 {
+            return None;
+        }
+        (0..self.count.min(BLOCK)).find(|&k| too_deep(k))
+    }
+
+    /// Overlap, normal, normal force and tangential force of each pair that touches.
+    #[inline(always)]
+    pub fn seen(&self, mut show: impl FnMut(usize, R, Vec3<R>, R, Vec3<R>)) {
+        for k in 0..self.count.min(BLOCK) {
+            if self.overlap[k] > R::ZERO {
+                show(
+                    k,
+                    self.overlap[k],
+                    taken(&self.normal, k),
+                    self.press.force[k],
+                    taken(&self.tangential, k),
+                );
+            }
+        }
+    }
+}

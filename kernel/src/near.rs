@@ -1,0 +1,115 @@
+//! The pairs near enough to touch soon, picked from the candidates of the last search.
+//!
+//! A search looks far, so that it is rare; the list that every step evaluates looks a short way, so
+//! that hardly a pair in it does not touch, and is renewed as often as that takes. The new list is
+//! made in the spare storage, takes over the springs of the old one and is copied back, so that a
+//! full list leaves the old one whole.
+
+use crate::domain::Domain;
+use crate::fault::Fault;
+use crate::grains::Row;
+use crate::pairs::{Listed, Pairs};
+use crate::real::Real;
+use crate::rows::{at, front, set};
+use crate::search::{Candidates, copy};
+use crate::vec3::{dot, head};
+
+/// What picking reads.
+pub(crate) struct Picking<'a, R> {
+    pub domain: &'a Domain<R>,
+    pub position: &'a [Row<R>],
+    pub candidates: &'a Candidates<'a>,
+    /// How far beyond touching a pair is listed.
+    pub near: R,
+    /// Where ranges of grains end, but for the last.
+    pub cuts: &'a [u32],
+}
+
+/// Lists every candidate closer than touching by up to `near`, with the springs of the old list.
+pub(crate) fn pick<R: Real>(
+    picking: &Picking<'_, R>,
+    pairs: &mut Pairs<'_, R>,
+    spare: &mut Pairs<'_, R>,
+    old: Listed,
+) -> Result<Listed, Fault> {
+    let new = list(picking, spare, old)?;
+    take_springs(pairs, old, spare, new);
+    copy(pairs.lower, spare.lower, new.pairs);
+    copy(pairs.partner, spare.partner, new.pairs);
+    for (to, from) in pairs.spring.iter_mut().zip(&spare.spring) {
+        copy(to, from, new.pairs);
+    }
+    Ok(new)
+}
+
+/// Pairs within one range from the front, those of two ranges from the back, which are then turned
+/// round and moved up.
+fn list<R: Real>(
+    picking: &Picking<'_, R>,
+    spare: &mut Pairs<'_, R>,
+    old: Listed,
+) -> Result<Listed, Fault> {
+    let capacity = spare.partner.len();
+    let rows = &*picking.candidates.row;
+    let mut cuts = picking.cuts.iter().copied();
+    let mut end = cuts.next().unwrap_or(u32::MAX);
+    let (mut inner, mut across) = (0usize, 0usize);
+    for (i, x) in picking.position.iter().enumerate() {
+        while i as u32 >= end {
+            end = cuts.next().unwrap_or(u32::MAX);
+        }
+        let row = front(picking.candidates.partner, at(rows, i + 1) as usize);
+        for &j in row.get(at(rows, i) as usize..).unwrap_or_default() {
+            let y = at(picking.position, j as usize);
+            let d = picking.domain.separation(head(*x), head(y));
+            let reach = (x[3] + y[3]) + picking.near;
+            let is_near = dot(d, d) < reach * reach;
+            if j < end {
+                // Written always, kept only when near: no branch to mispredict.
+                set(spare.lower, inner, i as u32);
+                set(spare.partner, inner, j);
+                inner += usize::from(is_near);
+            } else if is_near {
+                across += 1;
+                let place = capacity.wrapping_sub(across);
+                if place >= inner {
+                    set(spare.lower, place, i as u32);
+                    set(spare.partner, place, j);
+                }
+            }
+        }
+    }
+    let pairs = inner + across;
+    if pairs > capacity {
+        return Err(Fault::PairsFull { needed: pairs });
+    }
+    for column in [&mut *spare.lower, &mut *spare.partner] {
+        let first = capacity - across;
+        if let Some(tail) = column.get_mut(first..) {
+            tail.reverse();
+        }
+        for k in 0..across {
+            let word = at(column, first + k);
+            set(column, inner + k, word);
+        }
+    }
+    Ok(Listed {
+        inner,
+        pairs,
+        ..old
+    })
+}
+
+/// Both lists ascend, so one walk along each finds the pairs that stay.
+fn take_springs<R: Real>(old: &Pairs<'_, R>, had: Listed, new: &mut Pairs<'_, R>, has: Listed) {
+    for stretch in [0..has.inner, has.inner..has.pairs] {
+        let mut kept = old.in_order(had).peekable();
+        for p in stretch {
+            let pair = (at(new.lower, p), at(new.partner, p));
+            while kept.next_if(|&(i, j, _)| (i, j) < pair).is_some() {}
+            let same = kept.next_if(|&(i, j, _)| (i, j) == pair);
+            let spring = same.map_or([R::ZERO; 3], |(_, _, from)| old.spring_of(from));
+            new.set_spring(p, spring);
+        }
+    }
+}
