@@ -199,6 +199,12 @@ impl Sim {
         let diameter = 2.0 * radii / self.count().max(1) as f64;
         self.skin = 0.02 * diameter;
         self.reach = 0.1 * diameter;
+        if let Ok(k) = std::env::var("SK") {
+            self.skin = k.parse::<f64>().unwrap() * diameter;
+        }
+        if let Ok(k) = std::env::var("RE") {
+            self.reach = k.parse::<f64>().unwrap() * diameter;
+        }
     }
 
     /// Fits the lists and cells to the number of grains, after grains were added or read.

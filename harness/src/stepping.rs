@@ -4,7 +4,7 @@
 
 use bitgrain_kernel::law::Law;
 use bitgrain_kernel::motion::{Moving, Pass, Passed, pass};
-use bitgrain_kernel::push::{Deep, Part, Sight, Span, Spill, first_deep, spill, sum};
+use bitgrain_kernel::push::{After, Deep, Part, Sight, Span, Spill, first_deep, spill, sum};
 use bitgrain_kernel::step::{drift, find_who_touches, finish, judge};
 use bitgrain_kernel::touch::{TouchPart, push_obstacles};
 use bitgrain_kernel::{Fault, World, check_arithmetic};
@@ -305,25 +305,8 @@ impl<L: Law<f64>> Job for Sum<'_, L> {
         let own = &spills[place(grains.start)..place(grains.end)];
         let lower = spills[..place(grains.start)].iter();
         let lower = lower.filter(|one| grains.contains(&(one.j as usize)));
-        let mut passed = Passed::NONE;
-        let deep = sum(
-            &mut part,
-            law,
-            dt,
-            lower,
-            own,
-            |_| {},
-            |grains, complete| {
-                let mut moving = grains.stretch(complete.start, complete.end);
-                let more = if last {
-                    pass(&mut moving, Pass::Kick)
-                } else {
-                    pass(&mut moving, Pass::KickAndDrift)
-                };
-                passed = passed.and(more);
-            },
-        );
-        (deep, passed)
+        let after = if last { After::Rest } else { After::GoOn };
+        sum(&mut part, law, dt, lower, own, |_| {}, after)
     }
 }
 

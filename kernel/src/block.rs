@@ -10,13 +10,13 @@ use crate::domain::Domain;
 use crate::grains::Row;
 use crate::law::{Law, Press, Slide, Squeeze, roll, slide};
 use crate::real::{Real, smaller};
-use crate::rows::front;
+use crate::rows::{front, less};
 use crate::vec3::{Vec3, add, cross, dot, either, head, scale};
 
 /// Pairs of a block: enough that filling and emptying it costs little, few enough for the nearest
 /// cache; fewer where the stack is small. A multiple of [`STRIDE`].
 pub(crate) const BLOCK: usize = if cfg!(any(target_arch = "arm", target_arch = "riscv32")) {
-    2
+    64
 } else {
     64
 };
@@ -45,10 +45,11 @@ pub(crate) struct Bodies<'a, R> {
 #[repr(align(64))]
 pub(crate) struct Block<R> {
     count: usize,
-    /// Separation, and the radius of the lower grain.
+    /// Position of the lower grain less that of the higher one; the last word is unused.
     apart: Rows<R>,
-    /// Velocity of the lower grain less that of the higher one, and the radius of the higher one.
+    /// Velocity likewise.
     relative: Rows<R>,
+    radius: [Column<R>; 2],
     /// Spins and inverse contact masses.
     spin: [Rows<R>; 2],
     normal: Columns<R>,
@@ -60,9 +61,9 @@ pub(crate) struct Block<R> {
     /// Tangential springs, advanced and then left.
     spring: Columns<R>,
     tangential: Columns<R>,
-    /// Force on the lower grain, and its lever.
+    /// Force on the lower grain; the last word is zero.
     force: Rows<R>,
-    /// Normal crossed with the tangential force, and the lever of the higher grain.
+    /// Normal crossed with the tangential force.
     couple: Rows<R>,
 }
 
@@ -97,6 +98,7 @@ impl<R: Real> Block<R> {
             count: 0,
             apart: rows,
             relative: rows,
+            radius: [column; 2],
             spin: [rows; 2],
             normal: columns,
             overlap: column,
@@ -134,28 +136,30 @@ impl<R: Real> Block<R> {
         spring: [&[R]; 3],
     ) {
         self.count = 0;
-        let rows = self.apart.iter_mut().zip(&mut self.relative);
-        let [spin_i, spin_j] = &mut self.spin;
-        let spins = spin_i.iter_mut().zip(spin_j);
-        for ((i, j), ((apart, relative), (spin_i, spin_j))) in
-            lower.iter().zip(partner).zip(rows.zip(spins))
-        {
+        let grains = bodies.position.len();
+        if bodies.velocity.len() != grains || bodies.spin.len() != grains {
+            return;
+        }
+        for (k, (i, j)) in lower.iter().zip(partner).enumerate().take(BLOCK) {
             let i = (*i as usize).wrapping_sub(bodies.first);
             let j = (*j as usize).wrapping_sub(bodies.first);
-            let both = |rows: &[Row<R>]| Some((*rows.get(i)?, *rows.get(j)?));
-            let (Some((x, y)), Some((v, u)), Some((w, z))) = (
-                both(bodies.position),
-                both(bodies.velocity),
-                both(bodies.spin),
-            ) else {
+            let (Some(x), Some(y)) = (bodies.position.get(i), bodies.position.get(j)) else {
+                return;
+            };
+            let (Some(v), Some(u)) = (bodies.velocity.get(i), bodies.velocity.get(j)) else {
+                return;
+            };
+            let (Some(w), Some(z)) = (bodies.spin.get(i), bodies.spin.get(j)) else {
                 return;
             };
             // Whole rows, so that each is one wide load, subtraction and store.
-            *apart = [x[0] - y[0], x[1] - y[1], x[2] - y[2], x[3]];
-            *relative = [v[0] - u[0], v[1] - u[1], v[2] - u[2], y[3]];
-            *spin_i = w;
-            *spin_j = z;
-            self.count += 1;
+            self.apart[k] = less(x, y);
+            self.relative[k] = less(v, u);
+            self.radius[0][k] = x[3];
+            self.radius[1][k] = y[3];
+            self.spin[0][k] = *w;
+            self.spin[1][k] = *z;
+            self.count = k + 1;
         }
         for (column, spring) in self.spring.iter_mut().zip(spring) {
             for (to, from) in column.iter_mut().zip(spring) {
@@ -178,20 +182,18 @@ impl<R: Real> Block<R> {
     #[inline(always)]
     fn meet(&mut self, domain: &Domain<R>) {
         for k in 0..self.whole() {
-            let (a, b) = (self.apart[k], self.relative[k]);
-            let d = domain.nearest(head(a));
+            let d = domain.nearest(head(self.apart[k]));
             let distance = dot(d, d).sqrt();
             put(&mut self.normal, k, scale(d, R::ONE / distance));
-            self.overlap[k] = (a[3] + b[3]) - distance;
+            self.overlap[k] = (self.radius[0][k] + self.radius[1][k]) - distance;
         }
     }
 
     #[inline(always)]
     fn press<L: Law<R>>(&mut self, law: &L) {
         for k in 0..self.whole() {
-            let (a, b) = (self.apart[k], self.relative[k]);
-            let (ri, rj) = (a[3], b[3]);
-            let speed = dot(head(b), taken(&self.normal, k));
+            let (ri, rj) = (self.radius[0][k], self.radius[1][k]);
+            let speed = dot(head(self.relative[k]), taken(&self.normal, k));
             let press = law.press(&Squeeze {
                 overlap: self.overlap[k],
                 speed,
@@ -256,16 +258,19 @@ impl<R: Real> Block<R> {
             let force = add(scale(normal, self.press.force[k]), tangential);
             let force = either(touches, force, [R::ZERO; 3]);
             let couple = either(touches, cross(normal, tangential), [R::ZERO; 3]);
-            self.force[k] = [force[0], force[1], force[2], self.press.arm_i[k]];
-            self.couple[k] = [couple[0], couple[1], couple[2], self.press.arm_j[k]];
+            self.force[k] = [force[0], force[1], force[2], R::ZERO];
+            self.couple[k] = [couple[0], couple[1], couple[2], R::ZERO];
         }
     }
 
-    /// What each pair of the block gives, in order: force on the lower grain and its lever, couple and
-    /// the higher grain's lever.
+    /// What each pair of the block gives, in order: force on the lower grain, couple, and the levers of
+    /// both grains.
     #[inline(always)]
-    pub fn shares(&self) -> impl Iterator<Item = (&Row<R>, &Row<R>)> {
-        front(&self.force, self.count).iter().zip(&self.couple)
+    pub fn shares(&self) -> impl Iterator<Item = (&Row<R>, &Row<R>, R, R)> {
+        let rows = front(&self.force, self.count).iter().zip(&self.couple);
+        let arms = self.press.arm_i.iter().zip(&self.press.arm_j);
+        rows.zip(arms)
+            .map(|((force, couple), (arm_i, arm_j))| (force, couple, *arm_i, *arm_j))
     }
 
     /// The springs that are left.
@@ -283,7 +288,7 @@ impl<R: Real> Block<R> {
     #[inline(always)]
     pub fn deepest(&self) -> Option<usize> {
         let too_deep = |k: usize| {
-            let least = smaller(self.apart[k][3], self.relative[k][3]);
+            let least = smaller(self.radius[0][k], self.radius[1][k]);
             self.overlap[k] > least * R::HALF
         };
         let mut any = 0u64;

@@ -4,8 +4,8 @@ use crate::domain::Domain;
 use crate::fault::Fault;
 use crate::grains::{Group, Row};
 use crate::real::{Real, larger};
-use crate::rows::{halves, halves_mut, part, part_mut};
-use crate::vec3::{Vec3, dot, head};
+use crate::rows::{halves, halves_mut, part, part_mut, plus, row, times};
+use crate::vec3::{dot, head};
 
 /// What a pass of motion reads and writes for a range of grains; ranges share nothing that is
 /// written.
@@ -94,7 +94,8 @@ impl<'a, R: Real> Moving<'a, R> {
 }
 
 /// Change of velocity and of spin in half a step: `(F/m + g) h` and `(T/m) / (0.4 r^2) h`, with
-/// `h = dt/2`, in that order.
+/// `h = dt/2`, in that order. Whole rows: the last words of force and torque are zero, and so are
+/// those of the changes.
 #[inline(always)]
 fn half_kick<R: Real>(
     group: &Group<R>,
@@ -103,23 +104,20 @@ fn half_kick<R: Real>(
     force: &Row<R>,
     torque: &Row<R>,
     half: R,
-) -> (Vec3<R>, Vec3<R>) {
+) -> (Row<R>, Row<R>) {
     let per_mass = R::ONE / mass;
     let per_inertia = per_mass / ((radius * radius) * R::from_f64(0.4));
-    let mut dv = [R::ZERO; 3];
-    let mut dw = [R::ZERO; 3];
-    for a in 0..3 {
-        let pull = (force[a] * per_mass + group.gravity[a]) * half;
-        let turn = (torque[a] * per_inertia) * half;
-        dv[a] = if group.integrates[a] { pull } else { R::ZERO };
-        dw[a] = if group.spins { turn } else { R::ZERO };
+    let dv = times(&plus(&times(force, per_mass), &row(group.gravity)), half);
+    let dw = times(&times(torque, per_inertia), half);
+    // Most grains are free, and their rows stay whole.
+    if group.integrates == [true; 3] && group.spins {
+        return (dv, dw);
     }
-    (dv, dw)
-}
-
-#[inline(always)]
-fn kicked<R: Real>(row: Row<R>, by: Vec3<R>) -> Row<R> {
-    [row[0] + by[0], row[1] + by[1], row[2] + by[2], row[3]]
+    let mut held = [R::ZERO; 4];
+    for a in 0..3 {
+        held[a] = if group.integrates[a] { dv[a] } else { R::ZERO };
+    }
+    (held, if group.spins { dw } else { [R::ZERO; 4] })
 }
 
 /// What a pass of motion found.
@@ -186,10 +184,10 @@ pub fn pass<R: Real>(m: &mut Moving<'_, R>, which: Pass) -> Passed<R> {
         };
         let (dv, dw) = half_kick(group, v[3], x[3], force, torque, half);
         if ends {
-            *v = kicked(*v, dv);
-            *w = kicked(*w, dw);
+            *v = plus(v, &dv);
+            *w = plus(w, &dw);
         }
-        let next = kicked(*v, dv);
+        let next = plus(v, &dv);
         if which != Pass::Drift {
             let speed2 = dot(head(next), head(next));
             // Comparisons with NaN are false, so what is not slow is everything that is not sound.
@@ -206,8 +204,8 @@ pub fn pass<R: Real>(m: &mut Moving<'_, R>, which: Pass) -> Passed<R> {
         }
         if drifts {
             *v = next;
-            *w = kicked(*w, dw);
-            let mut to = [x[0] + v[0] * dt, x[1] + v[1] * dt, x[2] + v[2] * dt];
+            *w = plus(w, &dw);
+            let mut to = head(plus(x, &times(v, dt)));
             if !m.domain.wrap(&mut to, image) && passed.escaped.is_none() {
                 passed.escaped = Some(Fault::Escaped { id: *id });
             }

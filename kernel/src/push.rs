@@ -15,16 +15,14 @@
 //! After the pairs of grain `g` nothing is added to its force and nothing reads its rows any more: it
 //! can be kicked, and moved on, while its rows are in the cache.
 
-use core::ops::Range;
-
 use crate::block::{BLOCK, Block, Bodies};
 use crate::domain::Domain;
 use crate::grains::Row;
 use crate::law::Law;
-use crate::motion::Moving;
+use crate::motion::{Moving, Pass, Passed, pass};
 use crate::real::Real;
-use crate::rows::{at, gain, halves, halves_mut, lose, part};
-use crate::vec3::{Vec3, head, scale};
+use crate::rows::{at, gain, halves, halves_mut, lose, part, times};
+use crate::vec3::Vec3;
 
 /// Listed pairs, one after the other, with their springs.
 pub struct Span<'a, R> {
@@ -122,10 +120,14 @@ pub struct Spill<R> {
     pub i: u32,
     /// Place of the higher grain.
     pub j: u32,
-    /// Force on `i`, and the lever about it.
+    /// Force on `i`; the last word is zero.
     pub force: Row<R>,
-    /// Normal crossed with the tangential force, and the lever about `j`.
+    /// Normal crossed with the tangential force; the last word is zero.
     pub couple: Row<R>,
+    /// Lever about `i`.
+    pub arm_i: R,
+    /// Lever about `j`.
+    pub arm_j: R,
 }
 
 /// The other body of a contact.
@@ -189,14 +191,15 @@ pub fn spill<R: Real, L: Law<R>>(
         let (lower, partner) = take(&mut block, bodies, &mut pairs, done);
         block.evaluate(&domain, &law, sight.dt);
         keep(&block, &mut pairs, done);
-        for (((i, j), (force, couple)), out) in
-            lower.iter().zip(partner).zip(block.shares()).zip(&mut out)
-        {
+        let shares = lower.iter().zip(partner).zip(block.shares());
+        for (((i, j), (force, couple, arm_i, arm_j)), out) in shares.zip(&mut out) {
             *out = Spill {
                 i: *i,
                 j: *j,
                 force: *force,
                 couple: *couple,
+                arm_i,
+                arm_j,
             };
         }
         deep = deep.or_else(|| deepest(&block, lower, partner));
@@ -205,12 +208,23 @@ pub fn spill<R: Real, L: Law<R>>(
     deep
 }
 
-/// Sums the forces and torques of a range that already hold the obstacles' share.
+/// What becomes of a grain whose sum is complete.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum After {
+    /// Nothing.
+    Stay,
+    /// The step ends for it: [`Pass::Kick`].
+    Rest,
+    /// The next step begins for it too: [`Pass::KickAndDrift`].
+    GoOn,
+}
+
+/// Sums the forces and torques of a range that already hold the obstacles' share, and does `after`
+/// with each grain whose sum is complete.
 ///
 /// `lower` are spills whose higher grain is in the range, `own` those whose lower grain is, both in
 /// order. With one range over all grains both are empty, and this is the definition. `watch` sees
-/// every contact evaluated here (not the spills); it cannot change one. `complete` is called, in
-/// order, with stretches of grains (counted from the range's first) whose sums are complete.
+/// every contact evaluated here (not the spills); it cannot change one.
 #[inline(always)]
 pub fn sum<'s, R: Real, L: Law<R>>(
     range: &mut Part<'_, R>,
@@ -219,23 +233,23 @@ pub fn sum<'s, R: Real, L: Law<R>>(
     lower: impl Iterator<Item = &'s Spill<R>>,
     own: &[Spill<R>],
     mut watch: impl FnMut(Pushed<R>),
-    mut complete: impl FnMut(&mut Moving<'_, R>, Range<usize>),
-) -> Deep {
+    after: After,
+) -> (Deep, Passed<R>) {
     let first = range.first;
     let Part { grains, pairs, .. } = range;
     // Copies of its own: the compiler must see that nothing written here can change them.
     let (law, domain) = (*law, *grains.domain);
     for one in lower {
         let j = (one.j as usize).wrapping_sub(first);
-        lose(grains.force, j, head(one.force));
-        turn(grains.torque, j, &one.couple, one.couple[3]);
+        lose(grains.force, j, &one.force);
+        lose(grains.torque, j, &times(&one.couple, one.arm_j));
     }
+    let all = grains.position.len();
     let mut own = own.iter().peekable();
     let mut block = Block::new();
-    let mut deep = None;
-    let mut finished = 0;
-    let mut done = 0;
-    while done < pairs.len() {
+    let (mut deep, mut passed) = (None, Passed::NONE);
+    let (mut finished, mut done) = (0, 0);
+    loop {
         let bodies = Bodies {
             first,
             position: grains.position,
@@ -245,13 +259,14 @@ pub fn sum<'s, R: Real, L: Law<R>>(
         let (lower, partner) = take(&mut block, bodies, pairs, done);
         block.evaluate(&domain, &law, dt);
         keep(&block, pairs, done);
-        for ((i, j), (push, couple)) in lower.iter().zip(partner).zip(block.shares()) {
+        for ((i, j), (push, couple, arm_i, arm_j)) in lower.iter().zip(partner).zip(block.shares())
+        {
             let i = (*i as usize).wrapping_sub(first);
             let j = (*j as usize).wrapping_sub(first);
-            gain(grains.force, i, head(*push));
-            lose(grains.force, j, head(*push));
-            turn(grains.torque, i, couple, push[3]);
-            turn(grains.torque, j, couple, couple[3]);
+            gain(grains.force, i, push);
+            lose(grains.force, j, push);
+            lose(grains.torque, i, &times(couple, arm_i));
+            lose(grains.torque, j, &times(couple, arm_j));
         }
         block.seen(|k, overlap, normal, normal_force, tangential_force| {
             watch(Pushed {
@@ -269,16 +284,20 @@ pub fn sum<'s, R: Real, L: Law<R>>(
         let next = pairs
             .lower
             .get(done)
-            .map_or(first + grains.position.len(), |&i| i as usize);
-        let next = next.wrapping_sub(first);
+            .map(|&i| (i as usize).wrapping_sub(first));
+        let next = next.unwrap_or(all);
         take_own(grains, &mut own, first, next);
-        complete(grains, finished..next);
+        let complete = &mut grains.stretch(finished, next);
+        match after {
+            After::Stay => {}
+            After::Rest => passed = passed.and(pass(complete, Pass::Kick)),
+            After::GoOn => passed = passed.and(pass(complete, Pass::KickAndDrift)),
+        }
         finished = next;
+        if finished >= all {
+            return (deep, passed);
+        }
     }
-    let all = grains.position.len();
-    take_own(grains, &mut own, first, all);
-    complete(grains, finished..all);
-    deep
 }
 
 /// What the pairs with higher ranges give to grains below `next`.
@@ -292,15 +311,9 @@ fn take_own<'s, R: Real>(
     let within = |one: &&Spill<R>| (one.i as usize).wrapping_sub(first) < next;
     while let Some(one) = own.next_if(within) {
         let i = (one.i as usize).wrapping_sub(first);
-        gain(grains.force, i, head(one.force));
-        turn(grains.torque, i, &one.couple, one.force[3]);
+        gain(grains.force, i, &one.force);
+        lose(grains.torque, i, &times(&one.couple, one.arm_i));
     }
-}
-
-/// Subtracts a couple times a lever from a torque.
-#[inline(always)]
-fn turn<R: Real>(torque: &mut [Row<R>], place: usize, couple: &Row<R>, arm: R) {
-    lose(torque, place, scale(head(*couple), arm));
 }
 
 /// Fills a block with the pairs from `from` on, and says whose they are.

@@ -22,20 +22,45 @@ pub(crate) fn set<T>(slice: &mut [T], place: usize, value: T) {
     }
 }
 
-/// Adds a vector to the row at a place.
+/// A vector as a row.
 #[inline(always)]
-pub(crate) fn gain<R: Real>(rows: &mut [Row<R>], place: usize, by: Vec3<R>) {
+pub(crate) fn row<R: Real>(v: Vec3<R>) -> Row<R> {
+    [v[0], v[1], v[2], R::ZERO]
+}
+
+// Rows are computed whole where that changes no word that is used: each is one wide operation then.
+
+/// The sum of two rows.
+#[inline(always)]
+pub(crate) fn plus<R: Real>(a: &Row<R>, b: &Row<R>) -> Row<R> {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]]
+}
+
+/// The difference of two rows.
+#[inline(always)]
+pub(crate) fn less<R: Real>(a: &Row<R>, b: &Row<R>) -> Row<R> {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2], a[3] - b[3]]
+}
+
+/// A row times a number.
+#[inline(always)]
+pub(crate) fn times<R: Real>(row: &Row<R>, by: R) -> Row<R> {
+    [row[0] * by, row[1] * by, row[2] * by, row[3] * by]
+}
+
+/// Adds to the row at a place.
+#[inline(always)]
+pub(crate) fn gain<R: Real>(rows: &mut [Row<R>], place: usize, by: &Row<R>) {
     if let Some(row) = rows.get_mut(place) {
-        // The whole row, so that it is one wide load and store.
-        *row = [row[0] + by[0], row[1] + by[1], row[2] + by[2], row[3]];
+        *row = plus(row, by);
     }
 }
 
-/// Subtracts a vector from the row at a place.
+/// Subtracts from the row at a place.
 #[inline(always)]
-pub(crate) fn lose<R: Real>(rows: &mut [Row<R>], place: usize, by: Vec3<R>) {
+pub(crate) fn lose<R: Real>(rows: &mut [Row<R>], place: usize, by: &Row<R>) {
     if let Some(row) = rows.get_mut(place) {
-        *row = [row[0] - by[0], row[1] - by[1], row[2] - by[2], row[3]];
+        *row = less(row, by);
     }
 }
 

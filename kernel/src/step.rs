@@ -7,7 +7,7 @@ use crate::law::Law;
 use crate::motion::{Pass, Passed, pass};
 use crate::near::{Picking, pick};
 use crate::pairs::{Bond, Listed};
-use crate::push::{Deep, Pushed, sum};
+use crate::push::{After, Deep, Pushed, sum};
 use crate::real::{Real, smaller};
 use crate::rows::at;
 use crate::search::{Scene, search};
@@ -115,11 +115,11 @@ fn prepare<R: Real>(world: &mut World<'_, R>) -> Result<(), Fault> {
     world.clock.far = -R::ONE;
     world.clock.next_travel = R::ZERO;
     let travel = next_travel(world)?;
-    renew(world, travel)
+    renew(world, travel, &[])
 }
 
-/// The first joint of a step, of a world that rests: lists pairs anew when the list might not hold
-/// through the coming drift. Which step does so has no effect on any result.
+/// The first joint of a step over one range, of a world that rests: lists pairs anew when the list
+/// might not hold through the coming drift. Which step does so has no effect on any result.
 ///
 /// # Errors
 /// A full list, before anything is changed; an obstacle that is too fast; a world not started.
@@ -130,8 +130,8 @@ pub fn find_who_may_touch<R: Real>(world: &mut World<'_, R>) -> Result<(), Fault
     }
     world.check_storage()?;
     let travel = next_travel(world)?;
-    if travel > world.clock.budget || world.clock.cut != mark(world.cuts) {
-        renew(world, travel)?;
+    if travel > world.clock.budget || world.clock.cut != mark(&[]) {
+        renew(world, travel, &[])?;
     }
     Ok(())
 }
@@ -159,7 +159,7 @@ pub fn drift<R: Real>(world: &mut World<'_, R>, passed: Passed<R>) -> Result<(),
 }
 
 /// The joint between a drift and the forces, where [`find_who_may_touch`] did not come before the
-/// drift: lists pairs anew when the list is too old.
+/// drift: lists pairs anew when the list is too old or cut elsewhere than [`World::cuts`] says.
 ///
 /// # Errors
 /// A full list: enlarge the storage and call again; nothing is lost. A world that has not drifted.
@@ -170,7 +170,7 @@ pub fn find_who_touches<R: Real>(world: &mut World<'_, R>) -> Result<(), Fault> 
     }
     world.check_storage()?;
     if world.clock.budget < R::ZERO || world.clock.cut != mark(world.cuts) {
-        renew(world, R::ZERO)?;
+        renew(world, R::ZERO, world.cuts)?;
     }
     Ok(())
 }
@@ -201,7 +201,7 @@ fn mark(cuts: &[u32]) -> u64 {
 /// Lists pairs anew, so that the list holds for `travel` at least; searches for candidates first,
 /// where those of the last search do not reach as far.
 #[inline(never)]
-fn renew<R: Real>(world: &mut World<'_, R>, travel: R) -> Result<(), Fault> {
+fn renew<R: Real>(world: &mut World<'_, R>, travel: R, cuts: &[u32]) -> Result<(), Fault> {
     let need = travel + travel;
     let skin = if need > world.skin { need } else { world.skin };
     if world.clock.far < skin {
@@ -212,12 +212,12 @@ fn renew<R: Real>(world: &mut World<'_, R>, travel: R) -> Result<(), Fault> {
         position: world.grains.position,
         candidates: &world.candidates,
         near: skin + world.clock.slack,
-        cuts: world.cuts,
+        cuts,
     };
     let old = world.clock.listed;
     let clock = &mut *world.clock;
     clock.listed = pick(&picking, &mut world.pairs, &mut world.spare, old)?;
-    clock.cut = mark(world.cuts);
+    clock.cut = mark(cuts);
     clock.renewals += 1;
     clock.budget = skin * R::HALF;
     Ok(())
@@ -261,7 +261,7 @@ fn push_and_sum<R: Real, L: Law<R>>(
     let (mut part, mut touch) = world.pushing();
     let hit = push_obstacles(&mut part.grains, &mut touch, law, dt, &mut watch);
     let none = core::iter::empty();
-    let deep = sum(&mut part, law, dt, none, &[], &mut watch, |_, _| {});
+    let (deep, _) = sum(&mut part, law, dt, none, &[], &mut watch, After::Stay);
     judge(world, hit, deep)
 }
 

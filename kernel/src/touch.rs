@@ -8,7 +8,7 @@ use crate::obstacle::Obstacle;
 use crate::pairs::{PLACE, TOUCHING};
 use crate::push::{Deep, Partner, Pushed};
 use crate::real::{Real, smaller};
-use crate::rows::{at, gain, lose};
+use crate::rows::{at, gain, lose, row};
 use crate::vec3::{Vec3, add, cross, head, scale, sub};
 
 /// Storage of the obstacle contacts: the list and the obstacles' own sums.
@@ -65,8 +65,8 @@ pub fn push_obstacles<R: Real, L: Law<R>>(
         };
         *obstacle = k | TOUCHING;
         *spring = [r.spring[0], r.spring[1], r.spring[2], R::ZERO];
-        gain(grains.force, i, push);
-        lose(grains.torque, i, scale(couple, r.arm_i));
+        gain(grains.force, i, &row(push));
+        lose(grains.torque, i, &row(scale(couple, r.arm_i)));
         body.force = sub(body.force, push);
         body.torque = sub(body.torque, moment);
         watch(Pushed {

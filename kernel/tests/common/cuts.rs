@@ -2,17 +2,17 @@
 
 use bitgrain_kernel::law::Law;
 use bitgrain_kernel::motion::{Pass, pass};
-use bitgrain_kernel::push::{Spill, spill, sum};
-use bitgrain_kernel::step::{drift, find_who_may_touch, finish, judge};
+use bitgrain_kernel::push::{After, Spill, spill, sum};
+use bitgrain_kernel::step::{drift, find_who_touches, finish, judge};
 use bitgrain_kernel::touch::push_obstacles;
 use bitgrain_kernel::{Fault, World};
 
 /// Does one step of a started world over the ranges that end at its cuts.
 pub fn step_cut(world: &mut World<'_, f64>, law: &impl Law<f64>) -> Result<(), Fault> {
     let dt = world.dt;
-    find_who_may_touch(world)?;
     let passed = pass(&mut world.moving(), Pass::Drift);
     drift(world, passed)?;
+    find_who_touches(world)?;
     let (mut part, mut touch) = world.pushing();
     let hit = push_obstacles(&mut part.grains, &mut touch, law, dt, |_| {});
 
@@ -41,7 +41,9 @@ pub fn step_cut(world: &mut World<'_, f64>, law: &impl Law<f64>) -> Result<(), F
             .copied()
             .filter(|one| grains.contains(&(one.i as usize)))
             .collect();
-        deep = sum(part, law, dt, lower, &own, |_| {}, |_, _| {}).or(deep);
+        deep = sum(part, law, dt, lower, &own, |_| {}, After::Stay)
+            .0
+            .or(deep);
     }
     judge(world, hit, deep)?;
     let passed = pass(&mut world.moving(), Pass::Kick);
