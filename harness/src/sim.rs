@@ -193,18 +193,12 @@ impl Sim {
         sim
     }
 
-    /// Sets the skin to a fiftieth of the mean diameter, and the reach beyond it to a tenth.
+    /// Sets the skin to 0.006 mean diameters, and the reach beyond it to a tenth.
     pub fn choose_skin(&mut self) {
         let radii = self.position.iter().map(|x| x[3]).sum::<f64>();
         let diameter = 2.0 * radii / self.count().max(1) as f64;
-        self.skin = 0.02 * diameter;
+        self.skin = 0.006 * diameter;
         self.reach = 0.1 * diameter;
-        if let Ok(k) = std::env::var("SK") {
-            self.skin = k.parse::<f64>().unwrap() * diameter;
-        }
-        if let Ok(k) = std::env::var("RE") {
-            self.reach = k.parse::<f64>().unwrap() * diameter;
-        }
     }
 
     /// Fits the lists and cells to the number of grains, after grains were added or read.
@@ -247,6 +241,11 @@ impl Sim {
             self.clock.listed(),
             self.clock.touches(),
         )
+    }
+
+    /// Times that pairs were picked from the candidates of a search.
+    pub fn renewals(&self) -> u64 {
+        self.clock.renewals()
     }
 
     /// Bytes that the simulation holds.

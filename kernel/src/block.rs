@@ -16,7 +16,7 @@ use crate::vec3::{Vec3, add, cross, dot, either, head, scale};
 /// Pairs of a block: enough that filling and emptying it costs little, few enough for the nearest
 /// cache; fewer where the stack is small. A multiple of [`STRIDE`].
 pub(crate) const BLOCK: usize = if cfg!(any(target_arch = "arm", target_arch = "riscv32")) {
-    64
+    2
 } else {
     64
 };

@@ -98,7 +98,7 @@ impl<'a, R: Real> Moving<'a, R> {
 /// those of the changes.
 #[inline(always)]
 fn half_kick<R: Real>(
-    group: &Group<R>,
+    gravity: Row<R>,
     mass: R,
     radius: R,
     force: &Row<R>,
@@ -107,17 +107,20 @@ fn half_kick<R: Real>(
 ) -> (Row<R>, Row<R>) {
     let per_mass = R::ONE / mass;
     let per_inertia = per_mass / ((radius * radius) * R::from_f64(0.4));
-    let dv = times(&plus(&times(force, per_mass), &row(group.gravity)), half);
+    let dv = times(&plus(&times(force, per_mass), &gravity), half);
     let dw = times(&times(torque, per_inertia), half);
-    // Most grains are free, and their rows stay whole.
-    if group.integrates == [true; 3] && group.spins {
-        return (dv, dw);
-    }
-    let mut held = [R::ZERO; 4];
-    for a in 0..3 {
-        held[a] = if group.integrates[a] { dv[a] } else { R::ZERO };
-    }
-    (held, if group.spins { dw } else { [R::ZERO; 4] })
+    (dv, dw)
+}
+
+/// The part of the changes that a group answers to.
+#[inline(always)]
+fn answered<R: Real>(group: &Group<R>, (dv, dw): (Row<R>, Row<R>)) -> (Row<R>, Row<R>) {
+    let along = |a: usize| if group.integrates[a] { dv[a] } else { R::ZERO };
+    let still = [R::ZERO; 4];
+    (
+        [along(0), along(1), along(2), R::ZERO],
+        if group.spins { dw } else { still },
+    )
 }
 
 /// What a pass of motion found.
@@ -182,17 +185,25 @@ pub fn pass<R: Real>(m: &mut Moving<'_, R>, which: Pass) -> Passed<R> {
         let Some(group) = m.groups.get(usize::from(*group)) else {
             continue;
         };
-        let (dv, dw) = half_kick(group, v[3], x[3], force, torque, half);
-        if ends {
-            *v = plus(v, &dv);
-            *w = plus(w, &dw);
-        }
-        let next = plus(v, &dv);
+        let change = half_kick(row(group.gravity), v[3], x[3], force, torque, half);
+        // Most grains are free: a branch that is foreseen, and their rows stay whole.
+        let (dv, dw) = if group.integrates == [true; 3] && group.spins {
+            change
+        } else {
+            core::hint::cold_path();
+            answered(group, change)
+        };
+        let (now, turning) = if ends {
+            (plus(v, &dv), plus(w, &dw))
+        } else {
+            (*v, *w)
+        };
+        let next = plus(&now, &dv);
         if which != Pass::Drift {
             let speed2 = dot(head(next), head(next));
             // Comparisons with NaN are false, so what is not slow is everything that is not sound.
             let slow = speed2 * (dt * dt) < x[3] * x[3];
-            let sound = others(*w, force, torque) <= R::MAX;
+            let sound = others(&turning, force, torque) <= R::MAX;
             if !(slow && sound) && passed.unsound.is_none() {
                 passed.unsound = Some(if speed2.is_finite() && sound {
                     Fault::TooFast { id: *id }
@@ -204,23 +215,26 @@ pub fn pass<R: Real>(m: &mut Moving<'_, R>, which: Pass) -> Passed<R> {
         }
         if drifts {
             *v = next;
-            *w = plus(w, &dw);
-            let mut to = head(plus(x, &times(v, dt)));
+            *w = plus(&turning, &dw);
+            let mut to = head(plus(x, &times(&next, dt)));
             if !m.domain.wrap(&mut to, image) && passed.escaped.is_none() {
                 passed.escaped = Some(Fault::Escaped { id: *id });
             }
             *x = [to[0], to[1], to[2], x[3]];
             *force = [R::ZERO; 4];
             *torque = [R::ZERO; 4];
+        } else if ends {
+            *v = now;
+            *w = turning;
         }
     }
     passed
 }
 
-/// Squares of spin, force and torque together: finite where all of them are.
+/// Squares of spin, force and torque together, and what else is in their rows: finite where all of
+/// them are.
 #[inline(always)]
-fn others<R: Real>(w: Row<R>, force: &Row<R>, torque: &Row<R>) -> R {
-    let (force, torque) = (head(*force), head(*torque));
-    let pushed2 = dot(force, force) + dot(torque, torque);
-    dot(head(w), head(w)) + pushed2
+fn others<R: Real>(w: &Row<R>, force: &Row<R>, torque: &Row<R>) -> R {
+    let square = |a: usize| (w[a] * w[a] + force[a] * force[a]) + torque[a] * torque[a];
+    (square(0) + square(1)) + (square(2) + square(3))
 }

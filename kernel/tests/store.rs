@@ -145,7 +145,7 @@ fn a_list_too_short_for_its_skin_goes_on_with_a_smaller_one() {
     start(&mut roomy.world(), &LAW).unwrap();
     let full = start(&mut tight.world(), &LAW);
     let listed = roomy.world().clock.listed();
-    assert_eq!(full, Err(Fault::PairsFull { needed: listed }));
+    assert_eq!(full, Err(Fault::CandidatesFull { needed: listed }));
     tight.set_skin(0.02);
     start(&mut tight.world(), &LAW).unwrap();
     for n in 0..4000 {
@@ -161,7 +161,7 @@ fn a_list_too_short_for_its_skin_goes_on_with_a_smaller_one() {
                     Err(fault) => break fault,
                 }
             };
-            assert!(matches!(fault, Fault::PairsFull { needed } if needed > 96));
+            assert!(matches!(fault, Fault::CandidatesFull { needed } if needed > 96));
             assert_eq!(digest(&world), after);
             tight.set_skin(0.0);
             let done = tight.world().clock.step;

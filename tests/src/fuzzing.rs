@@ -40,7 +40,8 @@ pub fn contact(data: &[u8]) -> bool {
         return false;
     };
     let mut twin = sim.clone();
-    twin.skin *= [0.0, 0.3, 3.0][bytes.below(3)];
+    let wider = [0.0, 0.3, 3.0][bytes.below(3)];
+    (twin.skin, twin.reach) = (twin.skin * wider, twin.reach * wider);
     twin.start().expect("the same start with another skin");
     let steps = 1 + bytes.byte() % CONTACT_STEPS;
     for step in 0..steps {

@@ -5,7 +5,7 @@ use std::io::Write;
 use bitgrain::checkpoint;
 use bitgrain::sim::{AnyLaw, Role, Sim, hex};
 use bitgrain_kernel::law::{HertzHistory, Law};
-use bitgrain_kernel::{Group, Obstacle, Partner, Pushed, Store, start, step};
+use bitgrain_kernel::{Digest, Group, Obstacle, Partner, Pushed, Store, digest, start, step};
 use bitgrain_tests::{golden, golden_case};
 
 #[path = "../../kernel/tests/common/cuts.rs"]
@@ -67,20 +67,29 @@ fn the_rig_has_every_contact_of_a_rig() {
 fn skins_and_search_schedules_change_nothing() {
     for name in CASES {
         let mut ends = Vec::new();
-        let unit = begin(name).skin;
-        for skin in [0.0, 0.01, 0.3, 1.0, 3.0, 12.0] {
+        let unit = begin(name).reach;
+        for (skin, reach) in [
+            (0.0, 0.0),
+            (0.0, 1.0),
+            (0.01, 0.1),
+            (0.3, 0.0),
+            (0.05, 3.0),
+            (12.0, 0.0),
+            (3.0, 12.0),
+        ] {
             let mut sim = begin(name);
-            sim.skin = skin * unit;
+            (sim.skin, sim.reach) = (skin * unit, reach * unit);
             sim.start().unwrap();
             sim.steps(1500).unwrap();
-            ends.push((sim.digest(), sim.search_counts().0));
+            ends.push((sim.digest(), sim.search_counts().0, sim.renewals()));
         }
         assert!(
-            ends.iter().all(|(digest, _)| *digest == ends[0].0),
+            ends.iter().all(|(digest, ..)| *digest == ends[0].0),
             "{name}"
         );
+        let (always, renewed, seldom) = (&ends[0], &ends[1], &ends[5]);
         assert!(
-            ends[0].1 > 1000 && ends[5].1 < 100,
+            always.1 > 1000 && renewed.1 < 1000 && renewed.2 > 1000 && seldom.1 < 100,
             "the schedules differed: {ends:?}"
         );
     }
@@ -172,28 +181,23 @@ fn cuts_into_ranges_change_nothing() {
 }
 
 fn cut(sim: &Sim, law: &impl Law<f64>, name: &str) {
-    let whole = evaluate(&mut sim.clone(), law, &[]);
+    let whole = after_a_step(&mut sim.clone(), law, &[]);
     for cuts in [
         vec![1],
         vec![7, 15],
         vec![10, 11, 12, 20],
-        (1..sim.count()).collect(),
+        (1..sim.count() as u32).collect(),
     ] {
-        let cut = evaluate(&mut sim.clone(), law, &cuts);
+        let cut = after_a_step(&mut sim.clone(), law, &cuts);
         assert_eq!(whole, cut, "{name}, cuts {cuts:?}");
     }
 }
 
-type Forces = Vec<[u64; 6]>;
-
-fn evaluate(sim: &mut Sim, law: &impl Law<f64>, cuts: &[usize]) -> Forces {
-    cuts::evaluate::<4>(&mut sim.world(), law, cuts).unwrap();
-    let (force, torque) = (&sim.force, &sim.torque);
-    let bits = |i: usize| {
-        let (f, t) = (force[i], torque[i]);
-        [f[0], f[1], f[2], t[0], t[1], t[2]].map(f64::to_bits)
-    };
-    (0..sim.count()).map(bits).collect()
+fn after_a_step(sim: &mut Sim, law: &impl Law<f64>, cuts: &[u32]) -> Digest {
+    let mut world = sim.world();
+    world.cuts = cuts;
+    cuts::step_cut(&mut world, law).unwrap();
+    digest(&world)
 }
 
 /// The digests of every build: run these in debug and in release.

@@ -40,7 +40,7 @@ fn tsuji(mut sim: Sim) -> Sim {
 struct Way {
     threads: usize,
     registers: Registers,
-    /// Over the skin that the simulation chose.
+    /// Over the skin and reach that the simulation chose.
     skin: f64,
     /// Watches every second step and saves every third.
     interrupted: bool,
@@ -88,6 +88,7 @@ impl Way {
         sim.stepping.range_min = 1;
         let bonds = sim.bonds();
         sim.skin *= self.skin;
+        sim.reach *= self.skin;
         sim.lend(self.room * sim.count());
         sim.resume(&bonds).expect("the state is sound");
     }
