@@ -158,7 +158,7 @@ mod tests {
             Ok(())
         };
         selftest(show).unwrap();
-        assert!(told.contains("keeps the bit contract") && told.contains("One, 3 thread(s)"));
+        assert!(told.contains("keeps the bit contract") && told.contains("Plain, 3 thread(s)"));
     }
 
     #[test]

@@ -10,7 +10,7 @@ use crate::domain::Domain;
 use crate::grains::Row;
 use crate::law::{Law, Press, Slide, Squeeze, roll, slide};
 use crate::real::{Real, smaller};
-use crate::rows::{front, less};
+use crate::rows::{copy, front, front_mut, less};
 use crate::vec3::{Vec3, add, cross, dot, either, head, scale};
 
 /// Pairs of a block: enough that filling and emptying it costs little, few enough for the nearest
@@ -136,20 +136,25 @@ impl<R: Real> Block<R> {
         spring: [&[R]; 3],
     ) {
         self.count = 0;
-        let grains = bodies.position.len();
-        if bodies.velocity.len() != grains || bodies.spin.len() != grains {
-            return;
-        }
+        // One length for all rows, so that a place is checked once for all of them.
+        let grains = bodies
+            .position
+            .len()
+            .min(bodies.velocity.len())
+            .min(bodies.spin.len());
+        let position = front(bodies.position, grains);
+        let velocity = front(bodies.velocity, grains);
+        let spin = front(bodies.spin, grains);
         for (k, (i, j)) in lower.iter().zip(partner).enumerate().take(BLOCK) {
             let i = (*i as usize).wrapping_sub(bodies.first);
             let j = (*j as usize).wrapping_sub(bodies.first);
-            let (Some(x), Some(y)) = (bodies.position.get(i), bodies.position.get(j)) else {
+            let (Some(x), Some(y)) = (position.get(i), position.get(j)) else {
                 return;
             };
-            let (Some(v), Some(u)) = (bodies.velocity.get(i), bodies.velocity.get(j)) else {
+            let (Some(v), Some(u)) = (velocity.get(i), velocity.get(j)) else {
                 return;
             };
-            let (Some(w), Some(z)) = (bodies.spin.get(i), bodies.spin.get(j)) else {
+            let (Some(w), Some(z)) = (spin.get(i), spin.get(j)) else {
                 return;
             };
             // Whole rows, so that each is one wide load, subtraction and store.
@@ -162,9 +167,7 @@ impl<R: Real> Block<R> {
             self.count = k + 1;
         }
         for (column, spring) in self.spring.iter_mut().zip(spring) {
-            for (to, from) in column.iter_mut().zip(spring) {
-                *to = *from;
-            }
+            copy(front_mut(column, spring.len()), spring);
         }
     }
 

@@ -1,6 +1,7 @@
 //! The box: where it ends, which of its axes are periodic, and the nearest image across them.
 
 use crate::fault::Fault;
+use crate::grains::Row;
 use crate::real::Real;
 use crate::vec3::{Vec3, sub};
 
@@ -110,16 +111,6 @@ impl<R: Real> Domain<R> {
     /// name only. A step may cross at most one period.
     #[inline(always)]
     pub fn wrap(&self, x: &mut Vec3<R>, image: &mut [i32; 3]) -> bool {
-        let within = |k: usize| (x[k] >= self.lo[k]) & (x[k] < self.hi[k]);
-        // Hardly a step crosses an edge: one branch that is foreseen.
-        if within(0) & within(1) & within(2) {
-            return true;
-        }
-        self.wrap_round(x, image)
-    }
-
-    #[cold]
-    fn wrap_round(&self, x: &mut Vec3<R>, image: &mut [i32; 3]) -> bool {
         let mut inside = true;
         for k in 0..3 {
             if !(x[k] >= self.lo[k] && x[k] < self.hi[k]) {
@@ -127,6 +118,13 @@ impl<R: Real> Domain<R> {
             }
         }
         inside
+    }
+
+    /// The lower and the upper edges as rows, without a limit in the last words.
+    #[inline(always)]
+    pub(crate) fn rows(&self) -> (Row<R>, Row<R>) {
+        let ([x, y, z], [u, v, w]) = (self.lo, self.hi);
+        ([x, y, z, -R::MAX], [u, v, w, R::MAX])
     }
 
     fn wrap_axis(&self, k: usize, x: &mut R, image: &mut i32) -> bool {

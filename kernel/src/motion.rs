@@ -1,5 +1,7 @@
 //! Motion: half kicks and drifts, each a pass over a range of grains.
 
+use core::hint::cold_path;
+
 use crate::domain::Domain;
 use crate::fault::Fault;
 use crate::grains::{Group, Row};
@@ -74,6 +76,14 @@ impl<'a, R: Real> Moving<'a, R> {
         (left, right)
     }
 
+    /// How many grains have all their rows.
+    #[inline(always)]
+    pub fn count(&self) -> usize {
+        let rows = self.position.len().min(self.velocity.len());
+        let rows = rows.min(self.spin.len());
+        rows.min(self.force.len()).min(self.torque.len())
+    }
+
     /// The grains from `begin` to `end` of the range, lent.
     #[inline(always)]
     pub fn stretch(&mut self, begin: usize, end: usize) -> Moving<'_, R> {
@@ -112,15 +122,37 @@ fn half_kick<R: Real>(
     (dv, dw)
 }
 
+/// How a group moves, as rows.
+#[derive(Clone, Copy)]
+struct Manner<R> {
+    number: u8,
+    gravity: Row<R>,
+    /// Whether its grains answer all forces and torques.
+    free: bool,
+}
+
+impl<R: Real> Manner<R> {
+    #[inline(always)]
+    fn of(number: u8, group: &Group<R>) -> Self {
+        Self {
+            number,
+            gravity: row(group.gravity),
+            free: group.integrates == [true; 3] && group.spins,
+        }
+    }
+}
+
 /// The part of the changes that a group answers to.
-#[inline(always)]
-fn answered<R: Real>(group: &Group<R>, (dv, dw): (Row<R>, Row<R>)) -> (Row<R>, Row<R>) {
-    let along = |a: usize| if group.integrates[a] { dv[a] } else { R::ZERO };
-    let still = [R::ZERO; 4];
-    (
-        [along(0), along(1), along(2), R::ZERO],
-        if group.spins { dw } else { still },
-    )
+#[inline(never)]
+fn answered<R: Real>(group: &Group<R>, dv: &mut Row<R>, dw: &mut Row<R>) {
+    for a in 0..3 {
+        if !group.integrates[a] {
+            dv[a] = R::ZERO;
+        }
+        if !group.spins {
+            dw[a] = R::ZERO;
+        }
+    }
 }
 
 /// What a pass of motion found.
@@ -175,6 +207,11 @@ pub fn pass<R: Real>(m: &mut Moving<'_, R>, which: Pass) -> Passed<R> {
     let drifts = matches!(which, Pass::Drift | Pass::KickAndDrift);
     let ends = matches!(which, Pass::Kick | Pass::KickAndDrift);
     let mut passed = Passed::NONE;
+    let Some(first) = m.groups.first() else {
+        return passed;
+    };
+    let mut manner = Manner::of(0, first);
+    let (lo, hi) = m.domain.rows();
     let places = m.position.iter_mut().zip(m.image.iter_mut());
     let speeds = m.velocity.iter_mut().zip(m.spin.iter_mut());
     let pushes = m.force.iter_mut().zip(m.torque.iter_mut());
@@ -182,17 +219,20 @@ pub fn pass<R: Real>(m: &mut Moving<'_, R>, which: Pass) -> Passed<R> {
     for ((((x, image), (v, w)), (force, torque)), (group, id)) in
         places.zip(speeds).zip(pushes).zip(names)
     {
-        let Some(group) = m.groups.get(usize::from(*group)) else {
-            continue;
-        };
-        let change = half_kick(row(group.gravity), v[3], x[3], force, torque, half);
-        // Most grains are free: a branch that is foreseen, and their rows stay whole.
-        let (dv, dw) = if group.integrates == [true; 3] && group.spins {
-            change
-        } else {
-            core::hint::cold_path();
-            answered(group, change)
-        };
+        if *group != manner.number
+            && let Some(other) = m.groups.get(usize::from(*group))
+        {
+            manner = Manner::of(*group, other);
+        }
+        // Whole rows throughout; the last words of force and torque are zero, and so those of mass and
+        // inverse mass stay as they are.
+        let (mut dv, mut dw) = half_kick(manner.gravity, v[3], x[3], force, torque, half);
+        if !manner.free {
+            cold_path();
+            if let Some(group) = m.groups.get(usize::from(*group)) {
+                answered(group, &mut dv, &mut dw);
+            }
+        }
         let (now, turning) = if ends {
             (plus(v, &dv), plus(w, &dw))
         } else {
@@ -203,26 +243,34 @@ pub fn pass<R: Real>(m: &mut Moving<'_, R>, which: Pass) -> Passed<R> {
             let speed2 = dot(head(next), head(next));
             // Comparisons with NaN are false, so what is not slow is everything that is not sound.
             let slow = speed2 * (dt * dt) < x[3] * x[3];
-            let sound = others(&turning, force, torque) <= R::MAX;
-            if !(slow && sound) && passed.unsound.is_none() {
-                passed.unsound = Some(if speed2.is_finite() && sound {
+            let sound = all_at_most(&squares(&turning, force, torque), &[R::MAX; 4]);
+            if !(slow & sound) {
+                cold_path();
+                let fault = if speed2.is_finite() && sound {
                     Fault::TooFast { id: *id }
                 } else {
                     Fault::NotFinite { id: *id }
-                });
+                };
+                passed.unsound = passed.unsound.or(Some(fault));
             }
             passed.speed2 = larger(passed.speed2, speed2);
         }
         if drifts {
             *v = next;
             *w = plus(&turning, &dw);
-            let mut to = head(plus(x, &times(&next, dt)));
-            if !m.domain.wrap(&mut to, image) && passed.escaped.is_none() {
-                passed.escaped = Some(Fault::Escaped { id: *id });
-            }
-            *x = [to[0], to[1], to[2], x[3]];
             *force = [R::ZERO; 4];
             *torque = [R::ZERO; 4];
+            let to = plus(x, &times(&next, dt));
+            *x = [to[0], to[1], to[2], x[3]];
+            // The last words are the radius and the number without limit.
+            if !(all_at_most(&lo, x) & all_below(x, &hi)) {
+                cold_path();
+                let mut inside = head(*x);
+                if !m.domain.wrap(&mut inside, image) {
+                    passed.escaped = passed.escaped.or(Some(Fault::Escaped { id: *id }));
+                }
+                *x = [inside[0], inside[1], inside[2], x[3]];
+            }
         } else if ends {
             *v = now;
             *w = turning;
@@ -231,10 +279,19 @@ pub fn pass<R: Real>(m: &mut Moving<'_, R>, which: Pass) -> Passed<R> {
     passed
 }
 
-/// Squares of spin, force and torque together, and what else is in their rows: finite where all of
-/// them are.
 #[inline(always)]
-fn others<R: Real>(w: &Row<R>, force: &Row<R>, torque: &Row<R>) -> R {
-    let square = |a: usize| (w[a] * w[a] + force[a] * force[a]) + torque[a] * torque[a];
-    (square(0) + square(1)) + (square(2) + square(3))
+fn all_at_most<R: Real>(a: &Row<R>, b: &Row<R>) -> bool {
+    (a[0] <= b[0]) & (a[1] <= b[1]) & (a[2] <= b[2]) & (a[3] <= b[3])
+}
+
+#[inline(always)]
+fn all_below<R: Real>(a: &Row<R>, b: &Row<R>) -> bool {
+    (a[0] < b[0]) & (a[1] < b[1]) & (a[2] < b[2]) & (a[3] < b[3])
+}
+
+/// Squares of the words of spin, force and torque: finite where all of them are.
+#[inline(always)]
+fn squares<R: Real>(w: &Row<R>, force: &Row<R>, torque: &Row<R>) -> Row<R> {
+    let square = |a: &Row<R>| [a[0] * a[0], a[1] * a[1], a[2] * a[2], a[3] * a[3]];
+    plus(&plus(&square(w), &square(force)), &square(torque))
 }

@@ -10,8 +10,8 @@ use crate::fault::Fault;
 use crate::grains::Row;
 use crate::pairs::{Listed, Pairs};
 use crate::real::Real;
-use crate::rows::{at, front, set};
-use crate::search::{Candidates, copy};
+use crate::rows::{at, copy, front, front_mut, set};
+use crate::search::Candidates;
 use crate::vec3::{dot, head};
 
 /// What picking reads.
@@ -34,10 +34,16 @@ pub(crate) fn pick<R: Real>(
 ) -> Result<Listed, Fault> {
     let new = list(picking, spare, old)?;
     take_springs(pairs, old, spare, new);
-    copy(pairs.lower, spare.lower, new.pairs);
-    copy(pairs.partner, spare.partner, new.pairs);
+    copy(
+        front_mut(pairs.lower, new.pairs),
+        front(spare.lower, new.pairs),
+    );
+    copy(
+        front_mut(pairs.partner, new.pairs),
+        front(spare.partner, new.pairs),
+    );
     for (to, from) in pairs.spring.iter_mut().zip(&spare.spring) {
-        copy(to, from, new.pairs);
+        copy(front_mut(to, new.pairs), front(from, new.pairs));
     }
     Ok(new)
 }

@@ -21,7 +21,7 @@ use crate::grains::Row;
 use crate::law::Law;
 use crate::motion::{Moving, Pass, Passed, pass};
 use crate::real::Real;
-use crate::rows::{at, gain, halves, halves_mut, lose, part, times};
+use crate::rows::{at, copy, gain, halves, halves_mut, lose, part, part_mut, times};
 use crate::vec3::Vec3;
 
 /// Listed pairs, one after the other, with their springs.
@@ -239,12 +239,14 @@ pub fn sum<'s, R: Real, L: Law<R>>(
     let Part { grains, pairs, .. } = range;
     // Copies of its own: the compiler must see that nothing written here can change them.
     let (law, domain) = (*law, *grains.domain);
+    // One length for all rows, so that a place is checked once for all of them.
+    let all = grains.count();
+    let grains = &mut grains.stretch(0, all);
     for one in lower {
         let j = (one.j as usize).wrapping_sub(first);
         lose(grains.force, j, &one.force);
         lose(grains.torque, j, &times(&one.couple, one.arm_j));
     }
-    let all = grains.position.len();
     let mut own = own.iter().peekable();
     let mut block = Block::new();
     let (mut deep, mut passed) = (None, Passed::NONE);
@@ -345,9 +347,7 @@ fn smaller_of(a: usize, b: usize) -> usize {
 #[inline(always)]
 fn keep<R: Real>(block: &Block<R>, pairs: &mut Span<'_, R>, from: usize) {
     for (to, left) in pairs.spring.iter_mut().zip(block.springs()) {
-        for (to, left) in to.iter_mut().skip(from).zip(left) {
-            *to = *left;
-        }
+        copy(part_mut(to, from, from + left.len()), left);
     }
 }
 

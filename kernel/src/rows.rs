@@ -104,3 +104,11 @@ pub(crate) fn part<T>(slice: &[T], begin: usize, end: usize) -> &[T] {
 pub(crate) fn part_mut<T>(slice: &mut [T], begin: usize, end: usize) -> &mut [T] {
     slice.get_mut(begin..end).unwrap_or_default()
 }
+
+/// Copies a slice to one of the same length; nothing where the lengths differ.
+#[inline(always)]
+pub(crate) fn copy<T: Copy>(to: &mut [T], from: &[T]) {
+    if to.len() == from.len() {
+        to.copy_from_slice(from);
+    }
+}

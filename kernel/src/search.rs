@@ -11,7 +11,7 @@ use crate::grains::{Grains, Row};
 use crate::obstacle::Obstacle;
 use crate::pairs::{PLACE, Pairs};
 use crate::real::{Real, larger, magnitude, smaller};
-use crate::rows::{at, front, front_mut, set};
+use crate::rows::{at, copy, front, front_mut, set};
 use crate::vec3::{dot, head};
 
 /// Storage of the cells, borrowed.
@@ -174,9 +174,18 @@ pub(crate) fn search<R: Real>(
     let touches = list_touches(domain, grains, obstacles, spare, far)?;
     list_candidates(scene, &grid, cells, candidates, far)?;
     take_touch_springs(pairs, old_touches, spare, touches);
-    copy(pairs.touch_grain, spare.touch_grain, touches);
-    copy(pairs.touch_obstacle, spare.touch_obstacle, touches);
-    copy(pairs.touch_spring, spare.touch_spring, touches);
+    copy(
+        front_mut(pairs.touch_grain, touches),
+        front(spare.touch_grain, touches),
+    );
+    copy(
+        front_mut(pairs.touch_obstacle, touches),
+        front(spare.touch_obstacle, touches),
+    );
+    copy(
+        front_mut(pairs.touch_spring, touches),
+        front(spare.touch_spring, touches),
+    );
     Ok(Found {
         touches,
         far: scene.far,
@@ -339,12 +348,6 @@ fn take_touch_springs<R: Real>(
             [R::ZERO; 4]
         };
         set(new.touch_spring, t, spring);
-    }
-}
-
-pub(crate) fn copy<T: Copy>(to: &mut [T], from: &[T], count: usize) {
-    for (to, from) in to.iter_mut().zip(from).take(count) {
-        *to = *from;
     }
 }
 
