@@ -3,6 +3,8 @@
 use std::path::Path;
 use std::time::Instant;
 
+use bitgrain_kernel::vec3::head;
+use bitgrain_kernel::{Domain, Row};
 use serde::Serialize;
 
 use crate::bed::{self, import};
@@ -11,9 +13,10 @@ use crate::error::{Error, Result};
 use crate::export::OBSTACLE_TYPE;
 use crate::lammps::read_atoms;
 use crate::law::LawSpec;
+use crate::order::spatial_order;
 use crate::progress::Progress;
 use crate::scenario;
-use crate::sim::{Sim, hex};
+use crate::sim::{Grain, Sim, hex, sphere_mass};
 use crate::stepping::on_threads;
 
 /// Steps before the clock starts.
@@ -32,6 +35,8 @@ pub struct Speed {
     pub threads: usize,
     /// Copies of the bed that were stepped side by side, each on so many threads.
     pub copies: usize,
+    /// How often the bed was repeated along x and along y.
+    pub tiles: usize,
     /// Seconds that the steps took.
     pub seconds: f64,
     /// Grains times steps of all copies over the seconds.
@@ -40,10 +45,17 @@ pub struct Speed {
     pub contacts_per_grain: f64,
     /// Listed pairs over grains, at the end.
     pub listed_pairs_per_grain: f64,
-    /// Searches while the clock ran.
+    /// Searches for candidates while the clock ran.
     pub rebuilds: u64,
+    /// Times that pairs were picked from the candidates meanwhile.
+    pub renewals: u64,
+    /// How far beyond touching pairs were listed at the end (length).
+    pub skin: f64,
     /// Bytes that one copy holds over its grains.
     pub bytes_per_grain: f64,
+    /// The most memory that the whole process ever held, over the grains of all copies; where the
+    /// system tells it.
+    pub peak_bytes_per_grain: Option<f64>,
     /// Digest of the final state: the same on every machine.
     pub digest: String,
 }
@@ -87,18 +99,90 @@ pub fn read_bed(path: &Path) -> Result<Sim> {
     Ok(sim)
 }
 
-/// Times `steps` steps of a bed on `threads` threads, of `copies` side by side.
+/// What to time.
+#[derive(Clone, Copy, Debug)]
+pub struct Timing<'a> {
+    /// A bed from a file; without one the bed of the quick scenario, poured first.
+    pub bed: Option<&'a Path>,
+    /// Steps to time.
+    pub steps: u64,
+    /// Threads that step it.
+    pub threads: usize,
+    /// Copies to step side by side, each on so many threads.
+    pub copies: usize,
+    /// How often to repeat the bed along x and along y, without its obstacles.
+    pub tiles: usize,
+}
+
+/// A bed repeated `tiles` times along x and along y, numbered in spatial order, without obstacles and
+/// not yet started.
+pub fn tiled(one: &Sim, tiles: usize) -> Result<Sim> {
+    let (lo, hi) = (one.domain.lo(), one.domain.hi());
+    let far = |a: usize| lo[a] + tiles as f64 * (hi[a] - lo[a]);
+    let domain = Domain::new(lo, [far(0), far(1), hi[2]], one.domain.periodic());
+    let domain = domain.map_err(|fault| Error::input("--tiles", format!("{tiles}: {fault}")))?;
+    let mut grains = Vec::with_capacity(one.count() * tiles * tiles);
+    for tile in 0..tiles * tiles {
+        let tile = [(tile % tiles) as f64, (tile / tiles) as f64];
+        for i in 0..one.count() {
+            let x = one.position[i];
+            let across = |a: usize| x[a] + tile[a] * (hi[a] - lo[a]);
+            let diameter = 2.0 * x[3];
+            grains.push(Grain {
+                id: 0,
+                group: one.group[i],
+                diameter,
+                density: one.velocity[i][3] / sphere_mass(diameter, 1.0),
+                position: [across(0), across(1), x[2]],
+                velocity: head(one.velocity[i]),
+                spin: head(one.spin[i]),
+            });
+        }
+    }
+    let places: Vec<Row<f64>> = grains
+        .iter()
+        .map(|g| [g.position[0], g.position[1], g.position[2], 0.0])
+        .collect();
+    let mut sorted = Vec::with_capacity(grains.len());
+    for (k, i) in spatial_order(&places, 1.0).into_iter().enumerate() {
+        sorted.push(Grain {
+            id: k as u32 + 1,
+            ..grains[i]
+        });
+    }
+    drop((places, grains));
+    let groups = one.groups.clone();
+    Ok(Sim::new(
+        one.law,
+        domain,
+        one.dt,
+        groups,
+        &sorted,
+        Vec::new(),
+    ))
+}
+
+/// The most memory that this process ever held, in bytes, as Linux tells it.
+fn peak_bytes() -> Option<f64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
+    let kilobytes: f64 = line.split_whitespace().nth(1)?.parse().ok()?;
+    Some(1024.0 * kilobytes)
+}
+
+/// Times steps of a bed.
 ///
 /// # Errors
 /// A bed that cannot be read, or a run that goes wrong.
-pub fn bench(
-    bed: Option<&Path>,
-    steps: u64,
-    threads: usize,
-    copies: usize,
-    progress: &Progress,
-) -> Result<Speed> {
-    let (name, mut sim) = match bed {
+pub fn bench(what: &Timing<'_>, progress: &Progress) -> Result<Speed> {
+    let Timing {
+        steps,
+        threads,
+        copies,
+        tiles,
+        ..
+    } = *what;
+    let (name, mut sim) = match what.bed {
         Some(path) => {
             let name = path
                 .file_name()
@@ -120,13 +204,18 @@ pub fn bench(
             ("quick".to_string(), sim)
         }
     };
+    if tiles > 1 {
+        sim = tiled(&sim, tiles)?;
+        sim.start().map_err(|fault| Error::run(&name, 0, fault))?;
+    }
     let stepped = |sim: &mut Sim, count| {
         sim.steps(count)
             .map_err(|fault| Error::run(&name, sim.step_count() + 1, fault))
     };
     on_threads(threads, || stepped(&mut sim, WARM_UP))??;
-    let (before, ..) = sim.search_counts();
-    let mut sims = vec![sim; copies];
+    let ((before, ..), renewals) = (sim.search_counts(), sim.renewals());
+    let mut sims = vec![sim.clone(); copies - 1];
+    sims.push(sim);
     let stage = progress.stage("stepping", steps);
     let one = |k: usize, sim: &mut Sim| {
         let mut done = 0;
@@ -163,12 +252,16 @@ pub fn bench(
         steps,
         threads,
         copies,
+        tiles,
         seconds,
         grain_steps_per_s: copies as f64 * grains as f64 * steps as f64 / seconds,
         contacts_per_grain: sim.bonds().len() as f64 / grains as f64,
         listed_pairs_per_grain: listed as f64 / grains as f64,
         rebuilds: searches - before,
+        renewals: sim.renewals() - renewals,
+        skin: sim.skin,
         bytes_per_grain: sim.bytes() as f64 / grains as f64,
+        peak_bytes_per_grain: peak_bytes().map(|peak| peak / (copies * grains) as f64),
         digest: hex(&sim.digest().whole),
     })
 }

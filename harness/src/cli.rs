@@ -8,7 +8,7 @@ use std::sync::atomic::Ordering;
 use clap::{Args, Parser, Subcommand};
 
 use crate::bed::library::Library;
-use crate::bench::bench;
+use crate::bench::{Timing, bench};
 use crate::error::{Error, Result};
 use crate::folder::Folder;
 use crate::progress::Progress;
@@ -124,6 +124,9 @@ struct Bench {
     /// Threads that step the bed.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: u16,
+    /// Repeat the bed so many times along x and along y, without its obstacles: larger beds of one kind.
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=200))]
+    tiles: u16,
     /// Copies of the bed to step side by side, each on so many threads.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
     copies: u16,
@@ -166,7 +169,8 @@ Examples:
 const BENCH_HELP: &str = "\
 Examples:
   bitgrain bench --steps 2000
-  bitgrain bench --bed golden/peers/bed200.data --steps 4000 --json";
+  bitgrain bench --bed golden/peers/bed200.data --steps 4000 --json
+  bitgrain bench --bed golden/peers/bed200.data --tiles 71 --steps 100    (a million grains)";
 
 const SELFTEST_HELP: &str = "\
 Example:
@@ -270,9 +274,14 @@ fn run_bed(bed: Bed) -> Result<()> {
 }
 
 fn run_bench(what: &Bench) -> Result<()> {
-    let (threads, copies) = (usize::from(what.threads), usize::from(what.copies));
-    let progress = stoppable(false);
-    let speed = bench(what.bed.as_deref(), what.steps, threads, copies, &progress)?;
+    let timing = Timing {
+        bed: what.bed.as_deref(),
+        steps: what.steps,
+        threads: usize::from(what.threads),
+        copies: usize::from(what.copies),
+        tiles: usize::from(what.tiles),
+    };
+    let speed = bench(&timing, &stoppable(false))?;
     let tree = serde_json::to_value(&speed).map_err(|e| Error::Output(e.into()))?;
     if what.json {
         return print(&format!("{tree}\n"));

@@ -54,6 +54,7 @@ pub mod selftest;
 pub mod series;
 pub mod shelf;
 pub mod sim;
+mod skin;
 pub mod stepping;
 pub mod summary;
 pub mod units;

@@ -388,9 +388,15 @@ impl Sim {
         let end = self.clock.step + count;
         self.cut();
         let mut stepping = std::mem::take(&mut self.stepping);
-        let done = self.grow_while_full(|sim| match sim.law {
-            AnyLaw::HertzHistory(law) => stepping.steps(&mut sim.world(), &law, end),
-            AnyLaw::HertzTsuji(law) => stepping.steps(&mut sim.world(), &law, end),
+        let done = self.grow_while_full(|sim| {
+            let law = sim.law;
+            let mut world = sim.world();
+            let done = match law {
+                AnyLaw::HertzHistory(law) => stepping.steps(&mut world, &law, end),
+                AnyLaw::HertzTsuji(law) => stepping.steps(&mut world, &law, end),
+            };
+            (sim.skin, sim.reach) = (world.skin, world.reach);
+            done
         });
         self.stepping = stepping;
         done

@@ -2,22 +2,31 @@
 //! are the kernel's and any cut into ranges gives the bits of one range, so nothing here can change
 //! a result.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
 use bitgrain_kernel::law::Law;
 use bitgrain_kernel::motion::{Moving, Pass, Passed, pass};
 use bitgrain_kernel::push::{After, Deep, Part, Sight, Span, Spill, first_deep, spill, sum};
 use bitgrain_kernel::step::{drift, find_who_touches, finish, judge};
 use bitgrain_kernel::touch::{TouchPart, push_obstacles};
-use bitgrain_kernel::{Fault, World, check_arithmetic};
+use bitgrain_kernel::{Fault, Row, World, check_arithmetic};
+use prefetch_index::prefetch_index;
 
 use rayon::ThreadPoolBuilder;
 
 use crate::error::{Error, Result};
 use crate::registers::{Job, Registers};
+use crate::skin::{Lists, Skin};
 
 type Fallible<T> = std::result::Result<T, Fault>;
 
 /// Fewest grains of a range: handing over less costs more than it saves.
 const RANGE_MIN: usize = 500;
+
+/// Grains of a range whose rows, 160 bytes each, are near enough by themselves: hints cost some
+/// twentieth of a step, and save a fifth of one where rows come from far.
+const NEAR: usize = 30_000;
 
 /// How a simulation steps: speed only, never a bit.
 #[derive(Debug)]
@@ -26,6 +35,9 @@ pub struct Stepping {
     pub registers: Registers,
     /// Fewest grains of a thread's range.
     pub range_min: usize,
+    /// Whether skin and reach are chosen anew from what they cost while it steps.
+    pub tunes: bool,
+    skin: Skin,
     /// What pairs of two ranges give.
     spills: Vec<Spill<f64>>,
 }
@@ -36,6 +48,7 @@ impl Clone for Stepping {
         Self {
             registers: self.registers,
             range_min: self.range_min,
+            tunes: self.tunes,
             ..Self::default()
         }
     }
@@ -46,6 +59,8 @@ impl Default for Stepping {
         Self {
             registers: Registers::best(),
             range_min: RANGE_MIN,
+            tunes: true,
+            skin: Skin::default(),
             spills: Vec::new(),
         }
     }
@@ -96,7 +111,22 @@ impl Stepping {
         law: &L,
         end: u64,
     ) -> Fallible<()> {
+        if world.cuts.is_empty() {
+            self.steps_here(world, law, end)
+        } else {
+            awake(|| self.steps_here(world, law, end))
+        }
+    }
+
+    /// [`Stepping::steps`], on threads that are awake.
+    fn steps_here<L: Law<f64>>(
+        &mut self,
+        world: &mut World<'_, f64>,
+        law: &L,
+        end: u64,
+    ) -> Fallible<()> {
         let with = self.registers;
+        self.skin.pause();
         if world.clock.step < end && world.clock.rests() {
             let cuts = world.cuts;
             let passed = each(
@@ -108,7 +138,7 @@ impl Stepping {
             drift(world, passed)?;
         }
         while world.clock.step < end {
-            find_who_touches(world)?;
+            self.renew(world)?;
             let last = world.clock.step + 1 == end;
             let passed = self.push_and_move(world, law, last)?;
             finish(world, passed)?;
@@ -116,6 +146,17 @@ impl Stepping {
                 drift(world, passed)?;
             }
         }
+        Ok(())
+    }
+
+    /// Renews the pair list where it is too old, and learns what that costs.
+    fn renew(&mut self, world: &mut World<'_, f64>) -> Fallible<()> {
+        if !self.tunes {
+            return find_who_touches(world);
+        }
+        let (before, began) = (Lists::of(world), Instant::now());
+        find_who_touches(world)?;
+        self.skin.learn(world, before, began);
         Ok(())
     }
 
@@ -127,7 +168,7 @@ impl Stepping {
         last: bool,
     ) -> Fallible<Passed<f64>> {
         let (with, cuts) = (self.registers, world.cuts);
-        let (part, touch) = world.pushing();
+        let (part, touch) = world.pushing(world.dt);
         let hit = with.run(Touch(part, touch, law));
 
         let count = world.clock.listed_across();
@@ -143,7 +184,7 @@ impl Stepping {
         }
 
         let spills = &*spills;
-        let (part, _) = world.pushing();
+        let (part, _) = world.pushing(world.dt);
         let work = |part, _| with.run(Sum(part, law, spills, last));
         let join = |(a, p): (Deep, Passed<f64>), (b, q)| (first_deep(a, b), p.and(q));
         let (within, passed) = each(part, cuts, &work, &join);
@@ -151,6 +192,43 @@ impl Stepping {
         Ok(passed)
     }
 }
+
+/// Does a job on one thread of a pool while the others keep looking for parts of it: a phase is so
+/// short that a thread which fell asleep would come too late.
+fn awake<T: Send>(job: impl FnOnce() -> T + Send) -> T {
+    /// Ends the looking, also where the job panics.
+    struct Done<'a>(&'a AtomicBool);
+    impl Drop for Done<'_> {
+        fn drop(&mut self) {
+            self.0.store(true, Ordering::Release);
+        }
+    }
+    let here = rayon::current_thread_index();
+    let done = AtomicBool::new(false);
+    rayon::scope(|scope| {
+        let done = &done;
+        scope.spawn_broadcast(move |_, context| {
+            let mut idle = 0u32;
+            // The thread of the job comes here only when the job is over.
+            while Some(context.index()) != here && !done.load(Ordering::Acquire) {
+                if rayon::yield_now() == Some(rayon::Yield::Executed) {
+                    idle = 0;
+                } else if idle < PATIENCE {
+                    idle += 1;
+                    std::hint::spin_loop();
+                } else {
+                    // More threads than cores: let another one run.
+                    std::thread::yield_now();
+                }
+            }
+        });
+        let _done = Done(done);
+        job()
+    })
+}
+
+/// Looks without success after which a thread offers its core to others.
+const PATIENCE: u32 = 1000;
 
 /// Cuts the grains into ranges of about equal work, by the lower grains of the listed pairs, which
 /// ascend: the places where ranges end, but for the last.
@@ -273,8 +351,7 @@ impl<L: Law<f64>> Job for Touch<'_, L> {
 
     #[inline(always)]
     fn run(mut self) -> Deep {
-        let dt = self.0.grains.dt;
-        push_obstacles(&mut self.0.grains, &mut self.1, self.2, dt, |_| {})
+        push_obstacles(&mut self.0, &mut self.1, self.2, |_| {})
     }
 }
 
@@ -290,6 +367,12 @@ impl<L: Law<f64>> Job for Across<'_, L> {
     }
 }
 
+/// The hint.
+#[inline(always)]
+fn near(rows: &[Row<f64>], place: usize) {
+    prefetch_index(rows, place);
+}
+
 /// A range, what pairs across it give, and whether this is the last of several steps.
 struct Sum<'a, L>(Part<'a, f64>, &'a L, &'a [Spill<f64>], bool);
 
@@ -299,14 +382,14 @@ impl<L: Law<f64>> Job for Sum<'_, L> {
     #[inline(always)]
     fn run(self) -> Self::Output {
         let Sum(mut part, law, spills, last) = self;
-        let dt = part.grains.dt;
         let grains = part.first..part.first + part.grains.position.len();
         let place = |i: usize| spills.partition_point(|one| (one.i as usize) < i);
         let own = &spills[place(grains.start)..place(grains.end)];
         let lower = spills[..place(grains.start)].iter();
         let lower = lower.filter(|one| grains.contains(&(one.j as usize)));
         let after = if last { After::Rest } else { After::GoOn };
-        sum(&mut part, law, dt, lower, own, |_| {}, after)
+        let fetch = (part.grains.position.len() > NEAR).then_some(near);
+        sum(&mut part, law, lower, own, |_| {}, fetch, after)
     }
 }
 

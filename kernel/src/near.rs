@@ -59,7 +59,7 @@ fn list<R: Real>(
     let rows = &*picking.candidates.row;
     let mut cuts = picking.cuts.iter().copied();
     let mut end = cuts.next().unwrap_or(u32::MAX);
-    let (mut inner, mut across) = (0usize, 0usize);
+    let (mut inner, mut across, mut touching) = (0usize, 0usize, 0usize);
     for (i, x) in picking.position.iter().enumerate() {
         while i as u32 >= end {
             end = cuts.next().unwrap_or(u32::MAX);
@@ -68,8 +68,11 @@ fn list<R: Real>(
         for &j in row.get(at(rows, i) as usize..).unwrap_or_default() {
             let y = at(picking.position, j as usize);
             let d = picking.domain.separation(head(*x), head(y));
-            let reach = (x[3] + y[3]) + picking.near;
-            let is_near = dot(d, d) < reach * reach;
+            let touch = x[3] + y[3];
+            let reach = touch + picking.near;
+            let distance2 = dot(d, d);
+            let is_near = distance2 < reach * reach;
+            touching += usize::from(distance2 < touch * touch);
             if j < end {
                 // Written always, kept only when near: no branch to mispredict.
                 set(spare.lower, inner, i as u32);
@@ -102,6 +105,7 @@ fn list<R: Real>(
     Ok(Listed {
         inner,
         pairs,
+        touching,
         ..old
     })
 }

@@ -41,6 +41,8 @@ pub(crate) struct Listed {
     pub inner: usize,
     /// All pairs.
     pub pairs: usize,
+    /// Pairs that touched when they were listed; for timings only.
+    pub touching: usize,
     /// Obstacle contacts.
     pub touches: usize,
 }

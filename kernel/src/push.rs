@@ -74,6 +74,8 @@ pub struct Part<'a, R> {
     pub grains: Moving<'a, R>,
     /// Its pairs.
     pub pairs: Span<'a, R>,
+    /// Time that the tangential springs advance by; 0 at step 0.
+    pub dt: R,
 }
 
 impl<R: Real> Part<'_, R> {
@@ -88,11 +90,13 @@ impl<R: Real> Part<'_, R> {
             first: self.first,
             grains: left,
             pairs: within,
+            dt: self.dt,
         };
         let right = Self {
             first: middle,
             grains: right,
             pairs: others,
+            dt: self.dt,
         };
         (left, right)
     }
@@ -208,6 +212,11 @@ pub fn spill<R: Real, L: Law<R>>(
     deep
 }
 
+/// No hint; see [`sum`].
+pub const fn no_fetch<R>() -> Option<fn(&[Row<R>], usize)> {
+    None
+}
+
 /// What becomes of a grain whose sum is complete.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum After {
@@ -224,18 +233,20 @@ pub enum After {
 ///
 /// `lower` are spills whose higher grain is in the range, `own` those whose lower grain is, both in
 /// order. With one range over all grains both are empty, and this is the definition. `watch` sees
-/// every contact evaluated here (not the spills); it cannot change one.
+/// every contact evaluated here (not the spills); it cannot change one. `fetch`, where there is one, is
+/// called a block ahead with rows and a place that will be wanted: a hint to bring them near, for
+/// worlds larger than a cache.
 #[inline(always)]
 pub fn sum<'s, R: Real, L: Law<R>>(
     range: &mut Part<'_, R>,
     law: &L,
-    dt: R,
     lower: impl Iterator<Item = &'s Spill<R>>,
     own: &[Spill<R>],
     mut watch: impl FnMut(Pushed<R>),
+    fetch: Option<impl Fn(&[Row<R>], usize)>,
     after: After,
 ) -> (Deep, Passed<R>) {
-    let first = range.first;
+    let (first, dt) = (range.first, range.dt);
     let Part { grains, pairs, .. } = range;
     // Copies of its own: the compiler must see that nothing written here can change them.
     let (law, domain) = (*law, *grains.domain);
@@ -259,6 +270,16 @@ pub fn sum<'s, R: Real, L: Law<R>>(
             spin: grains.spin,
         };
         let (lower, partner) = take(&mut block, bodies, pairs, done);
+        if let Some(fetch) = &fetch {
+            for j in pairs.partner.iter().skip(done + BLOCK).take(BLOCK) {
+                let j = (*j as usize).wrapping_sub(first);
+                fetch(bodies.position, j);
+                fetch(bodies.velocity, j);
+                fetch(bodies.spin, j);
+                fetch(grains.force, j);
+                fetch(grains.torque, j);
+            }
+        }
         block.evaluate(&domain, &law, dt);
         keep(&block, pairs, done);
         for ((i, j), (push, couple, arm_i, arm_j)) in lower.iter().zip(partner).zip(block.shares())

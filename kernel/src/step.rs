@@ -7,7 +7,7 @@ use crate::law::Law;
 use crate::motion::{Pass, Passed, pass};
 use crate::near::{Picking, pick};
 use crate::pairs::{Bond, Listed};
-use crate::push::{After, Deep, Pushed, sum};
+use crate::push::{After, Deep, Pushed, no_fetch, sum};
 use crate::real::{Real, smaller};
 use crate::rows::at;
 use crate::search::{Scene, search};
@@ -258,10 +258,18 @@ fn push_and_sum<R: Real, L: Law<R>>(
     dt: R,
     mut watch: impl FnMut(Pushed<R>),
 ) -> Result<(), Fault> {
-    let (mut part, mut touch) = world.pushing();
-    let hit = push_obstacles(&mut part.grains, &mut touch, law, dt, &mut watch);
+    let (mut part, mut touch) = world.pushing(dt);
+    let hit = push_obstacles(&mut part, &mut touch, law, &mut watch);
     let none = core::iter::empty();
-    let (deep, _) = sum(&mut part, law, dt, none, &[], &mut watch, After::Stay);
+    let (deep, _) = sum(
+        &mut part,
+        law,
+        none,
+        &[],
+        &mut watch,
+        no_fetch::<R>(),
+        After::Stay,
+    );
     judge(world, hit, deep)
 }
 

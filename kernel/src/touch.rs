@@ -6,7 +6,7 @@ use crate::law::{Contact, Law};
 use crate::motion::Moving;
 use crate::obstacle::Obstacle;
 use crate::pairs::{PLACE, TOUCHING};
-use crate::push::{Deep, Partner, Pushed};
+use crate::push::{Deep, Part, Partner, Pushed};
 use crate::real::{Real, smaller};
 use crate::rows::{at, gain, lose, row};
 use crate::vec3::{Vec3, add, cross, head, scale, sub};
@@ -28,12 +28,12 @@ pub struct TouchPart<'a, R> {
 /// and obstacle that overlap too deep. `watch` sees every contact and cannot change one.
 #[inline(always)]
 pub fn push_obstacles<R: Real, L: Law<R>>(
-    grains: &mut Moving<'_, R>,
+    part: &mut Part<'_, R>,
     touch: &mut TouchPart<'_, R>,
     law: &L,
-    dt: R,
     mut watch: impl FnMut(Pushed<R>),
 ) -> Deep {
+    let (grains, dt) = (&mut part.grains, part.dt);
     let mut deep = None;
     for body in touch.obstacles.iter_mut() {
         body.force = [R::ZERO; 3];

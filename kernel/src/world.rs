@@ -63,6 +63,7 @@ impl<R: Real> Clock<R> {
         listed: Listed {
             inner: 0,
             pairs: 0,
+            touching: 0,
             touches: 0,
         },
         cut: 0,
@@ -88,6 +89,11 @@ impl<R: Real> Clock<R> {
     /// Grain pairs listed.
     pub fn listed(&self) -> usize {
         self.listed.pairs
+    }
+
+    /// Those of them that touched when they were listed: for timings only.
+    pub fn listed_touching(&self) -> usize {
+        self.listed.touching
     }
 
     /// Those of them whose grains are in two ranges; see [`World::cuts`].
@@ -167,9 +173,10 @@ impl<R: Real> World<'_, R> {
         }
     }
 
-    /// All grains and the pairs within ranges of them, and the obstacle contacts.
+    /// All grains and the pairs within ranges of them, and the obstacle contacts; `dt` is the time by
+    /// which springs advance.
     #[inline(always)]
-    pub fn pushing(&mut self) -> (Part<'_, R>, TouchPart<'_, R>) {
+    pub fn pushing(&mut self, dt: R) -> (Part<'_, R>, TouchPart<'_, R>) {
         let listed = self.clock.listed;
         let (g, pairs) = (&mut self.grains, &mut self.pairs);
         let touch = TouchPart {
@@ -201,6 +208,7 @@ impl<R: Real> World<'_, R> {
             first: 0,
             grains,
             pairs: span,
+            dt,
         };
         (part, touch)
     }

@@ -2,7 +2,7 @@
 
 use bitgrain_kernel::law::Law;
 use bitgrain_kernel::motion::{Pass, pass};
-use bitgrain_kernel::push::{After, Spill, spill, sum};
+use bitgrain_kernel::push::{After, Spill, no_fetch, spill, sum};
 use bitgrain_kernel::step::{drift, find_who_touches, finish, judge};
 use bitgrain_kernel::touch::push_obstacles;
 use bitgrain_kernel::{Fault, World};
@@ -13,14 +13,14 @@ pub fn step_cut(world: &mut World<'_, f64>, law: &impl Law<f64>) -> Result<(), F
     let passed = pass(&mut world.moving(), Pass::Drift);
     drift(world, passed)?;
     find_who_touches(world)?;
-    let (mut part, mut touch) = world.pushing();
-    let hit = push_obstacles(&mut part.grains, &mut touch, law, dt, |_| {});
+    let (mut part, mut touch) = world.pushing(dt);
+    let hit = push_obstacles(&mut part, &mut touch, law, |_| {});
 
     let (sight, across) = world.across();
     let mut spills = vec![Spill::default(); across.len()];
     spill(sight, across, law, &mut spills);
     let cuts = world.cuts;
-    let (mut rest, _) = world.pushing();
+    let (mut rest, _) = world.pushing(dt);
     let mut parts = Vec::new();
     let mut begin = 0;
     for &end in cuts {
@@ -41,7 +41,7 @@ pub fn step_cut(world: &mut World<'_, f64>, law: &impl Law<f64>) -> Result<(), F
             .copied()
             .filter(|one| grains.contains(&(one.i as usize)))
             .collect();
-        deep = sum(part, law, dt, lower, &own, |_| {}, After::Stay)
+        deep = sum(part, law, lower, &own, |_| {}, no_fetch(), After::Stay)
             .0
             .or(deep);
     }

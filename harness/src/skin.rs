@@ -1,0 +1,97 @@
+//! How far to list pairs: chosen from what it costs, while a simulation runs. It has no effect on any
+//! bit.
+//!
+//! A wider skin has more pairs evaluated that do not touch; a narrower one has the list picked anew
+//! more often. Where the number of those pairs grows with a power `p` of the skin and the steps that a
+//! list lasts grow with the skin itself, the sum is least where picking costs `p` times as much as
+//! the pairs that do not touch. The reach of the candidates likewise weighs searches against picking.
+
+use std::time::{Duration, Instant};
+
+use bitgrain_kernel::World;
+
+/// Power of the skin that the number of near pairs grows with, in a bed that was shaken or sheared.
+const POWER: f64 = 0.7;
+
+/// A change of the skin at a time: small, so that a wrong time of a busy machine does little.
+const CHANGE: f64 = 1.1;
+
+/// Skins and reaches are kept within these parts of a grain's radius.
+const SKINS: [f64; 2] = [1e-4, 0.4];
+const REACHES: [f64; 2] = [0.02, 1.0];
+
+/// What is known of the costs.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Skin {
+    /// When stepping with the present list began.
+    since: Option<Instant>,
+    /// Time that picking took since the last search.
+    picking: Duration,
+}
+
+/// The lists at a moment: what a renewal changes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Lists {
+    searches: u64,
+    renewals: u64,
+    listed: usize,
+    touching: usize,
+}
+
+impl Lists {
+    pub fn of(world: &World<'_, f64>) -> Self {
+        Self {
+            searches: world.clock.searches(),
+            renewals: world.clock.renewals(),
+            listed: world.clock.listed(),
+            touching: world.clock.listed_touching(),
+        }
+    }
+}
+
+impl Skin {
+    /// Steps do not go on from here: what follows is no part of what a list costs.
+    pub fn pause(&mut self) {
+        self.since = None;
+    }
+
+    /// Takes note of a renewal, if there was one since `began`, when the lists were as `before`; changes
+    /// skin and reach for the next one.
+    pub fn learn(&mut self, world: &mut World<'_, f64>, before: Lists, began: Instant) {
+        let now = Lists::of(world);
+        if now.renewals == before.renewals {
+            return;
+        }
+        let renewing = began.elapsed();
+        if now.searches > before.searches {
+            // Candidates grow with about the reach, and so does what picking looks at in vain.
+            let vain = self.picking.mul_f64(0.5);
+            if !self.picking.is_zero() {
+                world.reach *= if renewing > vain {
+                    CHANGE
+                } else {
+                    1.0 / CHANGE
+                };
+            }
+            self.picking = Duration::ZERO;
+        } else {
+            self.picking += renewing;
+            if let Some(since) = self.since {
+                let stepping = began.saturating_duration_since(since);
+                // A grain costs about as much as a pair.
+                let idle = before.listed.saturating_sub(before.touching);
+                let share = idle as f64 / (before.listed + world.grains.count()).max(1) as f64;
+                let vain = stepping.mul_f64(POWER * share);
+                world.skin *= if renewing > vain {
+                    CHANGE
+                } else {
+                    1.0 / CHANGE
+                };
+            }
+        }
+        let radius = world.grains.position.first().map_or(0.0, |x| x[3]);
+        world.skin = world.skin.clamp(SKINS[0] * radius, SKINS[1] * radius);
+        world.reach = world.reach.clamp(REACHES[0] * radius, REACHES[1] * radius);
+        self.since = Some(Instant::now());
+    }
+}
