@@ -17,7 +17,7 @@ use crate::order::spatial_order;
 use crate::progress::Progress;
 use crate::scenario;
 use crate::sim::{Grain, Sim, hex, sphere_mass};
-use crate::stepping::on_threads;
+use crate::threads::on_threads;
 
 /// Steps before the clock starts.
 const WARM_UP: u64 = 500;

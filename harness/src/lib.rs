@@ -57,4 +57,5 @@ pub mod sim;
 mod skin;
 pub mod stepping;
 pub mod summary;
+pub mod threads;
 pub mod units;

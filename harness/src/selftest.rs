@@ -8,7 +8,7 @@ use bitgrain_kernel::{BITS_VERSION, Fault, Real, check_arithmetic};
 use crate::error::{Error, Result};
 use crate::registers::Registers;
 use crate::sim::{AnyLaw, Sim};
-use crate::stepping::on_threads;
+use crate::threads::on_threads;
 
 /// The published lines, one for each digest.
 const PUBLISHED: &str = include_str!("../../golden/digests/reference.snap.txt");

@@ -7,7 +7,8 @@ use bitgrain_kernel::{
 };
 use serde::{Deserialize, Serialize};
 
-use crate::stepping::{Stepping, cut, threads};
+use crate::stepping::Stepping;
+use crate::threads::{cut, threads};
 
 /// A contact law with its numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

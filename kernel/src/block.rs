@@ -10,7 +10,7 @@ use crate::domain::Domain;
 use crate::grains::Row;
 use crate::law::{Law, Press, Slide, Squeeze, roll, slide};
 use crate::real::{Real, smaller};
-use crate::rows::{copy, front, front_mut, less};
+use crate::rows::{copy, fewer, front, front_mut, less};
 use crate::vec3::{Vec3, add, cross, dot, either, head, scale};
 
 /// Pairs of a block: enough that filling and emptying it costs little, few enough for the nearest
@@ -137,11 +137,8 @@ impl<R: Real> Block<R> {
     ) {
         self.count = 0;
         // One length for all rows, so that a place is checked once for all of them.
-        let grains = bodies
-            .position
-            .len()
-            .min(bodies.velocity.len())
-            .min(bodies.spin.len());
+        let grains = fewer(bodies.position.len(), bodies.velocity.len());
+        let grains = fewer(grains, bodies.spin.len());
         let position = front(bodies.position, grains);
         let velocity = front(bodies.velocity, grains);
         let spin = front(bodies.spin, grains);
@@ -302,13 +299,13 @@ impl<R: Real> Block<R> {
         if any == 0 {
             return None;
         }
-        (0..self.count.min(BLOCK)).find(|&k| too_deep(k))
+        (0..fewer(self.count, BLOCK)).find(|&k| too_deep(k))
     }
 
     /// Overlap, normal, normal force and tangential force of each pair that touches.
     #[inline(always)]
     pub fn seen(&self, mut show: impl FnMut(usize, R, Vec3<R>, R, Vec3<R>)) {
-        for k in 0..self.count.min(BLOCK) {
+        for k in 0..fewer(self.count, BLOCK) {
             if self.overlap[k] > R::ZERO {
                 show(
                     k,

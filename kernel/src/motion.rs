@@ -6,7 +6,7 @@ use crate::domain::Domain;
 use crate::fault::Fault;
 use crate::grains::{Group, Row};
 use crate::real::{Real, larger};
-use crate::rows::{halves, halves_mut, part, part_mut, plus, row, times};
+use crate::rows::{fewer, halves, halves_mut, part, part_mut, plus, row, times};
 use crate::vec3::{dot, head};
 
 /// What a pass of motion reads and writes for a range of grains; ranges share nothing that is
@@ -79,9 +79,9 @@ impl<'a, R: Real> Moving<'a, R> {
     /// How many grains have all their rows.
     #[inline(always)]
     pub fn count(&self) -> usize {
-        let rows = self.position.len().min(self.velocity.len());
-        let rows = rows.min(self.spin.len());
-        rows.min(self.force.len()).min(self.torque.len())
+        let moving = fewer(self.position.len(), self.velocity.len());
+        let pushed = fewer(self.force.len(), self.torque.len());
+        fewer(fewer(moving, self.spin.len()), pushed)
     }
 
     /// The grains from `begin` to `end` of the range, lent.

@@ -21,7 +21,7 @@ use crate::grains::Row;
 use crate::law::Law;
 use crate::motion::{Moving, Pass, Passed, pass};
 use crate::real::Real;
-use crate::rows::{at, copy, gain, halves, halves_mut, lose, part, part_mut, times};
+use crate::rows::{at, copy, fewer, gain, halves, halves_mut, lose, part, part_mut, times};
 use crate::vec3::Vec3;
 
 /// Listed pairs, one after the other, with their springs.
@@ -212,8 +212,11 @@ pub fn spill<R: Real, L: Law<R>>(
     deep
 }
 
-/// No hint; see [`sum`].
-pub const fn no_fetch<R>() -> Option<fn(&[Row<R>], usize)> {
+/// A hint that a row will be wanted; see [`sum`].
+pub type Fetch<R> = fn(&[Row<R>], usize);
+
+/// No hint.
+pub const fn no_fetch<R>() -> Option<Fetch<R>> {
     None
 }
 
@@ -347,7 +350,7 @@ fn take<'a, R: Real>(
     pairs: &mut Span<'a, R>,
     from: usize,
 ) -> (&'a [u32], &'a [u32]) {
-    let to = smaller_of(from + BLOCK, pairs.len());
+    let to = fewer(from + BLOCK, pairs.len());
     let (lower, partner) = (part(pairs.lower, from, to), part(pairs.partner, from, to));
     let [x, y, z] = &pairs.spring;
     block.fill(
@@ -357,11 +360,6 @@ fn take<'a, R: Real>(
         [part(x, from, to), part(y, from, to), part(z, from, to)],
     );
     (lower, partner)
-}
-
-#[inline(always)]
-fn smaller_of(a: usize, b: usize) -> usize {
-    if a < b { a } else { b }
 }
 
 /// Puts the springs of a block back among the pairs.

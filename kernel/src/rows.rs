@@ -112,3 +112,9 @@ pub(crate) fn copy<T: Copy>(to: &mut [T], from: &[T]) {
         to.copy_from_slice(from);
     }
 }
+
+/// The smaller of two numbers of entries.
+#[inline(always)]
+pub(crate) fn fewer(a: usize, b: usize) -> usize {
+    if a < b { a } else { b }
+}

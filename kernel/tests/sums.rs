@@ -3,12 +3,12 @@
 use bitgrain_kernel::law::Law;
 use bitgrain_kernel::vec3::{Vec3, add, cross, dot, head, scale, sub};
 use bitgrain_kernel::{
-    Digest, Domain, Fault, Group, Obstacle, Partner, Pushed, Store, World, digest, start,
+    Digest, Domain, Fault, Group, Obstacle, Partner, Pushed, Store, World, digest, start, step,
     step_watched,
 };
 use common::cases::cases;
 use common::crowd::{DENSE, PER_GRAIN, REDUCED, SI, Units, crowd, history, tsuji};
-use common::cuts::step_cut;
+use common::cuts::steps_cut;
 use proptest::prelude::*;
 
 mod common {
@@ -173,15 +173,27 @@ fn corner(deep: V, velocity: V, spin: V) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// The state of a crowd after 200 steps over ranges that end at `cuts`.
-fn after_cut_steps(seed: &[f64], cuts: &[u32]) -> Result<Digest, Fault> {
+/// The state of a crowd after 200 steps over ranges that end at `cuts`, so many at a time.
+fn after_cut_steps(seed: &[f64], cuts: &[u32], at_once: u64) -> Result<Digest, Fault> {
     let law = history(0.5);
     let mut store = crowd(seed, &DENSE, &REDUCED, 0.2);
     let mut world = store.world();
     world.cuts = cuts;
     start(&mut world, &law)?;
+    while world.clock.step < 200 {
+        steps_cut(&mut world, &law, at_once)?;
+    }
+    Ok(digest(&world))
+}
+
+/// The same by the definition of a step.
+fn after_steps(seed: &[f64]) -> Result<Digest, Fault> {
+    let law = history(0.5);
+    let mut store = crowd(seed, &DENSE, &REDUCED, 0.2);
+    let mut world = store.world();
+    start(&mut world, &law)?;
     for _ in 0..200 {
-        step_cut(&mut world, &law)?;
+        step(&mut world, &law)?;
     }
     Ok(digest(&world))
 }
@@ -215,13 +227,15 @@ proptest! {
     }
 
     #[test]
-    fn any_cut_into_ranges_gives_the_same_sums(
+    fn any_cut_into_ranges_gives_the_same_steps(
         seed in prop::collection::vec(0.0..1.0f64, PER_GRAIN * 64),
         cuts in prop::collection::btree_set(1..64u32, 1..12),
     ) {
-        let whole = after_cut_steps(&seed, &[]);
+        let whole = after_steps(&seed);
         prop_assume!(whole.is_ok());
         let cuts: Vec<u32> = cuts.into_iter().collect();
-        prop_assert_eq!(after_cut_steps(&seed, &cuts), whole);
+        for (cuts, at_once) in [(&[][..], 1), (&[], 50), (&cuts, 1), (&cuts, 200)] {
+            prop_assert_eq!(after_cut_steps(&seed, cuts, at_once), whole);
+        }
     }
 }

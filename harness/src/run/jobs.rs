@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
 use crate::error::Result;
-use crate::stepping::{no_threads, on_threads};
+use crate::threads::{no_threads, on_threads};
 
 /// Does `count` jobs, the longest first, and returns their results in order.
 ///

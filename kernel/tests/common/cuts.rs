@@ -1,24 +1,44 @@
-//! The forces of a world evaluated over ranges of its grains, as threads would.
+//! Several steps of a world over ranges of its grains, as threads would do them.
 
 use bitgrain_kernel::law::Law;
-use bitgrain_kernel::motion::{Pass, pass};
+use bitgrain_kernel::motion::{Pass, Passed, pass};
 use bitgrain_kernel::push::{After, Spill, no_fetch, spill, sum};
 use bitgrain_kernel::step::{drift, find_who_touches, finish, judge};
 use bitgrain_kernel::touch::push_obstacles;
 use bitgrain_kernel::{Fault, World};
 
-/// Does one step of a started world over the ranges that end at its cuts.
-pub fn step_cut(world: &mut World<'_, f64>, law: &impl Law<f64>) -> Result<(), Fault> {
-    let dt = world.dt;
+/// Does `count` steps of a started world over the ranges that end at its cuts: each grain goes on to
+/// the next step as soon as its sum is complete.
+pub fn steps_cut(world: &mut World<'_, f64>, law: &impl Law<f64>, count: u64) -> Result<(), Fault> {
+    if count == 0 {
+        return Ok(());
+    }
     let passed = pass(&mut world.moving(), Pass::Drift);
     drift(world, passed)?;
-    find_who_touches(world)?;
+    for n in 1..=count {
+        find_who_touches(world)?;
+        let after = if n < count { After::GoOn } else { After::Rest };
+        let passed = one(world, law, after)?;
+        finish(world, passed)?;
+        if n < count {
+            drift(world, passed)?;
+        }
+    }
+    Ok(())
+}
+
+fn one(
+    world: &mut World<'_, f64>,
+    law: &impl Law<f64>,
+    after: After,
+) -> Result<Passed<f64>, Fault> {
+    let dt = world.dt;
     let (mut part, mut touch) = world.pushing(dt);
     let hit = push_obstacles(&mut part, &mut touch, law, |_| {});
 
     let (sight, across) = world.across();
     let mut spills = vec![Spill::default(); across.len()];
-    spill(sight, across, law, &mut spills);
+    let mut deep = spill(sight, across, law, &mut spills);
     let cuts = world.cuts;
     let (mut rest, _) = world.pushing(dt);
     let mut parts = Vec::new();
@@ -29,23 +49,17 @@ pub fn step_cut(world: &mut World<'_, f64>, law: &impl Law<f64>) -> Result<(), F
         (begin, rest) = (end as usize, others);
     }
     parts.push(rest);
-    let mut deep = None;
+    let mut all = Passed::NONE;
     // The last first: the order in which ranges are done must not matter.
     for part in parts.iter_mut().rev() {
-        let grains = part.first..part.first + part.grains.position.len();
-        let lower = spills
-            .iter()
-            .filter(|one| grains.contains(&(one.j as usize)));
-        let own: Vec<_> = spills
-            .iter()
-            .copied()
-            .filter(|one| grains.contains(&(one.i as usize)))
-            .collect();
-        deep = sum(part, law, lower, &own, |_| {}, no_fetch(), After::Stay)
-            .0
-            .or(deep);
+        let grains = part.first..part.first + part.grains.count();
+        let has = |place: u32| grains.contains(&(place as usize));
+        let lower = spills.iter().filter(|one| has(one.j));
+        let own: Vec<_> = spills.iter().copied().filter(|one| has(one.i)).collect();
+        let (within, passed) = sum(part, law, lower, &own, |_| {}, no_fetch(), after);
+        deep = within.or(deep);
+        all = passed.and(all);
     }
     judge(world, hit, deep)?;
-    let passed = pass(&mut world.moving(), Pass::Kick);
-    finish(world, passed)
+    Ok(all)
 }

@@ -1,0 +1,142 @@
+//! Threads: how many there are, how grains are shared among them, and what keeps them at work. Any
+//! cut into ranges gives the bits of one range, so nothing here can change a result.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use bitgrain_kernel::check_arithmetic;
+use rayon::ThreadPoolBuilder;
+
+use crate::error::{Error, Result};
+
+/// Threads of the pool that this is called in; 1 outside of any.
+pub(crate) fn threads() -> usize {
+    if rayon::current_thread_index().is_some() {
+        rayon::current_num_threads()
+    } else {
+        1
+    }
+}
+
+/// Does a job on this many threads: those of a pool round it, or, for one, where it is called.
+///
+/// # Errors
+/// [`Error::Input`] where so many cannot be started, [`Error::Contract`] where one of them computes
+/// otherwise than the bit contract has it.
+pub fn on_threads<T: Send>(threads: usize, job: impl FnOnce() -> T + Send) -> Result<T> {
+    if threads <= 1 {
+        return Ok(job());
+    }
+    let pool = ThreadPoolBuilder::new().num_threads(threads).build();
+    let pool = pool.map_err(|e| no_threads(threads, &e))?;
+    // Each thread has a rounding mode of its own.
+    for checked in pool.broadcast(|_| check_arithmetic::<f64>()) {
+        checked.map_err(|fault| Error::run("a thread", 0, fault))?;
+    }
+    Ok(pool.install(job))
+}
+
+/// The refusal of a number of threads.
+pub(crate) fn no_threads(threads: usize, why: &dyn std::error::Error) -> Error {
+    let problem = format!("{threads} threads cannot be started: {why}");
+    Error::input("--threads", problem)
+}
+
+/// Does a job on one thread of a pool while the others keep looking for parts of it: a phase is so
+/// short that a thread which fell asleep would come too late.
+pub(crate) fn awake<T: Send>(job: impl FnOnce() -> T + Send) -> T {
+    /// Ends the looking, also where the job panics.
+    struct Done<'a>(&'a AtomicBool);
+    impl Drop for Done<'_> {
+        fn drop(&mut self) {
+            self.0.store(true, Ordering::Release);
+        }
+    }
+    let here = rayon::current_thread_index();
+    let done = AtomicBool::new(false);
+    rayon::scope(|scope| {
+        let done = &done;
+        scope.spawn_broadcast(move |_, context| {
+            let mut idle = 0u32;
+            // The thread of the job comes here only when the job is over.
+            while Some(context.index()) != here && !done.load(Ordering::Acquire) {
+                if rayon::yield_now() == Some(rayon::Yield::Executed) {
+                    idle = 0;
+                } else if idle < PATIENCE {
+                    idle += 1;
+                    std::hint::spin_loop();
+                } else {
+                    // More threads than cores: let another one run.
+                    std::thread::yield_now();
+                }
+            }
+        });
+        let _done = Done(done);
+        job()
+    })
+}
+
+/// Looks without success after which a thread offers its core to others.
+const PATIENCE: u32 = 1000;
+
+/// Cuts the grains into ranges of about equal work, by the lower grains of the listed pairs, which
+/// ascend: the places where ranges end, but for the last.
+pub(crate) fn cut(grains: usize, lower: &[u32], ranges: usize) -> Vec<u32> {
+    // A grain costs about as much as a pair.
+    let work = |i: usize| i + lower.partition_point(|&l| (l as usize) < i);
+    let mut cuts: Vec<u32> = Vec::new();
+    for range in 1..ranges {
+        let share = work(grains) * range / ranges;
+        let (mut from, mut to) = (0, grains);
+        while from < to {
+            let middle = from + (to - from) / 2;
+            if work(middle) < share {
+                from = middle + 1;
+            } else {
+                to = middle;
+            }
+        }
+        // No range is empty, however few the grains.
+        let least = cuts.last().map_or(1, |&before| before as usize + 1);
+        cuts.push(from.clamp(least, grains - (ranges - range)) as u32);
+    }
+    cuts
+}
+
+/// Something for a stretch of grains that splits into two stretches.
+pub(crate) trait Split: Sized + Send {
+    /// The first `grains` grains, and the others.
+    fn split(self, grains: usize) -> (Self, Self);
+}
+
+/// Does `work` for each range, side by side, and joins what it returns, lower ranges left. `work` is
+/// told the number of its range.
+pub(crate) fn each<P: Split, T: Send>(
+    piece: P,
+    cuts: &[u32],
+    work: &(impl Fn(P, usize) -> T + Sync),
+    join: &(impl Fn(T, T) -> T + Sync),
+) -> T {
+    halve(piece, cuts, 0, 0, work, join)
+}
+
+/// [`each`] for the ranges from number `range`, which begins at grain `begin`.
+fn halve<P: Split, T: Send>(
+    piece: P,
+    cuts: &[u32],
+    begin: u32,
+    range: usize,
+    work: &(impl Fn(P, usize) -> T + Sync),
+    join: &(impl Fn(T, T) -> T + Sync),
+) -> T {
+    let middle = cuts.len() / 2;
+    let Some(&cut) = cuts.get(middle) else {
+        return work(piece, range);
+    };
+    let (left, right) = piece.split((cut - begin) as usize);
+    let (before, after) = (&cuts[..middle], &cuts[middle + 1..]);
+    let (left, right) = rayon::join(
+        || halve(left, before, begin, range, work, join),
+        || halve(right, after, cut, range + middle + 1, work, join),
+    );
+    join(left, right)
+}
