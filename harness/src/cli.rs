@@ -170,7 +170,7 @@ const BENCH_HELP: &str = "\
 Examples:
   bitgrain bench --steps 2000
   bitgrain bench --bed golden/peers/bed200.data --steps 4000 --json
-  bitgrain bench --bed golden/peers/bed200.data --tiles 71 --steps 100    (a million grains)";
+  bitgrain bench --bed golden/peers/bed200.data --tiles 8 --steps 100";
 
 const SELFTEST_HELP: &str = "\
 Example:

@@ -16,7 +16,7 @@ use crate::vec3::{Vec3, add, cross, dot, either, head, scale};
 /// Pairs of a block: enough that filling and emptying it costs little, few enough for the nearest
 /// cache; fewer where the stack is small. A multiple of [`STRIDE`].
 pub(crate) const BLOCK: usize = if cfg!(any(target_arch = "arm", target_arch = "riscv32")) {
-    2
+    1
 } else {
     64
 };
@@ -42,7 +42,10 @@ pub(crate) struct Bodies<'a, R> {
 }
 
 /// The columns of a block.
-#[repr(align(64))]
+#[cfg_attr(
+    not(any(target_arch = "arm", target_arch = "riscv32")),
+    repr(align(64))
+)]
 pub(crate) struct Block<R> {
     count: usize,
     /// Position of the lower grain less that of the higher one; the last word is unused.

@@ -93,12 +93,9 @@ fn list<R: Real>(
         return Err(Fault::PairsFull { needed: pairs });
     }
     for column in [&mut *spare.lower, &mut *spare.partner] {
-        let first = capacity - across;
-        if let Some(tail) = column.get_mut(first..) {
-            tail.reverse();
-        }
+        turn_round(column, capacity - across);
         for k in 0..across {
-            let word = at(column, first + k);
+            let word = at(column, capacity - across + k);
             set(column, inner + k, word);
         }
     }
@@ -110,14 +107,27 @@ fn list<R: Real>(
     })
 }
 
+/// Reverses the words from a place on; the standard library's way can panic.
+fn turn_round(words: &mut [u32], from: usize) {
+    let end = words.len();
+    for k in 0..end.saturating_sub(from) / 2 {
+        let (a, b) = (at(words, from + k), at(words, end - 1 - k));
+        set(words, from + k, b);
+        set(words, end - 1 - k, a);
+    }
+}
+
 /// Both lists ascend, so one walk along each finds the pairs that stay.
 fn take_springs<R: Real>(old: &Pairs<'_, R>, had: Listed, new: &mut Pairs<'_, R>, has: Listed) {
     for stretch in [0..has.inner, has.inner..has.pairs] {
-        let mut kept = old.in_order(had).peekable();
+        let mut kept = old.in_order(had);
+        let mut at_hand = kept.next();
         for p in stretch {
             let pair = (at(new.lower, p), at(new.partner, p));
-            while kept.next_if(|&(i, j, _)| (i, j) < pair).is_some() {}
-            let same = kept.next_if(|&(i, j, _)| (i, j) == pair);
+            while at_hand.is_some_and(|(i, j, _)| (i, j) < pair) {
+                at_hand = kept.next();
+            }
+            let same = at_hand.filter(|&(i, j, _)| (i, j) == pair);
             let spring = same.map_or([R::ZERO; 3], |(_, _, from)| old.spring_of(from));
             new.set_spring(p, spring);
         }

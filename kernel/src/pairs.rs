@@ -71,25 +71,33 @@ pub enum Bond<R> {
     },
 }
 
-/// Two ascending streams of pairs as one.
-struct Merged<A: Iterator, B: Iterator> {
-    a: core::iter::Peekable<A>,
-    b: core::iter::Peekable<B>,
+/// The listed pairs by lower grain and partner: the two ascending parts of a list as one.
+pub(crate) struct InOrder<'a> {
+    lower: &'a [u32],
+    partner: &'a [u32],
+    /// What is left of the pairs within ranges, and of those of two ranges.
+    inner: core::ops::Range<usize>,
+    across: core::ops::Range<usize>,
 }
 
-impl<A, B> Iterator for Merged<A, B>
-where
-    A: Iterator<Item = (u32, u32, usize)>,
-    B: Iterator<Item = (u32, u32, usize)>,
-{
+impl Iterator for InOrder<'_> {
+    /// Lower grain, partner and entry.
     type Item = (u32, u32, usize);
 
     fn next(&mut self) -> Option<Self::Item> {
-        match (self.a.peek(), self.b.peek()) {
-            (Some(a), Some(b)) if b < a => self.b.next(),
-            (None, _) => self.b.next(),
-            _ => self.a.next(),
-        }
+        let entry = |p: usize| (at(self.lower, p), at(self.partner, p), p);
+        let (a, b) = (self.inner.start, self.across.start);
+        let from_across = if self.inner.is_empty() {
+            !self.across.is_empty()
+        } else {
+            !self.across.is_empty() && entry(b) < entry(a)
+        };
+        let stretch = if from_across {
+            &mut self.across
+        } else {
+            &mut self.inner
+        };
+        stretch.next().map(entry)
     }
 }
 
@@ -107,12 +115,13 @@ impl<R: Real> Pairs<'_, R> {
         self.partner.len() >= listed.pairs && self.touch_grain.len() >= listed.touches
     }
 
-    /// Lower grain, partner and entry of the listed pairs, by lower grain and partner.
-    pub(crate) fn in_order(&self, listed: Listed) -> impl Iterator<Item = (u32, u32, usize)> + '_ {
-        let entry = |p: usize| (at(self.lower, p), at(self.partner, p), p);
-        Merged {
-            a: (0..listed.inner).map(entry).peekable(),
-            b: (listed.inner..listed.pairs).map(entry).peekable(),
+    /// The listed pairs by lower grain and partner.
+    pub(crate) fn in_order(&self, listed: Listed) -> InOrder<'_> {
+        InOrder {
+            lower: self.lower,
+            partner: self.partner,
+            inner: 0..listed.inner,
+            across: listed.inner..listed.pairs,
         }
     }
 

@@ -261,7 +261,7 @@ pub fn sum<'s, R: Real, L: Law<R>>(
         lose(grains.force, j, &one.force);
         lose(grains.torque, j, &times(&one.couple, one.arm_j));
     }
-    let mut own = own.iter().peekable();
+    let mut own = own;
     let mut block = Block::new();
     let (mut deep, mut passed) = (None, Passed::NONE);
     let (mut finished, mut done) = (0, 0);
@@ -326,19 +326,17 @@ pub fn sum<'s, R: Real, L: Law<R>>(
     }
 }
 
-/// What the pairs with higher ranges give to grains below `next`.
+/// Takes what the pairs with higher ranges give to grains below `next`.
 #[inline(always)]
-fn take_own<'s, R: Real>(
-    grains: &mut Moving<'_, R>,
-    own: &mut core::iter::Peekable<core::slice::Iter<'s, Spill<R>>>,
-    first: usize,
-    next: usize,
-) {
-    let within = |one: &&Spill<R>| (one.i as usize).wrapping_sub(first) < next;
-    while let Some(one) = own.next_if(within) {
+fn take_own<R: Real>(grains: &mut Moving<'_, R>, own: &mut &[Spill<R>], first: usize, next: usize) {
+    while let [one, others @ ..] = *own {
         let i = (one.i as usize).wrapping_sub(first);
+        if i >= next {
+            return;
+        }
         gain(grains.force, i, &one.force);
         lose(grains.torque, i, &times(&one.couple, one.arm_i));
+        *own = others;
     }
 }
 

@@ -37,10 +37,10 @@ pub fn step_watched<R: Real, L: Law<R>>(
     watch: impl FnMut(Pushed<R>),
 ) -> Result<(), Fault> {
     find_who_may_touch(world)?;
-    let passed = pass(&mut world.moving(), Pass::Drift);
+    let passed = moved(world, Pass::Drift);
     drift(world, passed)?;
     push_and_sum(world, law, world.dt, watch)?;
-    let passed = pass(&mut world.moving(), Pass::Kick);
+    let passed = moved(world, Pass::Kick);
     finish(world, passed)
 }
 
@@ -72,7 +72,7 @@ pub fn start_watched<R: Real, L: Law<R>>(
     world.grains.force.fill([R::ZERO; 4]);
     world.grains.torque.fill([R::ZERO; 4]);
     push_and_sum(world, law, R::ZERO, watch)?;
-    let passed = pass(&mut world.moving(), Pass::Look);
+    let passed = moved(world, Pass::Look);
     rest(world, passed)
 }
 
@@ -93,7 +93,7 @@ pub fn resume<R: Real>(
             return Err(Fault::BadBond);
         }
     }
-    let passed = pass(&mut world.moving(), Pass::Look);
+    let passed = moved(world, Pass::Look);
     rest(world, passed)
 }
 
@@ -116,6 +116,12 @@ fn prepare<R: Real>(world: &mut World<'_, R>) -> Result<(), Fault> {
     world.clock.next_travel = R::ZERO;
     let travel = next_travel(world)?;
     renew(world, travel, &[])
+}
+
+/// A pass over all grains: one copy of it, for small machines.
+#[inline(never)]
+fn moved<R: Real>(world: &mut World<'_, R>, which: Pass) -> Passed<R> {
+    pass(&mut world.moving(), which)
 }
 
 /// The first joint of a step over one range, of a world that rests: lists pairs anew when the list
