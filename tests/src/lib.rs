@@ -10,7 +10,9 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use bitgrain::case::{self, Case, GrainSpec, ObstacleSpec};
+use bitgrain::checkpoint;
 use bitgrain::law::LawSpec;
+use bitgrain::sim::Sim;
 use serde_json::Value;
 
 /// The folder of the repository.
@@ -43,6 +45,15 @@ pub fn unpacked(name: &str) -> Vec<u8> {
         .read_to_end(&mut plain)
         .expect("the golden is whole");
     plain
+}
+
+/// The settled bed of `quick`, its ball set in motion.
+pub fn settled_quick() -> Sim {
+    let bytes = unpacked("quick/settled.safetensors.gz");
+    let sim = checkpoint::parse(&bytes, "the golden bed", None);
+    let mut sim = sim.expect("the golden bed is whole");
+    sim.obstacles[0].velocity = [2.0, 0.0, 0.0];
+    sim
 }
 
 /// A number of a JSON value.

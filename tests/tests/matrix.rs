@@ -10,16 +10,7 @@ use bitgrain::sim::{AnyLaw, Sim};
 use bitgrain::threads::on_threads;
 use bitgrain_kernel::Digest;
 use bitgrain_kernel::law::HertzTsuji;
-use bitgrain_tests::{golden, unpacked};
-
-/// The settled bed of `quick`, its ball set in motion.
-fn quick() -> Sim {
-    let bytes = unpacked("quick/settled.safetensors.gz");
-    let sim = checkpoint::parse(&bytes, "the golden bed", None);
-    let mut sim = sim.expect("the golden bed is whole");
-    sim.obstacles[0].velocity = [2.0, 0.0, 0.0];
-    sim
-}
+use bitgrain_tests::{golden, settled_quick};
 
 /// A settled bed of 10,000 grains round a ball that moves.
 fn large() -> Sim {
@@ -161,8 +152,8 @@ fn steps(release: usize) -> usize {
 
 #[test]
 fn no_knob_changes_a_bit_of_the_quick_bed() {
-    compare("quick", steps(240), &quick());
-    compare("quick, hertz_tsuji", steps(240), &tsuji(quick()));
+    compare("quick", steps(240), &settled_quick());
+    compare("quick, hertz_tsuji", steps(240), &tsuji(settled_quick()));
 }
 
 #[test]
@@ -174,7 +165,7 @@ fn no_knob_changes_a_bit_of_ten_thousand_grains() {
 /// Threads may come and go between steps: ranges are cut anew, and nothing is left of the old ones.
 #[test]
 fn the_number_of_threads_may_change_at_any_step() {
-    let (mut plain, mut other) = (quick(), quick());
+    let (mut plain, mut other) = (settled_quick(), settled_quick());
     other.stepping.range_min = 1;
     for n in 0..steps(240) {
         plain.step_watched(|_| {}).expect("a sound bed");
@@ -187,7 +178,7 @@ fn the_number_of_threads_may_change_at_any_step() {
 /// What the matrix would say of a state that is off by one unit in the last place.
 #[test]
 fn a_difference_is_named() {
-    let plain = quick();
+    let plain = settled_quick();
     let mut other = plain.clone();
     let y = &mut other.position[7][1];
     *y = y.next_up();

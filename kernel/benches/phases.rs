@@ -1,0 +1,276 @@
+//! The phases of a step one by one: contact block, picking of near pairs, sums, search, motion; on a
+//! lattice of 8,000 grains that all touch. `cargo bench -p bitgrain-kernel`.
+
+use std::hint::black_box;
+
+use bitgrain_kernel::law::{HertzHistory, HertzTsuji, Law};
+use bitgrain_kernel::motion::{Pass, pass};
+use bitgrain_kernel::push::{After, Part, Sight, Span, Spill, no_fetch, spill, sum};
+use bitgrain_kernel::step::find_who_may_touch;
+use bitgrain_kernel::{Candidates, Cells, Clock, Domain, Grains, Group, Pairs, Row, World};
+use bitgrain_kernel::{resume, start};
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use multiversion::multiversion;
+
+/// Grains along each side of the lattice, a little closer than their diameter of 1.
+const SIDE: usize = 20;
+const SPACING: f64 = 0.999;
+const GRAINS: usize = SIDE * SIDE * SIDE;
+/// Entries lent to the lists: each grain touches six others, and a half list has three of them.
+const ENTRIES: usize = 12 * GRAINS;
+
+const HISTORY: HertzHistory<f64> = HertzHistory {
+    kn: 2e5,
+    kt: 2.45e5,
+    gamma_n: 792.0,
+    gamma_t: 792.0,
+    mu: 0.5,
+};
+
+/// All that a world borrows, as a host with an allocator owns it.
+struct Bed {
+    domain: Domain<f64>,
+    groups: [Group<f64>; 1],
+    id: Vec<u32>,
+    group: Vec<u8>,
+    rows: [Vec<Row<f64>>; 5],
+    image: Vec<[i32; 3]>,
+    lists: [List; 2],
+    row: Vec<u32>,
+    candidate: Vec<u32>,
+    start: Vec<u32>,
+    cell: Vec<u32>,
+    clock: Clock<f64>,
+}
+
+struct List {
+    words: [Vec<u32>; 4],
+    spring: [Vec<f64>; 3],
+    touch_spring: Vec<Row<f64>>,
+}
+
+impl List {
+    fn new() -> Self {
+        let words = || vec![0; ENTRIES];
+        let numbers = || vec![0.0; ENTRIES];
+        Self {
+            words: [words(), words(), words(), words()],
+            spring: [numbers(), numbers(), numbers()],
+            touch_spring: vec![[0.0; 4]; ENTRIES],
+        }
+    }
+
+    fn lend(&mut self) -> Pairs<'_, f64> {
+        let [lower, partner, touch_grain, touch_obstacle] = &mut self.words;
+        Pairs {
+            lower,
+            partner,
+            spring: self.spring.each_mut().map(|s| &mut s[..]),
+            touch_grain,
+            touch_obstacle,
+            touch_spring: &mut self.touch_spring,
+        }
+    }
+}
+
+impl Bed {
+    fn new() -> Self {
+        let length = SIDE as f64 * SPACING;
+        let place = |k: usize| (k as f64 + 0.5) * SPACING;
+        let position = |k: usize| {
+            let (x, y, z) = (k % SIDE, k / SIDE % SIDE, k / (SIDE * SIDE));
+            [place(x), place(y), place(z), 0.5]
+        };
+        // Small motions that differ from grain to grain.
+        let wobble = |k: usize, w: f64| [0.01 * (k % 7) as f64, 0.01 * (k % 5) as f64, 0.0, w];
+        Self {
+            domain: Domain::new([0.0; 3], [length; 3], [true; 3]).expect("a box"),
+            groups: [Group::free([0.0; 3])],
+            id: (1..=GRAINS as u32).collect(),
+            group: vec![0; GRAINS],
+            rows: [
+                (0..GRAINS).map(position).collect(),
+                (0..GRAINS).map(|k| wobble(k, 0.5)).collect(),
+                (0..GRAINS).map(|k| wobble(k + 3, 0.0)).collect(),
+                vec![[0.0; 4]; GRAINS],
+                vec![[0.0; 4]; GRAINS],
+            ],
+            image: vec![[0; 3]; GRAINS],
+            lists: [List::new(), List::new()],
+            row: vec![0; GRAINS + 1],
+            candidate: vec![0; ENTRIES],
+            start: vec![0; 2 * GRAINS],
+            cell: vec![0; GRAINS],
+            clock: Clock::default(),
+        }
+    }
+
+    fn world(&mut self, skin: f64, reach: f64) -> World<'_, f64> {
+        let [position, velocity, spin, force, torque] = &mut self.rows;
+        let [first, second] = &mut self.lists;
+        World {
+            domain: &self.domain,
+            dt: 1e-4,
+            skin,
+            reach,
+            cuts: &[],
+            grains: Grains {
+                id: &self.id,
+                group: &self.group,
+                groups: &self.groups,
+                position,
+                velocity,
+                spin,
+                force,
+                torque,
+                image: &mut self.image,
+            },
+            obstacles: &mut [],
+            pairs: first.lend(),
+            spare: second.lend(),
+            candidates: Candidates {
+                row: &mut self.row,
+                partner: &mut self.candidate,
+            },
+            cells: Cells {
+                start: &mut self.start,
+                grain: &mut self.cell,
+            },
+            clock: &mut self.clock,
+        }
+    }
+}
+
+/// A started bed and how many pairs it lists, which all touch.
+fn started() -> (Bed, usize) {
+    let mut bed = Bed::new();
+    let mut world = bed.world(0.01, 0.1);
+    start(&mut world, &HISTORY).expect("a sound lattice");
+    let pairs = world.clock.listed();
+    assert_eq!(pairs, 3 * GRAINS, "six neighbours each");
+    assert_eq!(world.bonds().count(), pairs, "and all touch");
+    (bed, pairs)
+}
+
+// As in a host: one monomorphic copy for each law and instruction set.
+#[multiversion(targets("x86_64+avx2"))]
+fn sum_history(part: &mut Part<'_, f64>, law: &HertzHistory<f64>, spills: &[Spill<f64>]) {
+    sum_all(part, law, spills);
+}
+
+#[multiversion(targets("x86_64+avx2"))]
+fn sum_tsuji(part: &mut Part<'_, f64>, law: &HertzTsuji<f64>, spills: &[Spill<f64>]) {
+    sum_all(part, law, spills);
+}
+
+/// Evaluates and sums all pairs of a part, and spills to the higher and to the lower grains.
+#[inline(always)]
+fn sum_all<L: Law<f64>>(part: &mut Part<'_, f64>, law: &L, spills: &[Spill<f64>]) {
+    let lower = spills.iter();
+    black_box(sum(
+        part,
+        law,
+        lower,
+        spills,
+        |_| {},
+        no_fetch(),
+        After::Stay,
+    ));
+}
+
+#[multiversion(targets("x86_64+avx2"))]
+fn move_all(world: &mut World<'_, f64>) {
+    black_box(pass(&mut world.moving(), Pass::KickAndDrift));
+}
+
+/// Filling, law and sums of pairs that all touch; springs do not advance, so that every call does the
+/// same.
+fn contact_block(c: &mut Criterion) {
+    let (mut bed, pairs) = started();
+    let mut group = c.benchmark_group("contact block, per contact");
+    group.throughput(Throughput::Elements(pairs as u64));
+    let mut world = bed.world(0.01, 0.1);
+    group.bench_function("hertz_history", |b| {
+        b.iter(|| sum_history(black_box(&mut world.pushing(0.0).0), &HISTORY, &[]));
+    });
+    let tsuji = HertzTsuji::new(2e5, 0.3, 0.6, 0.5);
+    group.bench_function("hertz_tsuji", |b| {
+        b.iter(|| sum_tsuji(black_box(&mut world.pushing(0.0).0), &tsuji, &[]));
+    });
+    group.finish();
+}
+
+/// Near pairs picked from the candidates: without a skin every step does so.
+fn picking(c: &mut Criterion) {
+    let mut bed = Bed::new();
+    let mut world = bed.world(0.0, 0.5);
+    start(&mut world, &HISTORY).expect("a sound lattice");
+    let candidates = world.candidates.row[GRAINS];
+    let mut group = c.benchmark_group("picking, per candidate");
+    group.throughput(Throughput::Elements(u64::from(candidates)));
+    let before = world.clock.searches();
+    group.bench_function("near pairs", |b| {
+        b.iter(|| find_who_may_touch(black_box(&mut world)).expect("room enough"));
+    });
+    assert_eq!(world.clock.searches(), before, "candidates held");
+    assert!(world.clock.renewals() > 1, "and pairs were picked");
+    group.finish();
+}
+
+/// Forces of contacts that were evaluated before, given to their two grains.
+fn sums(c: &mut Criterion) {
+    let (mut bed, pairs) = started();
+    let mut world = bed.world(0.01, 0.1);
+    let mut spills = vec![Spill::default(); pairs];
+    let mut springs = [vec![0.0; pairs], vec![0.0; pairs], vec![0.0; pairs]];
+    let span = Span {
+        lower: &world.pairs.lower[..pairs],
+        partner: &world.pairs.partner[..pairs],
+        spring: springs.each_mut().map(|s| &mut s[..]),
+    };
+    let sight = Sight {
+        domain: world.domain,
+        position: world.grains.position,
+        velocity: world.grains.velocity,
+        spin: world.grains.spin,
+        dt: 0.0,
+    };
+    spill(sight, span, &HISTORY, &mut spills);
+    let mut group = c.benchmark_group("sums, per contact");
+    group.throughput(Throughput::Elements(pairs as u64));
+    group.bench_function("spills to both grains", |b| {
+        b.iter(|| {
+            let (mut part, _) = world.pushing(0.0);
+            part.pairs = part.pairs.split(0).0;
+            sum_history(black_box(&mut part), &HISTORY, &spills);
+        });
+    });
+    group.finish();
+}
+
+/// The search; with it, as always on taking up a state, the checks.
+fn rebuild(c: &mut Criterion) {
+    let (mut bed, _) = started();
+    let mut group = c.benchmark_group("rebuild, per grain");
+    group.throughput(Throughput::Elements(GRAINS as u64));
+    let mut world = bed.world(0.01, 0.1);
+    group.bench_function("search", |b| {
+        b.iter(|| resume(black_box(&mut world), []).expect("a sound state"));
+    });
+    group.finish();
+}
+
+/// The end of a step and the beginning of the next, of grains that nothing pushes.
+fn motion(c: &mut Criterion) {
+    let (mut bed, _) = started();
+    let mut group = c.benchmark_group("motion, per grain");
+    group.throughput(Throughput::Elements(GRAINS as u64));
+    let mut world = bed.world(0.01, 0.1);
+    group.bench_function("kick and drift", |b| {
+        b.iter(|| move_all(black_box(&mut world)));
+    });
+    group.finish();
+}
+
+criterion_group!(benches, contact_block, picking, sums, rebuild, motion);
+criterion_main!(benches);

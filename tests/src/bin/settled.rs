@@ -1,0 +1,25 @@
+//! Steps the settled bed of `quick` on one thread, with a fixed skin, and prints its digest: what the
+//! counts of instructions are taken of.
+//!
+//! `settled REGISTERS STEPS`, with `plain` or `avx2`.
+
+use bitgrain::registers::Registers;
+use bitgrain::sim::hex;
+use bitgrain_tests::settled_quick;
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let [registers, steps] = arguments.as_slice() else {
+        panic!("settled REGISTERS STEPS");
+    };
+    let mut sim = settled_quick();
+    sim.stepping.registers = match registers.as_str() {
+        "plain" => Registers::Plain,
+        "avx2" => Registers::Avx2,
+        other => panic!("{other} is neither plain nor avx2"),
+    };
+    sim.stepping.tunes = false;
+    sim.steps(steps.parse().expect("a number of steps"))
+        .expect("a settled bed");
+    println!("{}", hex(&sim.digest().whole));
+}

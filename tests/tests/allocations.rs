@@ -1,0 +1,41 @@
+//! A step allocates nothing once it has run for a while, on one thread and on several.
+
+use std::alloc::System;
+
+use bitgrain::threads::on_threads;
+use bitgrain_tests::settled_quick;
+use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
+
+#[global_allocator]
+static COUNTED: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
+
+/// What one call of so many steps asks of the allocator, after a warm-up. Counts are of the whole
+/// process, so this is one test.
+fn asked(threads: usize, steps: u64) -> usize {
+    let mut sim = settled_quick();
+    on_threads(threads, || {
+        // Lists and outboxes reach their sizes.
+        sim.steps(3000).unwrap();
+        let renewals = sim.renewals();
+        let region = Region::new(COUNTED);
+        sim.steps(steps).unwrap();
+        let change = region.change();
+        assert!(
+            steps < 100 || sim.renewals() > renewals,
+            "lists were renewed too"
+        );
+        change.allocations + change.reallocations
+    })
+    .unwrap()
+}
+
+#[test]
+fn a_step_allocates_nothing() {
+    let before = Region::new(COUNTED);
+    let made = vec![1u8; 1000];
+    assert_eq!(before.change().allocations, made.len() / 1000);
+    assert_eq!(asked(1, 2000), 0);
+    // What keeps threads awake is set up once in a call, however many steps that does.
+    let (few, many) = (asked(2, 10), asked(2, 2000));
+    assert!(many <= few + 2, "{few} in 10 steps, {many} in 2000");
+}
