@@ -121,36 +121,33 @@ pub fn tiled(one: &Sim, tiles: usize) -> Result<Sim> {
     let far = |a: usize| lo[a] + tiles as f64 * (hi[a] - lo[a]);
     let domain = Domain::new(lo, [far(0), far(1), hi[2]], one.domain.periodic());
     let domain = domain.map_err(|fault| Error::input("--tiles", format!("{tiles}: {fault}")))?;
-    let mut grains = Vec::with_capacity(one.count() * tiles * tiles);
-    for tile in 0..tiles * tiles {
-        let tile = [(tile % tiles) as f64, (tile / tiles) as f64];
-        for i in 0..one.count() {
-            let x = one.position[i];
-            let across = |a: usize| x[a] + tile[a] * (hi[a] - lo[a]);
-            let diameter = 2.0 * x[3];
-            grains.push(Grain {
-                id: 0,
-                group: one.group[i],
-                diameter,
-                density: one.velocity[i][3] / sphere_mass(diameter, 1.0),
-                position: [across(0), across(1), x[2]],
-                velocity: head(one.velocity[i]),
-                spin: head(one.spin[i]),
-            });
+    let n = one.count();
+    let position = |k: usize| {
+        let (tile, x) = (k / n, one.position[k % n]);
+        let across = |a: usize, tile: usize| x[a] + tile as f64 * (hi[a] - lo[a]);
+        [across(0, tile % tiles), across(1, tile / tiles), x[2]]
+    };
+    let place = |k: usize| {
+        let [x, y, z] = position(k);
+        [x, y, z, 0.0]
+    };
+    let places: Vec<Row<f64>> = (0..n * tiles * tiles).map(place).collect();
+    let order = spatial_order(&places, 1.0);
+    drop(places);
+    let grain = |(number, k): (usize, usize)| {
+        let i = k % n;
+        let diameter = 2.0 * one.position[i][3];
+        Grain {
+            id: number as u32 + 1,
+            group: one.group[i],
+            diameter,
+            density: one.velocity[i][3] / sphere_mass(diameter, 1.0),
+            position: position(k),
+            velocity: head(one.velocity[i]),
+            spin: head(one.spin[i]),
         }
-    }
-    let places: Vec<Row<f64>> = grains
-        .iter()
-        .map(|g| [g.position[0], g.position[1], g.position[2], 0.0])
-        .collect();
-    let mut sorted = Vec::with_capacity(grains.len());
-    for (k, i) in spatial_order(&places, 1.0).into_iter().enumerate() {
-        sorted.push(Grain {
-            id: k as u32 + 1,
-            ..grains[i]
-        });
-    }
-    drop((places, grains));
+    };
+    let sorted: Vec<Grain> = order.into_iter().enumerate().map(grain).collect();
     let groups = one.groups.clone();
     Ok(Sim::new(
         one.law,
@@ -214,7 +211,7 @@ pub fn bench(what: &Timing<'_>, progress: &Progress) -> Result<Speed> {
     };
     on_threads(threads, || stepped(&mut sim, WARM_UP))??;
     let ((before, ..), renewals) = (sim.search_counts(), sim.renewals());
-    let mut sims = vec![sim.clone(); copies - 1];
+    let mut sims: Vec<Sim> = (1..copies).map(|_| sim.clone()).collect();
     sims.push(sim);
     let stage = progress.stage("stepping", steps);
     let one = |k: usize, sim: &mut Sim| {

@@ -3,6 +3,8 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
+use bitgrain::bench::{SOFT_TIME_STEP, soft_law};
+use bitgrain::law::LawSpec;
 use bitgrain_tests::{SMALL, golden, output, root};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
@@ -202,4 +204,45 @@ fn the_readme_has_the_goldens_numbers() {
             .all(|(t, (least, most))| least <= t && t <= most);
         assert!(within, "{row} in {held:?}");
     }
+}
+
+/// The peers are timed under the law and the time step that `bitgrain bench` takes.
+#[test]
+fn the_peers_inputs_have_our_numbers() {
+    let LawSpec::HertzHistory {
+        kn,
+        kt,
+        gamma_n,
+        gamma_t,
+        mu,
+    } = soft_law()
+    else {
+        panic!("the bench has Kumar's law");
+    };
+    assert_eq!((kn, kt, mu), (2e5, 1.225 * 2e5, 0.5));
+    assert_eq!(
+        (gamma_n, gamma_t),
+        (gamma_n, 50000.0 * (kn / 2e8f64).powf(0.6))
+    );
+    let lammps = std::fs::read_to_string(golden("peers/speed.lmp")).unwrap();
+    for line in [
+        "variable    kn equal 2.0e5",
+        "variable    kt equal 1.225*${kn}",
+        "variable    gamma equal 50000.0*(${kn}/2.0e8)^0.6",
+        "gran/hertz/history ${kn} ${kt} ${gamma} ${gamma} 0.5 1",
+    ] {
+        assert!(lammps.contains(line), "{line}");
+    }
+    // K_n = (2/3) E / (1 - nu^2), and K_t / K_n = 3 (1 - nu) / (2 - nu), within 1 %.
+    let (young, poisson) = (2.73e5, 0.3);
+    let near = |a: f64, b: f64| (a / b - 1.0).abs() < 0.01;
+    assert!(near(2.0 / 3.0 * young / (1.0 - poisson * poisson), kn));
+    assert!(near(3.0 * (1.0 - poisson) / (2.0 - poisson), kt / kn));
+    let liggghts = std::fs::read_to_string(golden("peers/speed.liggghts")).unwrap();
+    assert!(liggghts.contains("youngsModulus peratomtype 2.73e5"));
+    assert!(liggghts.contains("poissonsRatio peratomtype 0.3"));
+    for input in [lammps, liggghts] {
+        assert!(input.contains("timestep    1.5e-4"));
+    }
+    assert_eq!(SOFT_TIME_STEP, 1.5e-4);
 }
