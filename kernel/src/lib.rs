@@ -25,9 +25,11 @@
 //!   every world does so as it starts.
 //!
 //! A host with threads makes a step of its phases, each over ranges of grains with disjoint output;
-//! any cut into ranges gives the same bits. In order: [`step::find_who_may_touch`],
-//! [`motion::kick_and_drift`], [`touch::push_obstacles`], [`push::spill`] and [`push::sum`],
-//! [`step::judge`], [`motion::kick`], [`step::finish`].
+//! any cut into ranges gives the same bits. In order: [`motion::pass`] that drifts and [`step::drift`];
+//! then, for each of several steps, [`step::find_who_touches`], [`touch::push_obstacles`],
+//! [`push::spill`] for the pairs of two ranges and [`push::sum`] for all others, which also ends the step
+//! of a grain and begins its next one as soon as its sum is complete, [`step::judge`] and
+//! [`step::finish`], and [`step::drift`] unless it was the last.
 //!
 //! # What it does not do
 //!

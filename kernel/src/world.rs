@@ -148,7 +148,8 @@ pub struct World<'a, R> {
 }
 
 impl<R: Real> World<'_, R> {
-    /// The contacts that touched in the last evaluation, by places; see [`Pairs::bonds`].
+    /// The contacts that touched in the last evaluation, by places: grain pairs by `(i, j)`, then obstacle
+    /// contacts by grain and obstacle.
     pub fn bonds(&self) -> impl Iterator<Item = Bond<R>> + '_ {
         let (domain, position) = (self.domain, &*self.grains.position);
         self.pairs.bonds(self.clock.listed, domain, position)
