@@ -16,8 +16,13 @@ const POWER: f64 = 0.7;
 /// A change of the skin at a time: small, so that a wrong time of a busy machine does little.
 const CHANGE: f64 = 1.1;
 
-/// Skins and reaches are kept within these parts of a grain's radius.
+fn change(wider: bool) -> f64 {
+    if wider { CHANGE } else { 1.0 / CHANGE }
+}
+
+/// Skins are kept within these parts of a grain's radius.
 const SKINS: [f64; 2] = [1e-4, 0.4];
+/// So are reaches.
 const REACHES: [f64; 2] = [0.02, 1.0];
 
 /// What is known of the costs.
@@ -67,11 +72,7 @@ impl Skin {
             // Candidates grow with about the reach, and so does what picking looks at in vain.
             let vain = self.picking.mul_f64(0.5);
             if !self.picking.is_zero() {
-                world.reach *= if renewing > vain {
-                    CHANGE
-                } else {
-                    1.0 / CHANGE
-                };
+                world.reach *= change(renewing > vain);
             }
             self.picking = Duration::ZERO;
         } else {
@@ -82,11 +83,7 @@ impl Skin {
                 let idle = before.listed.saturating_sub(before.touching);
                 let share = idle as f64 / (before.listed + world.grains.count()).max(1) as f64;
                 let vain = stepping.mul_f64(POWER * share);
-                world.skin *= if renewing > vain {
-                    CHANGE
-                } else {
-                    1.0 / CHANGE
-                };
+                world.skin *= change(renewing > vain);
             }
         }
         let radius = world.grains.position.first().map_or(0.0, |x| x[3]);

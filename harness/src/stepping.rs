@@ -93,12 +93,8 @@ impl Stepping {
         self.skin.pause();
         if world.clock.step < end && world.clock.rests() {
             let cuts = world.cuts;
-            let passed = each(
-                world.moving(),
-                cuts,
-                &|m, _| with.run(Move(m, Pass::Drift)),
-                &Passed::and,
-            );
+            let work = |m| with.run(Move(m, Pass::Drift));
+            let passed = each(world.moving(), 0, cuts, &work, &Passed::and);
             drift(world, passed)?;
         }
         while world.clock.step < end {
@@ -149,9 +145,9 @@ impl Stepping {
 
         let spills = &*spills;
         let (part, _) = world.pushing(world.dt);
-        let work = |part, _| with.run(Sum(part, law, spills, last));
+        let work = |part| with.run(Sum(part, law, spills, last));
         let join = |(a, p): (Deep, Passed<f64>), (b, q)| (first_deep(a, b), p.and(q));
-        let (within, passed) = each(part, cuts, &work, &join);
+        let (within, passed) = each(part, 0, cuts, &work, &join);
         judge(world, hit, first_deep(deep, within))?;
         Ok(passed)
     }

@@ -108,35 +108,24 @@ pub(crate) trait Split: Sized + Send {
     fn split(self, grains: usize) -> (Self, Self);
 }
 
-/// Does `work` for each range, side by side, and joins what it returns, lower ranges left. `work` is
-/// told the number of its range.
+/// Does `work` for each range of a stretch that starts at grain `begin`, side by side, and joins what it
+/// returns, lower ranges left.
 pub(crate) fn each<P: Split, T: Send>(
     piece: P,
-    cuts: &[u32],
-    work: &(impl Fn(P, usize) -> T + Sync),
-    join: &(impl Fn(T, T) -> T + Sync),
-) -> T {
-    halve(piece, cuts, 0, 0, work, join)
-}
-
-/// [`each`] for the ranges from number `range`, which begins at grain `begin`.
-fn halve<P: Split, T: Send>(
-    piece: P,
-    cuts: &[u32],
     begin: u32,
-    range: usize,
-    work: &(impl Fn(P, usize) -> T + Sync),
+    cuts: &[u32],
+    work: &(impl Fn(P) -> T + Sync),
     join: &(impl Fn(T, T) -> T + Sync),
 ) -> T {
     let middle = cuts.len() / 2;
     let Some(&cut) = cuts.get(middle) else {
-        return work(piece, range);
+        return work(piece);
     };
     let (left, right) = piece.split((cut - begin) as usize);
     let (before, after) = (&cuts[..middle], &cuts[middle + 1..]);
     let (left, right) = rayon::join(
-        || halve(left, before, begin, range, work, join),
-        || halve(right, after, cut, range + middle + 1, work, join),
+        || each(left, begin, before, work, join),
+        || each(right, cut, after, work, join),
     );
     join(left, right)
 }

@@ -6,8 +6,8 @@ use crate::domain::Domain;
 use crate::fault::Fault;
 use crate::grains::{Group, Row};
 use crate::real::{Real, larger};
-use crate::rows::{fewer, halves, halves_mut, part, part_mut, plus, row, times};
-use crate::vec3::{dot, head};
+use crate::rows::{fewer, halves, halves_mut, part, part_mut, plus, times};
+use crate::vec3::{Vec3, dot, head};
 
 /// What a pass of motion reads and writes for a range of grains; ranges share nothing that is
 /// written.
@@ -122,6 +122,12 @@ fn half_kick<R: Real>(
     (dv, dw)
 }
 
+/// A vector as a row that leaves the last word of a row it is added to: -0.0 is what changes no number.
+#[inline(always)]
+fn addend<R: Real>(v: Vec3<R>) -> Row<R> {
+    [v[0], v[1], v[2], -R::ZERO]
+}
+
 /// How a group moves, as rows.
 #[derive(Clone, Copy)]
 struct Manner<R> {
@@ -136,7 +142,7 @@ impl<R: Real> Manner<R> {
     fn of(number: u8, group: &Group<R>) -> Self {
         Self {
             number,
-            gravity: row(group.gravity),
+            gravity: addend(group.gravity),
             free: group.integrates == [true; 3] && group.spins,
         }
     }
@@ -144,15 +150,13 @@ impl<R: Real> Manner<R> {
 
 /// The part of the changes that a group answers to.
 #[inline(never)]
-fn answered<R: Real>(group: &Group<R>, dv: &mut Row<R>, dw: &mut Row<R>) {
+fn answered<R: Real>(group: &Group<R>, mut dv: Row<R>, dw: Row<R>) -> (Row<R>, Row<R>) {
     for a in 0..3 {
         if !group.integrates[a] {
             dv[a] = R::ZERO;
         }
-        if !group.spins {
-            dw[a] = R::ZERO;
-        }
     }
+    (dv, if group.spins { dw } else { [R::ZERO; 4] })
 }
 
 /// What a pass of motion found.
@@ -230,7 +234,7 @@ pub fn pass<R: Real>(m: &mut Moving<'_, R>, which: Pass) -> Passed<R> {
         if !manner.free {
             cold_path();
             if let Some(group) = m.groups.get(usize::from(*group)) {
-                answered(group, &mut dv, &mut dw);
+                (dv, dw) = answered(group, dv, dw);
             }
         }
         let (now, turning) = if ends {
@@ -260,16 +264,15 @@ pub fn pass<R: Real>(m: &mut Moving<'_, R>, which: Pass) -> Passed<R> {
             *w = plus(&turning, &dw);
             *force = [R::ZERO; 4];
             *torque = [R::ZERO; 4];
-            let to = plus(x, &times(&next, dt));
-            *x = [to[0], to[1], to[2], x[3]];
+            *x = plus(x, &times(&addend(head(next)), dt));
             // The last words are the radius and the number without limit.
-            if !(all_at_most(&lo, x) & all_below(x, &hi)) {
+            if !inside(&lo, x, &hi) {
                 cold_path();
-                let mut inside = head(*x);
-                if !m.domain.wrap(&mut inside, image) {
+                let mut place = head(*x);
+                if !m.domain.wrap(&mut place, image) {
                     passed.escaped = passed.escaped.or(Some(Fault::Escaped { id: *id }));
                 }
-                *x = [inside[0], inside[1], inside[2], x[3]];
+                *x = [place[0], place[1], place[2], x[3]];
             }
         } else if ends {
             *v = now;
@@ -284,14 +287,17 @@ fn all_at_most<R: Real>(a: &Row<R>, b: &Row<R>) -> bool {
     (a[0] <= b[0]) & (a[1] <= b[1]) & (a[2] <= b[2]) & (a[3] <= b[3])
 }
 
+/// Whether `lo < x < hi` in every word, by the sign of one product. It may say no so near an edge
+/// that the product vanishes; what lies outside is never inside.
 #[inline(always)]
-fn all_below<R: Real>(a: &Row<R>, b: &Row<R>) -> bool {
-    (a[0] < b[0]) & (a[1] < b[1]) & (a[2] < b[2]) & (a[3] < b[3])
+fn inside<R: Real>(lo: &Row<R>, x: &Row<R>, hi: &Row<R>) -> bool {
+    let word = |a: usize| (x[a] - lo[a]) * (hi[a] - x[a]) > R::ZERO;
+    word(0) & word(1) & word(2) & word(3)
 }
 
 /// Squares of the words of spin, force and torque: finite where all of them are.
 #[inline(always)]
 fn squares<R: Real>(w: &Row<R>, force: &Row<R>, torque: &Row<R>) -> Row<R> {
-    let square = |a: &Row<R>| [a[0] * a[0], a[1] * a[1], a[2] * a[2], a[3] * a[3]];
-    plus(&plus(&square(w), &square(force)), &square(torque))
+    let word = |a: usize| (w[a] * w[a] + force[a] * force[a]) + torque[a] * torque[a];
+    [word(0), word(1), word(2), word(3)]
 }

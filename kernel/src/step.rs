@@ -136,10 +136,7 @@ pub fn find_who_may_touch<R: Real>(world: &mut World<'_, R>) -> Result<(), Fault
     }
     world.check_storage()?;
     let travel = next_travel(world)?;
-    if travel > world.clock.budget || world.clock.cut != mark(&[]) {
-        renew(world, travel, &[])?;
-    }
-    Ok(())
+    renew_if_old(world, travel, &[])
 }
 
 /// The joint after a pass that drifted: moves the obstacles, and counts what the list has lost of its
@@ -175,8 +172,14 @@ pub fn find_who_touches<R: Real>(world: &mut World<'_, R>) -> Result<(), Fault> 
         return Err(Fault::NotStarted);
     }
     world.check_storage()?;
-    if world.clock.budget < R::ZERO || world.clock.cut != mark(world.cuts) {
-        renew(world, R::ZERO, world.cuts)?;
+    renew_if_old(world, R::ZERO, world.cuts)
+}
+
+/// Lists pairs anew where the list does not hold for `travel`, or is cut elsewhere.
+#[inline]
+fn renew_if_old<R: Real>(world: &mut World<'_, R>, travel: R, cuts: &[u32]) -> Result<(), Fault> {
+    if travel > world.clock.budget || world.clock.cut != mark(cuts) {
+        renew(world, travel, cuts)?;
     }
     Ok(())
 }

@@ -19,6 +19,7 @@ mod survey;
 #[cfg(test)]
 mod tests;
 
+pub use settle::energy_of_borne;
 pub use survey::{Measures, survey};
 
 use bitgrain_kernel::{Domain, Fault, Group, Obstacle, Shape as Body};

@@ -182,8 +182,10 @@ fn halt_at_maxima(sim: &mut Sim) -> std::result::Result<(), Fault> {
     Ok(())
 }
 
-/// [`energy_per_grain`] of the grains with two contacts or more, over all that are free.
-fn energy_of_borne(sim: &mut Sim, measures: &Measures) -> f64 {
+/// Kinetic energy of the grains with two contacts or more, per free grain, over a grain's mean weight
+/// times its mean diameter: what says that a bed without weight rests, for a grain that was squeezed
+/// out of one flies on.
+pub fn energy_of_borne(sim: &mut Sim, measures: &Measures) -> f64 {
     let mut contacts = vec![0u32; sim.count()];
     for bond in sim.bonds() {
         match bond {
