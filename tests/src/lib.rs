@@ -196,6 +196,21 @@ distance = 0.012
 every = 100
 "#;
 
+/// Coefficients of a `hertz_history` law: K_n, K_t, gamma_n, gamma_t and mu.
+pub fn hertz_history(law: &LawSpec) -> [f64; 5] {
+    let LawSpec::HertzHistory {
+        kn,
+        kt,
+        gamma_n,
+        gamma_t,
+        mu,
+    } = *law
+    else {
+        panic!("Kumar's law, LAMMPS' gran/hertz/history");
+    };
+    [kn, kt, gamma_n, gamma_t, mu]
+}
+
 /// [`SMALL`] with its bed from a file, which brings the intruder; `keys` are the lines that the
 /// intruder's table says all the same.
 pub fn small_from_file(file: &str, keys: &str) -> String {

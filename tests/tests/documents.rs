@@ -4,8 +4,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use bitgrain::bench::{SOFT_TIME_STEP, soft_law};
-use bitgrain::law::LawSpec;
-use bitgrain_tests::{SMALL, golden, output, root};
+use bitgrain_tests::{SMALL, golden, hertz_history, output, root};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
 
@@ -209,16 +208,7 @@ fn the_readme_has_the_goldens_numbers() {
 /// The peers are timed under the law and the time step that `bitgrain bench` takes.
 #[test]
 fn the_peers_inputs_have_our_numbers() {
-    let LawSpec::HertzHistory {
-        kn,
-        kt,
-        gamma_n,
-        gamma_t,
-        mu,
-    } = soft_law()
-    else {
-        panic!("the bench has Kumar's law");
-    };
+    let [kn, kt, gamma_n, gamma_t, mu] = hertz_history(&soft_law());
     assert_eq!((kn, kt, mu), (2e5, 1.225 * 2e5, 0.5));
     // The same power, but for how it was rounded.
     let gamma = 50000.0 * (kn / 2e8f64).powf(0.6);

@@ -15,12 +15,11 @@ use std::fmt::Write;
 
 use bitgrain::checkpoint;
 use bitgrain::drag::{self, Means, Record};
-use bitgrain::law::LawSpec;
 use bitgrain::progress::Stage;
 use bitgrain::scenario::{self, Scenario};
 use bitgrain::series::SeriesRow;
 use bitgrain::sim::{Sim, hex};
-use bitgrain_tests::golden;
+use bitgrain_tests::{golden, hertz_history};
 
 /// Froude numbers and the steps of LAMMPS' runs.
 const POINTS: [(f64, u64); 4] = [(0.5, 301_600), (2.0, 75_600), (5.0, 30_000), (8.0, 18_800)];
@@ -225,22 +224,12 @@ fn table() -> String {
 fn both_programs_are_asked_the_same() {
     let input = std::fs::read_to_string(golden("peers/drag/in.lammps")).unwrap();
     let scenario = scenario_of(8.0, 0);
-    let LawSpec::HertzHistory {
-        kn,
-        kt,
-        gamma_n,
-        gamma_t,
-        mu,
-    } = scenario.law
-    else {
-        panic!("the law of LAMMPS' gran/hertz/history");
-    };
     let word = |name: &str, k: usize| -> f64 {
         let line = input.lines().find(|line| line.starts_with(name)).unwrap();
         line.split_whitespace().nth(k).unwrap().parse().unwrap()
     };
     let style: [f64; 5] = std::array::from_fn(|k| word("pair_style", k + 2));
-    assert_eq!(style, [kn, kt, gamma_n, gamma_t, mu]);
+    assert_eq!(style, hertz_history(&scenario.law));
     assert_eq!(word("timestep", 1), scenario.drag.dt);
     assert_eq!(word("fix weight", 4), scenario.gravity);
     let speed = input.split("-var V ").nth(1).unwrap();
