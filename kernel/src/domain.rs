@@ -105,7 +105,8 @@ impl<R: Real> Domain<R> {
     }
 
     /// Brings `x` back into the box along periodic axes and counts the crossings in `image`.
-    /// Returns whether `x` is inside afterwards: `false` beyond a closed edge, or for NaN.
+    /// Returns whether `x` is inside afterwards: `false` beyond a closed edge, for NaN, or where the
+    /// count of crossings has no room for another and stays what it was.
     ///
     /// A coordinate that rounds to the upper edge becomes the lower edge, so that a place has one
     /// name only. A step may cross at most one period.
@@ -131,20 +132,26 @@ impl<R: Real> Domain<R> {
         if !self.periodic[k] {
             return *x >= self.lo[k] && *x <= self.hi[k];
         }
+        let mut crossing = 0;
         if *x >= self.hi[k] {
             *x = *x - self.period[k];
-            *image = image.wrapping_add(1);
+            crossing = 1;
             if *x < self.lo[k] {
                 *x = self.lo[k];
             }
         } else if *x < self.lo[k] {
             *x = *x + self.period[k];
-            *image = image.wrapping_sub(1);
+            crossing = -1;
             if *x >= self.hi[k] {
                 *x = self.lo[k];
-                *image = image.wrapping_add(1);
+                crossing = 0;
             }
         }
+        // A count that turned over would put the grain billions of periods away.
+        let Some(count) = image.checked_add(crossing) else {
+            return false;
+        };
+        *image = count;
         *x >= self.lo[k] && *x < self.hi[k]
     }
 }
@@ -186,5 +193,15 @@ mod tests {
         assert!(!domain.wrap(&mut [f64::NAN, 1.0, 1.0], &mut [0; 3]));
         assert!(domain.wrap(&mut [1.0, 1.0, 8.0], &mut [0; 3]));
         assert!(Domain::new([0.0; 3], [1.0, 0.0, 1.0], [false; 3]).is_err());
+    }
+
+    #[test]
+    fn crossings_are_counted_or_refused() {
+        let domain = ring();
+        let mut image = [i32::MAX, i32::MIN, 0];
+        assert!(!domain.wrap(&mut [10.5, 1.0, 1.0], &mut image));
+        assert!(!domain.wrap(&mut [1.0, -0.5, 1.0], &mut image));
+        assert!(domain.wrap(&mut [-0.5, 4.5, 1.0], &mut image));
+        assert_eq!(image, [i32::MAX - 1, i32::MIN + 1, 0]);
     }
 }

@@ -78,7 +78,7 @@ pub enum Fault {
         /// The grain.
         id: u32,
     },
-    /// The force or torque on an obstacle became infinite or NaN.
+    /// The place of an obstacle, or the force or torque on it, became infinite or NaN.
     ObstacleNotFinite {
         /// The obstacle.
         obstacle: u32,
@@ -93,7 +93,8 @@ pub enum Fault {
         /// The grain.
         id: u32,
     },
-    /// A grain left the box through an edge that is not periodic.
+    /// A grain left the box through an edge that is not periodic, or crossed a periodic one more often
+    /// than can be counted.
     Escaped {
         /// The grain.
         id: u32,
@@ -192,7 +193,7 @@ impl fmt::Display for Fault {
             }
             Fault::NotFinite { id } => write!(f, "the state of grain {id} is not finite"),
             Fault::ObstacleNotFinite { obstacle } => {
-                write!(f, "the force on obstacle {obstacle} is not finite")
+                write!(f, "the state of obstacle {obstacle} is not finite")
             }
             Fault::ObstacleTooFast { obstacle } => write!(
                 f,

@@ -60,6 +60,8 @@ fn list<R: Real>(
     let mut cuts = picking.cuts.iter().copied();
     let mut end = cuts.next().unwrap_or(u32::MAX);
     let (mut inner, mut across, mut touching) = (0usize, 0usize, 0usize);
+    // Where the pairs of two ranges begin.
+    let mut room = capacity;
     for (i, x) in picking.position.iter().enumerate() {
         while i as u32 >= end {
             end = cuts.next().unwrap_or(u32::MAX);
@@ -71,19 +73,22 @@ fn list<R: Real>(
             let touch = x[3] + y[3];
             let reach = touch + picking.near;
             let distance2 = dot(d, d);
-            let is_near = distance2 < reach * reach;
+            // Squares that are too large for numbers are near each other.
+            let is_far = distance2 > reach * reach;
             touching += usize::from(distance2 < touch * touch);
             if j < end {
-                // Written always, kept only when near: no branch to mispredict.
-                set(spare.lower, inner, i as u32);
-                set(spare.partner, inner, j);
-                inner += usize::from(is_near);
-            } else if is_near {
+                // Written while there is room, kept only when near: no branch to mispredict.
+                if inner < room {
+                    set(spare.lower, inner, i as u32);
+                    set(spare.partner, inner, j);
+                }
+                inner += usize::from(!is_far);
+            } else if !is_far {
                 across += 1;
-                let place = capacity.wrapping_sub(across);
-                if place >= inner {
-                    set(spare.lower, place, i as u32);
-                    set(spare.partner, place, j);
+                room = capacity.saturating_sub(across);
+                if inner <= room {
+                    set(spare.lower, room, i as u32);
+                    set(spare.partner, room, j);
                 }
             }
         }

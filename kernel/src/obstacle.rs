@@ -101,6 +101,16 @@ impl<R: Real> Obstacle<R> {
     /// # Errors
     /// [`Fault::BadObstacle`] with `number`.
     pub fn check(&self, domain: &Domain<R>, number: u32) -> Result<(), Fault> {
+        self.check_place(domain, number, false)
+    }
+
+    /// [`Obstacle::check`]; one that `has_moved` may be beyond a closed edge, as in a run.
+    pub(crate) fn check_place(
+        &self,
+        domain: &Domain<R>,
+        number: u32,
+        has_moved: bool,
+    ) -> Result<(), Fault> {
         let periodic = domain.periodic();
         let direction_fits = match self.shape {
             Shape::Sphere { .. } => true,
@@ -123,21 +133,22 @@ impl<R: Real> Obstacle<R> {
         let off = length - R::ONE;
         let unit = length == R::ZERO || off * off < R::EPSILON;
         let heavy = self.inverse_mass >= R::ZERO && self.inverse_mass.is_finite();
-        if direction_fits && finite && sized && heavy && unit && self.is_within(domain) {
+        if direction_fits && finite && sized && heavy && unit && self.is_within(domain, has_moved) {
             Ok(())
         } else {
             Err(Fault::BadObstacle { obstacle: number })
         }
     }
 
-    fn is_within(&self, domain: &Domain<R>) -> bool {
-        let (lo, hi) = (domain.lo(), domain.hi());
+    fn is_within(&self, domain: &Domain<R>, has_moved: bool) -> bool {
+        let (lo, hi, periodic) = (domain.lo(), domain.hi(), domain.periodic());
         let along = self.direction();
         let plane = matches!(self.shape, Shape::Plane { .. });
         (0..3).all(|a| {
             let inside = self.point[a] >= lo[a] && self.point[a] <= hi[a];
             let fits = (self.reach() + self.reach()) <= hi[a] - lo[a];
-            plane || along[a] != R::ZERO || (inside && fits)
+            let left = has_moved && !periodic[a];
+            plane || along[a] != R::ZERO || ((inside || left) && fits)
         })
     }
 

@@ -131,14 +131,14 @@ pub(crate) struct Scene<'a, R> {
 }
 
 /// Finds every pair and every obstacle contact closer than touching by up to `scene.far`. The obstacle
-/// contacts keep the springs that the old list of `old_touches` of them holds.
+/// contacts are left in the spare list, with the springs that the old list of `old_touches` of them holds.
 ///
 /// Margins: coordinates, separations and travels are each rounded by at most a few units in the
 /// last place of the largest coordinate, and 64 such units are added.
 pub(crate) fn search<R: Real>(
     scene: &Scene<'_, R>,
     candidates: &mut Candidates<'_>,
-    pairs: &mut Pairs<'_, R>,
+    pairs: &Pairs<'_, R>,
     spare: &mut Pairs<'_, R>,
     cells: &mut Cells<'_>,
     old_touches: usize,
@@ -174,6 +174,20 @@ pub(crate) fn search<R: Real>(
     let touches = list_touches(domain, grains, obstacles, spare, far)?;
     list_candidates(scene, &grid, cells, candidates, far)?;
     take_touch_springs(pairs, old_touches, spare, touches);
+    Ok(Found {
+        touches,
+        far: scene.far,
+        slack,
+        rounding: extent * (R::EPSILON + R::EPSILON),
+    })
+}
+
+/// Puts the obstacle contacts of a search in the place of the old ones.
+pub(crate) fn keep_touches<R: Real>(
+    pairs: &mut Pairs<'_, R>,
+    spare: &Pairs<'_, R>,
+    touches: usize,
+) {
     copy(
         front_mut(pairs.touch_grain, touches),
         front(spare.touch_grain, touches),
@@ -186,12 +200,6 @@ pub(crate) fn search<R: Real>(
         front_mut(pairs.touch_spring, touches),
         front(spare.touch_spring, touches),
     );
-    Ok(Found {
-        touches,
-        far: scene.far,
-        slack,
-        rounding: extent * (R::EPSILON + R::EPSILON),
-    })
 }
 
 fn sort_into_cells<R: Real>(grid: &Grid<R>, position: &[Row<R>], cells: &mut Cells<'_>) {
@@ -256,7 +264,9 @@ fn list_candidates<R: Real>(
                         let y = at(position, k);
                         let d = domain.separation(head(*x), head(y));
                         let reach = (x[3] + y[3]) + far;
-                        if dot(d, d) < reach * reach {
+                        // Squares that are too large for numbers are near each other.
+                        let is_far = dot(d, d) > reach * reach;
+                        if !is_far {
                             set(candidates.partner, listed, j);
                             listed += 1;
                         }
@@ -312,7 +322,9 @@ fn list_touches<R: Real>(
                 continue;
             }
             let meeting = body.meet(domain, head(*x), x[3]);
-            if meeting.overlap > -skin {
+            // A distance whose square is too large for a number may be any.
+            let is_far = meeting.overlap.is_finite() && meeting.overlap < -skin;
+            if !is_far {
                 set(spare.touch_grain, touches, i as u32);
                 set(spare.touch_obstacle, touches, k as u32);
                 touches += 1;

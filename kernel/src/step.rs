@@ -10,7 +10,7 @@ use crate::pairs::{Bond, Listed};
 use crate::push::{After, Deep, Pushed, no_fetch, sum};
 use crate::real::{Real, smaller};
 use crate::rows::at;
-use crate::search::{Scene, search};
+use crate::search::{Found, Scene, keep_touches, search};
 use crate::touch::push_obstacles;
 use crate::vec3::dot;
 use crate::world::{Stage, World};
@@ -68,7 +68,7 @@ pub fn start_watched<R: Real, L: Law<R>>(
     law: &L,
     watch: impl FnMut(Pushed<R>),
 ) -> Result<(), Fault> {
-    prepare(world)?;
+    prepare(world, false)?;
     world.grains.force.fill([R::ZERO; 4]);
     world.grains.torque.fill([R::ZERO; 4]);
     push_and_sum(world, law, R::ZERO, watch)?;
@@ -87,7 +87,16 @@ pub fn resume<R: Real>(
     world: &mut World<'_, R>,
     bonds: impl IntoIterator<Item = Bond<R>>,
 ) -> Result<(), Fault> {
-    prepare(world)?;
+    prepare(world, true)?;
+    // Saved rows may hold anything in the words that are unused; a step takes them for zero.
+    for row in world
+        .grains
+        .force
+        .iter_mut()
+        .chain(&mut *world.grains.torque)
+    {
+        row[3] = R::ZERO;
+    }
     for bond in bonds {
         if !world.pairs.restore(&bond, world.clock.listed) {
             return Err(Fault::BadBond);
@@ -97,13 +106,30 @@ pub fn resume<R: Real>(
     rest(world, passed)
 }
 
+/// Checks a world and makes its first pair list. Where that fails the contacts are still those that were
+/// listed before, so that a full list loses nothing.
 #[inline]
-fn prepare<R: Real>(world: &mut World<'_, R>) -> Result<(), Fault> {
+fn prepare<R: Real>(world: &mut World<'_, R>, has_moved: bool) -> Result<(), Fault> {
+    let listed = world.clock.listed;
     world.clock.stage = Stage::Stopped;
     world.clock.listed = Listed::default();
+    let listed_anew = list_first(world, has_moved);
+    if listed_anew.is_err() {
+        world.clock.listed = listed;
+    }
+    listed_anew
+}
+
+#[inline]
+fn list_first<R: Real>(world: &mut World<'_, R>, has_moved: bool) -> Result<(), Fault> {
     check_arithmetic::<R>()?;
-    world.check()?;
+    world.check(has_moved)?;
     world.clock.radius_min = R::MAX;
+    // Without grains, obstacles may still cross no more than one period in a step.
+    let (lo, hi) = (world.domain.lo(), world.domain.hi());
+    for a in (0..3).filter(|a| world.domain.periodic()[*a]) {
+        world.clock.radius_min = smaller(world.clock.radius_min, hi[a] - lo[a]);
+    }
     let g = &mut world.grains;
     let rows = g.velocity.iter().zip(g.position.iter()).zip(g.group);
     for (w, ((v, x), group)) in g.spin.iter_mut().zip(rows) {
@@ -143,10 +169,13 @@ pub fn find_who_may_touch<R: Real>(world: &mut World<'_, R>) -> Result<(), Fault
 /// validity.
 ///
 /// # Errors
-/// A grain that left the box; an obstacle that is too fast. The world is stopped in the middle of a
-/// step.
+/// A world that does not rest; a grain that left the box; an obstacle that is too fast or so far away that
+/// its place is no number. The world is stopped in the middle of a step.
 #[inline]
 pub fn drift<R: Real>(world: &mut World<'_, R>, passed: Passed<R>) -> Result<(), Fault> {
+    if world.clock.stage != Stage::Resting {
+        return Err(Fault::NotStarted);
+    }
     world.clock.stage = Stage::Stopped;
     let travel = next_travel(world)?;
     if let Some(fault) = passed.escaped {
@@ -154,8 +183,11 @@ pub fn drift<R: Real>(world: &mut World<'_, R>, passed: Passed<R>) -> Result<(),
     }
     world.clock.budget = world.clock.budget - travel;
     world.clock.far = world.clock.far - (travel + travel);
-    for body in world.obstacles.iter_mut() {
+    for (k, body) in world.obstacles.iter_mut().enumerate() {
         body.advance(world.domain, world.dt);
+        if !body.point.iter().all(|x| x.is_finite()) {
+            return Err(Fault::ObstacleNotFinite { obstacle: k as u32 });
+        }
     }
     world.clock.stage = Stage::Drifted;
     Ok(())
@@ -213,8 +245,9 @@ fn mark(cuts: &[u32]) -> u64 {
 fn renew<R: Real>(world: &mut World<'_, R>, travel: R, cuts: &[u32]) -> Result<(), Fault> {
     let need = travel + travel;
     let skin = if need > world.skin { need } else { world.skin };
+    let mut found = None;
     if world.clock.far < skin {
-        seek(world, skin + world.reach)?;
+        found = Some(seek(world, skin + world.reach)?);
     }
     let picking = Picking {
         domain: world.domain,
@@ -225,16 +258,22 @@ fn renew<R: Real>(world: &mut World<'_, R>, travel: R, cuts: &[u32]) -> Result<(
     };
     let old = world.clock.listed;
     let clock = &mut *world.clock;
+    // Whatever is full, the lists are still what they were: nothing above wrote to them.
     clock.listed = pick(&picking, &mut world.pairs, &mut world.spare, old)?;
+    if let Some(found) = found {
+        keep_touches(&mut world.pairs, &world.spare, found.touches);
+        clock.listed.touches = found.touches;
+        clock.far = found.far;
+    }
     clock.cut = mark(cuts);
     clock.renewals += 1;
     clock.budget = skin * R::HALF;
     Ok(())
 }
 
-/// The search for candidates.
+/// The search for candidates. They count from when the pairs picked from them are listed.
 #[inline(never)]
-fn seek<R: Real>(world: &mut World<'_, R>, far: R) -> Result<(), Fault> {
+fn seek<R: Real>(world: &mut World<'_, R>, far: R) -> Result<Found<R>, Fault> {
     let scene = Scene {
         domain: world.domain,
         grains: &world.grains,
@@ -247,17 +286,15 @@ fn seek<R: Real>(world: &mut World<'_, R>, far: R) -> Result<(), Fault> {
     let found = search(
         &scene,
         &mut world.candidates,
-        &mut world.pairs,
+        &world.pairs,
         &mut world.spare,
         &mut world.cells,
         clock.listed.touches,
     )?;
     clock.searches += 1;
-    clock.listed.touches = found.touches;
-    clock.far = found.far;
     clock.slack = found.slack;
     clock.rounding = found.rounding;
-    Ok(())
+    Ok(found)
 }
 
 /// Obstacles first, then pairs: the order of every grain's sum.
@@ -308,11 +345,15 @@ pub fn judge<R: Real>(world: &World<'_, R>, hit: Deep, deep: Deep) -> Result<(),
 /// The last joint of a step, after a pass that kicked: counts the step.
 ///
 /// # Errors
-/// What the pass found unsound. The world is stopped.
+/// What the pass found unsound; the world is stopped. A world that has not drifted.
 #[inline]
 pub fn finish<R: Real>(world: &mut World<'_, R>, passed: Passed<R>) -> Result<(), Fault> {
+    if world.clock.stage != Stage::Drifted {
+        return Err(Fault::NotStarted);
+    }
     rest(world, passed)?;
-    world.clock.step += 1;
+    // A caller may have set any number; one that cannot be counted on from stays.
+    world.clock.step = world.clock.step.saturating_add(1);
     Ok(())
 }
 

@@ -255,8 +255,8 @@ impl<R: Real> World<'_, R> {
         }
     }
 
-    /// Checks storage, ids, grains, obstacles and box.
-    pub(crate) fn check(&self) -> Result<(), Fault> {
+    /// Checks storage, ids, grains, obstacles and box; obstacles that have moved may be beyond it.
+    pub(crate) fn check(&self, has_moved: bool) -> Result<(), Fault> {
         let n = self.grains.count();
         self.check_storage()?;
         if !(self.dt > R::ZERO
@@ -292,7 +292,7 @@ impl<R: Real> World<'_, R> {
             }
         }
         for (number, body) in self.obstacles.iter().enumerate() {
-            body.check(self.domain, number as u32)?;
+            body.check_place(self.domain, number as u32, has_moved)?;
         }
         self.check_periods()?;
         self.check_resolution()

@@ -180,8 +180,8 @@ const MUTANTS: &[Mutant] = &[
     Mutant {
         name: "shifted image: a crossing is not counted",
         file: "domain.rs",
-        from: "*image = image.wrapping_sub(1);",
-        to: "",
+        from: "crossing = -1;",
+        to: "crossing = 0;",
         target: "images",
         red: &["places_and_crossings_give_the_path"],
     },
