@@ -120,7 +120,7 @@ fn rigs_take_the_versions_of_the_workspace() {
         lock[at..].lines().nth(1).unwrap().to_string()
     };
     let ours = read("Cargo.lock");
-    for rig in ["linux", "wasm", "cortex-m"] {
+    for rig in ["linux", "wasm", "cortex-m", "panics"] {
         let lock = read(&format!("tests/rigs/{rig}/Cargo.lock"));
         for name in ["heapless", "libm"] {
             assert_eq!(version(&lock, name), version(&ours, name), "{rig}");

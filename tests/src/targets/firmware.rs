@@ -94,6 +94,20 @@ fn symbols(bytes: &[u8]) -> Result<Vec<String>, String> {
     Ok(names)
 }
 
+/// Symbols that a library takes from elsewhere.
+///
+/// # Errors
+/// What is wrong with the file, or that it exports nothing.
+pub fn undefined(library: &[u8]) -> Result<Vec<String>, String> {
+    let file = parse(library)?;
+    let (asked, given): (Vec<_>, Vec<_>) = file.dynamic_symbols().partition(|s| s.is_undefined());
+    if given.is_empty() {
+        return Err("the library exports nothing".into());
+    }
+    let names = asked.iter().filter_map(|symbol| symbol.name().ok());
+    Ok(names.map(str::to_string).collect())
+}
+
 fn banned(names: &[String]) -> Vec<String> {
     let why = |name: &String| {
         let found = BANNED.iter().find(|(part, _)| name.contains(part));

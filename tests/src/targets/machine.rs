@@ -8,6 +8,7 @@ use std::process::{Child, Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use super::firmware;
 use super::list::{self, Need, Rig, Target};
 use crate::root;
 
@@ -108,6 +109,31 @@ pub fn build(target: &Target) -> Result<PathBuf, String> {
         Rig::CortexM => "bitgrain-rig-cortex-m",
     };
     Ok(products().join(target.triple).join(kind).join(file))
+}
+
+/// Builds the library of `tests/rigs/panics`, with a feature or none, and says what it asks of others.
+///
+/// # Errors
+/// What the compiler said, or what is wrong with the library.
+pub fn asked_by_the_kernel(features: &str) -> Result<Vec<String>, String> {
+    let mut command = cargo(false);
+    command.current_dir(root().join("tests/rigs/panics"));
+    command.args([
+        "build",
+        "--locked",
+        "--quiet",
+        "--release",
+        "--features",
+        features,
+    ]);
+    command.env("CARGO_TARGET_DIR", products());
+    let ended = with_limit(command, BUILD)?;
+    if !ended.success {
+        return Err(ended.errors);
+    }
+    let library = products().join("release/libbitgrain_rig_panics.so");
+    let bytes = std::fs::read(library).map_err(|why| format!("no library: {why}"))?;
+    firmware::undefined(&bytes)
 }
 
 /// The workspace's cargo, or Debian's. What the cargo that runs this program has set for it, and what

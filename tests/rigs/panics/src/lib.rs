@@ -1,0 +1,53 @@
+//! Every public function of the kernel, in both precisions and under both laws, in tables that the
+//! library exports: a compiler can assume nothing of who calls them with what. The handler of panics
+//! calls a function that is nowhere, so the library asks for it if, and only if, a panic is reachable.
+
+#![no_std]
+// Nothing here reads the tables: who loads the library could.
+#![allow(dead_code)]
+
+mod calls;
+mod state;
+
+use bitgrain_kernel::law::{HertzHistory, HertzTsuji};
+
+use calls::Calls;
+use state::{Plain, State};
+
+/// What needs no number type.
+#[unsafe(no_mangle)]
+pub static PLAIN: Plain = Plain::ALL;
+/// Worlds and their parts in double precision.
+#[unsafe(no_mangle)]
+pub static STATE_F64: State<f64> = State::ALL;
+/// The same in single precision.
+#[unsafe(no_mangle)]
+pub static STATE_F32: State<f32> = State::ALL;
+/// Steps and their phases, by precision and law.
+#[unsafe(no_mangle)]
+pub static HISTORY_F64: Calls<f64, HertzHistory<f64>> = Calls::ALL;
+/// Steps and their phases, by precision and law.
+#[unsafe(no_mangle)]
+pub static HISTORY_F32: Calls<f32, HertzHistory<f32>> = Calls::ALL;
+/// Steps and their phases, by precision and law.
+#[unsafe(no_mangle)]
+pub static TSUJI_F64: Calls<f64, HertzTsuji<f64>> = Calls::ALL;
+/// Steps and their phases, by precision and law.
+#[unsafe(no_mangle)]
+pub static TSUJI_F32: Calls<f32, HertzTsuji<f32>> = Calls::ALL;
+
+/// The control: it panics beyond the end of the slice.
+#[cfg(feature = "control")]
+#[unsafe(no_mangle)]
+pub fn control(words: &[u32], place: usize) -> u32 {
+    words[place]
+}
+
+unsafe extern "C" {
+    safe fn a_panic_is_reachable() -> !;
+}
+
+#[panic_handler]
+fn panicked(_: &core::panic::PanicInfo) -> ! {
+    a_panic_is_reachable()
+}

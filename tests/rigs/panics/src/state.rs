@@ -1,0 +1,217 @@
+//! What is done without a law: worlds, their parts and what they are made of.
+
+use core::fmt;
+
+use bitgrain_kernel::blake3::Hasher;
+use bitgrain_kernel::law::{HertzHistory, HertzTsuji};
+use bitgrain_kernel::motion::{Moving, Pass, Passed, pass};
+use bitgrain_kernel::push::{Deep, Part, Sight, Span, first_deep};
+use bitgrain_kernel::reference::{self, Line, Room};
+use bitgrain_kernel::step::{drift, find_who_may_touch, find_who_touches, finish, judge};
+use bitgrain_kernel::touch::TouchPart;
+use bitgrain_kernel::vec3::{self, Vec3};
+use bitgrain_kernel::{
+    Bond, Clock, Digest, Domain, Fault, Flaw, Grains, Group, Obstacle, Real, Row, Store, World,
+    check_arithmetic, digest, resume,
+};
+
+type Ended = Result<(), Fault>;
+/// A store small enough to be made on a stack.
+type Few<R> = Store<R, 6, 16, 8, 3>;
+
+/// Functions that need no number type.
+pub struct Plain {
+    new: fn() -> Hasher,
+    word: fn(&mut Hasher, u32),
+    hash: fn(&mut Hasher, &[u8; 32]),
+    finish: fn(&Hasher) -> [u8; 32],
+    parts: fn(&Digest) -> [&[u8; 32]; 6],
+    text: fn(&Line) -> [u8; reference::LINE],
+    last: fn(&Hasher) -> Line,
+    name: fn(reference::World) -> &'static str,
+    stages: fn(reference::World) -> &'static [reference::Stage],
+    first_deep: fn(Deep, Deep) -> Deep,
+    show: fn(&Fault, &mut dyn fmt::Write) -> fmt::Result,
+    show_flaw: fn(&Flaw, &mut dyn fmt::Write) -> fmt::Result,
+}
+
+impl Plain {
+    /// Each of them.
+    pub const ALL: Self = Self {
+        new: Hasher::default,
+        word: Hasher::word,
+        hash: Hasher::hash,
+        finish: Hasher::finish,
+        parts: Digest::parts,
+        text: Line::text,
+        last: reference::last,
+        name: reference::World::name,
+        stages: reference::World::stages,
+        first_deep,
+        show: |fault, out| write!(out, "{fault}"),
+        show_flaw: |flaw, out| write!(out, "{flaw}"),
+    };
+}
+
+/// Functions over one number type.
+pub struct State<R: Real + 'static> {
+    resume: fn(&mut World<'_, R>, &[Bond<R>]) -> Ended,
+    resume_any: fn(&mut World<'_, R>, &mut dyn Iterator<Item = Bond<R>>) -> Ended,
+    find_who_may_touch: fn(&mut World<'_, R>) -> Ended,
+    find_who_touches: fn(&mut World<'_, R>) -> Ended,
+    drift: fn(&mut World<'_, R>, Passed<R>) -> Ended,
+    finish: fn(&mut World<'_, R>, Passed<R>) -> Ended,
+    judge: fn(&World<'_, R>, Deep, Deep) -> Ended,
+    pass: fn(&mut Moving<'_, R>, Pass) -> Passed<R>,
+    and: fn(Passed<R>, Passed<R>) -> Passed<R>,
+    digest: fn(&World<'_, R>) -> Digest,
+    bonds: fn(&World<'_, R>, &mut dyn FnMut(Bond<R>)),
+    moving: for<'w> fn(&'w mut World<'_, R>) -> Moving<'w, R>,
+    pushing: for<'w> fn(&'w mut World<'_, R>, R) -> (Part<'w, R>, TouchPart<'w, R>),
+    across: for<'w> fn(&'w mut World<'_, R>) -> (Sight<'w, R>, Span<'w, R>),
+    split_moving: for<'w> fn(Moving<'w, R>, usize) -> (Moving<'w, R>, Moving<'w, R>),
+    stretch: for<'w> fn(&'w mut Moving<'_, R>, usize, usize) -> Moving<'w, R>,
+    count: fn(&Moving<'_, R>) -> usize,
+    split_part: for<'w> fn(Part<'w, R>, usize) -> (Part<'w, R>, Part<'w, R>),
+    split_span: for<'w> fn(Span<'w, R>, usize) -> (Span<'w, R>, Span<'w, R>),
+    span: fn(&Span<'_, R>) -> (usize, bool),
+    grains: fn(&Grains<'_, R>) -> usize,
+    clock: fn(&Clock<R>) -> ([u64; 2], [usize; 4], bool),
+    pieces: Pieces<R>,
+    store: Stores<R>,
+}
+
+impl<R: Real + 'static> State<R> {
+    /// Each of them.
+    pub const ALL: Self = Self {
+        resume: |world, bonds| resume(world, bonds.iter().copied()),
+        resume_any: |world, bonds| resume(world, bonds),
+        find_who_may_touch,
+        find_who_touches,
+        drift,
+        finish,
+        judge,
+        pass,
+        and: Passed::and,
+        digest,
+        bonds: |world, show| world.bonds().for_each(show),
+        moving: |world| world.moving(),
+        pushing: |world, dt| world.pushing(dt),
+        across: |world| world.across(),
+        split_moving: |grains, at| grains.split(at),
+        stretch: |grains, begin, end| grains.stretch(begin, end),
+        count: |grains| grains.count(),
+        split_part: |part, at| part.split(at),
+        split_span: |span, at| span.split(at),
+        span: |span| (span.len(), span.is_empty()),
+        grains: |grains| grains.count(),
+        clock: |clock| {
+            let listed = [
+                clock.listed(),
+                clock.listed_touching(),
+                clock.listed_across(),
+                clock.touches(),
+            ];
+            ([clock.searches(), clock.renewals()], listed, clock.rests())
+        },
+        pieces: Pieces::ALL,
+        store: Stores::ALL,
+    };
+}
+
+/// What a world is made of.
+pub struct Pieces<R: Real> {
+    check_arithmetic: fn() -> Ended,
+    domain: fn(Vec3<R>, Vec3<R>, [bool; 3]) -> Result<Domain<R>, Fault>,
+    open: fn() -> Domain<R>,
+    edges: fn(&Domain<R>) -> (Vec3<R>, Vec3<R>, [bool; 3]),
+    separation: fn(&Domain<R>, Vec3<R>, Vec3<R>) -> Vec3<R>,
+    wrap: fn(&Domain<R>, &mut Vec3<R>, &mut [i32; 3]) -> bool,
+    sphere: fn(Vec3<R>, R) -> Obstacle<R>,
+    cylinder: fn(Vec3<R>, Vec3<R>, R) -> Obstacle<R>,
+    plane: fn(Vec3<R>, Vec3<R>) -> Obstacle<R>,
+    check: fn(&Obstacle<R>, &Domain<R>, u32) -> Ended,
+    reach: fn(&Obstacle<R>) -> R,
+    groups: fn(Vec3<R>) -> [Group<R>; 4],
+    tsuji: fn(f64, f64, f64, f64) -> HertzTsuji<R>,
+    laws: fn(f64) -> (HertzHistory<R>, HertzTsuji<R>),
+    vectors: fn(Vec3<R>, Vec3<R>, R, bool) -> [Vec3<R>; 5],
+    numbers: fn(Row<R>, f64) -> ([R; 3], f64, usize, bool, (u32, Option<u32>)),
+}
+
+impl<R: Real> Pieces<R> {
+    const ALL: Self = Self {
+        check_arithmetic: check_arithmetic::<R>,
+        domain: Domain::new,
+        open: Domain::open,
+        edges: |domain| (domain.lo(), domain.hi(), domain.periodic()),
+        separation: Domain::separation,
+        wrap: Domain::wrap,
+        sphere: Obstacle::sphere,
+        cylinder: Obstacle::cylinder,
+        plane: Obstacle::plane,
+        check: Obstacle::check,
+        reach: Obstacle::reach,
+        groups: |gravity| {
+            [
+                Group::free(gravity),
+                Group::frozen(),
+                Group::carried(),
+                Group::lid(gravity),
+            ]
+        },
+        tsuji: HertzTsuji::new,
+        laws: |gamma| (reference::history(gamma), reference::tsuji()),
+        vectors: |a, b, by, first| {
+            [
+                vec3::add(a, b),
+                vec3::sub(a, b),
+                vec3::scale(a, by),
+                vec3::cross(a, b),
+                vec3::either(first, a, b),
+            ]
+        },
+        numbers: |row, value| {
+            let [x, y, z] = vec3::head(row);
+            let root = vec3::dot([x, y, z], [z, x, y]).sqrt();
+            (
+                [x, root, R::from_f64(value)],
+                y.to_f64(),
+                z.to_index(),
+                x.is_finite(),
+                y.to_words(),
+            )
+        },
+    };
+}
+
+/// Storage of fixed capacity, and the reference worlds in it.
+pub struct Stores<R: Real> {
+    vacant: fn() -> Few<R>,
+    new: fn(Domain<R>, R, R) -> Few<R>,
+    clear: fn(&mut Few<R>, Domain<R>, R, R),
+    set_skin: fn(&mut Few<R>, R),
+    set_reach: fn(&mut Few<R>, R),
+    add_group: fn(&mut Few<R>, Group<R>) -> Result<u8, Group<R>>,
+    add_obstacle: fn(&mut Few<R>, Obstacle<R>) -> Result<(), Obstacle<R>>,
+    add_grain: fn(&mut Few<R>, u32, u8, Vec3<R>, R, R) -> Ended,
+    world: for<'s> fn(&'s mut Few<R>) -> World<'s, R>,
+    lay: fn(reference::World, &mut Room<R>) -> Ended,
+    run: fn(&mut Room<R>, &mut Hasher, &mut dyn FnMut(&Line)) -> Ended,
+}
+
+impl<R: Real> Stores<R> {
+    const ALL: Self = Self {
+        vacant: Few::vacant,
+        new: Store::new,
+        clear: Store::clear,
+        set_skin: Store::set_skin,
+        set_reach: Store::set_reach,
+        add_group: Store::add_group,
+        add_obstacle: Store::add_obstacle,
+        add_grain: Store::add_grain,
+        world: Store::world,
+        lay: reference::World::lay,
+        run: |room, all, show| reference::run(room, all, show),
+    };
+}
