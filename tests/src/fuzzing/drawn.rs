@@ -1,0 +1,208 @@
+//! Numbers, slices and worlds of any kind, sound or not.
+
+use bitgrain_kernel::push::Spill;
+use bitgrain_kernel::{Bond, Domain, Fault, Group, Obstacle, Real, Row, Shape};
+
+use super::bytes::Bytes;
+use super::lent::{Lent, List};
+
+/// Most entries of a slice.
+pub(super) const ENTRIES: u8 = 20;
+
+/// Any number, a likely one as often as not.
+pub(super) fn number<R: Real>(bytes: &mut Bytes) -> R {
+    match bytes.below(8) {
+        0..4 => R::from_f64(bytes.between(-2.0, 6.0)),
+        4 => [R::ZERO, -R::ZERO, R::ONE, R::EPSILON][bytes.below(4)],
+        5 => [R::MAX, -R::MAX, R::LEAST, R::LEAST_NORMAL][bytes.below(4)],
+        6 => R::from_f64([f64::NAN, f64::INFINITY, f64::NEG_INFINITY][bytes.below(3)]),
+        _ => R::from_f64(f64::from_le_bytes([0; 8].map(|_| bytes.byte()))),
+    }
+}
+
+pub(super) fn vector<R: Real>(bytes: &mut Bytes) -> [R; 3] {
+    [0; 3].map(|_| number(bytes))
+}
+
+pub(super) fn row<R: Real>(bytes: &mut Bytes) -> Row<R> {
+    [0; 4].map(|_| number(bytes))
+}
+
+/// Any word, a small one as often as not.
+pub(super) fn word(bytes: &mut Bytes) -> u32 {
+    match bytes.below(4) {
+        0 => u32::from_le_bytes([0; 4].map(|_| bytes.byte())),
+        1 => [u32::MAX, 1 << 31, (1 << 31) - 1, 0][bytes.below(4)],
+        _ => u32::from(bytes.byte() % ENTRIES),
+    }
+}
+
+pub(super) fn many<T>(
+    bytes: &mut Bytes,
+    count: usize,
+    mut one: impl FnMut(&mut Bytes) -> T,
+) -> Vec<T> {
+    // A slice of another length than its fellows, now and then.
+    let count = if bytes.below(16) == 0 {
+        bytes.below(ENTRIES)
+    } else {
+        count
+    };
+    (0..count).map(|_| one(bytes)).collect()
+}
+
+pub(super) fn domain<R: Real>(bytes: &mut Bytes) -> Domain<R> {
+    let periodic = [0; 3].map(|_| bytes.below(2) == 0);
+    let drawn = Domain::new(vector(bytes), vector(bytes), periodic);
+    drawn.unwrap_or_else(|_| match bytes.below(2) {
+        0 => Domain::open(),
+        _ => Domain::new([R::ZERO; 3], [R::from_f64(6.0); 3], periodic).expect("a box"),
+    })
+}
+
+pub(super) fn group<R: Real>(bytes: &mut Bytes) -> Group<R> {
+    let mut flip = || bytes.below(2) == 0;
+    let integrates = [flip(), flip(), flip()];
+    let (spins, heavy) = (flip(), flip());
+    Group {
+        integrates,
+        spins,
+        heavy,
+        gravity: vector(bytes),
+    }
+}
+
+pub(super) fn obstacle<R: Real>(bytes: &mut Bytes) -> Obstacle<R> {
+    let (point, radius) = (vector(bytes), number(bytes));
+    let mut body = match bytes.below(6) {
+        0 => Obstacle::sphere(point, radius),
+        1 => Obstacle::plane(point, vector(bytes)),
+        2 => Obstacle::cylinder(point, vector(bytes), radius),
+        3 => Obstacle::plane(point, [R::ZERO, R::ZERO, R::ONE]),
+        4 => Obstacle::cylinder(point, [R::ZERO, R::ONE, R::ZERO], radius),
+        _ => Obstacle {
+            shape: Shape::Plane {
+                normal: vector(bytes),
+            },
+            ..Obstacle::sphere(point, radius)
+        },
+    };
+    (body.velocity, body.inverse_mass) = (vector(bytes), number(bytes));
+    body.image = [0; 3].map(|_| word(bytes) as i32);
+    body
+}
+
+pub(super) fn list<R: Real>(bytes: &mut Bytes) -> List<R> {
+    let (pairs, touches) = (bytes.below(40), bytes.below(ENTRIES));
+    List {
+        lower: many(bytes, pairs, word),
+        partner: many(bytes, pairs, word),
+        spring: [0; 3].map(|_| many(bytes, pairs, number)),
+        touch_grain: many(bytes, touches, word),
+        touch_obstacle: many(bytes, touches, word),
+        touch_spring: many(bytes, touches, row),
+    }
+}
+
+pub(super) fn spills<R: Real>(bytes: &mut Bytes) -> Vec<Spill<R>> {
+    (0..bytes.below(6))
+        .map(|_| Spill {
+            i: word(bytes),
+            j: word(bytes),
+            force: row(bytes),
+            couple: row(bytes),
+            arm_i: number(bytes),
+            arm_j: number(bytes),
+        })
+        .collect()
+}
+
+/// Slices that fit together as often as not, full of anything.
+pub(super) fn lent<R: Real>(bytes: &mut Bytes) -> Lent<R> {
+    let n = bytes.below(ENTRIES);
+    let mut lent = Lent::new(domain(bytes), number(bytes));
+    (lent.skin, lent.reach) = (number(bytes), number(bytes));
+    let mut id = 0u32;
+    lent.id = many(bytes, n, |bytes| {
+        id = if bytes.below(32) == 0 {
+            word(bytes)
+        } else {
+            id.wrapping_add(1)
+        };
+        id
+    });
+    let groups = bytes.below(5);
+    lent.groups = many(bytes, groups, group);
+    lent.group = many(bytes, n, |bytes| bytes.byte() % 8 / 2);
+    lent.position = many(bytes, n, row);
+    lent.velocity = many(bytes, n, row);
+    lent.spin = many(bytes, n, row);
+    lent.force = many(bytes, n, row);
+    lent.torque = many(bytes, n, row);
+    lent.image = many(bytes, n, |bytes| [0; 3].map(|_| word(bytes) as i32));
+    let bodies = bytes.below(4);
+    lent.obstacles = many(bytes, bodies, obstacle);
+    lent.lists = [list(bytes), list(bytes)];
+    lent.candidate_row = many(bytes, n + 1, word);
+    let entries = bytes.below(60);
+    lent.candidate = many(bytes, entries, word);
+    let cells = bytes.below(50);
+    lent.cell_start = many(bytes, cells, word);
+    lent.cell_grain = many(bytes, n, word);
+    lent
+}
+
+/// Sound numbers in place of the drawn ones, so that what lies beyond the checks is reached.
+pub(super) fn tame<R: Real>(bytes: &mut Bytes, lent: &mut Lent<R>) {
+    let half = R::HALF;
+    lent.domain =
+        Domain::new([R::ZERO; 3], [R::from_f64(8.0); 3], [true, true, false]).expect("a box");
+    (lent.dt, lent.skin, lent.reach) = (R::from_f64(0.015625), half, half);
+    lent.groups = vec![Group::free([R::ZERO, R::ZERO, -R::ONE]), Group::frozen()];
+    lent.obstacles.truncate(1);
+    lent.obstacles
+        .fill(Obstacle::plane([R::ZERO; 3], [R::ZERO, R::ZERO, R::ONE]));
+    let mut grains = Lent::new(lent.domain, lent.dt);
+    for k in 0..bytes.below(ENTRIES) {
+        let at = [k % 4, k / 4 % 4, k / 16].map(|n| 1.02 * n as f64 + 0.5);
+        let [x, y, z] = at.map(|x| R::from_f64(x - 0.1 * bytes.between(0.0, 1.0)));
+        let [u, v, w] = bytes.vector().map(R::from_f64);
+        let group = (k % 7 == 6).into();
+        let velocity = if group == 1 { [R::ZERO; 3] } else { [u, v, w] };
+        grains.add(
+            group,
+            [x, y, z, half],
+            [velocity[0], velocity[1], velocity[2], R::ONE],
+            [R::ZERO; 3],
+        );
+    }
+    (lent.id, lent.group) = (grains.id, grains.group);
+    (lent.position, lent.velocity, lent.spin) = (grains.position, grains.velocity, grains.spin);
+    (lent.force, lent.torque, lent.image) = (grains.force, grains.torque, grains.image);
+    lent.candidate_row.resize(lent.position.len() + 1, 0);
+    for list in &mut lent.lists {
+        *list = List::default();
+    }
+    lent.reserve(bytes.below(60), bytes.below(60), bytes.below(30));
+}
+
+pub(super) fn bond<R: Real>(bytes: &mut Bytes) -> Bond<R> {
+    let (i, partner) = (word(bytes), word(bytes));
+    let spring = vector(bytes);
+    match bytes.below(2) {
+        0 => Bond::Pair {
+            i,
+            j: partner,
+            spring,
+        },
+        _ => Bond::Touch {
+            i,
+            obstacle: partner,
+            spring,
+        },
+    }
+}
+
+pub(super) fn fault(bytes: &mut Bytes) -> Option<Fault> {
+    (bytes.below(4) == 0).then(|| Fault::Escaped { id: word(bytes) })
+}

@@ -1,0 +1,270 @@
+//! Worlds and calls that no sound program makes: whatever is lent and in whatever order the phases are
+//! called, the kernel neither panics nor hangs, and a full list changes nothing.
+
+use bitgrain_kernel::blake3::Hasher;
+use bitgrain_kernel::law::{Contact, HertzHistory, HertzTsuji, Law};
+use bitgrain_kernel::motion::{Pass, Passed, pass};
+use bitgrain_kernel::push::{After, Deep, Part, first_deep, no_fetch, spill, sum};
+use bitgrain_kernel::reference::Line;
+use bitgrain_kernel::step::{drift, find_who_may_touch, find_who_touches, finish, judge};
+use bitgrain_kernel::touch::push_obstacles;
+use bitgrain_kernel::{
+    Domain, Real, Row, Store, check_arithmetic, digest, resume, start, start_watched, step,
+    step_watched,
+};
+
+use super::bytes::Bytes;
+use super::drawn::{
+    ENTRIES, bond, domain, fault, group, lent, list, many, number, obstacle, spills, tame, vector,
+    word,
+};
+use super::lent::Lent;
+use super::world::growing;
+
+/// Most calls of one input.
+const CALLS: usize = 48;
+
+/// A call that may end as it likes.
+fn either_way<T, E>(_: Result<T, E>) {}
+
+/// A world of anything at all, and calls in any order. Whether it was started.
+pub(super) fn world<R: Real, L: Law<R>>(bytes: &mut Bytes, law: &L) -> bool {
+    let mut lent = lent::<R>(bytes);
+    if bytes.below(2) == 0 {
+        tame(bytes, &mut lent);
+    }
+    let (mut started, mut passed) = (false, Passed::NONE);
+    for _ in 0..CALLS {
+        if bytes.0.is_empty() {
+            break;
+        }
+        let call = bytes.below(20);
+        match call {
+            0 | 1 => started |= growing(&mut lent, |lent| start(&mut lent.world(), law)).is_ok(),
+            2..6 => either_way(growing(&mut lent, |lent| step(&mut lent.world(), law))),
+            6 => {
+                let count = bytes.below(8);
+                let mut bonds = many(bytes, count, bond);
+                // Some of its own among them.
+                bonds.extend(lent.world().bonds().take(bytes.below(4)));
+                let taken = growing(&mut lent, |lent| {
+                    resume(&mut lent.world(), bonds.iter().copied())
+                });
+                started |= taken.is_ok();
+            }
+            7 => either_way(growing(&mut lent, |lent| {
+                find_who_may_touch(&mut lent.world())
+            })),
+            8 => either_way(growing(&mut lent, |lent| {
+                find_who_touches(&mut lent.world())
+            })),
+            9 | 10 => {
+                let all = [Pass::Look, Pass::Drift, Pass::Kick, Pass::KickAndDrift];
+                passed = passed.and(pass(&mut lent.world().moving(), all[bytes.below(4)]));
+            }
+            11 => {
+                if bytes.below(2) == 0 {
+                    passed = Passed {
+                        speed2: number(bytes),
+                        unsound: fault(bytes),
+                        escaped: fault(bytes),
+                    };
+                }
+                either_way(drift(&mut lent.world(), passed));
+            }
+            12 => either_way(finish(&mut lent.world(), passed)),
+            13 => pushed(bytes, &mut lent, law),
+            14 => in_parts(bytes, &mut lent, law),
+            15 => {
+                let deep =
+                    |bytes: &mut Bytes| (bytes.below(4) == 0).then(|| (word(bytes), word(bytes)));
+                let (hit, deep): (Deep, Deep) = (deep(bytes), deep(bytes));
+                either_way(judge(&lent.world(), hit, first_deep(hit, deep)));
+            }
+            16 => {
+                digest(&lent.world());
+                assert!(
+                    lent.world().bonds().count() < 1000,
+                    "more contacts than entries"
+                );
+            }
+            17 => {
+                let watched = start_watched(&mut lent.world(), law, |_| {});
+                let stepped = step_watched(&mut lent.world(), law, |_| {});
+                started |= watched.is_ok() && stepped.is_ok();
+            }
+            _ => spoil(bytes, &mut lent),
+        }
+    }
+    started
+}
+
+/// The phase of the forces over all grains, with spills that are none of its own.
+fn pushed<R: Real, L: Law<R>>(bytes: &mut Bytes, lent: &mut Lent<R>, law: &L) {
+    let dt = number(bytes);
+    let after = [After::Stay, After::Rest, After::GoOn][bytes.below(3)];
+    let (lower, own) = (spills(bytes), spills(bytes));
+    let mut world = lent.world();
+    let (mut part, mut touch) = world.pushing(dt);
+    push_obstacles(&mut part, &mut touch, law, |_| {});
+    sum(
+        &mut part,
+        law,
+        lower.iter(),
+        &own,
+        |_| {},
+        no_fetch::<R>(),
+        after,
+    );
+    let mut out = spills(bytes);
+    let (sight, mut across) = world.across();
+    if bytes.below(2) == 0 {
+        let (left, right) = across.split(bytes.below(ENTRIES));
+        spill(sight, right, law, &mut out);
+        across = left;
+    }
+    spill(sight, across, law, &mut out);
+}
+
+/// Ranges cut anywhere.
+fn in_parts<R: Real, L: Law<R>>(bytes: &mut Bytes, lent: &mut Lent<R>, law: &L) {
+    let dt = number(bytes);
+    let mut world = lent.world();
+    let (mut part, _) = world.pushing(dt);
+    if bytes.below(4) == 0 {
+        part.first = [usize::MAX, 1, usize::from(bytes.byte())][bytes.below(3)];
+    }
+    let place = |bytes: &mut Bytes| [usize::MAX, bytes.below(ENTRIES)][bytes.below(2)];
+    let (left, right) = part.split(place(bytes));
+    for mut part in [left, right] {
+        let (begin, end) = (place(bytes), place(bytes));
+        let dt = part.dt;
+        let passed = pass(&mut part.grains.stretch(begin, end), Pass::Kick);
+        let (lower, own) = (spills(bytes), spills(bytes));
+        let fetch = |_: &[Row<R>], _: usize| {};
+        sum(
+            &mut part,
+            law,
+            lower.iter(),
+            &own,
+            |_| {},
+            Some(fetch),
+            After::GoOn,
+        );
+        let Part { grains, .. } = part;
+        let (mut few, mut others) = grains.split(place(bytes));
+        few.dt = dt;
+        let _ = passed
+            .and(pass(&mut few, Pass::Look))
+            .and(pass(&mut others, Pass::KickAndDrift));
+    }
+}
+
+/// Changes what is lent between two calls.
+fn spoil<R: Real>(bytes: &mut Bytes, lent: &mut Lent<R>) {
+    let place = bytes.below(ENTRIES);
+    let rows = |rows: &mut Vec<Row<R>>, bytes: &mut Bytes| match rows.get_mut(place) {
+        Some(row) => row[bytes.below(4)] = number(bytes),
+        None => rows.truncate(place / 2),
+    };
+    match bytes.below(18) {
+        0 => rows(&mut lent.position, bytes),
+        1 => rows(&mut lent.velocity, bytes),
+        2 => rows(&mut lent.spin, bytes),
+        3 => rows(&mut lent.force, bytes),
+        4 => rows(&mut lent.torque, bytes),
+        5 => lent.lists[bytes.below(2)] = list(bytes),
+        6 => lent.candidate = many(bytes, 30, word),
+        7 => lent.candidate_row = many(bytes, place, word),
+        8 => lent.cell_start = many(bytes, place, word),
+        9 => lent.cell_grain = many(bytes, place, word),
+        10 => lent.cuts = many(bytes, place, word),
+        11 => lent.groups.truncate(place / 4),
+        12 => lent.obstacles = many(bytes, 1, obstacle),
+        13 => (lent.dt, lent.skin) = (number(bytes), number(bytes)),
+        14 => lent.clock.step = u64::MAX - place as u64,
+        15 => lent.image = many(bytes, place, |bytes| [0; 3].map(|_| word(bytes) as i32)),
+        16 => lent.group = many(bytes, place, |bytes| bytes.byte()),
+        _ => lent.id = many(bytes, place, word),
+    }
+}
+
+/// What needs no world: boxes, obstacles, laws, hashes, lines, messages, and the store.
+pub(super) fn plain<R: Real>(bytes: &mut Bytes) -> bool {
+    let domain = domain::<R>(bytes);
+    let (mut place, mut image) = (vector(bytes), [0; 3].map(|_| word(bytes) as i32));
+    domain.wrap(&mut place, &mut image);
+    domain.separation(place, vector(bytes));
+    let body = obstacle::<R>(bytes);
+    let checked = body.check(&domain, word(bytes));
+    let contact = Contact {
+        normal: vector(bytes),
+        overlap: number(bytes),
+        radius_i: number(bytes),
+        radius_j: number(bytes),
+        radius_effective: number(bytes),
+        mass_effective: number(bytes),
+        velocity: vector(bytes),
+        spin_i: vector(bytes),
+        spin_j: vector(bytes),
+    };
+    let [kn, kt, gamma_n, gamma_t, mu] = [0; 5].map(|_| number(bytes));
+    let history = HertzHistory {
+        kn,
+        kt,
+        gamma_n,
+        gamma_t,
+        mu,
+    };
+    let tsuji = HertzTsuji::new(number(bytes), number(bytes), number(bytes), number(bytes));
+    history.react(&contact, vector(bytes), number(bytes));
+    tsuji.react(&contact, vector(bytes), number(bytes));
+    let mut hasher = Hasher::new();
+    (0..bytes.byte()).for_each(|_| hasher.word(word(bytes)));
+    let step = u64::from_le_bytes([0; 8].map(|_| bytes.byte()));
+    let line = Line {
+        real: R::NAME,
+        world: "a name that is far too long for the line that it is put on, by half",
+        step,
+        digest: hasher.finish(),
+    };
+    assert_eq!(line.text().last(), Some(&b'\n'));
+    assert_eq!(check_arithmetic::<R>(), Ok(()));
+    if let Err(fault) = checked {
+        assert!(!fault.to_string().is_empty());
+    }
+    stored(bytes, domain, &history)
+}
+
+/// A store filled and stepped in any order.
+fn stored<R: Real, L: Law<R>>(bytes: &mut Bytes, domain: Domain<R>, law: &L) -> bool {
+    let mut store = Store::<R, 6, 16, 8, 3>::vacant();
+    let mut stepped = false;
+    for id in 0..CALLS as u32 {
+        if bytes.0.is_empty() {
+            break;
+        }
+        match bytes.below(10) {
+            0 => store.clear(domain, number(bytes), number(bytes)),
+            1 => store = Store::new(Domain::open(), R::from_f64(0.01), R::HALF),
+            2 => either_way(store.add_group(group(bytes))),
+            3 => either_way(store.add_obstacle(obstacle(bytes))),
+            4 | 5 => {
+                let id = if bytes.below(8) == 0 { word(bytes) } else { id };
+                either_way(store.add_grain(
+                    id,
+                    bytes.byte() % 4,
+                    vector(bytes),
+                    number(bytes),
+                    number(bytes),
+                ));
+            }
+            6 => store.set_skin(number(bytes)),
+            7 => store.set_reach(number(bytes)),
+            8 => either_way(start(&mut store.world(), law)),
+            _ => stepped |= step(&mut store.world(), law).is_ok(),
+        }
+    }
+    digest(&store.world());
+    stepped
+}

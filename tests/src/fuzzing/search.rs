@@ -1,0 +1,305 @@
+//! The neighbour search against all pairs: grains on the edges of cells and of the box, across periods, at
+//! equal places and just touching, which fly through each other without a force.
+
+use bitgrain_kernel::law::HertzHistory;
+use bitgrain_kernel::motion::{Pass, pass};
+use bitgrain_kernel::push::{After, no_fetch, spill, sum};
+use bitgrain_kernel::step::{drift, find_who_may_touch, find_who_touches, finish};
+use bitgrain_kernel::touch::push_obstacles;
+use bitgrain_kernel::vec3::{dot, head, scale, sub};
+use bitgrain_kernel::{
+    Domain, Fault, Group, Obstacle, Partner, Shape, TOUCHING, World, start_watched,
+};
+
+use super::bytes::Bytes;
+use super::lent::Lent;
+
+/// Most grains: enough for four cells along an axis with several grains each.
+const GRAINS: u8 = 24;
+const STEPS: u8 = 16;
+
+/// Who meets whom: places of two grains, or of a grain and an obstacle above `TOUCHING`.
+type Met = Vec<(u32, u32)>;
+
+/// A law that pushes nothing, so that grains fly as they are told.
+const NOTHING: HertzHistory<f64> = HertzHistory {
+    kn: 0.0,
+    kt: 0.0,
+    gamma_n: 0.0,
+    gamma_t: 0.0,
+    mu: 0.0,
+};
+
+/// A crowd that flies: at every step the contacts that are evaluated are those that all pairs show, and
+/// the lists hold them in order, whatever skin, reach, cells and cuts were drawn.
+pub fn search(data: &[u8]) -> bool {
+    let mut bytes = Bytes(data);
+    let Some(mut lent) = crowd(&mut bytes) else {
+        return false;
+    };
+    let mut met = Met::new();
+    loop {
+        met.clear();
+        let started = start_watched(&mut lent.world(), &NOTHING, |one| met.push(named(one)));
+        match started {
+            Ok(()) => break,
+            Err(fault) if lent.grow(fault) => {}
+            // Grains may lie as deep in each other as they like: they were found, but it goes no further.
+            Err(Fault::OverlapTooDeep { .. } | Fault::ObstacleTooDeep { .. }) => {
+                compare(&lent.world(), &met);
+                return true;
+            }
+            Err(_) => return false,
+        }
+    }
+    compare(&lent.world(), &met);
+    for _ in 0..1 + bytes.byte() % STEPS {
+        if bytes.below(4) == 0 {
+            lent.cuts = cuts(&mut bytes, lent.position.len());
+        }
+        match fly(&mut lent, bytes.below(2) == 0, &mut met) {
+            Ok(()) => compare(&lent.world(), &met),
+            Err(_) => return true,
+        }
+    }
+    true
+}
+
+fn named(one: bitgrain_kernel::Pushed<f64>) -> (u32, u32) {
+    match one.partner {
+        Partner::Grain(j) => (one.i, j),
+        Partner::Obstacle(k) => (one.i, k | TOUCHING),
+    }
+}
+
+/// One step by its phases, without its judgement; the list is looked at before the drift or after it.
+fn fly(lent: &mut Lent<f64>, before: bool, met: &mut Met) -> Result<(), Fault> {
+    while before && let Err(fault) = find_who_may_touch(&mut lent.world()) {
+        if !lent.grow(fault) {
+            return Err(fault);
+        }
+    }
+    let mut world = lent.world();
+    let passed = pass(&mut world.moving(), Pass::Drift);
+    drift(&mut world, passed)?;
+    while let Err(fault) = find_who_touches(&mut lent.world()) {
+        if !lent.grow(fault) {
+            return Err(fault);
+        }
+    }
+    met.clear();
+    let mut world = lent.world();
+    let mut spills = vec![Default::default(); world.clock.listed_across()];
+    let (sight, across) = world.across();
+    let pairs: Met = across
+        .lower
+        .iter()
+        .copied()
+        .zip(across.partner.iter().copied())
+        .collect();
+    spill(sight, across, &NOTHING, &mut spills);
+    let (mut part, mut touch) = world.pushing(world.dt);
+    push_obstacles(&mut part, &mut touch, &NOTHING, |one| met.push(named(one)));
+    sum(
+        &mut part,
+        &NOTHING,
+        spills.iter(),
+        &spills,
+        |one| met.push(named(one)),
+        no_fetch(),
+        After::Stay,
+    );
+    // Pairs of two ranges are evaluated without a watcher: those that touch are added here.
+    met.extend(pairs.into_iter().filter(|&(i, j)| gap(&world, i, j) < 0.0));
+    let passed = pass(&mut world.moving(), Pass::Kick);
+    finish(&mut world, passed)
+}
+
+/// Distance of two grains' surfaces; below zero they touch.
+fn gap(world: &World<'_, f64>, i: u32, j: u32) -> f64 {
+    let (x, y) = (
+        world.grains.position[i as usize],
+        world.grains.position[j as usize],
+    );
+    let d = world.domain.separation(head(x), head(y));
+    -((x[3] + y[3]) - dot(d, d).sqrt())
+}
+
+/// Distance to the nearest image by trying three along each axis, less the radii.
+fn gap_by_images(world: &World<'_, f64>, i: u32, j: u32) -> f64 {
+    let (x, y) = (
+        world.grains.position[i as usize],
+        world.grains.position[j as usize],
+    );
+    let along = |a: usize| {
+        let period = world.domain.hi()[a] - world.domain.lo()[a];
+        let period = if world.domain.periodic()[a] {
+            period
+        } else {
+            0.0
+        };
+        let raw = x[a] - y[a];
+        raw.abs()
+            .min((raw + period).abs())
+            .min((raw - period).abs())
+    };
+    let d = [along(0), along(1), along(2)];
+    dot(d, d).sqrt() - (x[3] + y[3])
+}
+
+/// Distance of a grain's surface from an obstacle's.
+fn gap_to(world: &World<'_, f64>, i: u32, k: usize) -> f64 {
+    let (x, body) = (world.grains.position[i as usize], &world.obstacles[k]);
+    match body.shape {
+        Shape::Sphere { radius } => {
+            let d = world.domain.separation(head(x), body.point);
+            -((x[3] + radius) - dot(d, d).sqrt())
+        }
+        Shape::Cylinder { axis, radius } => {
+            let offset = world.domain.separation(head(x), body.point);
+            let d = sub(offset, scale(axis, dot(offset, axis)));
+            -((x[3] + radius) - dot(d, d).sqrt())
+        }
+        Shape::Plane { normal } => dot(sub(head(x), body.point), normal) - x[3],
+    }
+}
+
+/// Compares what was met and what is listed with all pairs. Beside rounding, the images must agree: 1e-9
+/// is far above that at coordinates of some hundred.
+fn compare(world: &World<'_, f64>, met: &Met) {
+    let (g, n) = (&world.grains, world.grains.count() as u32);
+    let heavy = |i: u32| g.groups[usize::from(g.group[i as usize])].heavy;
+    let listed: Met = (0..world.clock.listed())
+        .map(|p| (world.pairs.lower[p], world.pairs.partner[p]))
+        .collect();
+    let (inner, across) = listed.split_at(listed.len() - world.clock.listed_across());
+    assert!(
+        inner.is_sorted_by(|a, b| a < b),
+        "pairs of one range ascend"
+    );
+    assert!(
+        across.is_sorted_by(|a, b| a < b),
+        "pairs of two ranges ascend"
+    );
+    let touches: Met = (0..world.clock.touches())
+        .map(|t| {
+            (
+                world.pairs.touch_grain[t],
+                world.pairs.touch_obstacle[t] & !TOUCHING,
+            )
+        })
+        .collect();
+    assert!(
+        touches.is_sorted_by(|a, b| a < b),
+        "obstacle contacts ascend"
+    );
+    let mut wanted = Met::new();
+    for i in 0..n {
+        for j in i + 1..n {
+            if heavy(i) && heavy(j) {
+                assert!(!listed.contains(&(i, j)), "two heavy grains are listed");
+                continue;
+            }
+            let gap = gap(world, i, j);
+            let off = gap - gap_by_images(world, i, j);
+            assert!(
+                off.abs() < 1e-9,
+                "{i} and {j} are not at their nearest images"
+            );
+            if gap < 0.0 {
+                wanted.push((i, j));
+            }
+        }
+        for (k, body) in world.obstacles.iter().enumerate() {
+            let able = !heavy(i) || body.inverse_mass > 0.0;
+            if able && gap_to(world, i, k) < 0.0 {
+                wanted.push((i, k as u32 | TOUCHING));
+            }
+        }
+    }
+    let mut met = met.clone();
+    met.sort_unstable();
+    wanted.sort_unstable();
+    assert_eq!(met, wanted, "who is evaluated and who touches");
+}
+
+/// Where ranges of grains end: places that ascend.
+fn cuts(bytes: &mut Bytes, grains: usize) -> Vec<u32> {
+    let mut cuts: Vec<u32> = (0..bytes.below(4))
+        .map(|_| u32::from(bytes.byte()) % (grains as u32 + 2))
+        .collect();
+    cuts.sort_unstable();
+    cuts
+}
+
+/// Grains and obstacles of sizes within a factor of eight, in a box of a few cells; storage as drawn.
+fn crowd(bytes: &mut Bytes) -> Option<Lent<f64>> {
+    let periodic = [0; 3].map(|_| bytes.below(2) == 0);
+    let lo = [0; 3].map(|_| bytes.between(-50.0, 50.0));
+    let length = [0; 3].map(|_| bytes.between(2.0, 9.0));
+    let hi = [0, 1, 2].map(|a| lo[a] + length[a]);
+    let open = bytes.below(8) == 0;
+    let domain = match open {
+        true => Domain::open(),
+        false => Domain::new(lo, hi, periodic).ok()?,
+    };
+    let mut lent = Lent::new(domain, 0.125);
+    lent.skin = [0.0, 0.01, 0.3, 2.0][bytes.below(4)] * bytes.between(0.0, 1.0);
+    lent.reach = [0.0, 0.1, 1.0, 1e3][bytes.below(4)] * bytes.between(0.0, 1.0);
+    lent.groups = vec![
+        Group::free([0.0; 3]),
+        Group::frozen(),
+        Group::carried(),
+        Group::lid([0.0; 3]),
+    ];
+    for _ in 0..bytes.below(4) {
+        let point = [0, 1, 2].map(|a| bytes.between(lo[a], hi[a]));
+        let radius = bytes.between(0.05, 1.5);
+        let lying = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]][bytes.below(3)];
+        let mut body = match bytes.below(4) {
+            0 => Obstacle::plane(point, lying),
+            1 => Obstacle::cylinder(point, lying, radius),
+            2 => Obstacle::sphere(point, radius),
+            _ => Obstacle::cylinder(point, bytes.direction(), radius),
+        };
+        body.inverse_mass = bytes.below(2) as f64;
+        body.velocity = bytes.vector().map(|v| v * 0.2);
+        lent.obstacles.push(body);
+    }
+    let mut before = lo;
+    for _ in 0..bytes.byte() % GRAINS {
+        let radius = 0.5 * [1.0, 1.0, 0.125, 0.7][bytes.below(4)];
+        // The search's cells are as wide as the widest pair and the distance that it looks beyond.
+        let width = 1.0 + lent.skin + lent.reach;
+        let mut place = [0, 1, 2].map(|a| {
+            let (kind, along, ulps) = (bytes.below(6), bytes.between(0.0, 1.0), bytes.below(5));
+            let cells = (length[a] / width).floor().max(1.0);
+            let x = match kind {
+                0 => lo[a] + length[a] * ((along * (cells + 1.0)).floor() / cells),
+                1 => lo[a] + width * (along * 8.0).floor(),
+                2 => before[a],
+                3 => before[a] + 2.0 * radius * (along * 3.0).floor() - 2.0 * radius,
+                _ => lo[a] + length[a] * along,
+            };
+            let x = [x, x.next_up(), x.next_down(), x + 1e-15, x - 1e-12][ulps];
+            if periodic[a] && !open {
+                x.clamp(lo[a], hi[a].next_down())
+            } else {
+                x.clamp(lo[a], hi[a])
+            }
+        });
+        domain.wrap(&mut place, &mut [0; 3]);
+        before = place;
+        let speed = [0.0, 0.01, 0.9, 0.999][bytes.below(4)] * radius / lent.dt;
+        let velocity = bytes.vector().map(|v| v * speed);
+        let group = [0, 0, 0, 1, 2, 3][bytes.below(6)];
+        let velocity = if group == 1 { [0.0; 3] } else { velocity };
+        let [x, y, z] = place;
+        let [u, v, w] = velocity;
+        lent.add(group, [x, y, z, radius], [u, v, w, 1.0], [0.0; 3]);
+    }
+    let cells = 2 + bytes.below(100);
+    lent.cell_start = vec![7; cells];
+    lent.reserve(bytes.below(60), bytes.below(60), bytes.below(20));
+    Some(lent)
+}

@@ -1,0 +1,308 @@
+//! Small worlds straight at the kernel, in either precision and under either law.
+//!
+//! Sound ones, whose storage is too short as often as not: a full list leaves state, clock and digest as
+//! they were, and with more room the run goes on to the digests of one that had room from the beginning.
+//! Unsound ones are in `hostile.rs`.
+
+use bitgrain_kernel::law::{HertzHistory, HertzTsuji, Law};
+use bitgrain_kernel::motion::{Pass, Passed, pass};
+use bitgrain_kernel::push::{After, Spill, first_deep, no_fetch, spill, sum};
+use bitgrain_kernel::step::{drift, find_who_touches, finish, judge};
+use bitgrain_kernel::touch::push_obstacles;
+use bitgrain_kernel::{
+    Digest, Domain, Fault, Group, Obstacle, PARTS, Real, digest, resume, start, step,
+};
+
+use super::bytes::Bytes;
+use super::lent::Lent;
+use super::{drawn, hostile};
+
+/// Most grains of a sound world.
+const GRAINS: u8 = 12;
+const STEPS: u8 = 40;
+
+/// A small world: sound or hostile, as the first byte says.
+pub fn world(data: &[u8]) -> bool {
+    let mut bytes = Bytes(data);
+    match bytes.byte() % 6 {
+        0 => hostile::plain::<f64>(&mut bytes) | hostile::plain::<f32>(&mut bytes),
+        1 => under_a_law::<f64>(&mut bytes, true),
+        2 => under_a_law::<f32>(&mut bytes, true),
+        3 => under_a_law::<f32>(&mut bytes, false),
+        _ => under_a_law::<f64>(&mut bytes, false),
+    }
+}
+
+fn under_a_law<R: Real>(bytes: &mut Bytes, is_hostile: bool) -> bool {
+    let which = bytes.below(2);
+    match (which, is_hostile) {
+        (0, true) => {
+            let [kn, kt, gamma_n, gamma_t, mu] = [0; 5].map(|_| drawn::number(bytes));
+            let law = HertzHistory {
+                kn,
+                kt,
+                gamma_n,
+                gamma_t,
+                mu,
+            };
+            hostile::world::<R, _>(bytes, &law)
+        }
+        (_, true) => {
+            let [young, poisson, restitution, mu] = [0; 4].map(|_| drawn::number(bytes));
+            hostile::world::<R, _>(bytes, &HertzTsuji::new(young, poisson, restitution, mu))
+        }
+        (0, false) => {
+            let (mut lent, stiff) = bed::<R>(bytes);
+            let [kn, kt] = [stiff, stiff * bytes.between(0.0, 1.5)].map(R::from_f64);
+            let [gamma_n, gamma_t] = [0; 2].map(|_| R::from_f64(bytes.zero_or_scale(-2.0, 2.0)));
+            let mu = R::from_f64(bytes.zero_or_scale(-2.0, 1.0));
+            runs(
+                bytes,
+                &mut lent,
+                &HertzHistory {
+                    kn,
+                    kt,
+                    gamma_n,
+                    gamma_t,
+                    mu,
+                },
+            )
+        }
+        (_, false) => {
+            let (mut lent, stiff) = bed::<R>(bytes);
+            let (poisson, restitution) = (bytes.between(-0.9, 0.5), bytes.between(0.01, 1.0));
+            let mu = bytes.zero_or_scale(-2.0, 1.0);
+            runs(
+                bytes,
+                &mut lent,
+                &HertzTsuji::new(stiff, poisson, restitution, mu),
+            )
+        }
+    }
+}
+
+/// Runs a world with what storage it was drawn, and its twin with ample storage and another skin.
+fn runs<R: Real, L: Law<R>>(bytes: &mut Bytes, lent: &mut Lent<R>, law: &L) -> bool {
+    let mut twin = lent.clone();
+    twin.reserve_all();
+    let skin = lent.skin * R::from_f64([0.0, 0.5, 1.0, 4.0][bytes.below(4)]);
+    if lent.skin >= R::ZERO && skin.is_finite() {
+        twin.skin = skin;
+    }
+    let began = growing(lent, |lent| start(&mut lent.world(), law));
+    assert_eq!(
+        began,
+        start(&mut twin.world(), law),
+        "a start depends on storage"
+    );
+    assert_same(lent, &mut twin);
+    if began.is_err() {
+        return false;
+    }
+    let sizes = sizes(lent);
+    for done in 0..1 + bytes.byte() % STEPS {
+        assert_finite(lent);
+        let n = lent.position.len();
+        let went = match bytes.below(8) {
+            0 => {
+                let bonds: Vec<_> = lent.world().bonds().collect();
+                let went = growing(lent, |lent| {
+                    resume(&mut lent.world(), bonds.iter().copied())
+                });
+                match went {
+                    Ok(()) => {}
+                    // Grains may have flown so far that their numbers are too coarse to begin with.
+                    Err(Fault::TooSlow { .. } | Fault::ObstacleTooSlow { .. })
+                    | Err(Fault::GravityTooWeak { .. }) => return true,
+                    Err(fault) => panic!("a state that rests is not taken up again: {fault}"),
+                }
+                assert_same(lent, &mut twin);
+                continue;
+            }
+            1..4 => {
+                let places = 0..bytes.below(4);
+                lent.cuts = places
+                    .map(|_| u32::from(bytes.byte()) % (n as u32 + 1))
+                    .collect();
+                lent.cuts.sort_unstable();
+                in_ranges(lent, law)
+            }
+            _ => growing(lent, |lent| step(&mut lent.world(), law)),
+        };
+        let steps = twin.clock.step;
+        assert_eq!(
+            went,
+            step(&mut twin.world(), law),
+            "a step depends on storage or skin"
+        );
+        if went.is_err() {
+            return done > 0;
+        }
+        assert_eq!((lent.clock.step, twin.clock.step), (steps + 1, steps + 1));
+        assert_same(lent, &mut twin);
+        assert_eq!(self::sizes(lent), sizes, "a grain's size or mass changed");
+    }
+    assert_finite(lent);
+    true
+}
+
+/// Radii and masses, in words.
+fn sizes<R: Real>(lent: &Lent<R>) -> Vec<[(u32, Option<u32>); 2]> {
+    let rows = lent.position.iter().zip(&lent.velocity);
+    rows.map(|(x, v)| [x[3].to_words(), v[3].to_words()])
+        .collect()
+}
+
+/// Does something, with more room as often as a list proves full, which must leave everything as it was.
+pub(super) fn growing<R: Real>(
+    lent: &mut Lent<R>,
+    mut act: impl FnMut(&mut Lent<R>) -> Result<(), Fault>,
+) -> Result<(), Fault> {
+    loop {
+        let before = told(lent);
+        let done = act(lent);
+        match done {
+            Err(fault) if lent.grow(fault) => {
+                assert_eq!(told(lent), before, "{fault} changes something");
+            }
+            _ => return done,
+        }
+    }
+}
+
+/// What a full list must not change.
+fn told<R: Real>(lent: &mut Lent<R>) -> (Digest, u64) {
+    (digest(&lent.world()), lent.clock.step)
+}
+
+fn assert_same<R: Real>(one: &mut Lent<R>, other: &mut Lent<R>) {
+    let (a, b) = (digest(&one.world()), digest(&other.world()));
+    for ((part, a), b) in PARTS.iter().zip(a.parts()).zip(b.parts()) {
+        assert_eq!(a, b, "{part} depend on storage or skin");
+    }
+}
+
+fn assert_finite<R: Real>(lent: &Lent<R>) {
+    let rows = [
+        &lent.position,
+        &lent.velocity,
+        &lent.spin,
+        &lent.force,
+        &lent.torque,
+    ];
+    for row in rows.into_iter().flatten() {
+        assert!(row.iter().all(|x| x.is_finite()), "{row:?}");
+    }
+    for body in &lent.obstacles {
+        let parts = [body.point, body.velocity, body.force, body.torque];
+        assert!(parts.iter().flatten().all(|x| x.is_finite()), "{body:?}");
+    }
+}
+
+/// One step as a host with threads takes it: every range for itself.
+fn in_ranges<R: Real, L: Law<R>>(lent: &mut Lent<R>, law: &L) -> Result<(), Fault> {
+    let mut world = lent.world();
+    let passed = pass(&mut world.moving(), Pass::Drift);
+    drift(&mut world, passed)?;
+    growing(lent, |lent| find_who_touches(&mut lent.world()))?;
+    let cuts = lent.cuts.clone();
+    let mut world = lent.world();
+    let (mut part, mut touch) = world.pushing(world.dt);
+    let hit = push_obstacles(&mut part, &mut touch, law, |_| {});
+    let mut spills = vec![Spill::default(); world.clock.listed_across()];
+    let (sight, across) = world.across();
+    let (left, right) = across.split(spills.len() / 2);
+    let (out, others) = spills.split_at_mut(left.len());
+    let deep = spill(sight, left, law, out);
+    let mut deep = first_deep(deep, spill(sight, right, law, others));
+    let (mut part, _) = world.pushing(world.dt);
+    let mut passed = Passed::NONE;
+    for end in cuts.into_iter().chain([u32::MAX]) {
+        let first = part.first;
+        let (mut range, rest) = part.split((end as usize).saturating_sub(first));
+        let last = first + range.grains.count();
+        let place = |i: usize| spills.partition_point(|one| (one.i as usize) < i);
+        let own = &spills[place(first)..place(last)];
+        let lower = spills[..place(first)].iter();
+        let lower = lower.filter(|one| (first..last).contains(&(one.j as usize)));
+        let (found, went) = sum(
+            &mut range,
+            law,
+            lower,
+            own,
+            |_| {},
+            no_fetch::<R>(),
+            After::Rest,
+        );
+        (deep, passed) = (first_deep(deep, found), passed.and(went));
+        part = rest;
+    }
+    judge(&world, hit, deep)?;
+    finish(&mut world, passed)
+}
+
+/// A chain of grains that touch or nearly touch, with obstacles among them, and a stiffness that its time
+/// step can follow, more or less. Storage is as short as it may be drawn.
+fn bed<R: Real>(bytes: &mut Bytes) -> (Lent<R>, f64) {
+    let size = bytes.scale(-3.0, 3.0);
+    let dt = bytes.scale(-6.0, 0.0);
+    let rows = |v: [f64; 3], w: f64| [v[0], v[1], v[2], w].map(R::from_f64);
+    let length = [0; 3].map(|_| size * bytes.between(5.0, 12.0));
+    let periodic = [0; 3].map(|_| bytes.below(2) == 0);
+    let domain = Domain::new([R::ZERO; 3], length.map(R::from_f64), periodic);
+    let domain = domain
+        .ok()
+        .filter(|_| bytes.below(5) > 0)
+        .unwrap_or_else(Domain::open);
+    let mut lent = Lent::new(domain, R::from_f64(dt));
+    lent.skin = R::from_f64(size * [0.0, 0.01, 0.2, 1.0][bytes.below(4)]);
+    lent.reach = R::from_f64(size * [0.0, 0.01, 0.2, 1.0][bytes.below(4)]);
+    let gravity = [0.0, 0.0, -bytes.zero_or_scale(-3.0, 2.0)].map(R::from_f64);
+    lent.groups = vec![
+        Group::free(gravity),
+        Group::frozen(),
+        Group::carried(),
+        Group::lid(gravity),
+    ];
+    let mut place = [0, 1, 2].map(|a| length[a] * bytes.between(0.1, 0.9));
+    let speed = size / dt * bytes.scale(-6.0, -0.2);
+    for _ in 0..bytes.below(3) {
+        let point = [0, 1, 2].map(|a| R::from_f64(length[a] * bytes.between(0.0, 1.0)));
+        let along = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]][bytes.below(3)];
+        let along = along.map(R::from_f64);
+        let radius = R::from_f64(size * bytes.between(0.2, 2.0));
+        let mut body = match bytes.below(3) {
+            0 => Obstacle::plane(point, along),
+            1 => Obstacle::cylinder(point, along, radius),
+            _ => Obstacle::sphere(point, radius),
+        };
+        body.velocity = bytes
+            .vector()
+            .map(|v| R::from_f64(v * speed * bytes.below(2) as f64));
+        body.inverse_mass = R::from_f64(bytes.zero_or_scale(-3.0, 3.0));
+        lent.obstacles.push(body);
+    }
+    let mut before = 0.0;
+    for _ in 0..bytes.byte() % GRAINS {
+        let radius = 0.5 * size * [1.0, 0.9, 0.7, 0.3][bytes.below(4)];
+        let way = bytes.direction();
+        let apart = (before + radius) * bytes.between(0.93, 1.1);
+        let mut at = [0, 1, 2].map(|a| R::from_f64(place[a] + way[a] * apart));
+        domain.wrap(&mut at, &mut [0; 3]);
+        place = at.map(R::to_f64);
+        before = radius;
+        let group = [0, 0, 0, 0, 1, 2, 3][bytes.below(7)];
+        let moves = [1.0, 0.0, 1.0, 1.0][usize::from(group)];
+        let velocity = bytes.vector().map(|v| v * speed * moves);
+        let spins = [1.0, 0.0, 0.0, 1.0][usize::from(group)];
+        let spin = bytes
+            .vector()
+            .map(|w| R::from_f64(w * spins * speed / radius));
+        let mass = size * size * size * bytes.between(0.05, 1.0);
+        lent.add(group, rows(place, radius), rows(velocity, mass), spin);
+    }
+    lent.cell_start = vec![9; 2 + bytes.below(60)];
+    lent.reserve(bytes.below(30), bytes.below(30), bytes.below(12));
+    let stiff = size / (dt * dt) * bytes.scale(-5.0, 0.0);
+    (lent, stiff)
+}
