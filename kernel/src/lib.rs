@@ -34,8 +34,8 @@
 //! # What it does not do
 //!
 //! It allocates nothing, reads no clock, prints nothing and holds no `unsafe`; it indexes and
-//! divides by checked ways only, so that no input makes it panic (the image of the firmware among the
-//! tests, which links what a step takes, is searched for the symbols of a panic). It makes no beds,
+//! divides by checked ways only, so that no input makes it panic: a library of every public function,
+//! and the firmware among the tests, are searched for panics that can be reached. It makes no beds,
 //! reads no files and fits nothing: that is the harness's work.
 //!
 //! # A ball dropped on a floor

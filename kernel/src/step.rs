@@ -77,7 +77,8 @@ pub fn start_watched<R: Real, L: Law<R>>(
 }
 
 /// Checks a world, makes its pair list and puts back the histories of its touching contacts; the
-/// forces are those that its rows hold. Going on from here gives the bits of the run that was saved.
+/// forces are those that its rows hold, and obstacles may have left through a closed edge. Going on from
+/// here gives the bits of the run that was saved.
 ///
 /// # Errors
 /// As [`start`]; [`Fault::BadBond`] for a bond that is not finite or joins bodies that are not near
