@@ -148,6 +148,10 @@ struct Case {
     /// List the contacts of each sample.
     #[arg(long)]
     contacts: bool,
+    /// Account for the energy: in each sample what there is, and since step 0 the work done, what was
+    /// dissipated, and the residual.
+    #[arg(long)]
+    energy: bool,
 }
 
 const RUN_HELP: &str = "\
@@ -182,10 +186,10 @@ must give the published digests. Exit status: 0 it keeps the contract, 3 it does
 const REPLAY_HELP: &str = "\
 Examples:
   bitgrain replay golden/cases/collapse.json --steps 100 --every 10 --contacts
-  bitgrain replay golden/cases/rig.json --steps 1000
+  bitgrain replay golden/cases/rig.json --steps 1000 --energy
 
 A grain's motion in a case is \"free\", \"weightless\", \"frozen\", {\"carried\": [vx, vy, vz]} or, as a grain of
-a lid, {\"lid\": [vx, vy]}; the README shows a whole case.";
+a lid, {\"lid\": [vx, vy]}; the README shows a whole case, and what the terms of --energy are.";
 
 /// Runs the command that the process was called with.
 pub fn main() -> ExitCode {
@@ -216,6 +220,7 @@ fn run(command: Command) -> Result<()> {
                 steps: case.steps,
                 every: case.every.unwrap_or(case.steps.max(1)),
                 contacts: case.contacts,
+                energy: case.energy,
             };
             replay(
                 &case.case,

@@ -8,7 +8,7 @@
 //!   would take, [`run`] the pipeline, [`folder`] the run directory;
 //! * [`bed`] pours and settles grains ([`random`], [`order`]), keeps beds for the next run and takes
 //!   those of others; [`checkpoint`] saves a state;
-//! * [`drag`] pulls the intruder or carries the bed past it; [`flow`], [`observe`], [`series`],
+//! * [`drag`] pulls the intruder or carries the bed past it; [`flow`], [`observe`], [`audit`], [`series`],
 //!   [`histogram`], [`blocks`] and [`summary`] hold what was measured, in [`units`]; [`claims`] what the
 //!   runs say together, beside the paper;
 //! * [`export`] and [`lammps`] write fields that others read, [`report`] draws the page from what
@@ -21,6 +21,7 @@
 
 #![forbid(unsafe_code)]
 
+pub mod audit;
 pub mod bed;
 pub mod bench;
 pub mod blocks;

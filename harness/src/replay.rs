@@ -6,6 +6,7 @@ use std::path::Path;
 use bitgrain_kernel::{Partner, Pushed, vec3};
 use serde::Serialize;
 
+use crate::audit::{Audit, EnergyRow};
 use crate::case;
 use crate::error::{Error, Result};
 use crate::sim::{Sim, hex};
@@ -19,6 +20,8 @@ pub struct Replay {
     pub every: u64,
     /// Whether to list the contacts.
     pub contacts: bool,
+    /// Whether to account for the energy.
+    pub energy: bool,
 }
 
 #[derive(Serialize)]
@@ -29,6 +32,8 @@ struct Sample {
     obstacles: Vec<ObstacleState>,
     #[serde(skip_serializing_if = "Option::is_none")]
     contacts: Option<Vec<ContactState>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    energy: Option<EnergyRow>,
 }
 
 #[derive(Serialize)]
@@ -69,17 +74,36 @@ pub fn replay(path: &Path, what: &Replay, out: &mut impl Write) -> Result<()> {
     let case = case::read(path)?;
     let mut seen = Vec::new();
     let mut sim = case.start(&name, |p| seen.push(p))?;
-    write_sample(&mut sim, what.contacts.then_some(&seen), out)?;
+    let mut audit = what.energy.then(|| Audit::new(&mut sim));
+    let energy = |audit: &Option<Audit>| audit.map(|audit| audit.row(0));
+    write_sample(
+        &mut sim,
+        what.contacts.then_some(&seen),
+        energy(&audit),
+        out,
+    )?;
     let every = what.every.max(1);
     while sim.step_count() < what.steps {
         let next = (sim.step_count() / every * every + every).min(what.steps);
         let fault = |sim: &Sim, f| Error::run(&name, sim.step_count() + 1, f);
-        sim.steps(next - 1 - sim.step_count())
-            .map_err(|f| fault(&sim, f))?;
+        let between = next - 1 - sim.step_count();
+        let done = match &mut audit {
+            None => sim.steps(between),
+            Some(audit) => (0..between).try_for_each(|_| audit.step(&mut sim)),
+        };
+        done.map_err(|f| fault(&sim, f))?;
         seen.clear();
-        sim.step_watched(|p| seen.push(p))
-            .map_err(|f| fault(&sim, f))?;
-        write_sample(&mut sim, what.contacts.then_some(&seen), out)?;
+        let done = match &mut audit {
+            None => sim.step_watched(|p| seen.push(p)),
+            Some(audit) => audit.step_watched(&mut sim, |p| seen.push(p)),
+        };
+        done.map_err(|f| fault(&sim, f))?;
+        write_sample(
+            &mut sim,
+            what.contacts.then_some(&seen),
+            energy(&audit),
+            out,
+        )?;
     }
     out.flush().map_err(Error::Output)
 }
@@ -87,6 +111,7 @@ pub fn replay(path: &Path, what: &Replay, out: &mut impl Write) -> Result<()> {
 fn write_sample(
     sim: &mut Sim,
     contacts: Option<&Vec<Pushed<f64>>>,
+    energy: Option<EnergyRow>,
     out: &mut impl Write,
 ) -> Result<()> {
     let digest = hex(&sim.digest().whole);
@@ -131,6 +156,7 @@ fn write_sample(
         grains: grains.collect(),
         obstacles: obstacles.collect(),
         contacts,
+        energy,
     };
     let mut line = serde_json::to_vec(&sample).map_err(|e| Error::Output(e.into()))?;
     line.push(b'\n');

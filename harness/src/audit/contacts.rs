@@ -1,0 +1,223 @@
+//! Touching contacts as the audit sees them: where two bodies meet, how they move over each other, and
+//! what their springs store.
+
+use bitgrain_kernel::law::{Contact, Law, Reaction};
+use bitgrain_kernel::vec3::{Vec3, add, cross, dot, head, scale, sub};
+use bitgrain_kernel::{Bond, Obstacle, Partner, Pushed, Row, Shape};
+
+use crate::observe::{length, offset};
+use crate::sim::{AnyLaw, Sim};
+
+/// What a law stores, and the levers of its tangential force.
+#[derive(Clone, Copy)]
+pub(super) struct Elastic {
+    kn: f64,
+    kt: f64,
+    /// Part of the overlap that a lever is shorter by than the radius.
+    short: f64,
+    /// Friction coefficient of a law whose spring and damper sit on the cap together.
+    joint_cap: Option<f64>,
+}
+
+impl Elastic {
+    pub fn of(law: &AnyLaw) -> Self {
+        match law {
+            AnyLaw::HertzHistory(law) => Self {
+                kn: law.kn,
+                kt: law.kt,
+                short: 0.0,
+                joint_cap: Some(law.mu),
+            },
+            AnyLaw::HertzTsuji(law) => Self {
+                kn: law.kn,
+                kt: law.kt,
+                short: 0.5,
+                joint_cap: None,
+            },
+        }
+    }
+
+    /// Normal force of the spring alone: `K_n sqrt(R delta) delta` by either law.
+    pub fn normal_force(&self, at: &Meeting) -> f64 {
+        self.kn * at.root * at.overlap
+    }
+
+    /// Its energy: `(2/5) K_n sqrt(R) delta^(5/2)`.
+    pub fn normal_energy(&self, at: &Meeting) -> f64 {
+        0.4 * self.kn * at.root * (at.overlap * at.overlap)
+    }
+
+    /// Whether a damper of this contact is friction's, for it sits on the cap with its spring: a part in
+    /// 1e9 is for the rounding of the capped force.
+    pub fn damper_slides(&self, normal: f64, tangential: Vec3<f64>) -> bool {
+        self.joint_cap
+            .is_some_and(|mu| length(tangential) >= mu * normal.abs() * (1.0 - 1e-9))
+    }
+
+    /// Stiffness of the tangential spring: `K_t sqrt(R delta)` by either law.
+    pub fn stiffness(&self, at: &Meeting) -> f64 {
+        self.kt * at.root
+    }
+}
+
+/// Where a grain and its partner meet.
+#[derive(Clone, Copy)]
+pub(super) struct Meeting {
+    pub i: usize,
+    pub partner: Partner,
+    /// Unit vector from the partner to the grain.
+    pub normal: Vec3<f64>,
+    pub overlap: f64,
+    /// `sqrt(R delta)`.
+    root: f64,
+    radii: [f64; 2],
+    radius_effective: f64,
+    /// Levers of the tangential force about the grain and its partner.
+    arms: [f64; 2],
+}
+
+/// Velocities and spins of all grains at one time, and the obstacles with theirs.
+#[derive(Clone, Copy)]
+pub(super) struct Motion<'a> {
+    pub velocity: &'a [Row<f64>],
+    pub spin: &'a [Row<f64>],
+    pub obstacles: &'a [Obstacle<f64>],
+}
+
+impl Meeting {
+    /// The same order for every list: pairs by their places, then obstacle contacts by theirs.
+    pub fn key(&self) -> (bool, usize, u32) {
+        match self.partner {
+            Partner::Grain(j) => (false, self.i, j),
+            Partner::Obstacle(k) => (true, self.i, k),
+        }
+    }
+
+    fn new(
+        sim: &Sim,
+        elastic: &Elastic,
+        (i, partner): (u32, Partner),
+        (normal, overlap): (Vec3<f64>, f64),
+    ) -> Self {
+        let i = i as usize;
+        let radius = sim.position[i][3];
+        let other = match partner {
+            Partner::Grain(j) => sim.position[j as usize][3],
+            Partner::Obstacle(k) => match sim.obstacles[k as usize].shape {
+                Shape::Sphere { radius } => radius,
+                Shape::Cylinder { .. } | Shape::Plane { .. } => 0.0,
+            },
+        };
+        let radius_effective = if other == 0.0 {
+            radius
+        } else {
+            radius * other / (radius + other)
+        };
+        let arm = |radius: f64| radius - elastic.short * overlap;
+        Self {
+            i,
+            partner,
+            normal,
+            overlap,
+            root: (radius_effective * overlap).sqrt(),
+            radii: [radius, other],
+            radius_effective,
+            arms: [arm(radius), arm(other)],
+        }
+    }
+
+    /// A contact as a step showed it.
+    pub fn pushed(sim: &Sim, elastic: &Elastic, p: &Pushed<f64>) -> Self {
+        Self::new(sim, elastic, (p.i, p.partner), (p.normal, p.overlap))
+    }
+
+    /// A contact of the list, from where its bodies are now.
+    pub fn listed(sim: &Sim, elastic: &Elastic, bond: &Bond<f64>) -> Self {
+        let (i, partner) = match *bond {
+            Bond::Pair { i, j, .. } => (i, Partner::Grain(j)),
+            Bond::Touch { i, obstacle, .. } => (i, Partner::Obstacle(obstacle)),
+        };
+        let x = sim.position[i as usize];
+        let met = match partner {
+            Partner::Grain(j) => {
+                let y = sim.position[j as usize];
+                let d = sim.domain.separation(head(x), head(y));
+                let distance = length(d);
+                (scale(d, 1.0 / distance), x[3] + y[3] - distance)
+            }
+            Partner::Obstacle(k) => {
+                let body = &sim.obstacles[k as usize];
+                if let Shape::Plane { normal } = body.shape {
+                    (normal, x[3] - dot(sub(head(x), body.point), normal))
+                } else {
+                    let d = offset(&sim.domain, body, head(x));
+                    let distance = length(d);
+                    (scale(d, 1.0 / distance), x[3] + body.reach() - distance)
+                }
+            }
+        };
+        Self::new(sim, elastic, (i, partner), met)
+    }
+
+    /// Velocity of the grain less that of its partner, and what the spins add to the sliding before it
+    /// is crossed with the normal.
+    fn relative(&self, motion: &Motion) -> (Vec3<f64>, Vec3<f64>) {
+        let (v, w) = (head(motion.velocity[self.i]), head(motion.spin[self.i]));
+        let turn = scale(w, self.arms[0]);
+        match self.partner {
+            Partner::Grain(j) => {
+                let j = j as usize;
+                let (u, z) = (head(motion.velocity[j]), head(motion.spin[j]));
+                (sub(v, u), add(turn, scale(z, self.arms[1])))
+            }
+            Partner::Obstacle(k) => (sub(v, motion.obstacles[k as usize].velocity), turn),
+        }
+    }
+
+    /// Speed along the normal, and the velocity of the grain's surface over its partner's.
+    pub fn speeds(&self, motion: &Motion) -> (f64, Vec3<f64>) {
+        let (velocity, turn) = self.relative(motion);
+        let speed = dot(velocity, self.normal);
+        let along = sub(velocity, scale(self.normal, speed));
+        (speed, add(along, cross(self.normal, turn)))
+    }
+
+    /// The forces of a contact whose spring is known, as they were when the state was made: the law's,
+    /// with the spring at rest.
+    ///
+    /// A spring on the cap is longer than the cap by a rounding or not at all; made longer by a part in
+    /// 1e9 it slides, as it did.
+    pub fn forces(&self, sim: &Sim, motion: &Motion, spring: Vec3<f64>) -> Reaction<f64> {
+        let inverse_mass = match self.partner {
+            Partner::Grain(j) => sim.spin[j as usize][3],
+            Partner::Obstacle(k) => sim.obstacles[k as usize].inverse_mass,
+        };
+        let (velocity, _) = self.relative(motion);
+        let contact = Contact {
+            normal: self.normal,
+            overlap: self.overlap,
+            radius_i: self.radii[0],
+            radius_j: self.radii[1],
+            radius_effective: self.radius_effective,
+            mass_effective: 1.0 / (sim.spin[self.i][3] + inverse_mass),
+            velocity,
+            spin_i: head(sim.spin[self.i]),
+            spin_j: match self.partner {
+                Partner::Grain(j) => head(sim.spin[j as usize]),
+                Partner::Obstacle(_) => [0.0; 3],
+            },
+        };
+        let spring = scale(spring, 1.0 + 1e-9);
+        match sim.law {
+            AnyLaw::HertzHistory(law) => law.react(&contact, spring, 0.0),
+            AnyLaw::HertzTsuji(law) => law.react(&contact, spring, 0.0),
+        }
+    }
+}
+
+/// Tangential spring of a contact of the list.
+pub(super) fn spring_of(bond: &Bond<f64>) -> Vec3<f64> {
+    match *bond {
+        Bond::Pair { spring, .. } | Bond::Touch { spring, .. } => spring,
+    }
+}

@@ -1,0 +1,419 @@
+//! Where the energy of a simulation goes, step by step.
+//!
+//! Both laws keep the tangential spring as a displacement (Kumar 2018, eq. 2; Guillard 2014, eq. A1). So
+//! a contact that is squeezed at fixed spring stores more energy and one that opens loses some, a spring
+//! is cut to the tangent plane as the plane turns, and what a spring holds at separation is gone. These
+//! are no losses of friction; an energy that is to be accounted for counts them as what they are.
+//!
+//! The sums follow velocity Verlet. Kicks lie symmetrically round a full step, so a force evaluated at
+//! step n does the work `dt F_n . v_n` with the velocity of the full step: the trapezoidal rule, of which
+//! kinetic energy knows no error but `m (a dt)^2/8` at either end. For the tangential spring s of
+//! stiffness k, advanced by g over half-step velocities, cut by p as its plane turns and by u as it
+//! slides, `s_n = s_(n-1) + g_n - p_n - u_n`, the work against it is an identity at every step,
+//!
+//! ```text
+//! (f_n + f_(n-1))/2 . g_n  =  k_n s_n^2/2 - k_(n-1) s_(n-1)^2/2            stored
+//!                            - (k_n - k_(n-1)) s_n . s_(n-1)/2             stiffened
+//!                            + (f_n + f_(n-1))/2 . p_n                     turned
+//!                            + (f_n + f_(n-1))/2 . u_n                     slid
+//! ```
+//!
+//! with `f = k s`. Sliding is not what the spring's energy falls by, which at v dt comparable with the
+//! spring would be wrong in the first order of dt. Under `hertz_history` spring and damper sit on the cap
+//! together, and what the damper dissipates while they do is sliding's too; where the damper alone is
+//! beyond the cap, the law bends the spring against it. A contact that parts has half a step of its spring's
+//! force left, `-f . g/2`, and the rest of what it stored is erased.
+//!
+//! No term is what the others leave: the residual is measured, and is the integrator's error.
+
+mod contacts;
+mod table;
+
+use bitgrain_kernel::vec3::{add, dot, head, scale, sub};
+use bitgrain_kernel::{Bond, Fault, Partner, Pushed, Row};
+use serde::{Deserialize, Serialize};
+
+use crate::sim::Sim;
+use contacts::{Elastic, Meeting, Motion, spring_of};
+pub use table::{ENERGY_COLUMNS, EnergyRow, energy_text, parse_energy};
+
+/// Energies of a state.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Energies {
+    /// Of all grains, by velocity and by spin.
+    pub kinetic: f64,
+    /// Stored in the normal direction of contacts: sum of `(2/5) K_n sqrt(R) delta^(5/2)`.
+    pub normal: f64,
+    /// Stored in their tangential springs: sum of `K_t sqrt(R delta) s^2/2`.
+    pub tangential: f64,
+    /// Of all grains in the gravity of their groups, from unwrapped positions: zero where all lie in the
+    /// origin.
+    pub gravitational: f64,
+}
+
+impl Energies {
+    fn total(&self) -> f64 {
+        self.kinetic + self.normal + self.tangential + self.gravitational
+    }
+}
+
+/// Work done and energy dissipated: as powers at a step, or summed over steps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Flows {
+    obstacles: f64,
+    carriers: f64,
+    normal_damping: f64,
+    tangential_damping: f64,
+    /// By the dampers of contacts that slide, where those are a part of friction.
+    sliding: f64,
+}
+
+/// An account of a simulation's energy: a follower of it, step by step, that changes no bit of it.
+///
+/// It holds numbers alone, a few of them whatever the size of the bed, and goes on from a saved copy of
+/// itself and of the state with the bits it would have had. Between its steps the simulation may be
+/// saved and resumed, but not otherwise changed: no other steps, no other velocities.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Audit {
+    steps: u64,
+    start: Energies,
+    now: Energies,
+    /// Powers at the present step, whose second half is still to come.
+    powers: Flows,
+    done: Flows,
+    /// By the springs of contacts that slide.
+    sliding: f64,
+    stiffening: f64,
+    projection: f64,
+    erased: f64,
+    gross: f64,
+}
+
+/// A contact before a step.
+struct Held {
+    at: Meeting,
+    spring: [f64; 3],
+    stiffness: f64,
+    /// What its spring will advance by if its plane does not turn.
+    advance: [f64; 3],
+}
+
+impl Audit {
+    /// An account that begins at this state, started or resumed, between two steps.
+    ///
+    /// The contact forces of the state are had from the law with the velocities of the full step, which
+    /// is first order in dt for the damping in the first half step alone.
+    pub fn new(sim: &mut Sim) -> Self {
+        let elastic = Elastic::of(&sim.law);
+        let bonds = sim.bonds();
+        let mut audit = Self {
+            steps: 0,
+            start: Energies::default(),
+            now: Energies::default(),
+            powers: Flows::default(),
+            done: Flows::default(),
+            sliding: 0.0,
+            stiffening: 0.0,
+            projection: 0.0,
+            erased: 0.0,
+            gross: 0.0,
+        };
+        let motion = full_step(sim);
+        let mut energies = of_grains(sim);
+        let mut powers = carried(sim);
+        for bond in &bonds {
+            let at = Meeting::listed(sim, &elastic, bond);
+            let spring = spring_of(bond);
+            let r = at.forces(sim, &motion, spring);
+            powers.add_contact(sim, &elastic, &at, (r.normal, r.tangential), spring);
+            energies.add_contact(&elastic, &at, spring);
+        }
+        (audit.start, audit.now, audit.powers) = (energies, energies, powers);
+        audit.gross = energies.kinetic + energies.normal + energies.tangential;
+        audit
+    }
+
+    /// Advances the simulation by one step and books it.
+    ///
+    /// # Errors
+    /// As [`Sim::steps`]; a fault is booked nowhere.
+    pub fn step(&mut self, sim: &mut Sim) -> Result<(), Fault> {
+        self.step_watched(sim, |_| {})
+    }
+
+    /// [`Audit::step`], showing every touching contact to `watch` as [`Sim::step_watched`] does.
+    ///
+    /// # Errors
+    /// As [`Audit::step`].
+    pub fn step_watched(
+        &mut self,
+        sim: &mut Sim,
+        mut watch: impl FnMut(Pushed<f64>),
+    ) -> Result<(), Fault> {
+        let elastic = Elastic::of(&sim.law);
+        let (velocity, spin) = half_step(sim);
+        let held = held(sim, &elastic, &velocity, &spin);
+        // A step shows obstacle contacts before pairs, the list holds pairs before obstacle contacts.
+        let (mut pairs, mut touches) = (Vec::new(), Vec::new());
+        sim.step_watched(|p| {
+            watch(p);
+            match p.partner {
+                Partner::Grain(_) => pairs.push(p),
+                Partner::Obstacle(_) => touches.push(p),
+            }
+        })?;
+        let bonds = sim.bonds();
+        debug_assert_eq!(bonds.len(), pairs.len() + touches.len());
+
+        let half = Motion {
+            velocity: &velocity,
+            spin: &spin,
+            obstacles: &sim.obstacles,
+        };
+        let mut now = of_grains(sim);
+        let mut powers = carried(sim);
+        let mut held = held.iter().peekable();
+        for (p, bond) in pairs.iter().chain(&touches).zip(&bonds) {
+            let at = Meeting::pushed(sim, &elastic, p);
+            let spring = spring_of(bond);
+            while let Some(gone) = held.next_if(|h| h.at.key() < at.key()) {
+                self.part(gone);
+            }
+            let before = held.next_if(|h| h.at.key() == at.key());
+            let (_, sliding) = at.speeds(&half);
+            let advance = scale(sliding, sim.dt);
+            self.hold_on(before, &at, (elastic.stiffness(&at), spring), advance);
+            let forces = (p.normal_force, p.tangential_force);
+            powers.add_contact(sim, &elastic, &at, forces, spring);
+            now.add_contact(&elastic, &at, spring);
+        }
+        held.for_each(|gone| self.part(gone));
+        self.book(now, powers, sim.dt);
+        Ok(())
+    }
+
+    /// Books the spring of a contact that touches after a step; `before` is what it was, where it
+    /// touched then too.
+    fn hold_on(
+        &mut self,
+        before: Option<&Held>,
+        at: &Meeting,
+        (stiffness, spring): (f64, [f64; 3]),
+        advance: [f64; 3],
+    ) {
+        let force = scale(spring, stiffness);
+        let (mut old, mut old_force) = ([0.0; 3], [0.0; 3]);
+        if let Some(held) = before {
+            old = held.spring;
+            old_force = scale(old, held.stiffness);
+            self.stiffening += 0.5 * (stiffness - held.stiffness) * dot(spring, old);
+            // What the spring's force did along the plane that was, and the law advances it along
+            // the plane that is.
+            self.projection += 0.5 * dot(old_force, sub(held.advance, advance));
+        }
+        let mean = scale(add(force, old_force), 0.5);
+        let grown = add(old, advance);
+        let cut = scale(at.normal, dot(grown, at.normal));
+        let slid = sub(sub(grown, cut), spring);
+        self.projection += dot(mean, cut);
+        self.sliding += dot(mean, slid);
+    }
+
+    /// Books the spring of a contact that touches no more.
+    fn part(&mut self, gone: &Held) {
+        let force = scale(gone.spring, gone.stiffness);
+        self.erased += 0.5 * dot(force, gone.spring) + 0.5 * dot(force, gone.advance);
+    }
+
+    /// Books the two half steps between the powers that were and those that are.
+    fn book(&mut self, now: Energies, powers: Flows, dt: f64) {
+        let half = 0.5 * dt;
+        let over = |a: f64, b: f64| half * a + half * b;
+        let (old, done) = (self.powers, &mut self.done);
+        let obstacles = over(old.obstacles, powers.obstacles);
+        let carriers = over(old.carriers, powers.carriers);
+        done.obstacles += obstacles;
+        done.carriers += carriers;
+        done.normal_damping += over(old.normal_damping, powers.normal_damping);
+        done.tangential_damping += over(old.tangential_damping, powers.tangential_damping);
+        done.sliding += over(old.sliding, powers.sliding);
+        let fallen = now.gravitational - self.now.gravitational;
+        self.gross += obstacles.abs() + carriers.abs() + fallen.abs();
+        (self.now, self.powers) = (now, powers);
+        self.steps += 1;
+    }
+
+    /// Energies of the present state, the gravitational one as it is.
+    pub fn energies(&self) -> Energies {
+        self.now
+    }
+
+    /// The account at the present step; `step` is what its row is called by.
+    pub fn row(&self, step: u64) -> EnergyRow {
+        let (now, done) = (&self.now, &self.done);
+        let given = done.obstacles + done.carriers + self.stiffening;
+        let sliding = self.sliding + done.sliding;
+        let taken =
+            done.normal_damping + done.tangential_damping + sliding + self.projection + self.erased;
+        EnergyRow {
+            step,
+            kinetic: now.kinetic,
+            normal: now.normal,
+            tangential: now.tangential,
+            gravitational: now.gravitational - self.start.gravitational,
+            obstacles: done.obstacles,
+            carriers: done.carriers,
+            normal_damping: done.normal_damping,
+            tangential_damping: done.tangential_damping,
+            sliding,
+            stiffening: self.stiffening,
+            projection: self.projection,
+            erased: self.erased,
+            work: self.gross,
+            residual: (now.total() - self.start.total()) - (given - taken),
+        }
+    }
+
+    /// Whether every number is finite, as one read from a file may not be.
+    pub fn is_finite(&self) -> bool {
+        let states = [self.start, self.now].map(|e| e.total());
+        let flows = [self.powers, self.done].map(|f| {
+            f.obstacles + f.carriers + f.normal_damping + f.tangential_damping + f.sliding
+        });
+        let others = self.sliding + self.stiffening + self.projection + self.erased + self.gross;
+        states.iter().chain(&flows).all(|x| x.is_finite()) && others.is_finite()
+    }
+}
+
+impl Flows {
+    /// Adds the powers of a contact: `N v_n + T . v_s` on both its bodies, of which springs store a part,
+    /// and `F . V` of an obstacle on its grain.
+    fn add_contact(
+        &mut self,
+        sim: &Sim,
+        elastic: &Elastic,
+        at: &Meeting,
+        (normal, tangential): (f64, [f64; 3]),
+        spring: [f64; 3],
+    ) {
+        let (speed, sliding) = at.speeds(&full_step(sim));
+        self.normal_damping -= (normal - elastic.normal_force(at)) * speed;
+        let damped = add(tangential, scale(spring, elastic.stiffness(at)));
+        if elastic.damper_slides(normal, tangential) {
+            self.sliding -= dot(damped, sliding);
+        } else {
+            self.tangential_damping -= dot(damped, sliding);
+        }
+        if let Partner::Obstacle(k) = at.partner {
+            let force = add(scale(at.normal, normal), tangential);
+            self.obstacles += dot(force, sim.obstacles[k as usize].velocity);
+        }
+    }
+}
+
+impl Energies {
+    fn add_contact(&mut self, elastic: &Elastic, at: &Meeting, spring: [f64; 3]) {
+        self.normal += elastic.normal_energy(at);
+        self.tangential += 0.5 * elastic.stiffness(at) * dot(spring, spring);
+    }
+}
+
+/// The present velocities.
+fn full_step(sim: &Sim) -> Motion<'_> {
+    Motion {
+        velocity: &sim.velocity,
+        spin: &sim.spin,
+        obstacles: &sim.obstacles,
+    }
+}
+
+/// Velocities and spins half a step on: those of the coming drift and of the forces after it.
+fn half_step(sim: &Sim) -> (Vec<Row<f64>>, Vec<Row<f64>>) {
+    let half = 0.5 * sim.dt;
+    let (mut velocity, mut spin) = (sim.velocity.clone(), sim.spin.clone());
+    for (i, (v, w)) in velocity.iter_mut().zip(&mut spin).enumerate() {
+        let group = &sim.groups[usize::from(sim.group[i])];
+        let (mass, radius) = (v[3], sim.position[i][3]);
+        let inertia = 0.4 * mass * (radius * radius);
+        for a in 0..3 {
+            if group.integrates[a] {
+                v[a] += (sim.force[i][a] / mass + group.gravity[a]) * half;
+            }
+            if group.spins {
+                w[a] += sim.torque[i][a] / inertia * half;
+            }
+        }
+    }
+    (velocity, spin)
+}
+
+/// The touching contacts with what their springs hold.
+fn held(sim: &mut Sim, elastic: &Elastic, velocity: &[Row<f64>], spin: &[Row<f64>]) -> Vec<Held> {
+    let bonds = sim.bonds();
+    let motion = Motion {
+        velocity,
+        spin,
+        obstacles: &sim.obstacles,
+    };
+    let hold = |bond: &Bond<f64>| {
+        let at = Meeting::listed(sim, elastic, bond);
+        let (_, sliding) = at.speeds(&motion);
+        Held {
+            spring: spring_of(bond),
+            stiffness: elastic.stiffness(&at),
+            advance: scale(sliding, sim.dt),
+            at,
+        }
+    };
+    bonds.iter().map(hold).collect()
+}
+
+/// Kinetic and gravitational energy.
+fn of_grains(sim: &Sim) -> Energies {
+    let (lo, hi) = (sim.domain.lo(), sim.domain.hi());
+    let mut gravitational = 0.0;
+    for (i, x) in sim.position.iter().enumerate() {
+        let gravity = sim.groups[usize::from(sim.group[i])].gravity;
+        let mut along = 0.0;
+        for a in 0..3 {
+            let crossed = f64::from(sim.image[i][a]);
+            // Open space has no width to count crossings by.
+            let shift = if crossed == 0.0 {
+                0.0
+            } else {
+                crossed * (hi[a] - lo[a])
+            };
+            along += gravity[a] * (x[a] + shift);
+        }
+        gravitational -= sim.velocity[i][3] * along;
+    }
+    Energies {
+        kinetic: sim.kinetic_energy(),
+        gravitational,
+        ..Energies::default()
+    }
+}
+
+/// Power of what keeps grains from answering to forces: along every axis that a group does not
+/// integrate it takes up contact forces and weight.
+fn carried(sim: &Sim) -> Flows {
+    let mut carriers = 0.0;
+    for (i, v) in sim.velocity.iter().enumerate() {
+        let group = &sim.groups[usize::from(sim.group[i])];
+        for a in 0..3 {
+            if !group.integrates[a] {
+                carriers -= (sim.force[i][a] + v[3] * group.gravity[a]) * v[a];
+            }
+        }
+        if !group.spins {
+            carriers -= dot(head(sim.torque[i]), head(sim.spin[i]));
+        }
+    }
+    Flows {
+        carriers,
+        ..Flows::default()
+    }
+}
