@@ -4,17 +4,15 @@
 use std::fmt::Write;
 use std::time::Instant;
 
-use bitgrain_kernel::law::{HertzHistory, HertzTsuji};
-
 use crate::bed;
 use crate::bed::library::Library;
 use crate::bed::recipe::Recipe;
 use crate::coefficients::table_text;
 use crate::error::{Error, Result};
+use crate::law::{CONTACT_FRACTION_MAX, RAYLEIGH_FRACTION_MAX};
 use crate::progress::Stage;
 use crate::report::short;
 use crate::scenario::{BedPlan, PACKING_GUESS, RunPlan, Scenario, UnitSystem};
-use crate::sim::{AnyLaw, sphere_mass};
 
 /// Bytes of memory a grain takes, from beds of 10,000 and 70,000 grains.
 const MEMORY: f64 = 510.0;
@@ -157,18 +155,40 @@ fn cost(scenario: &Scenario, work: &Work, threads: usize, speed: f64, out: &mut 
 fn groups(scenario: &Scenario, speed: f64, out: &mut Lines) {
     let units = scenario.units();
     let beds = scenario.beds();
-    let ratio = scenario.drag.dt / scenario.rayleigh_time();
+    let (rayleigh, collision) = (scenario.rayleigh_time(), scenario.shortest_contact());
+    let bound = |time: f64, most: f64, name: &str| {
+        let ratio = short(scenario.drag.dt / time);
+        format!(
+            "{ratio} (at most {most}; {name} {} {})",
+            short(time),
+            units.time
+        )
+    };
     out.gap();
     out.add(
         "time step / Rayleigh time",
-        format!("{} (at most 0.2)", short(ratio)),
+        bound(rayleigh, RAYLEIGH_FRACTION_MAX, "the time"),
+    );
+    let (fastest, what) = scenario.fastest();
+    let at = format!(
+        "at the speed of {what}, {} {},",
+        short(fastest),
+        units.speed
+    );
+    out.add(
+        "time step / collision",
+        bound(collision, CONTACT_FRACTION_MAX, &at),
     );
     out.add("stiffness K_n/(rho g d)", short(stiffness(scenario)));
     for run in scenario.runs() {
         let plan = &beds[run.bed];
         let depth = planned_depth(scenario, plan);
         let seconds = run.steps as f64 * scenario.grain_count(plan.diameter) as f64 / speed;
-        let contact = contact_time(scenario, run.speed) / scenario.drag.dt;
+        let contact = scenario.law.contact_duration(
+            run.speed,
+            0.5 * scenario.mean_diameter(),
+            scenario.bed.density,
+        ) / scenario.drag.dt;
         out.gap();
         out.add(
             &run.name,
@@ -272,45 +292,16 @@ fn trial(scenario: &Scenario) -> Result<f64> {
     Ok((steps * sim.count() as u64) as f64 / began.elapsed().as_secs_f64())
 }
 
-impl Scenario {
-    /// Shortest Rayleigh time among the smallest grain and the intruder.
-    fn rayleigh_time(&self) -> f64 {
-        let times = self.sizes().into_iter();
-        let times = times.map(|(radius, density)| self.law.rayleigh_time(radius, density));
-        times.fold(f64::INFINITY, |a, b| if b < a { b } else { a })
-    }
-}
-
-/// Normal stiffness of the law as a pressure: `F_n = K_n sqrt(R delta) delta`.
-fn normal_stiffness(scenario: &Scenario) -> f64 {
-    match scenario.law.build() {
-        Ok(AnyLaw::HertzHistory(HertzHistory { kn, .. })) => kn,
-        Ok(AnyLaw::HertzTsuji(HertzTsuji { kn, .. })) => kn,
-        Err(_) => f64::NAN,
-    }
-}
-
 /// Normal stiffness over the weight of a grain's height of material.
 fn stiffness(scenario: &Scenario) -> f64 {
     let weight = scenario.bed.density * scenario.gravity * scenario.mean_diameter();
-    normal_stiffness(scenario) / weight
+    scenario.law.normal_stiffness() / weight
 }
 
 /// `(V/D) d / sqrt(P/rho)` with the pressure `P = phi rho g h` at the intruder's depth.
 fn inertial(scenario: &Scenario, run: &RunPlan, diameter: f64, depth: f64) -> f64 {
     let rate = run.speed / diameter;
     rate * scenario.mean_diameter() / (PACKING_GUESS * scenario.gravity * depth).sqrt()
-}
-
-/// Duration of an undamped Hertz collision of two mean grains at this speed (time): 2.943 times the
-/// deepest overlap over the speed, with the overlap `(5 m v^2/(4 K_n sqrt(R)))^(2/5)`, effective mass
-/// and radius (Landau and Lifshitz, Theory of Elasticity, section 9).
-fn contact_time(scenario: &Scenario, speed: f64) -> f64 {
-    let d = scenario.mean_diameter();
-    let mass = 0.5 * sphere_mass(d, scenario.bed.density);
-    let stiffness = normal_stiffness(scenario) * (0.25 * d).sqrt();
-    let deepest = libm::pow(1.25 * mass * speed * speed / stiffness, 0.4);
-    2.943 * deepest / speed
 }
 
 /// Bytes in words.
@@ -342,28 +333,6 @@ mod tests {
         assert_eq!(side_by_side(&[3, 5, 4, 2], 2), 7);
         assert_eq!(side_by_side(&[3, 5], 1), 8);
         assert_eq!(side_by_side(&[], 2), 0);
-    }
-
-    /// A head-on collision, integrated: the contact lasts as long as the closed form says.
-    #[test]
-    fn a_collision_lasts_as_long_as_foreseen() {
-        let sets = ["law.gamma_n=0.0".to_string(), "law.gamma_t=0.0".to_string()];
-        let scenario = crate::scenario::load("quick", &sets).unwrap();
-        let (speed, dt) = (1.3, 1e-6);
-        let (mass, kn) = (0.5 * sphere_mass(1.0, 1.0), normal_stiffness(&scenario));
-        let (mut x, mut v, mut steps) = (0.0f64, speed, 0u64);
-        while x >= 0.0 {
-            // Half a kick, drift, half a kick would do no better: the step is a thousandth.
-            v -= kn * (0.25 * x).sqrt() * x / mass * dt;
-            x += v * dt;
-            steps += 1;
-        }
-        let foreseen = contact_time(&scenario, speed);
-        // The step over the duration, and the four digits of 2.943.
-        assert!(
-            (steps as f64 * dt / foreseen - 1.0).abs() < 2e-3,
-            "{foreseen}"
-        );
     }
 
     #[test]

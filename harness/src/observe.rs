@@ -2,7 +2,7 @@
 //!
 //! Every function reads and none changes a state; sums run by ascending id.
 
-use bitgrain_kernel::{Bond, Domain, Obstacle, Shape};
+use bitgrain_kernel::{Bond, Domain, Obstacle, Pushed, Shape};
 
 use crate::sim::{Role, Sim};
 
@@ -188,6 +188,16 @@ pub fn deepest_overlap(sim: &mut Sim) -> f64 {
         }
     }
     deepest
+}
+
+/// The deeper of an overlap and that of a contact as a step showed it, of two grains or of a grain and
+/// an obstacle: folded over the steps of a run it is the run's deepest (length).
+pub fn deeper(deepest: f64, contact: &Pushed<f64>) -> f64 {
+    if contact.overlap > deepest {
+        contact.overlap
+    } else {
+        deepest
+    }
 }
 
 /// Free grains, the weight of all that may fall, a lid's grains among them, and the upward force that

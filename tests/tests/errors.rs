@@ -362,6 +362,8 @@ fn interrupted(desk: &mut Desk) {
         .spawn()
         .unwrap();
     let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
+    let step = lines.next().unwrap().unwrap();
+    assert!(step.starts_with("time step 0.0003 "), "{step}");
     // The bed is there: the drag has begun, and takes millions of steps.
     let bed = lines.next().unwrap().unwrap();
     assert!(bed.starts_with("bed: 300 grains"), "{bed}");

@@ -14,4 +14,5 @@ pub use fits::{
 };
 pub use judged::{FAR_FIELD_LEAST, TRAVEL_LEAST, Verdict};
 pub use points::{Group, Point, Spread, Way, groups};
+pub use soundness::{OVERLAP_MAX, overlap_remark};
 pub use statements::{DRAG_COEFFICIENT_NEAR, Statement, statements};

@@ -11,6 +11,25 @@ const BALANCE: f64 = 0.01;
 /// difference, which is twice the window's.
 const HALVES: f64 = 3.0;
 
+/// Deepest overlap over the mean diameter up to which grains are hard enough: at a twentieth the contact
+/// of two equal grains is 0.45 of their radius wide, and Hertz's law takes it for narrow (Johnson, Contact
+/// Mechanics, section 4.2).
+pub const OVERLAP_MAX: f64 = 0.05;
+
+/// What to beware of where the deepest overlap of a run, over the mean diameter, is beyond
+/// [`OVERLAP_MAX`]; nothing where it is not. What is no number is beyond.
+pub fn overlap_remark(deepest: f64) -> Option<String> {
+    if deepest <= OVERLAP_MAX {
+        return None;
+    }
+    Some(format!(
+        "The deepest overlap is {} of the mean diameter, beyond {OVERLAP_MAX}: grains are too soft for \
+         Hertz's law, which takes contacts for narrow, and forces may depend on the stiffness. Stiffer \
+         grains, with a shorter time step, or a slower drag lower it.",
+        short(deepest)
+    ))
+}
+
 type Passage<'a> = (&'a RunSummary, &'a Flow);
 
 /// The three statements about the runs themselves.
@@ -184,6 +203,14 @@ mod tests {
             change,
             ..Asked::default()
         })
+    }
+
+    #[test]
+    fn soft_contacts_are_remarked_on() {
+        assert_eq!(overlap_remark(OVERLAP_MAX), None);
+        let told = overlap_remark(0.0724).unwrap();
+        assert!(told.contains("0.0724 of the mean diameter"), "{told}");
+        assert!(overlap_remark(f64::NAN).is_some());
     }
 
     #[test]

@@ -79,6 +79,7 @@ pub fn run(
     if let Some(table) = table_text(&scenario.law, d, density, si) {
         progress.line(table.trim_end());
     }
+    progress.line(&scenario.time_step_line());
     let (plans, runs) = (scenario.beds(), scenario.runs());
     let height = |plan: &BedPlan| plan.center[2] as u64;
 

@@ -342,9 +342,7 @@ impl Scenario {
 
     fn check_drag(&self) -> Check {
         let least = 0.5 * self.bed.diameters[0];
-        self.law
-            .check_time_step(self.drag.dt, self.sizes().into_iter())
-            .map_err(|p| ("drag.dt".to_string(), p))?;
+        self.check_time_step()?;
         if self.bed.file.is_some() && self.drag.history == History::Kept {
             return refuse(
                 "drag.history",

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 mod check;
+mod guard;
 mod keys;
 mod plan;
 mod rig;
