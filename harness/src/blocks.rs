@@ -40,7 +40,8 @@ pub struct Mean {
 }
 
 /// Sums of a quantity, value by value, over all of them and over blocks whose number stays bounded.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct BlockSums {
     values: u64,
     all: f64,

@@ -12,7 +12,18 @@ use crate::files::write_whole;
 use crate::sim::{AnyLaw, Sim, hex};
 
 /// Version of the file's layout.
-pub const FORMAT: u32 = 2;
+pub const FORMAT: u32 = 3;
+
+/// What a checkpoint holds besides the state.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Note {
+    /// Digest of the recipe a bed was poured by; empty for other states.
+    pub recipe: String,
+    /// The last link of the chain of digests up to this state; empty where there is none.
+    pub link: String,
+    /// The stage under way, as JSON: its accumulators, series and chain so far; empty for a bare state.
+    pub course: String,
+}
 
 /// What is not an array of grains or contacts. One text under one key, so that a file's bytes do
 /// not depend on the order of a map.
@@ -27,12 +38,33 @@ struct Head {
     domain: Domain<f64>,
     groups: Vec<Group<f64>>,
     obstacles: Vec<Obstacle<f64>>,
-    /// Digest of the recipe the bed was poured by; empty for other states.
     recipe: String,
+    link: String,
     /// Digest of the state, which reading computes anew.
     digest: String,
-    /// BLAKE3 over this text, with the seal empty, and every array's name and bytes.
+    /// The arrays, by name.
+    parts: Vec<Part>,
+    /// BLAKE3 over this text with the seal empty.
     seal: String,
+}
+
+/// An array of the file: its length and its digest.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Part {
+    name: String,
+    bytes: usize,
+    blake3: String,
+}
+
+impl Part {
+    fn of(name: &str, bytes: &[u8]) -> Self {
+        Self {
+            name: name.to_string(),
+            bytes: bytes.len(),
+            blake3: hex(blake3::hash(bytes).as_bytes()),
+        }
+    }
 }
 
 /// The versions that wrote a checkpoint.
@@ -47,18 +79,13 @@ impl Head {
         serde_json::to_string(self).expect("a finite state is JSON")
     }
 
-    /// The seal that belongs to this head and these arrays, by name.
-    fn seal_over<'a>(&self, arrays: impl Iterator<Item = (&'a str, &'a [u8])>) -> String {
+    /// The seal that belongs to this head.
+    fn sealed(&self) -> String {
         let open = Self {
             seal: String::new(),
             ..self.clone()
         };
-        let mut hasher = blake3::Hasher::new();
-        hasher.update(open.text().as_bytes());
-        for (name, bytes) in arrays {
-            hasher.update(name.as_bytes()).update(bytes);
-        }
-        hex(hasher.finalize().as_bytes())
+        hex(blake3::hash(open.text().as_bytes()).as_bytes())
     }
 }
 
@@ -74,6 +101,17 @@ pub fn write(path: &Path, sim: &mut Sim) -> Result<()> {
 
 /// The bytes of a checkpoint; `recipe` is the digest of the recipe the bed was poured by, or empty.
 pub fn bytes(sim: &mut Sim, recipe: &str) -> Vec<u8> {
+    let note = Note {
+        recipe: recipe.to_string(),
+        ..Note::default()
+    };
+    pack(sim, &note)
+}
+
+/// The bytes of a checkpoint of a state and a note.
+pub fn pack(sim: &mut Sim, note: &Note) -> Vec<u8> {
+    let arrays = arrays(sim, note);
+    let part = |(name, (_, _, bytes)): &Array| Part::of(name, bytes);
     let mut head = Head {
         format: FORMAT,
         bits_version: BITS_VERSION,
@@ -83,21 +121,18 @@ pub fn bytes(sim: &mut Sim, recipe: &str) -> Vec<u8> {
         domain: sim.domain,
         groups: sim.groups.clone(),
         obstacles: sim.obstacles.clone(),
-        recipe: recipe.to_string(),
+        recipe: note.recipe.clone(),
+        link: note.link.clone(),
         digest: hex(&sim.digest().whole),
+        parts: arrays.iter().map(part).collect(),
         seal: String::new(),
     };
-    let arrays = arrays(sim);
+    head.seal = head.sealed();
     let views = arrays.iter().map(|(name, (dtype, shape, bytes))| {
         let view =
             TensorView::new(*dtype, shape.clone(), bytes).expect("sizes match by construction");
         (*name, view)
     });
-    head.seal = head.seal_over(
-        arrays
-            .iter()
-            .map(|(name, (_, _, bytes))| (*name, &bytes[..])),
-    );
     let metadata = HashMap::from([(KEY.to_string(), head.text())]);
     serialize(views, Some(metadata)).expect("views match by construction")
 }
@@ -105,8 +140,8 @@ pub fn bytes(sim: &mut Sim, recipe: &str) -> Vec<u8> {
 /// A named array: its type, shape and little-endian bytes.
 type Array = (&'static str, (Dtype, Vec<usize>, Vec<u8>));
 
-/// Grains and contacts as arrays, by name.
-fn arrays(sim: &mut Sim) -> [Array; 11] {
+/// Grains, contacts and the stage under way as arrays, by name.
+fn arrays(sim: &mut Sim, note: &Note) -> [Array; 12] {
     let (mut bodies, mut springs, mut kinds) = (Vec::new(), Vec::new(), Vec::new());
     for bond in sim.bonds() {
         let (kind, i, partner, spring) = match bond {
@@ -127,10 +162,12 @@ fn arrays(sim: &mut Sim) -> [Array; 11] {
     let rows = |rows: &[Row<f64>]| (Dtype::F64, vec![n, 4], reals(rows.as_flattened()));
     let image = sim.image.as_flattened().iter();
     let image: Vec<u8> = image.flat_map(|x| x.to_le_bytes()).collect();
+    let course = note.course.clone().into_bytes();
     [
         ("bond_bodies", (Dtype::U32, vec![m, 2], words(&bodies))),
         ("bond_kind", (Dtype::U8, vec![m], kinds)),
         ("bond_spring", (Dtype::F64, vec![m, 3], reals(&springs))),
+        ("course", (Dtype::U8, vec![course.len()], course)),
         ("force", rows(&sim.force)),
         ("group", (Dtype::U8, vec![n], sim.group.clone())),
         ("id", (Dtype::U32, vec![n], words(&sim.id))),
@@ -145,11 +182,19 @@ fn arrays(sim: &mut Sim) -> [Array; 11] {
 /// Reads a state back, ready to step on, and proves it by its digest.
 ///
 /// # Errors
-/// [`Error::Input`] where the file is missing, damaged, cut off, or of another format or
-/// arithmetic.
+/// [`Error::Damaged`] where the file was changed or cut off, [`Error::Input`] where it is missing or of
+/// another format or arithmetic.
 pub fn read(path: &Path) -> Result<Sim> {
+    Ok(read_noted(path)?.0)
+}
+
+/// A state and what its checkpoint holds besides.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_noted(path: &Path) -> Result<(Sim, Note)> {
     let bytes = std::fs::read(path).map_err(|e| Error::read(path, &e))?;
-    parse(&bytes, &path.display().to_string(), None)
+    unpack(&bytes, &path.display().to_string())
 }
 
 /// The state that the bytes of a checkpoint hold; `name` is what errors call it. Where a `recipe` is
@@ -158,45 +203,100 @@ pub fn read(path: &Path) -> Result<Sim> {
 /// # Errors
 /// As [`read`].
 pub fn parse(bytes: &[u8], name: &str, recipe: Option<&str>) -> Result<Sim> {
-    let place = || name.to_string();
-    let damaged = |what: String| Error::input(place(), format!("not a whole checkpoint: {what}"));
+    let (sim, note) = unpack(bytes, name)?;
+    if recipe.is_some_and(|digest| digest != note.recipe) {
+        let problem = "holds a bed that was poured by another recipe";
+        return Err(Error::input(name, problem));
+    }
+    Ok(sim)
+}
+
+/// The state that the bytes of a checkpoint hold, and its note; `name` is what errors call it.
+///
+/// # Errors
+/// As [`read`].
+pub fn unpack(bytes: &[u8], name: &str) -> Result<(Sim, Note)> {
+    let head = head(bytes, name)?;
+    if head.bits_version != BITS_VERSION {
+        return Err(other_versions(name, [head.format, head.bits_version]));
+    }
+    restore(bytes, &head, name)
+}
+
+/// [`unpack`] for a look at a state that another arithmetic made: it must not step on.
+///
+/// # Errors
+/// As [`read`], but for the arithmetic.
+pub fn unpack_foreign(bytes: &[u8], name: &str) -> Result<Sim> {
+    let head = head(bytes, name)?;
+    Ok(restore(bytes, &head, name)?.0)
+}
+
+fn other_versions(name: &str, [format, bits]: [u32; 2]) -> Error {
+    let problem = format!(
+        "written in format {format} with arithmetic {bits}; this program reads format {FORMAT} with \
+         arithmetic {BITS_VERSION}: make it again, or use the program that wrote it"
+    );
+    Error::input(name, problem)
+}
+
+fn damaged(name: &str) -> impl Fn(String) -> Error {
+    move |problem| Error::Damaged {
+        place: name.to_string(),
+        problem,
+    }
+}
+
+/// The head of a file, with its seal and every array's length and digest checked.
+fn head(bytes: &[u8], name: &str) -> Result<Head> {
+    let damaged = damaged(name);
     let (_, metadata) = SafeTensors::read_metadata(bytes).map_err(|e| damaged(e.to_string()))?;
     let file = SafeTensors::deserialize(bytes).map_err(|e| damaged(e.to_string()))?;
     let text = metadata.metadata().as_ref().and_then(|m| m.get(KEY));
     let text = text.ok_or_else(|| damaged(format!("no `{KEY}` entry in its metadata")))?;
     // The versions first: another format may have other fields.
     let made: Made = serde_json::from_str(text).map_err(|e| damaged(e.to_string()))?;
-    if made.format != FORMAT || made.bits_version != BITS_VERSION {
-        return Err(Error::input(
-            place(),
-            format!(
-                "written in format {} with arithmetic {}; this program reads format {FORMAT} with \
-                 arithmetic {BITS_VERSION}: make the bed again, or use the program that wrote it",
-                made.format, made.bits_version
-            ),
-        ));
+    if made.format != FORMAT {
+        return Err(other_versions(name, [made.format, made.bits_version]));
     }
     let head: Head = serde_json::from_str(text).map_err(|e| damaged(e.to_string()))?;
-    let mut names = file.names();
-    names.sort_unstable();
-    let bytes_of = |name| file.tensor(name).map_or(&[][..], |view| view.data());
-    let seal = head.seal_over(names.into_iter().map(|name| (name, bytes_of(name))));
-    if head.text() != *text || seal != head.seal {
-        return Err(damaged("its seal does not fit what is in it".into()));
-    }
-    if recipe.is_some_and(|digest| digest != head.recipe) {
-        return Err(Error::input(
-            place(),
-            "holds a bed that was poured by another recipe",
+    if head.text() != *text || head.sealed() != head.seal {
+        return Err(damaged(
+            "the seal of its head does not fit what is in it".into(),
         ));
     }
+    let mut names = file.names();
+    names.sort_unstable();
+    let listed: Vec<&str> = head.parts.iter().map(|part| &part.name[..]).collect();
+    if names != listed {
+        return Err(damaged(
+            "its arrays are not those that its head lists".into(),
+        ));
+    }
+    for part in &head.parts {
+        let view = file.tensor(&part.name);
+        let view = view.map_err(|e| damaged(e.to_string()))?;
+        if Part::of(&part.name, view.data()) != *part {
+            let name = &part.name;
+            return Err(damaged(format!(
+                "`{name}` has not the length and digest of its head"
+            )));
+        }
+    }
+    Ok(head)
+}
+
+/// The state and the note, proved by the digest.
+fn restore(bytes: &[u8], head: &Head, name: &str) -> Result<(Sim, Note)> {
+    let damaged = damaged(name);
+    let file = SafeTensors::deserialize(bytes).map_err(|e| damaged(e.to_string()))?;
     let arrays = Arrays { file: &file };
-    let mut sim = arrays.sim(&head).map_err(damaged)?;
-    let bonds = arrays.bonds().map_err(damaged)?;
+    let mut sim = arrays.sim(head).map_err(&damaged)?;
+    let bonds = arrays.bonds().map_err(&damaged)?;
     sim.set_step_count(head.step);
     sim.resume(&bonds).map_err(|fault| match fault {
         // The machine's fault, not the file's.
-        Fault::Arithmetic { .. } => Error::run(place(), head.step, fault),
+        Fault::Arithmetic { .. } => Error::run(name, head.step, fault),
         _ => damaged(fault.to_string()),
     })?;
     let digest = hex(&sim.digest().whole);
@@ -206,7 +306,12 @@ pub fn parse(bytes: &[u8], name: &str, recipe: Option<&str>) -> Result<Sim> {
             head.digest
         )));
     }
-    Ok(sim)
+    let note = Note {
+        recipe: head.recipe.clone(),
+        link: head.link.clone(),
+        course: arrays.course().map_err(&damaged)?,
+    };
+    Ok((sim, note))
 }
 
 struct Arrays<'a> {
@@ -266,6 +371,11 @@ impl Arrays<'_> {
         sim.fit_storage();
         sim.choose_skin();
         Ok(sim)
+    }
+
+    fn course(&self) -> std::result::Result<String, String> {
+        let bytes = self.words::<1>("course", Dtype::U8)?;
+        String::from_utf8(bytes.into_flattened()).map_err(|e| format!("`course`: {e}"))
     }
 
     fn bonds(&self) -> std::result::Result<Vec<Bond<f64>>, String> {

@@ -1,9 +1,13 @@
 //! Dragging: the intruder moves at constant speed through a settled bed, or the bed past it, and the
 //! force on it is summed at every step.
 
-use bitgrain_kernel::{Fault, Pushed};
+use bitgrain_kernel::Fault;
+use serde::{Deserialize, Serialize};
 
+use crate::audit::{Audit, EnergyRow};
 use crate::blocks::{BlockSums, Mean};
+use crate::chain::Chain;
+use crate::checkpoint::Note;
 use crate::error::{Error, Result};
 use crate::flow::{FlowGauge, FlowMeans};
 use crate::histogram::{Angles, Coordination};
@@ -12,6 +16,7 @@ use crate::progress::Stage;
 use crate::scenario::{History, Moves, RunPlan, Scenario};
 use crate::series::SeriesRow;
 use crate::sim::{Role, Sim};
+use crate::witness::Witness;
 
 /// Steps between updates of the progress bar; no result depends on it.
 const SHOW: u64 = 200;
@@ -44,7 +49,8 @@ pub struct Means {
 }
 
 /// What a drag leaves behind besides its means, filled as it goes.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Record {
     /// Rows of the force series.
     pub series: Vec<SeriesRow>,
@@ -54,10 +60,15 @@ pub struct Record {
     pub coordination: Coordination,
     /// What was measured of a bed that flows.
     pub flow: Option<FlowGauge>,
+    /// The account of the energy, where it was asked for.
+    pub energy: Vec<EnergyRow>,
+    /// Deepest overlap of grains with each other and with the intruder at any row (length).
+    pub deepest: f64,
 }
 
 /// Sums of one window of steps.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 struct Sums {
     force: [f64; 3],
     steps: u64,
@@ -77,7 +88,8 @@ impl Sums {
 }
 
 /// All that is measured on the way.
-#[derive(Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 struct Gauges {
     force: [BlockSums; 3],
     contacts: BlockSums,
@@ -87,61 +99,179 @@ struct Gauges {
     all: Sums,
 }
 
-/// Drags the intruder of a settled bed as `plan` says. `snapshot` is shown the state and the contacts
-/// at the plan's snapshot steps.
-///
-/// The speed is taken on at once, with the contacts of the settled bed in place, or with empty
-/// histories and forces evaluated anew at rest, as the scenario says. On an error `record` holds
-/// what was measured before it.
+/// A drag under way: all that one step hands to the next besides the state itself.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Dragging {
+    /// Which run of which scenario this is: [`Scenario::key`].
+    pub key: String,
+    /// Steps done.
+    pub step: u64,
+    /// Digests of its states.
+    pub chain: Chain,
+    /// What was measured so far.
+    pub record: Record,
+    gauges: Gauges,
+    audit: Option<Audit>,
+}
+
+impl Dragging {
+    /// Sets the intruder of a settled bed in motion, or the bed, as `plan` says; `link` is the last one of
+    /// the bed's chain.
+    ///
+    /// The speed is taken on at once, with the contacts of the settled bed in place, or with empty
+    /// histories and forces evaluated anew at rest, as the scenario says.
+    ///
+    /// # Errors
+    /// [`Error::Run`] where the kernel refuses the motion.
+    pub fn begin(sim: &mut Sim, scenario: &Scenario, plan: &RunPlan, link: &str) -> Result<Self> {
+        let wrong = |fault| Error::run(&plan.name, 0, fault);
+        if scenario.drag.history == History::Empty {
+            sim.start().map_err(wrong)?;
+        }
+        let surface = observe::surface_height(sim, scenario.mean_diameter());
+        set_off(sim, scenario.drag.moves, plan.speed).map_err(wrong)?;
+        let flow = scenario
+            .flows()
+            .then(|| FlowGauge::new(sim, scenario, plan, surface));
+        let mut chain = Chain::new(link.to_string(), scenario.measure.digest_every);
+        chain.add(0, &sim.digest());
+        Ok(Self {
+            key: scenario.key(&plan.name),
+            step: 0,
+            chain,
+            record: Record {
+                flow,
+                ..Record::default()
+            },
+            gauges: Gauges::default(),
+            audit: scenario.measure.energy.then(|| Audit::new(sim)),
+        })
+    }
+
+    /// Goes on to the end of the drag, or as far as `witness` wants to see.
+    ///
+    /// On an error this holds what was measured before it; after [`Error::Interrupted`] it belongs to the
+    /// state, and the drag can go on from both.
+    ///
+    /// # Errors
+    /// [`Error::Run`] where a step goes wrong, [`Error::Interrupted`], and what `witness` returns.
+    pub fn go_on(
+        &mut self,
+        sim: &mut Sim,
+        scenario: &Scenario,
+        plan: &RunPlan,
+        stage: &Stage,
+        witness: &mut impl Witness,
+    ) -> Result<()> {
+        let first = plan.first_averaged(sim.dt);
+        let mut seen = Vec::new();
+        witness.begins(self.step, sim)?;
+        while self.step < plan.steps && self.step < witness.ends() {
+            let n = self.step + 1;
+            let wrong = |fault| Error::run(&plan.name, n, fault);
+            let looks = witness.looks_at(n);
+            seen.clear();
+            match &mut self.audit {
+                Some(audit) => audit.step_watched(sim, |contact| seen.push(contact)),
+                None if looks => sim.step_watched(|contact| seen.push(contact)),
+                None => sim.steps(1),
+            }
+            .map_err(wrong)?;
+            self.measure(sim, scenario, n, n >= first, plan);
+            self.step = n;
+            if self.chain.is_due(n) || n == plan.steps {
+                let link = self.chain.add(n, &sim.digest());
+                link.map_or(Ok(()), |link| witness.linked(link))?;
+            }
+            if looks {
+                witness.look(n, sim, &seen)?;
+            }
+            witness.pause(n, sim, &|| self.note())?;
+            if n.is_multiple_of(SHOW) {
+                let drag = crate::report::short(self.gauges.all.mean()[0]);
+                stage.at(n, sim.count(), &format!("drag so far {drag}"))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes the readings of step `n`.
+    fn measure(
+        &mut self,
+        sim: &mut Sim,
+        scenario: &Scenario,
+        n: u64,
+        counted: bool,
+        plan: &RunPlan,
+    ) {
+        let row = n.is_multiple_of(scenario.measure.every) || n == plan.steps;
+        let force = force_on_intruder(sim, scenario.drag.moves);
+        if let Some(flow) = &mut self.record.flow {
+            flow.read(sim, n, force);
+        }
+        let record = &mut self.record;
+        if row {
+            record.energy.extend(self.audit.map(|audit| audit.row(n)));
+            let deepest = observe::deepest_overlap(sim);
+            if deepest > record.deepest {
+                record.deepest = deepest;
+            }
+        }
+        self.gauges
+            .read(sim, scenario, plan, n, force, row, counted, record);
+    }
+
+    /// What a checkpoint holds of it.
+    pub fn note(&self) -> Note {
+        Note {
+            recipe: String::new(),
+            link: self.chain.end().to_string(),
+            course: serde_json::to_string(self).expect("what is measured is finite"),
+        }
+    }
+
+    /// Takes it up again from a checkpoint's note.
+    ///
+    /// # Errors
+    /// What is wrong with the note.
+    pub fn of(note: &Note) -> std::result::Result<Self, String> {
+        let read: Self = serde_json::from_str(&note.course)
+            .map_err(|e| format!("holds no drag under way: {e}"))?;
+        if read.chain.end() == note.link && read.record.angles.is_whole() {
+            Ok(read)
+        } else {
+            Err("does not hold the drag that its chain of digests is of".into())
+        }
+    }
+
+    /// Means over the window of a drag that has come to its end.
+    ///
+    /// # Errors
+    /// [`Error::Input`] where the window is too short for any.
+    pub fn means(&self, plan: &RunPlan, dt: f64) -> Result<Means> {
+        let short = || Error::input(&plan.name, "has too few steps to average");
+        let steps = self.step + 1 - plan.first_averaged(dt);
+        let mut means = self.gauges.means(steps).ok_or_else(short)?;
+        means.flow = self.record.flow.as_ref().and_then(|flow| flow.means(dt));
+        Ok(means)
+    }
+}
+
+/// Drags the intruder of a settled bed from beginning to end: [`Dragging::begin`], [`Dragging::go_on`]
+/// and [`Dragging::means`].
 ///
 /// # Errors
-/// [`Error::Run`] where a step goes wrong, [`Error::Interrupted`], and what `snapshot` returns.
+/// As those.
 pub fn drag(
     sim: &mut Sim,
     scenario: &Scenario,
     plan: &RunPlan,
-    stage: &Stage,
-    record: &mut Record,
-    mut snapshot: impl FnMut(u64, &Sim, &[Pushed<f64>]) -> Result<()>,
-) -> Result<Means> {
-    let wrong = |n: u64| move |fault| Error::run(&plan.name, n, fault);
-    if scenario.drag.history == History::Empty {
-        sim.start().map_err(wrong(0))?;
-    }
-    let surface = observe::surface_height(sim, scenario.mean_diameter());
-    set_off(sim, scenario.drag.moves, plan.speed).map_err(wrong(0))?;
-    record.flow = scenario
-        .flows()
-        .then(|| FlowGauge::new(sim, scenario, plan, surface));
-    let every = scenario.measure.every;
-    let first = plan.first_averaged(sim.dt);
-    let mut gauges = Gauges::default();
-    let mut seen = Vec::new();
-    for n in 1..=plan.steps {
-        // They ascend, and there may be thousands.
-        if plan.snapshots.binary_search(&n).is_ok() {
-            seen.clear();
-            sim.step_watched(|contact| seen.push(contact))
-                .map_err(wrong(n))?;
-            snapshot(n, sim, &seen)?;
-        } else {
-            sim.steps(1).map_err(wrong(n))?;
-        }
-        let row = n % every == 0 || n == plan.steps;
-        let force = force_on_intruder(sim, scenario.drag.moves);
-        if let Some(flow) = &mut record.flow {
-            flow.read(sim, n, force);
-        }
-        gauges.read(sim, scenario, plan, n, force, row, n >= first, record);
-        if n % SHOW == 0 {
-            let drag = crate::report::short(gauges.all.mean()[0]);
-            stage.at(n, sim.count(), &format!("drag so far {drag}"))?;
-        }
-    }
-    let short = || Error::input(&plan.name, "has too few steps to average");
-    let mut means = gauges.means(plan.steps + 1 - first).ok_or_else(short)?;
-    means.flow = record.flow.as_ref().and_then(|flow| flow.means(sim.dt));
-    Ok(means)
+    witness: &mut impl Witness,
+) -> Result<(Means, Record)> {
+    let mut dragging = Dragging::begin(sim, scenario, plan, "")?;
+    dragging.go_on(sim, scenario, plan, &Stage::silent(), witness)?;
+    Ok((dragging.means(plan, sim.dt)?, dragging.record))
 }
 
 /// Sets the intruder in motion, or base, lid and planes; all at once.

@@ -5,6 +5,10 @@ use std::path::{Path, PathBuf};
 use bitgrain_kernel::Fault;
 use thiserror::Error;
 
+/// What an interrupted run is told.
+const SAVED: &str = "; it is saved: the same command goes on from there, and so does `bitgrain run --resume` \
+                     with the run's folder";
+
 /// Why a command ended without its result.
 #[derive(Debug, Error)]
 pub enum Error {
@@ -14,6 +18,14 @@ pub enum Error {
         /// File, with line or key where there is one.
         place: String,
         /// What is wrong, what was expected, and what to do.
+        problem: String,
+    },
+    /// A checkpoint that is not whole: changed or cut off since it was written.
+    #[error("{place}: not a whole checkpoint: {problem}")]
+    Damaged {
+        /// The file.
+        place: String,
+        /// What does not fit.
         problem: String,
     },
     /// A run went wrong and stopped at a step.
@@ -47,16 +59,27 @@ pub enum Error {
         /// Upward force of base, planes and intruder over the weight.
         carried: f64,
     },
-    /// The command was asked to stop, as by Ctrl-C.
+    /// A run that was executed again gave something else than was written.
     #[error(
-        "{stage} interrupted at step {step}; the beds that had settled and the files written so far \
-         are kept: the same command takes the beds from there and drags anew"
+        "{problem}: the files were changed, or made by another build or on a machine that does not keep \
+         the bit contract (`bitgrain selftest` tells); `bitgrain bisect` finds where two runs part"
     )]
+    Unverified {
+        /// What does not hold.
+        problem: String,
+    },
+    /// Two runs differ, as was told.
+    #[error("the runs differ")]
+    Parted,
+    /// The command was asked to stop, as by Ctrl-C.
+    #[error("{stage} interrupted at step {step}{}", if *.saved { SAVED } else { "" })]
     Interrupted {
         /// Which stage of which run.
         stage: String,
         /// Steps done.
         step: u64,
+        /// Whether it was saved, to be gone on with.
+        saved: bool,
     },
     /// This machine or this build does not keep the bit contract.
     #[error(
@@ -85,11 +108,30 @@ impl Error {
     /// written, 130 for a command that was interrupted.
     pub fn exit_status(&self) -> u8 {
         match self {
-            Error::Input { .. } => 2,
-            Error::Run { .. } | Error::Unsettled { .. } | Error::Contract { .. } => 3,
+            Error::Input { .. } | Error::Damaged { .. } => 2,
+            Error::Run { .. }
+            | Error::Unsettled { .. }
+            | Error::Unverified { .. }
+            | Error::Parted
+            | Error::Contract { .. } => 3,
             Error::Write { .. } | Error::Output(_) => 1,
             Error::Interrupted { .. } => 130,
         }
+    }
+
+    /// The message without the place at its beginning.
+    pub fn told_of(&self, place: &str) -> String {
+        let text = self.to_string();
+        let rest = text.strip_prefix(&format!("{place}: "));
+        rest.map_or(text.clone(), String::from)
+    }
+
+    /// The same, where it is an interruption, of a stage that is saved.
+    pub fn saved(mut self) -> Self {
+        if let Error::Interrupted { saved, .. } = &mut self {
+            *saved = true;
+        }
+        self
     }
 
     /// Input refused at a place.

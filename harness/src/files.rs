@@ -53,12 +53,20 @@ pub fn read_text(path: &Path) -> Result<String> {
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
     let folder = path.parent().unwrap_or(Path::new("."));
     make_folder(folder)?;
-    let mut name = path.file_name().unwrap_or_default().to_os_string();
-    // Two processes never write into one file, nor do two threads.
-    let number = WRITES.fetch_add(1, Ordering::Relaxed);
-    name.push(format!(".{}-{number}.partial", std::process::id()));
-    let partial = folder.join(name);
-    let written = std::fs::File::create(&partial).and_then(|mut file| {
+    let name = path.file_name().unwrap_or_default();
+    // Two threads never write into one file, nor do two processes, also of two machines.
+    let (partial, created) = loop {
+        let number = WRITES.fetch_add(1, Ordering::Relaxed);
+        let mut name = name.to_os_string();
+        name.push(format!(".{}-{number}.partial", std::process::id()));
+        let partial = folder.join(name);
+        let created = std::fs::File::create_new(&partial);
+        let taken = |e: &std::io::Error| e.kind() == std::io::ErrorKind::AlreadyExists;
+        if !created.as_ref().is_err_and(taken) {
+            break (partial, created);
+        }
+    };
+    let written = created.and_then(|mut file| {
         file.write_all(bytes)?;
         file.sync_all()
     });
@@ -71,14 +79,36 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
         })
 }
 
+/// Removes the half files that killed processes left in a folder and those below it; whatever cannot be
+/// removed stays.
+pub fn clear_partials(folder: &Path) {
+    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+        let path = entry.path();
+        if entry.file_type().is_ok_and(|kind| kind.is_dir()) {
+            clear_partials(&path);
+        } else if path.extension().is_some_and(|ending| ending == "partial") {
+            let _ = std::fs::remove_file(path);
+        }
+    }
+}
+
 /// Writes text to `path`, or where `packed` to `path` with `.gz` at its end, packed with gzip: the same
 /// bytes every time, without a date or a name in them.
 ///
 /// # Errors
 /// As [`write_whole`].
 pub fn write_text(path: &Path, text: &str, packed: bool) -> Result<()> {
+    let (path, bytes) = text_file(path, text, packed)?;
+    write_whole(&path, &bytes)
+}
+
+/// The file that [`write_text`] writes: its path and its bytes.
+///
+/// # Errors
+/// [`Error::Write`] where packing goes wrong.
+pub fn text_file(path: &Path, text: &str, packed: bool) -> Result<(PathBuf, Vec<u8>)> {
     if !packed {
-        return write_whole(path, text.as_bytes());
+        return Ok((path.to_path_buf(), text.as_bytes().to_vec()));
     }
     let path = packed_name(path);
     let mut gzip = GzEncoder::new(Vec::new(), Compression::default());
@@ -86,7 +116,7 @@ pub fn write_text(path: &Path, text: &str, packed: bool) -> Result<()> {
         .write_all(text.as_bytes())
         .and_then(|()| gzip.finish())
         .map_err(|e| Error::write(&path, e))?;
-    write_whole(&path, &bytes)
+    Ok((path, bytes))
 }
 
 /// The path with `.gz` at its end.

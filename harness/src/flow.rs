@@ -123,7 +123,8 @@ fn parse_row(line: &str) -> Option<FlowRow> {
 }
 
 /// Mean speed of the far grains by height.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Profile {
     /// Sums of displacement over the bed's travel, and how many, of layers a mean diameter thick.
     layers: Vec<(f64, u64)>,
@@ -204,7 +205,8 @@ pub struct FlowMeans {
 }
 
 /// What is measured on the way.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct FlowGauge {
     /// 1 where the bed moves along +x past the intruder, -1 where the intruder moves.
     sign: f64,
@@ -218,8 +220,8 @@ pub struct FlowGauge {
     packing_top: f64,
     diameter: f64,
     sums: [f64; 4],
-    /// Where every far free grain was at the last row, unwrapped along x; NaN for others.
-    before: Vec<f64>,
+    /// Where every far free grain was at the last row, unwrapped along x.
+    before: Vec<Option<f64>>,
     /// Rows so far.
     pub rows: Vec<FlowRow>,
     /// Speeds by height, over the window's rows.
@@ -293,8 +295,8 @@ impl FlowGauge {
         // The row's steps are n - every + 1 .. n.
         let counted = n - self.every + 1 >= self.first;
         let (mut moved, mut count) = (0.0, 0u64);
-        for (i, &before) in self.before.iter().enumerate() {
-            if before.is_finite() {
+        for (i, before) in self.before.iter().enumerate() {
+            if let Some(before) = before {
                 let way = self.sign * (unwrapped(sim, i) - before);
                 let share = (way + self.frame * steps * sim.dt) / travel;
                 moved += share;
@@ -334,15 +336,15 @@ impl FlowGauge {
         along.sum()
     }
 
-    /// Where the free grains of the far field are along x, unwrapped; NaN for all others.
-    fn far_places(&self, sim: &Sim) -> Vec<f64> {
+    /// Where the free grains of the far field are along x, unwrapped.
+    fn far_places(&self, sim: &Sim) -> Vec<Option<f64>> {
         let body = &sim.obstacles[INTRUDER as usize];
         let width = sim.domain.hi()[0] - sim.domain.lo()[0];
         let place = |i: usize| {
             let x = sim.position[i];
             let off = sim.domain.separation([x[0], x[1], x[2]], body.point)[0];
             let far = off.abs() >= NEAR * width && sim.role(i) == Role::Free;
-            if far { unwrapped(sim, i) } else { f64::NAN }
+            far.then(|| unwrapped(sim, i))
         };
         (0..sim.count()).map(place).collect()
     }

@@ -4,12 +4,39 @@ use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
-use crate::files::{bits, make_folder, write_whole};
-use crate::scenario::Scenario;
+use crate::files::{bits, clear_partials, make_folder, read_text, write_whole};
+use crate::scenario::{self, Scenario};
 
 /// A run directory.
 #[derive(Clone, Copy, Debug)]
 pub struct Folder<'a>(pub &'a Path);
+
+/// A run directory that is this process's as long as this lives.
+#[derive(Debug)]
+pub struct Claim {
+    locks: Vec<File>,
+    /// Whether the file system could lock: else another run may be at work.
+    pub sure: bool,
+}
+
+impl Claim {
+    fn lock(&mut self, folder: &Path, opened: std::io::Result<File>) -> Result<()> {
+        let held = self.locks.len();
+        let locked = opened.map(|file| (file.try_lock(), file));
+        match locked {
+            Ok((Ok(()), file)) => self.locks.push(file),
+            Ok((Err(TryLockError::WouldBlock), _)) => {
+                return Err(Error::input(
+                    folder.display().to_string(),
+                    "another run is under way in it; wait for that, or choose another --out",
+                ));
+            }
+            _ => {}
+        }
+        self.sure = self.locks.len() > held;
+        Ok(())
+    }
+}
 
 impl Folder<'_> {
     /// The scenario with every default written out.
@@ -20,6 +47,18 @@ impl Folder<'_> {
     /// The checkpoint of a settled bed.
     pub fn bed(&self, bed: &str) -> PathBuf {
         self.0.join("beds").join(format!("{bed}.safetensors"))
+    }
+
+    /// The checkpoint of a bed that is not yet settled.
+    pub fn pouring(&self, bed: &str) -> PathBuf {
+        self.0
+            .join("beds")
+            .join(format!("{bed}.pouring.safetensors"))
+    }
+
+    /// The chain of digests of a bed.
+    pub fn bed_chain(&self, bed: &str) -> PathBuf {
+        self.0.join("beds").join(format!("{bed}.chain.csv"))
     }
 
     /// The bed as a LAMMPS data file.
@@ -40,6 +79,21 @@ impl Folder<'_> {
     /// The force series of a drag that was stopped or went wrong.
     pub fn partial_series(&self, run: &str) -> PathBuf {
         self.of_run(run, "forces.partial.csv")
+    }
+
+    /// The chain of digests of a drag.
+    pub fn chain(&self, run: &str) -> PathBuf {
+        self.of_run(run, "chain.csv")
+    }
+
+    /// A checkpoint that is kept of a drag.
+    pub fn checkpoint(&self, run: &str, step: u64) -> PathBuf {
+        self.of_run(run, &format!("checkpoints/{step:012}.safetensors"))
+    }
+
+    /// The checkpoint that a drag goes on from where it is stopped; gone when it has come to its end.
+    pub fn latest(&self, run: &str) -> PathBuf {
+        self.of_run(run, "latest.safetensors")
     }
 
     /// A snapshot of a drag: `kind` is `grains` or `contacts`. The number keeps files in order and
@@ -69,24 +123,67 @@ impl Folder<'_> {
     /// # Errors
     /// [`Error::Input`] where it holds another scenario's results or another run is at work in it,
     /// [`Error::Write`].
-    ///
-    /// It is this process's as long as the returned file lives.
-    pub fn claim(&self, scenario: &Scenario) -> Result<File> {
+    pub fn claim(&self, scenario: &Scenario) -> Result<Claim> {
         let inputs = self.inputs(scenario);
-        self.claim_text(&format!("# {}\n{}", bits(), inputs.to_toml()))?;
+        make_folder(self.0)?;
+        let mut claim = Claim {
+            locks: Vec::new(),
+            sure: false,
+        };
+        // Before anything is written: what another run wrote is not to be replaced. The folder holds
+        // where its scenario is replaced, and the file where a network file system cannot lock folders.
+        claim.lock(self.0, File::open(self.0))?;
         let path = self.scenario();
-        let lock = File::open(&path).map_err(|e| Error::read(&path, &e))?;
-        if matches!(lock.try_lock(), Err(TryLockError::WouldBlock)) {
-            return Err(Error::input(
-                self.0.display().to_string(),
-                "another run is under way in it; wait for that, or choose another --out",
-            ));
+        let open = || File::options().append(true).open(&path);
+        let held = claim.locks.len();
+        if path.exists() {
+            claim.lock(self.0, open())?;
+        }
+        self.claim_text(&format!("# {}\n{}", bits(), inputs.to_toml()))?;
+        // It may be another file now; a second lock on the same one would wait for the first.
+        claim.locks.truncate(held);
+        claim.lock(self.0, open())?;
+        if claim.sure {
+            // What a killed process was writing; nobody else writes here now.
+            clear_partials(self.0);
         }
         if let (Some(source), Some(file)) = (&scenario.source, &inputs.bed.file) {
-            let bytes = std::fs::read(source).map_err(|e| Error::read(source, &e))?;
-            write_whole(&self.0.join(file), &bytes)?;
+            let copy = self.0.join(file);
+            if copy != *source {
+                let bytes = std::fs::read(source).map_err(|e| Error::read(source, &e))?;
+                write_whole(&copy, &bytes)?;
+            }
         }
-        Ok(lock)
+        Ok(claim)
+    }
+
+    /// The scenario of the run that this folder holds.
+    ///
+    /// # Errors
+    /// [`Error::Input`] where it holds none, a wrong one, or one of another arithmetic.
+    pub fn saved_scenario(&self) -> Result<Scenario> {
+        let path = self.scenario();
+        let place = || path.display().to_string();
+        if !path.exists() {
+            return Err(Error::input(
+                place(),
+                "is not there: the folder holds no run that could go on",
+            ));
+        }
+        let text = read_text(&path)?;
+        let made = text.lines().next().unwrap_or_default();
+        if made != format!("# {}", bits()) {
+            let made = made.trim_start_matches("# ");
+            return Err(Error::input(
+                place(),
+                format!(
+                    "begins with `{made}`, and this program has {}: go on with the program that began \
+                     the run, or choose another folder",
+                    bits()
+                ),
+            ));
+        }
+        scenario::load(&place(), &[])
     }
 
     /// The scenario as this folder holds it: the file of an imported bed lies in it.
@@ -116,7 +213,6 @@ impl Folder<'_> {
             )),
             Ok(_) => Ok(()),
             Err(e) if e.kind() == std::io::ErrorKind::NotFound => {
-                make_folder(self.0)?;
                 write_whole(&path, text.as_bytes())
             }
             Err(e) => Err(Error::write(&path, e)),

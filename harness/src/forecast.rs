@@ -260,7 +260,9 @@ fn disk(scenario: &Scenario, runs: &[RunPlan], grains: usize, beds: usize) -> f6
     // Twice: in the library and in the run directory.
     let bed = grains * (2.0 * CHECKPOINT + DATA);
     let rows = |run: &RunPlan| (run.steps / scenario.measure.every) as f64;
-    let drag = |run: &RunPlan| rows(run) * ROW + run.snapshots.len() as f64 * grains * SNAPSHOT;
+    let states = |run: &RunPlan| run.checkpoints.len() as f64 * grains * CHECKPOINT;
+    let shown = |run: &RunPlan| run.snapshots.len() as f64 * grains * SNAPSHOT;
+    let drag = |run: &RunPlan| rows(run) * ROW + states(run) + shown(run);
     beds as f64 * bed + runs.iter().map(drag).sum::<f64>()
 }
 

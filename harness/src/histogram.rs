@@ -1,27 +1,35 @@
 //! Histograms of a drag, as CSV files: contact angles on the intruder (Kumar 2018, Fig. 6) and the
 //! coordination numbers of the grains near it (Fig. 7).
 
+use serde::{Deserialize, Serialize};
+
 use crate::files::bits;
 
 /// Bins of the contact angle between 0 and pi: five degrees each.
 pub const ANGLE_BINS: usize = 36;
 
 /// Contact angles counted.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Angles {
-    /// Contacts in each bin; bin `k` is from `k` to `k + 1` times `pi / 36`.
-    pub bins: [u64; ANGLE_BINS],
+    /// Contacts in each of [`ANGLE_BINS`] bins; bin `k` is from `k` to `k + 1` times `pi / 36`.
+    pub bins: Vec<u64>,
 }
 
 impl Default for Angles {
     fn default() -> Self {
         Self {
-            bins: [0; ANGLE_BINS],
+            bins: vec![0; ANGLE_BINS],
         }
     }
 }
 
 impl Angles {
+    /// Whether it has all its bins.
+    pub fn is_whole(&self) -> bool {
+        self.bins.len() == ANGLE_BINS
+    }
+
     /// Counts angles (radians, 0 to pi).
     pub fn add(&mut self, angles: &[f64]) {
         for angle in angles {
@@ -42,7 +50,8 @@ impl Angles {
 }
 
 /// Coordination numbers counted.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Coordination {
     /// Grains with so many contacts, from none.
     pub grains: Vec<u64>,

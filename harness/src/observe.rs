@@ -2,7 +2,7 @@
 //!
 //! Every function reads and none changes a state; sums run by ascending id.
 
-use bitgrain_kernel::{Bond, Domain, Obstacle, Pushed, Shape};
+use bitgrain_kernel::{Bond, Domain, Obstacle, Shape};
 
 use crate::sim::{Role, Sim};
 
@@ -171,33 +171,29 @@ pub fn neighbourhood(sim: &mut Sim, reach: f64, front: f64) -> (Vec<f64>, Vec<f6
     (angles, numbers)
 }
 
-/// Deepest overlap of two grains, from the positions; 0 where none touch.
+/// Deepest overlap of two grains, or of a grain and the intruder, from the positions; 0 where none touch.
 pub fn deepest_overlap(sim: &mut Sim) -> f64 {
     let mut deepest = 0.0;
     for bond in sim.bonds() {
-        let Bond::Pair { i, j, .. } = bond else {
-            continue;
+        let overlap = match bond {
+            Bond::Pair { i, j, .. } => {
+                let (x, y) = (sim.position[i as usize], sim.position[j as usize]);
+                let d = sim
+                    .domain
+                    .separation([x[0], x[1], x[2]], [y[0], y[1], y[2]]);
+                x[3] + y[3] - length(d)
+            }
+            Bond::Touch { i, obstacle, .. } if obstacle == INTRUDER => {
+                let reach = sim.obstacles[INTRUDER as usize].reach();
+                sim.position[i as usize][3] + reach - length(from_intruder(sim, i as usize))
+            }
+            Bond::Touch { .. } => continue,
         };
-        let (x, y) = (sim.position[i as usize], sim.position[j as usize]);
-        let d = sim
-            .domain
-            .separation([x[0], x[1], x[2]], [y[0], y[1], y[2]]);
-        let overlap = x[3] + y[3] - (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
         if overlap > deepest {
             deepest = overlap;
         }
     }
     deepest
-}
-
-/// The deeper of an overlap and that of a contact as a step showed it, of two grains or of a grain and
-/// an obstacle: folded over the steps of a run it is the run's deepest (length).
-pub fn deeper(deepest: f64, contact: &Pushed<f64>) -> f64 {
-    if contact.overlap > deepest {
-        contact.overlap
-    } else {
-        deepest
-    }
 }
 
 /// Free grains, the weight of all that may fall, a lid's grains among them, and the upward force that

@@ -3,14 +3,17 @@
 //! looks at.
 
 use std::io::Write;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
 
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 
 use crate::error::{Error, Result};
 use crate::sim::Sim;
+
+/// Time between the lines of a stage that has no bar.
+const QUIET: Duration = Duration::from_secs(60);
 
 /// All bars of a command.
 pub struct Progress {
@@ -25,6 +28,10 @@ pub struct Stage {
     bar: ProgressBar,
     name: String,
     began: Instant,
+    /// Step at which it was taken up.
+    first: u64,
+    /// When its last line was printed, where lines are printed in place of a bar.
+    lines: Option<Mutex<Instant>>,
     /// Largest share of a settling shown so far.
     best: f64,
     stop: Arc<AtomicBool>,
@@ -58,8 +65,19 @@ impl Progress {
             bar,
             name: name.to_string(),
             began: Instant::now(),
+            first: 0,
+            lines: (self.verbose && self.bars.is_hidden()).then(|| Mutex::new(Instant::now())),
             best: 0.0,
             stop: Arc::clone(&self.stop),
+        }
+    }
+
+    /// Prints a line that must be seen, above the bars if there are any.
+    pub fn warn(&self, text: &str) {
+        if self.bars.is_hidden() {
+            let _ = writeln!(std::io::stderr(), "bitgrain: {text}");
+        } else {
+            let _ = self.bars.println(text);
         }
     }
 
@@ -81,9 +99,18 @@ impl Stage {
             bar: ProgressBar::hidden(),
             name: String::new(),
             began: Instant::now(),
+            first: 0,
+            lines: None,
             best: 0.0,
             stop: Arc::new(AtomicBool::new(false)),
         }
+    }
+
+    /// Takes the stage up at this step: what was done before counts for no speed.
+    pub fn resume(&mut self, step: u64) {
+        self.first = step;
+        self.bar.set_position(step);
+        self.bar.reset_eta();
     }
 
     /// Shows the steps done, their speed and a word on how it goes.
@@ -91,19 +118,56 @@ impl Stage {
     /// # Errors
     /// [`Error::Interrupted`] once the command was asked to stop.
     pub fn at(&self, step: u64, grains: usize, message: &str) -> Result<()> {
-        if self.stop.load(Ordering::Relaxed) {
-            return Err(Error::Interrupted {
-                stage: self.name.clone(),
-                step,
-            });
+        self.stop_at(step)?;
+        let done = step.saturating_sub(self.first) as f64;
+        let speed = done * grains as f64 / self.began.elapsed().as_secs_f64();
+        if self.is_line_due() {
+            let all = self.bar.length().unwrap_or(step);
+            let minutes = all.saturating_sub(step) as f64 * grains as f64 / speed / 60.0;
+            let name = &self.name;
+            // A closed standard error must not end a run.
+            let _ = writeln!(
+                std::io::stderr(),
+                "{name}: step {step} of about {all}, ETA {minutes:.0} min, {:.1}M grain-steps/s, {message}",
+                1e-6 * speed
+            );
         }
         if !self.bar.is_hidden() {
-            let speed = step as f64 * grains as f64 / self.began.elapsed().as_secs_f64();
             self.bar.set_position(step);
             self.bar
                 .set_message(format!("{:.1}M grain-steps/s, {message}", 1e-6 * speed));
         }
         Ok(())
+    }
+
+    /// Looks whether the command was asked to stop before the stage did anything.
+    ///
+    /// # Errors
+    /// As [`Stage::at`].
+    pub fn look(&self) -> Result<()> {
+        self.stop_at(self.first)
+    }
+
+    fn stop_at(&self, step: u64) -> Result<()> {
+        if self.stop.load(Ordering::Relaxed) {
+            return Err(Error::Interrupted {
+                stage: self.name.clone(),
+                step,
+                saved: false,
+            });
+        }
+        Ok(())
+    }
+
+    fn is_line_due(&self) -> bool {
+        let Some(mut last) = self.lines.as_ref().and_then(|last| last.lock().ok()) else {
+            return false;
+        };
+        let due = last.elapsed() >= QUIET;
+        if due {
+            *last = Instant::now();
+        }
+        due
     }
 
     /// How far settling is: the fall first, then the kinetic energy, which falls by about a factor

@@ -12,6 +12,8 @@ pub enum Purpose {
     Shift = 2,
     /// Its velocity when it is let go.
     Velocity = 3,
+    /// Which pieces of a run are verified.
+    Sample = 4,
 }
 
 /// `N` numbers uniform in [0, 1), 53 bits each, keyed by the scenario's seed, the purpose and the

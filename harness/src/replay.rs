@@ -1,15 +1,19 @@
-//! Replaying a case: one JSON line for each sampled step.
+//! Replaying a case, or a stretch of a run: one JSON line for each sampled step.
 
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use bitgrain_kernel::{Partner, Pushed, vec3};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::audit::{Audit, EnergyRow};
-use crate::case;
 use crate::error::{Error, Result};
+use crate::folder::Folder;
+use crate::progress::Progress;
+use crate::rerun::Past;
 use crate::sim::{Sim, hex};
+use crate::witness::Witness;
+use crate::{case, checkpoint};
 
 /// What to replay.
 #[derive(Clone, Debug)]
@@ -20,8 +24,32 @@ pub struct Replay {
     pub every: u64,
     /// Whether to list the contacts.
     pub contacts: bool,
-    /// Whether to account for the energy.
+    /// Whether to account for the energy: of cases alone.
     pub energy: bool,
+    /// Whether to print digests alone, part by part.
+    pub digests: bool,
+}
+
+/// Which stretch of a run to replay.
+#[derive(Clone, Debug)]
+pub struct Stretch {
+    /// Name of the stage.
+    pub stage: String,
+    /// The first sample.
+    pub from: u64,
+    /// Where to write the last state as a checkpoint.
+    pub save: Option<PathBuf>,
+}
+
+/// A line of digests alone.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Digests {
+    /// The step.
+    pub step: u64,
+    /// Digest of the state, in hex.
+    pub digest: String,
+    /// Digests of its parts, in the order of [`bitgrain_kernel::PARTS`].
+    pub parts: [String; 6],
 }
 
 #[derive(Serialize)]
@@ -54,15 +82,20 @@ struct ObstacleState {
 }
 
 /// One contact; forces are vectors on grain `i`.
-#[derive(Serialize)]
-struct ContactState {
-    i: u32,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    j: Option<u32>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    obstacle: Option<u32>,
-    normal_force: [f64; 3],
-    tangential_force: [f64; 3],
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ContactState {
+    /// The grain (the lower one of two).
+    pub i: u32,
+    /// The other grain.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub j: Option<u32>,
+    /// Or the obstacle.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub obstacle: Option<u32>,
+    /// Normal force on `i`.
+    pub normal_force: [f64; 3],
+    /// Tangential force on `i`.
+    pub tangential_force: [f64; 3],
 }
 
 /// Replays the case in `path` and writes JSON Lines to `out`.
@@ -75,13 +108,8 @@ pub fn replay(path: &Path, what: &Replay, out: &mut impl Write) -> Result<()> {
     let mut seen = Vec::new();
     let mut sim = case.start(&name, |p| seen.push(p))?;
     let mut audit = what.energy.then(|| Audit::new(&mut sim));
-    let energy = |audit: &Option<Audit>| audit.map(|audit| audit.row(0));
-    write_sample(
-        &mut sim,
-        what.contacts.then_some(&seen),
-        energy(&audit),
-        out,
-    )?;
+    let energy = |step, audit: &Option<Audit>| audit.map(|audit| audit.row(step));
+    write_sample(0, &mut sim, what, (&seen, energy(0, &audit)), out)?;
     let every = what.every.max(1);
     while sim.step_count() < what.steps {
         let next = (sim.step_count() / every * every + every).min(what.steps);
@@ -98,23 +126,109 @@ pub fn replay(path: &Path, what: &Replay, out: &mut impl Write) -> Result<()> {
             Some(audit) => audit.step_watched(&mut sim, |p| seen.push(p)),
         };
         done.map_err(|f| fault(&sim, f))?;
-        write_sample(
-            &mut sim,
-            what.contacts.then_some(&seen),
-            energy(&audit),
-            out,
-        )?;
+        let step = sim.step_count();
+        write_sample(step, &mut sim, what, (&seen, energy(step, &audit)), out)?;
     }
     out.flush().map_err(Error::Output)
 }
 
-fn write_sample(
-    sim: &mut Sim,
-    contacts: Option<&Vec<Pushed<f64>>>,
-    energy: Option<EnergyRow>,
+/// Replays a stretch of the run in a folder, beginning at the last state kept before it, and writes JSON
+/// Lines to `out`. Steps are the stage's own.
+///
+/// # Errors
+/// A folder or stage that is none, a checkpoint that cannot be read, a run that goes wrong, or `out`.
+pub fn replay_run(
+    folder: &Folder<'_>,
+    stretch: &Stretch,
+    what: &Replay,
+    progress: &Progress,
     out: &mut impl Write,
 ) -> Result<()> {
-    let digest = hex(&sim.digest().whole);
+    let past = Past::open(folder)?;
+    let part = past.part(&stretch.stage)?;
+    let past_all = || Error::input(&stretch.stage, "has not so many steps");
+    let to = stretch.from.checked_add(what.steps).ok_or_else(past_all)?;
+    let mut tape = Tape {
+        from: stretch.from,
+        to,
+        what,
+        save: stretch.save.as_deref(),
+        out: &mut *out,
+        last: None,
+    };
+    // Contacts are seen as a step evaluates them: begin before it.
+    let before = stretch.from.saturating_sub(u64::from(what.contacts));
+    past.rerun(part, before, progress, &mut tape)?;
+    let last = tape.last;
+    out.flush().map_err(Error::Output)?;
+    if last == Some(to) {
+        return Ok(());
+    }
+    let told = last.map_or("before that".into(), |step| format!("after step {step}"));
+    let problem = format!("step {to} was asked for, and the stage ends {told}");
+    Err(Error::input(&stretch.stage, problem))
+}
+
+/// Prints the states of a stretch.
+struct Tape<'a, W> {
+    from: u64,
+    to: u64,
+    what: &'a Replay,
+    save: Option<&'a Path>,
+    out: &'a mut W,
+    /// The last step that was printed.
+    last: Option<u64>,
+}
+
+impl<W: Write> Witness for Tape<'_, W> {
+    fn begins(&mut self, step: u64, sim: &mut Sim) -> Result<()> {
+        if step == self.from {
+            self.look(step, sim, &[])?;
+        }
+        Ok(())
+    }
+
+    fn looks_at(&self, step: u64) -> bool {
+        let sampled = |n: u64| n.is_multiple_of(self.what.every.max(1));
+        (self.from..=self.to).contains(&step) && (step == self.to || sampled(step - self.from))
+    }
+
+    fn look(&mut self, step: u64, sim: &mut Sim, contacts: &[Pushed<f64>]) -> Result<()> {
+        write_sample(step, sim, self.what, (contacts, None), self.out)?;
+        self.last = Some(step);
+        match self.save {
+            Some(path) if step == self.to => checkpoint::write(path, sim),
+            _ => Ok(()),
+        }
+    }
+
+    fn ends(&self) -> u64 {
+        self.to
+    }
+}
+
+fn write_line(value: &impl Serialize, out: &mut impl Write) -> Result<()> {
+    let mut line = serde_json::to_vec(value).map_err(|e| Error::Output(e.into()))?;
+    line.push(b'\n');
+    out.write_all(&line).map_err(Error::Output)
+}
+
+fn write_sample(
+    step: u64,
+    sim: &mut Sim,
+    what: &Replay,
+    (seen, energy): (&[Pushed<f64>], Option<EnergyRow>),
+    out: &mut impl Write,
+) -> Result<()> {
+    let digest = sim.digest();
+    if what.digests {
+        let line = Digests {
+            step,
+            digest: hex(&digest.whole),
+            parts: digest.parts().map(|part| hex(part)),
+        };
+        return write_line(&line, out);
+    }
     let grains = (0..sim.count()).map(|i| GrainState {
         id: sim.id[i],
         position: vec3::head(sim.position[i]),
@@ -133,7 +247,7 @@ fn write_sample(
             torque: body.torque,
         });
     let name = |place: u32| sim.id[place as usize];
-    let contacts = contacts.map(|seen| {
+    let contacts = what.contacts.then(|| {
         seen.iter()
             .map(|c| {
                 let (j, obstacle) = match c.partner {
@@ -151,14 +265,12 @@ fn write_sample(
             .collect()
     });
     let sample = Sample {
-        step: sim.step_count(),
-        digest,
+        step,
+        digest: hex(&digest.whole),
         grains: grains.collect(),
         obstacles: obstacles.collect(),
         contacts,
         energy,
     };
-    let mut line = serde_json::to_vec(&sample).map_err(|e| Error::Output(e.into()))?;
-    line.push(b'\n');
-    out.write_all(&line).map_err(Error::Output)
+    write_line(&sample, out)
 }

@@ -2,13 +2,16 @@
 
 use std::path::Path;
 
+use serde::{Deserialize, Serialize};
+
 use crate::error::{Error, Result};
 use crate::files::{bits, read_text};
 use crate::scenario::Measure;
 use crate::units::Units;
 
 /// One row of a force series.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct SeriesRow {
     /// Steps since the drag began.
     pub step: u64,

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use crate::audit::EnergyRow;
 use crate::blocks::Mean;
 use crate::error::{Error, Result};
 use crate::scenario::Scenario;
@@ -60,6 +61,9 @@ pub struct BedSummary {
     pub support: f64,
     /// Digest of the settled state, in hex.
     pub digest: String,
+    /// The last link of its chain of digests.
+    #[serde(default)]
+    pub chain: String,
     /// Of a bed that flows: its intruder, its lid and the pressure.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rig: Option<Rig>,
@@ -135,9 +139,19 @@ pub struct RunSummary {
     /// Drag over the weight of the bed above the intruder's lowest point. Nothing but friction holds
     /// that part back in a periodic box: the larger the ratio, the more of it slides along.
     pub plug_ratio: f64,
+    /// Deepest overlap of grains with each other and with the intruder at any row of the series, over the
+    /// mean diameter.
+    #[serde(default)]
+    pub overlap_max: f64,
+    /// Where the energy of the drag went, where that was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub energy: Option<EnergyRow>,
     /// How the bed flowed, and forces over what they scale with.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub flow: Option<Flow>,
+    /// The last link of its chain of digests.
+    #[serde(default)]
+    pub chain: String,
     /// Digest of the final state, in hex.
     pub digest: String,
     /// Digests of its parts, by name.

@@ -13,7 +13,23 @@ use bitgrain::case::{self, Case, GrainSpec, ObstacleSpec};
 use bitgrain::checkpoint;
 use bitgrain::law::LawSpec;
 use bitgrain::sim::Sim;
+use bitgrain::witness::Witness;
+use bitgrain_kernel::Pushed;
 use serde_json::Value;
+
+/// A witness that is shown the states after some steps, which ascend.
+pub struct Shown<'a, F>(pub &'a [u64], pub F);
+
+impl<F: FnMut(u64, &mut Sim)> Witness for Shown<'_, F> {
+    fn looks_at(&self, step: u64) -> bool {
+        self.0.binary_search(&step).is_ok()
+    }
+
+    fn look(&mut self, step: u64, sim: &mut Sim, _: &[Pushed<f64>]) -> bitgrain::error::Result<()> {
+        (self.1)(step, sim);
+        Ok(())
+    }
+}
 
 /// The folder of the repository.
 pub fn root() -> PathBuf {
@@ -218,6 +234,33 @@ pub fn small_from_file(file: &str, keys: &str) -> String {
     let end = SMALL.find("\n\n[law]").expect("it is in the text");
     let text = SMALL.replacen(&SMALL[begin..end], &format!("file = \"{file}\""), 1);
     text.replacen("diameter = 1.5\nheight = 2.5\n", keys, 1)
+}
+
+/// [`SMALL`] with two drags of a bed that has hardly settled, and a link every 200 steps: a second's run.
+pub fn two_drags() -> String {
+    let text = SMALL.replacen("grains = 300", "grains = 300\nsettled = 1e-2", 1);
+    let text = text.replacen("speed = 1.0", "speed = [0.8, 2.0]", 1);
+    text + "\n[measure]\nevery = 50\ndigest_every = 200\n"
+}
+
+/// What a program printed, on both its channels, which must have ended with this status.
+pub fn printed(program: &str, folder: &Path, args: &[&str], status: i32) -> String {
+    let out = output(program, folder, args);
+    let told = String::from_utf8_lossy(&out.stderr);
+    assert_eq!(out.status.code(), Some(status), "{args:?}: {told}");
+    String::from_utf8_lossy(&out.stdout).into_owned() + &told
+}
+
+/// A copy of a folder with the results in it, to be changed.
+pub fn copied(from: &Path) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for (name, bytes) in results(from) {
+        let path = folder.path().join(name);
+        let parent = path.parent().expect("it lies below");
+        std::fs::create_dir_all(parent).expect("a folder can be made");
+        std::fs::write(path, bytes).expect("a file can be written");
+    }
+    folder
 }
 
 /// Every file below a folder, by relative name, but the machine's own `performance.json`.

@@ -4,14 +4,15 @@
 use std::path::Path;
 use std::sync::LazyLock;
 
+use bitgrain::bed::{self, Pouring};
+use bitgrain::checkpoint;
 use bitgrain::drag::{Means, Record, drag};
 use bitgrain::flow::FlowRow;
 use bitgrain::progress::Stage;
 use bitgrain::scenario::{self, BedPlan, Moves, RunPlan, Scenario};
 use bitgrain::sim::{Role, Sim};
-use bitgrain::{bed, checkpoint};
 use bitgrain_kernel::Bond;
-use bitgrain_tests::{RIG, largest};
+use bitgrain_tests::{RIG, Shown, largest};
 
 const SPEED: f64 = 0.1;
 
@@ -32,8 +33,11 @@ static BEDS: LazyLock<[Sim; 3]> = LazyLock::new(|| {
     };
     let stage = &mut Stage::silent();
     let bare = bed::pour(&scenario, &bare, stage).unwrap();
-    let covered =
-        |plan, stage: &mut Stage| bed::cover(&mut bare.clone(), &scenario, plan, stage).unwrap();
+    let covered = |plan, stage: &mut Stage| {
+        let mut bed = Pouring::cover(&mut bare.clone(), "", &scenario, plan).unwrap();
+        bed.go_on(&scenario, plan, stage, &mut ()).unwrap();
+        bed.sim
+    };
     [bare.clone(), covered(with, stage), covered(without, stage)]
 });
 
@@ -50,6 +54,7 @@ fn plan(scenario: &Scenario, speed: f64, steps: u64, discard: u64, shown: &[u64]
         distance: travel(steps),
         // Half a step early, so that rounding decides nothing.
         discard: travel(discard) - 0.5 * travel(1),
+        // Where a test looks.
         snapshots: shown.to_vec(),
         ..scenario.runs()[0].clone()
     }
@@ -61,19 +66,8 @@ fn run(
     plan: &RunPlan,
     mut show: impl FnMut(u64, &Sim),
 ) -> (Means, Record) {
-    let mut record = Record::default();
-    let means = drag(
-        sim,
-        scenario,
-        plan,
-        &Stage::silent(),
-        &mut record,
-        |n, sim, _| {
-            show(n, sim);
-            Ok(())
-        },
-    );
-    (means.unwrap(), record)
+    let mut shown = Shown(&plan.snapshots, |n, sim: &mut Sim| show(n, sim));
+    drag(sim, scenario, plan, &mut shown).unwrap()
 }
 
 /// Force of everything on the free grains along x.

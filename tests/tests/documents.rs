@@ -48,8 +48,8 @@ fn words(line: &str) -> Vec<String> {
     out
 }
 
-/// A folder in which every command of the documents can run: the goldens are at hand, and a bed with
-/// the name that examples use.
+/// A folder in which every command of the documents can run: the goldens are at hand, a bed, and a run
+/// with as many steps as examples speak of, twice.
 fn desk() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let place = |name: &str| folder.path().join(name);
@@ -62,13 +62,16 @@ fn desk() -> tempfile::TempDir {
         &["run", "my-bed.toml", "--out", "made"],
     );
     assert!(out.status.success());
-    let bed = std::fs::read_dir(place("beds"))
-        .unwrap()
-        .next()
-        .unwrap()
-        .unwrap()
-        .path();
-    std::fs::rename(bed, place("beds/4f1c000000000000")).unwrap();
+    for out in ["out/quick", "out/other"] {
+        let set = "intruder.speed=0.3";
+        let args = ["run", "my-bed.toml", "--out", out, "--set", set];
+        assert!(output(PROGRAM, folder.path(), &args).status.success());
+    }
+    std::fs::create_dir_all(place("target/release")).unwrap();
+    let link = |from: &Path, to: &str| std::os::unix::fs::symlink(from, place(to)).unwrap();
+    link(&place("out"), "elsewhere");
+    link(Path::new(PROGRAM), "bitgrain-of-last-week");
+    link(Path::new(PROGRAM), "target/release/bitgrain");
     std::fs::copy(place("golden/cases/collapse.json"), place("case.json")).unwrap();
     folder
 }
@@ -78,7 +81,7 @@ fn desk() -> tempfile::TempDir {
 fn documented_commands_run() {
     let mut lines = readme_commands();
     assert!(lines.len() > 15, "{lines:?}");
-    let commands: [&[&str]; 10] = [
+    let commands: [&[&str]; 12] = [
         &["run"],
         &["bed"],
         &["bed", "list"],
@@ -86,14 +89,16 @@ fn documented_commands_run() {
         &["bed", "remove"],
         &["bench"],
         &["replay"],
+        &["verify"],
+        &["bisect"],
         &["selftest"],
         &[],
         &["help", "run"],
     ];
-    for command in &commands[..8] {
+    for command in &commands[..10] {
         lines.extend(help_commands(command));
     }
-    for command in &commands[8..] {
+    for command in &commands[10..] {
         let help: Vec<&str> = if command.is_empty() {
             vec!["--help"]
         } else {
@@ -114,6 +119,9 @@ fn documented_commands_run() {
             cargo_command(cargo);
             continue;
         }
+        // The bed has another name, and a small scenario does for two builds.
+        let line = line.replace("4f1c", &bed_name(folder.path()));
+        let line = line.replace("--scenario quick", "--scenario my-bed.toml");
         let mut args = words(&line);
         args.remove(0);
         // Placeholders in capitals stand for what the text explains.
@@ -134,6 +142,15 @@ fn documented_commands_run() {
         let error = String::from_utf8_lossy(&out.stderr);
         assert!(out.status.success(), "{line}: {error}");
     }
+}
+
+/// The beginning of the name of a bed in the folder's library.
+fn bed_name(folder: &Path) -> String {
+    let mut beds = std::fs::read_dir(folder.join("beds")).into_iter().flatten();
+    let bed = beds.next().map(|bed| bed.unwrap().file_name());
+    bed.map_or(String::new(), |name| {
+        name.to_string_lossy()[..8].to_string()
+    })
 }
 
 /// A cargo command of the documents: what it names is there.

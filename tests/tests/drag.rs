@@ -14,12 +14,11 @@
 use std::fmt::Write;
 
 use bitgrain::checkpoint;
-use bitgrain::drag::{self, Means, Record};
-use bitgrain::progress::Stage;
+use bitgrain::drag::{Means, drag};
 use bitgrain::scenario::{self, Scenario};
 use bitgrain::series::SeriesRow;
 use bitgrain::sim::{Sim, hex};
-use bitgrain_tests::{golden, hertz_history};
+use bitgrain_tests::{Shown, golden, hertz_history};
 
 /// Froude numbers and the steps of LAMMPS' runs.
 const POINTS: [(f64, u64); 4] = [(0.5, 301_600), (2.0, 75_600), (5.0, 30_000), (8.0, 18_800)];
@@ -45,15 +44,10 @@ fn pull(froude: f64, replica: usize, marks: &[u64]) -> (Means, Vec<SeriesRow>, V
     let scenario = scenario_of(froude, replica);
     let mut sim =
         bitgrain::bed::import::bed(&scenario, scenario.source.as_deref().unwrap()).unwrap();
-    let mut plan = scenario.runs().remove(0);
-    plan.snapshots = marks.to_vec();
-    let (mut record, mut states) = (Record::default(), Vec::new());
-    let mark = |_, sim: &Sim, _: &[_]| {
-        states.push(sim.clone());
-        Ok(())
-    };
-    let stage = Stage::silent();
-    let means = drag::drag(&mut sim, &scenario, &plan, &stage, &mut record, mark).unwrap();
+    let plan = scenario.runs().remove(0);
+    let mut states = Vec::new();
+    let mut mark = Shown(marks, |_, sim: &mut Sim| states.push(sim.clone()));
+    let (means, record) = drag(&mut sim, &scenario, &plan, &mut mark).unwrap();
     (means, record.series, states)
 }
 
@@ -316,17 +310,7 @@ fn the_first_rows_are_those_of_lammps() {
     plan.discard = 0.1;
     let mut sim =
         bitgrain::bed::import::bed(&scenario, scenario.source.as_deref().unwrap()).unwrap();
-    let mut record = Record::default();
-    let stage = Stage::silent();
-    drag::drag(
-        &mut sim,
-        &scenario,
-        &plan,
-        &stage,
-        &mut record,
-        |_, _, _| Ok(()),
-    )
-    .unwrap();
+    let (_, record) = drag(&mut sim, &scenario, &plan, &mut ()).unwrap();
     let text = std::fs::read_to_string(golden("peers/drag/series_D4_mu0.5_Fr5.csv")).unwrap();
     let theirs = text.lines().skip(2).take(40);
     let mut rows = 0;

@@ -4,9 +4,8 @@
 //! `golden/README.md` says how the files are made.
 
 use bitgrain::claims;
-use bitgrain::drag::{self, Record};
+use bitgrain::drag::drag;
 use bitgrain::flow::{FlowRow, flow_text, parse_flow, parse_profile};
-use bitgrain::progress::Stage;
 use bitgrain::scenario::{self, Scenario};
 use bitgrain::series::{SeriesRow, read_series, series_text};
 use bitgrain::summary::{Flow, RunSummary, Summary, read_summary};
@@ -74,13 +73,9 @@ fn the_first_steps_done_again_give_the_same_rows() {
     );
     let mut plan = scenario.runs()[0].clone();
     plan.steps = AGAIN;
-    plan.snapshots.clear();
     // Averages are of no concern here; those of the whole run begin much later.
     plan.discard = 0.0;
-    let stage = Stage::silent();
-    let mut record = Record::default();
-    let none = |_, _: &_, _: &_| Ok(());
-    drag::drag(&mut bed, &scenario, &plan, &stage, &mut record, none).unwrap();
+    let (_, record) = drag(&mut bed, &scenario, &plan, &mut ()).unwrap();
     assert_eq!(record.series.len(), 8);
     let (units, measure) = (scenario.units(), &scenario.measure);
     let again = series_text(&units, measure, &record.series);

@@ -39,6 +39,11 @@ fn check_names(files: &BTreeMap<String, Vec<u8>>) {
         names.iter().filter(of_run).collect::<Vec<_>>(),
         [
             &"runs/run-1/angles.csv",
+            &"runs/run-1/chain.csv",
+            &"runs/run-1/checkpoints/000000010000.safetensors",
+            &"runs/run-1/checkpoints/000000020000.safetensors",
+            &"runs/run-1/checkpoints/000000030000.safetensors",
+            &"runs/run-1/checkpoints/000000040000.safetensors",
             &"runs/run-1/coordination.csv",
             &"runs/run-1/forces.csv",
             &"runs/run-1/snapshots/contacts.000000020000.vtk",
@@ -57,6 +62,7 @@ fn check_names(files: &BTreeMap<String, Vec<u8>>) {
     assert_eq!(
         others,
         [
+            &"beds/bed.chain.csv",
             &"beds/bed.data",
             &"beds/bed.safetensors",
             &"report.html",
@@ -202,7 +208,9 @@ fn a_second_run_gives_the_same_bytes() {
         assert!(how.contains(expected), "{how}");
         results_of.push(results(&out));
     }
-    assert_eq!(results_of[0].len(), 3 + 2 + 2 * (4 + 2 * 3));
+    // The scenario, the summary and the report; the bed; of each drag five tables, four checkpoints and
+    // two snapshots of three files.
+    assert_eq!(results_of[0].len(), 3 + 3 + 2 * (5 + 4 + 2 * 3));
     assert!(results_of[0] == results_of[1], "the same names and bytes");
     assert!(
         results_of[0] == results_of[2],

@@ -1,16 +1,16 @@
 //! Rows of the account, as a series and as a replay print them.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::files::bits;
 use crate::series::finite;
 use crate::units::Units;
 
 /// The account of a simulation's energy at one step: state, and sums since the account began.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct EnergyRow {
     /// Step.
-    #[serde(skip)]
     pub step: u64,
     /// Kinetic energy of all grains, by velocity and by spin.
     pub kinetic: f64,

@@ -64,16 +64,21 @@ impl Library {
         let sound = checkpoint::parse(&bytes, &name, Some(&digest));
         match sound {
             Ok(_) => Ok(Some(bytes)),
-            Err(Error::Input { place, problem }) => Err(Error::Input {
-                place,
-                problem: format!(
-                    "{problem}; `bitgrain bed remove {}` clears it away, and the next run pours it \
-                     anew",
+            Err(Error::Contract { problem }) => Err(Error::Contract { problem }),
+            Err(other) => Err(Error::input(
+                path.display().to_string(),
+                format!(
+                    "{}; `bitgrain bed remove {}` clears it away, and the next run pours it anew",
+                    other.told_of(&name),
                     &digest[..NAME]
                 ),
-            }),
-            Err(other) => Err(other),
+            )),
         }
+    }
+
+    /// Whether there is a bed made from this recipe, sound or not.
+    pub fn has(&self, recipe: &Recipe) -> bool {
+        self.checkpoint(&recipe.digest()).exists()
     }
 
     /// Keeps a settled bed: the bytes of its checkpoint.
@@ -113,9 +118,12 @@ impl Library {
                 continue;
             }
             let text = std::fs::read_to_string(path.join("recipe.toml")).unwrap_or_default();
+            // A recipe that was changed is not the one that the bed is named after.
+            let whole =
+                |recipe: &Recipe| recipe.text() == text && recipe.digest().starts_with(&name);
             beds.push(Entry {
+                recipe: toml::from_str(&text).ok().filter(whole),
                 name,
-                recipe: toml::from_str(&text).ok(),
                 bytes: disk(&path).map_err(|e| Error::read(&path, &e))?,
                 checkpoint: path.join("bed.safetensors"),
             });

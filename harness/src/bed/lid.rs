@@ -183,6 +183,7 @@ mod tests {
             kinetic_energy_over_weight_d: 0.0,
             weight: 0.0,
             support: 0.0,
+            chain: String::new(),
             digest: String::new(),
             rig: None,
         }

@@ -13,12 +13,14 @@ pub mod import;
 mod lattice;
 pub mod library;
 mod lid;
+mod pouring;
 pub mod recipe;
 mod settle;
 mod survey;
 #[cfg(test)]
 mod tests;
 
+pub use pouring::{Course, Phase, Pouring};
 pub use settle::energy_of_borne;
 pub use survey::{Measures, survey};
 
@@ -28,11 +30,10 @@ use crate::error::{Error, Result};
 use crate::observe;
 use crate::order::spatial_order;
 use crate::progress::Stage;
-use crate::scenario::{BedPlan, Moves, PACKING_GUESS, Pouring, Scenario, Shape};
+use crate::scenario::{BedPlan, Moves, PACKING_GUESS, Pouring as Order, Scenario, Shape};
 use crate::sim::{Sim, sphere_mass};
 use assemble::{Member, assemble};
 use lattice::Lattice;
-use settle::{come_to_rest, fallen, settle, stopped};
 
 /// Group of the grains that move.
 pub const FREE: u8 = 0;
@@ -44,10 +45,6 @@ pub const LID: u8 = 2;
 /// Steps from release to rest over those of a fall through twice the bed's height: what beds have
 /// taken so far, for forecasts.
 const POURING_FALLS: f64 = 3.2;
-
-/// Change of the vertical force on the intruder between two looks, over its buoyancy, below which a bed
-/// under its lid is at rest: the intruder carries what settles round it.
-const STEADY: f64 = 0.1;
 
 /// Steps that a lid takes to come to rest over those of a fall through the bed: for forecasts.
 const LID_FALLS: f64 = 3.0;
@@ -72,48 +69,11 @@ fn fall_time(scenario: &Scenario, plan: &BedPlan) -> f64 {
 /// Pours one bed and lets it settle; its lid is not yet on it.
 ///
 /// # Errors
-/// [`Error::Run`] where grains escape, overlap too deep or do not come to rest in time;
-/// [`Error::Interrupted`].
+/// As [`Pouring::begin`] and [`Pouring::go_on`].
 pub fn pour(scenario: &Scenario, plan: &BedPlan, stage: &mut Stage) -> Result<Sim> {
-    let count = scenario.grain_count(plan.diameter);
-    let wrong = |sim: &Sim, f| stopped(&plan.name, sim, f);
-    let lowest = plan.center[2] - 0.5 * plan.diameter;
-    let (first, beside) = match scenario.bed.pouring {
-        Pouring::AtOnce => (count, Some(plan)),
-        Pouring::InTurn => (scenario.filling(lowest, 0.0).min(count), None),
-    };
-    let lattice = Lattice::new(scenario, first, 0.0, beside);
-    let mut sim = dropped(scenario, plan, &lattice)?;
-    sim.start().map_err(|f| wrong(&sim, f))?;
-    let goal = fallen(scenario, lattice.top);
-    settle(&mut sim, scenario, plan, &goal, stage)?;
-    let mut sim = freeze_base(&mut sim, scenario).map_err(|f| wrong(&sim, f))?;
-    if scenario.bed.pouring == Pouring::InTurn {
-        let (mut whole, top) =
-            buried(&mut sim, scenario, plan, count).map_err(|f| wrong(&sim, f))?;
-        settle(&mut whole, scenario, plan, &fallen(scenario, top), stage)?;
-        sim = renumbered(&mut whole).map_err(|f| wrong(&whole, f))?;
-    }
-    let steady = (scenario.intruder.shape == Shape::Cylinder).then_some(STEADY);
-    come_to_rest(&mut sim, scenario, plan, steady, stage)?;
-    Ok(sim)
-}
-
-/// Puts the lid of the plan, which must have one, on its bare bed and lets it settle, the intruder's
-/// load included.
-///
-/// # Errors
-/// [`Error::Input`] where the bed is deep enough without, and as [`pour`].
-pub fn cover(
-    bare: &mut Sim,
-    scenario: &Scenario,
-    plan: &BedPlan,
-    stage: &mut Stage,
-) -> Result<Sim> {
-    let lid = plan.lid.as_ref().expect("only beds with a lid are covered");
-    let mut sim = lid::covered(bare, scenario, plan, lid)?;
-    come_to_rest(&mut sim, scenario, plan, Some(STEADY), stage)?;
-    Ok(sim)
+    let mut bed = Pouring::begin(scenario, plan)?;
+    bed.go_on(scenario, plan, stage, &mut ())?;
+    Ok(bed.sim)
 }
 
 /// Freezes the grains whose centres lie below the base's height, takes the floor away where the bed
@@ -221,8 +181,8 @@ fn dropped(scenario: &Scenario, plan: &BedPlan, lattice: &Lattice) -> Result<Sim
         .map_err(|f| refuse(f.to_string()))?;
     let gravity = [0.0, 0.0, -scenario.gravity];
     let mut obstacles = match scenario.bed.pouring {
-        Pouring::AtOnce => vec![intruder(scenario, plan)],
-        Pouring::InTurn => vec![],
+        Order::AtOnce => vec![intruder(scenario, plan)],
+        Order::InTurn => vec![],
     };
     // Without a floor of its own the bed is poured on one all the same: the base is frozen from it.
     obstacles.push(Obstacle::plane([0.0; 3], [0.0, 0.0, 1.0]));

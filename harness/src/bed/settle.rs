@@ -3,11 +3,13 @@
 use bitgrain_kernel::{Bond, Fault};
 
 use super::Measures;
+use super::pouring::{Phase, Pouring};
 use crate::error::{Error, Result};
 use crate::observe::{INTRUDER, weight_and_support};
 use crate::progress::Stage;
 use crate::scenario::{BedPlan, Moves, Scenario, Shape};
 use crate::sim::{Role, Sim, sphere_mass};
+use crate::witness::Witness;
 
 /// Steps between looks at the kinetic energy. Part of the recipe: it decides where settling ends.
 const LOOK: u64 = 500;
@@ -22,6 +24,10 @@ const CARRIED: f64 = 5e-4;
 /// Kinetic energy per free grain, over its weight times its diameter, below which the fall is over:
 /// what still moves rattles in its place.
 const FALLEN: f64 = 1e-3;
+
+/// Change of the vertical force on the intruder between two looks, over its buoyancy, below which a bed
+/// under its lid is at rest: the intruder carries what settles round it.
+const STEADY: f64 = 0.1;
 
 /// Longest settling, in units of the time a grain takes to fall from the top of the lattice.
 const PATIENCE: f64 = 60.0;
@@ -44,36 +50,24 @@ pub struct Goal {
     fall_steps: u64,
 }
 
-/// Takes out what motion is left with more damping, and lets the bed rest under its own law.
+/// The goal of the last two phases, under more damping and then under the bed's own law.
 ///
 /// Contacts hardly damp the breathing of a bed that is high or bears a lid, and nothing damps a ball that
-/// spins on a point. There all grains are stopped each time the kinetic energy passes a maximum, where a
-/// mode of oscillation is at its equilibrium: the kinetic damping of dynamic relaxation (Cundall 1976).
-pub fn come_to_rest(
-    sim: &mut Sim,
-    scenario: &Scenario,
-    plan: &BedPlan,
-    steady: Option<f64>,
-    stage: &mut Stage,
-) -> Result<()> {
+/// spins on a point. There, under more damping, all grains are stopped each time the kinetic energy passes
+/// a maximum, where a mode of oscillation is at its equilibrium: the kinetic damping of dynamic relaxation
+/// (Cundall 1976).
+pub fn rest(scenario: &Scenario, plan: &BedPlan, phase: Phase) -> Goal {
     let lattice_fall = scenario.expected_surface(plan.diameter);
-    let mut goal = Goal {
+    let sphere = scenario.intruder.shape == Shape::Sphere;
+    Goal {
         energy: scenario.bed.settled,
         carried: true,
-        steady,
+        steady: (!sphere || plan.lid.is_some()).then_some(STEADY),
         borne: plan.lid.is_some_and(|lid| !lid.pressure_gradient),
-        halting: halts(scenario, plan),
+        halting: phase == Phase::Quench && halts(scenario, plan),
         least: 2 * LOOK,
         fall_steps: steps_of_fall(scenario, lattice_fall),
-    };
-    let law = sim.law;
-    sim.law = scenario
-        .law
-        .quenching(scenario.drag.dt, scenario.mean_diameter());
-    settle(sim, scenario, plan, &goal, stage)?;
-    sim.law = law;
-    goal.halting = false;
-    settle(sim, scenario, plan, &goal, stage)
+    }
 }
 
 /// Whether all motion is stopped at maxima of the kinetic energy. It hangs on what the recipe of the bed
@@ -107,26 +101,30 @@ pub fn stopped(bed: &str, sim: &Sim, fault: Fault) -> Error {
     Error::run(format!("pouring {bed}"), sim.step_count() + 1, fault)
 }
 
-/// Steps on until the goal is reached.
+/// Steps on until the goal is reached. Says whether it was: not where `witness` has seen enough before.
+///
+/// # Errors
+/// [`Error::Run`], [`Error::Unsettled`], [`Error::Interrupted`], and what `witness` returns.
 pub fn settle(
-    sim: &mut Sim,
+    bed: &mut Pouring,
     scenario: &Scenario,
     plan: &BedPlan,
     goal: &Goal,
     stage: &mut Stage,
-) -> Result<()> {
-    let begin = sim.step_count();
-    let limit = begin + (PATIENCE * goal.fall_steps as f64) as u64 + 100 * LOOK;
+    witness: &mut impl Witness,
+) -> Result<bool> {
+    let limit = bed.course.begin + (PATIENCE * goal.fall_steps as f64) as u64 + 100 * LOOK;
     let buoyancy = scenario.buoyancy(plan.diameter);
-    let upward = |sim: &Sim| sim.obstacles[INTRUDER as usize].force[2];
-    let mut before = upward(sim);
     loop {
-        let done = if goal.halting {
-            halt_at_maxima(sim)
+        if bed.sim.step_count() >= witness.ends() {
+            return Ok(false);
+        }
+        let sim = &mut bed.sim;
+        if goal.halting {
+            halt_at_maxima(sim, &plan.name, witness)?;
         } else {
-            sim.steps(LOOK)
-        };
-        done.map_err(|f| stopped(&plan.name, sim, f))?;
+            stride(sim, &plan.name, LOOK, witness, |_| ())?;
+        }
         let energy = if goal.borne {
             energy_of_borne(sim, &scenario.measures())
         } else {
@@ -135,49 +133,92 @@ pub fn settle(
         let (_, weight, support) = weight_and_support(sim);
         // A bed that still breathes carries more or less than its weight.
         let carried = (support - weight).abs() <= CARRIED * weight;
-        let change = (upward(sim) - before).abs();
-        before = upward(sim);
+        let change = (upward(sim) - bed.course.before).abs();
+        bed.course.before = upward(sim);
         let steady = goal.steady.is_none_or(|bound| change < bound * buoyancy);
         let quiet = energy < goal.energy && (carried || !goal.carried) && steady;
-        stage.settling(
-            sim,
-            energy,
-            scenario.bed.settled,
-            support / weight,
-            goal.fall_steps,
-        )?;
-        if quiet && sim.step_count() - begin >= goal.least {
-            return Ok(());
+        let step = sim.step_count();
+        if quiet && step - bed.course.begin >= goal.least {
+            return Ok(true);
         }
-        if sim.step_count() > limit {
+        if step > limit {
             return Err(Error::Unsettled {
                 bed: plan.name.clone(),
-                step: sim.step_count(),
+                step,
                 energy,
                 bound: goal.energy,
                 carried: support / weight,
             });
         }
+        bed.looked(witness)?;
+        let share = support / weight;
+        stage.settling(
+            &bed.sim,
+            energy,
+            scenario.bed.settled,
+            share,
+            goal.fall_steps,
+        )?;
     }
 }
 
+/// Upward force on the intruder, or on the floor of a bed that is poured up to it.
+pub(super) fn upward(sim: &Sim) -> f64 {
+    sim.obstacles[INTRUDER as usize].force[2]
+}
+
+/// Steps on, showing `witness` the steps that it looks at; `last` is done to the state after the last of
+/// them, before it is shown.
+fn stride(
+    sim: &mut Sim,
+    bed: &str,
+    steps: u64,
+    witness: &mut impl Witness,
+    last: impl FnOnce(&mut Sim),
+) -> Result<()> {
+    let end = sim.step_count() + steps;
+    let mut last = Some(last);
+    let mut seen = Vec::new();
+    while sim.step_count() < end {
+        let now = sim.step_count();
+        let wanted = (now + 1..=end).find(|&n| witness.looks_at(n));
+        let quiet = wanted.map_or(end, |n| n - 1);
+        sim.steps(quiet - now).map_err(|f| stopped(bed, sim, f))?;
+        if wanted.is_some() {
+            seen.clear();
+            sim.step_watched(|contact| seen.push(contact))
+                .map_err(|f| stopped(bed, sim, f))?;
+        }
+        if sim.step_count() == end
+            && let Some(last) = last.take()
+        {
+            last(sim);
+        }
+        if let Some(n) = wanted {
+            witness.look(n, sim, &seen)?;
+        }
+    }
+    Ok(())
+}
+
 /// Steps on to the next look; stops every grain where the kinetic energy has just begun to fall.
-fn halt_at_maxima(sim: &mut Sim) -> std::result::Result<(), Fault> {
+fn halt_at_maxima(sim: &mut Sim, bed: &str, witness: &mut impl Witness) -> Result<()> {
     let mut before = sim.kinetic_energy();
     let mut rising = false;
     for _ in 0..LOOK / GLANCE {
-        sim.steps(GLANCE)?;
-        let energy = sim.kinetic_energy();
-        if rising && energy < before {
-            for i in 0..sim.count() {
-                sim.velocity[i] = [0.0, 0.0, 0.0, sim.velocity[i][3]];
-                sim.spin[i] = [0.0, 0.0, 0.0, sim.spin[i][3]];
+        stride(sim, bed, GLANCE, witness, |sim| {
+            let energy = sim.kinetic_energy();
+            if rising && energy < before {
+                for i in 0..sim.count() {
+                    sim.velocity[i] = [0.0, 0.0, 0.0, sim.velocity[i][3]];
+                    sim.spin[i] = [0.0, 0.0, 0.0, sim.spin[i][3]];
+                }
+                (before, rising) = (0.0, true);
+            } else {
+                rising = energy > before;
+                before = energy;
             }
-            (before, rising) = (0.0, true);
-        } else {
-            rising = energy > before;
-            before = energy;
-        }
+        })?;
     }
     Ok(())
 }
@@ -279,7 +320,7 @@ mod tests {
         // Seen every 50 steps, a maximum is met to a part in fifty.
         assert!((fastest(&mut free) / begin - 1.0).abs() < 0.02);
         for _ in 0..10 {
-            halt_at_maxima(&mut sim).unwrap();
+            halt_at_maxima(&mut sim, "bed", &mut ()).unwrap();
         }
         assert_eq!(sim.step_count(), 10 * LOOK);
         let left = fastest(&mut sim) / begin;

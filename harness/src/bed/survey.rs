@@ -37,6 +37,7 @@ pub fn survey(name: &str, measures: &Measures, sim: &mut Sim) -> BedSummary {
         kinetic_energy_over_weight_d: energy_per_grain(sim, measures),
         weight,
         support,
+        chain: String::new(),
         digest: hex(&sim.digest().whole),
         rig: None,
     }

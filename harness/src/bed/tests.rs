@@ -1,10 +1,13 @@
 //! Pouring in turn from inside, and states taken apart and put together again.
 
-use super::settle::energy_per_grain;
+use super::pouring::quenching;
+use super::settle::{energy_per_grain, fallen, rest, settle};
 use super::*;
 use crate::observe::INTRUDER;
 use crate::scenario;
 use crate::sim::Role;
+use crate::witness::Witness;
+use bitgrain_kernel::Pushed;
 
 /// A rig of 490 grains: 18 x 3 on a base, under a lid.
 fn rig() -> Scenario {
@@ -45,12 +48,12 @@ fn the_cylinder_comes_into_a_bed_at_rest() {
     let count = scenario.grain_count(plan.diameter);
     let lowest = plan.center[2] - 0.5 * plan.diameter;
     let lattice = Lattice::new(&scenario, scenario.filling(lowest, 0.0), 0.0, None);
-    let mut sim = dropped(&scenario, plan, &lattice).unwrap();
-    assert_eq!(sim.obstacles.len(), 1, "a floor and no cylinder");
-    sim.start().unwrap();
+    let mut bed = Pouring::begin(&scenario, plan).unwrap();
+    assert_eq!(bed.sim.obstacles.len(), 1, "a floor and no cylinder");
     let (goal, stage) = (fallen(&scenario, lattice.top), &mut Stage::silent());
-    settle(&mut sim, &scenario, plan, &goal, stage).unwrap();
-    let mut lower = freeze_base(&mut sim, &scenario).unwrap();
+    let settled = settle(&mut bed, &scenario, plan, &goal, stage, &mut ());
+    assert!(settled.unwrap());
+    let mut lower = freeze_base(&mut bed.sim, &scenario).unwrap();
     let energy = energy_per_grain(&lower, &scenario.measures());
     assert!(energy < scenario.bed.settled, "{energy}");
     let surface = observe::surface_height(&lower, scenario.mean_diameter());
@@ -61,7 +64,7 @@ fn the_cylinder_comes_into_a_bed_at_rest() {
         "{off} diameters from the cylinder's lowest point"
     );
 
-    let (mut whole, top) = buried(&mut lower, &scenario, plan, count).unwrap();
+    let (whole, top) = buried(&mut lower, &scenario, plan, count).unwrap();
     assert_eq!(whole.count(), count);
     assert_eq!(whole.obstacles[INTRUDER as usize].point, plan.center);
     assert_eq!(whole.obstacles[1], lower.obstacles[0]);
@@ -82,11 +85,21 @@ fn the_cylinder_comes_into_a_bed_at_rest() {
         );
     }
 
+    bed.sim = whole;
+    bed.enter(Phase::Fill);
     let goal = fallen(&scenario, top);
-    settle(&mut whole, &scenario, plan, &goal, stage).unwrap();
-    let mut whole = renumbered(&mut whole).unwrap();
+    settle(&mut bed, &scenario, plan, &goal, stage, &mut ()).unwrap();
+    let mut whole = renumbered(&mut bed.sim).unwrap();
     assert!(in_order(&whole).eq(0..count), "numbered in spatial order");
-    come_to_rest(&mut whole, &scenario, plan, Some(STEADY), stage).unwrap();
+    bed.sim = whole.clone();
+    bed.sim.law = quenching(&scenario);
+    for phase in [Phase::Quench, Phase::Rest] {
+        bed.enter(phase);
+        let goal = rest(&scenario, plan, phase);
+        settle(&mut bed, &scenario, plan, &goal, stage, &mut ()).unwrap();
+        bed.sim.law = whole.law;
+    }
+    whole = bed.sim;
     let mut poured = pour(&scenario, plan, stage).unwrap();
     assert_eq!(whole.digest(), poured.digest(), "that is how it is poured");
 }
@@ -113,6 +126,44 @@ fn a_poured_bed_lies_round_its_cylinder() {
     assert!(base.clone().all(|i| sim.position[i][2] < scenario.bed.base));
     // A layer, loosely filled.
     assert!((18 * 3 / 3..=18 * 3).contains(&base.count()));
+}
+
+/// Keeps the digests of the states that it is shown.
+#[derive(Default)]
+struct Digests(std::collections::BTreeMap<u64, [String; 6]>);
+
+impl Witness for Digests {
+    fn looks_at(&self, step: u64) -> bool {
+        step.is_multiple_of(500)
+    }
+
+    fn look(&mut self, step: u64, sim: &mut Sim, _: &[Pushed<f64>]) -> Result<()> {
+        let parts = sim.digest().parts().map(|part| crate::sim::hex(part));
+        self.0.insert(step, parts);
+        Ok(())
+    }
+}
+
+/// What a witness sees of a bed is what its chain holds, also where all motion is stopped now and then;
+/// and that it looks changes nothing.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours a small bed: seconds in release")]
+fn a_witness_sees_the_states_of_the_chain() {
+    let scenario = rig();
+    let plan = &bare_plan(&scenario);
+    let stage = &mut Stage::silent();
+    let mut bed = Pouring::begin(&scenario, plan).unwrap();
+    let mut seen = Digests::default();
+    assert!(bed.go_on(&scenario, plan, stage, &mut seen).unwrap());
+    let mut alone = pour(&scenario, plan, stage).unwrap();
+    assert_eq!(bed.sim.digest(), alone.digest());
+    let links = &bed.course.chain().links;
+    assert!(links.len() > 10);
+    // The first is that of the start; where a phase ends the state is put together anew after the look.
+    let same = links
+        .iter()
+        .filter(|link| seen.0.get(&link.step) == Some(&link.parts));
+    assert_eq!(same.count(), links.len() - 1);
 }
 
 /// Put together as it was, a state is the same state; in another order and back it is the same again, its

@@ -112,6 +112,7 @@ fn bed(name: &str, mut rig: Rig, effective_depth: f64) -> BedSummary {
         kinetic_energy_over_weight_d: 1e-7,
         weight: 1.0,
         support: 1.0,
+        chain: String::new(),
         digest: "0123abcd".into(),
         rig: Some(rig),
     }
@@ -183,6 +184,9 @@ fn run(asked: &Asked, inputs: &Scenario, name: &str, bed: &BedSummary, speed: f6
         drag_uncut: 0.5,
         plug_ratio: 0.5,
         flow: Some(flow),
+        overlap_max: 0.01,
+        energy: None,
+        chain: String::new(),
         digest: "89ef".into(),
         digest_parts: vec![("grains".into(), "4567".into())],
     }

@@ -221,7 +221,22 @@ const GROUPS: [Group; 7] = [
                  coordination number near the intruder",
             ),
             ("snapshots", Kind::Bare, "snapshots of each drag"),
+            (
+                "energy",
+                Kind::Bare,
+                "whether the energy of each drag is accounted for",
+            ),
             ("gzip", Kind::Bare, "whether LAMMPS files are packed"),
+            (
+                "checkpoints",
+                Kind::Bare,
+                "checkpoints kept of each drag, between which it can be verified",
+            ),
+            (
+                "digest_every",
+                Kind::Bare,
+                "steps between links of each drag&rsquo;s chain of digests",
+            ),
         ],
     ),
 ];

@@ -22,7 +22,7 @@ mod text;
 pub use course::Course;
 pub use flow::{FlowGrain, FlowPicture};
 pub use flowing::flowing_page;
-use table::{bed_table, plug_remark, rest_remark, run_table};
+use table::{bed_table, overlap_remark, plug_remark, rest_remark, run_table};
 use text::{escape, plus_minus, typeset};
 pub(crate) use text::{number_with_error, short};
 
@@ -283,12 +283,13 @@ fn numbers(summary: &Summary, rigs: &str, flows: &str) -> String {
     };
     format!(
         "<section>\n<h2>Numbers</h2>\n<p>Units: {}{symbols}.</p>\n<h3>Beds</h3>\n{}{}{rigs}\
-         <h3>Drags</h3>\n{}{}{flows}</section>\n",
+         <h3>Drags</h3>\n{}{}{}{flows}</section>\n",
         list.join(", "),
         bed_table(&summary.beds, units),
         rest_remark(&summary.beds),
         run_table(&summary.runs, units),
         plug_remark(&summary.runs),
+        overlap_remark(&summary.runs),
     )
 }
 

@@ -1,7 +1,9 @@
 //! Tables of the page: every number of the beds and drags.
 
 use super::text::{count, digest, escape, exact, plus_minus, short, typeset};
+use crate::audit::EnergyRow;
 use crate::blocks::Mean;
+use crate::claims;
 use crate::summary::{BedSummary, RunSummary};
 use crate::units::Units;
 
@@ -100,6 +102,8 @@ pub(super) fn bed_table(beds: &[BedSummary], units: &Units) -> String {
     let note = "upward force on the free grains; at rest their weight";
     t.row("Support", force, note, |b| exact(b.support));
     t.row("Digest", "", "of the settled state", |b| digest(&b.digest));
+    let note = "the last link of its chain of digests";
+    t.row("Chain", "", note, |b| digest(&b.chain));
     t.finish()
 }
 
@@ -156,6 +160,9 @@ pub(super) fn run_table(runs: &[RunSummary], units: &Units) -> String {
     if !flows {
         t.row("Plug ratio", "", note, |r| exact(r.plug_ratio));
     }
+    let note = "at any row, over the mean diameter";
+    t.row("Deepest overlap", "", note, |r| exact(r.overlap_max));
+    energy_rows(&mut t, runs, &units.energy);
     t.row("Distance", length, "travelled", |r| exact(r.distance));
     t.row("Steps", "", "of the drag", |r| count(r.steps));
     t.row(
@@ -178,6 +185,8 @@ pub(super) fn run_table(runs: &[RunSummary], units: &Units) -> String {
         |r| blocks(&r.drag),
     );
     t.row("Digest", "", "of the final state", |r| digest(&r.digest));
+    let note = "the last link of its chain of digests";
+    t.row("Chain", "", note, |r| digest(&r.chain));
     digest_rows(&mut t, runs);
     t.finish()
 }
@@ -233,6 +242,61 @@ pub(super) fn rest_remark(beds: &[BedSummary]) -> String {
         )
     };
     beds.iter().filter(moving).map(remark).collect()
+}
+
+/// A remark where grains went deep into each other, in words.
+pub(super) fn overlap_remark(runs: &[RunSummary]) -> String {
+    let deepest = runs.iter().map(|r| r.overlap_max);
+    let deepest = deepest.fold(0.0, |a, b| if b > a { b } else { a });
+    claims::overlap_remark(deepest).map_or(String::new(), |text| {
+        format!("<p class=\"remark\"><b>Soft contacts.</b> {text}</p>\n")
+    })
+}
+
+/// Rows of where the energy of each drag went.
+fn energy_rows(t: &mut Table<RunSummary>, runs: &[RunSummary], unit: &str) {
+    type Term = (&'static str, &'static str, fn(&EnergyRow) -> f64);
+    let terms: [Term; 9] = [
+        ("Work of the intruder", "and of all obstacles", |e| {
+            e.obstacles
+        }),
+        ("Work of the carriers", "of base and lid", |e| e.carriers),
+        ("Lifted", "change of the energy in gravity", |e| {
+            e.gravitational
+        }),
+        ("Slid", "dissipated by friction", |e| e.sliding),
+        ("Damped, normal", "dissipated", |e| e.normal_damping),
+        ("Damped, tangential", "dissipated", |e| e.tangential_damping),
+        (
+            "Stiffened",
+            "gained by springs squeezed at fixed displacement",
+            |e| e.stiffening,
+        ),
+        (
+            "Turned",
+            "lost by springs cut to their plane as it turns",
+            |e| e.projection,
+        ),
+        (
+            "Erased",
+            "lost with the springs of contacts that part",
+            |e| e.erased,
+        ),
+    ];
+    if runs.iter().all(|r| r.energy.is_none()) {
+        return;
+    }
+    let cell = |r: &RunSummary, of: &dyn Fn(&EnergyRow) -> f64| {
+        r.energy.as_ref().map_or("none".into(), |e| exact(of(e)))
+    };
+    for (name, note, of) in terms {
+        t.row(name, unit, note, |r| cell(r, &of));
+    }
+    let note =
+        "what the balance of energy leaves, over the work done: the integrator&rsquo;s error";
+    t.row("Energy unaccounted for", "", note, |r| {
+        cell(r, &EnergyRow::closure)
+    });
 }
 
 /// A remark where the drag is a good part of the weight above, in words.

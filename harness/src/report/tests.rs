@@ -26,6 +26,7 @@ fn bed(x: f64) -> BedSummary {
         kinetic_energy_over_weight_d: x,
         weight: x,
         support: x,
+        chain: String::new(),
         digest: "0123abcd".into(),
         rig: None,
     }
@@ -53,6 +54,9 @@ pub fn run(x: f64) -> RunSummary {
         drag_uncut: x,
         plug_ratio: x,
         flow: None,
+        overlap_max: 0.01,
+        energy: None,
+        chain: String::new(),
         digest: "89ef".into(),
         digest_parts: vec![("grains".into(), "4567".into())],
     }

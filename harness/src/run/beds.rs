@@ -1,17 +1,20 @@
 //! The beds of a run: from the library, made and kept there, or imported.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use super::{StagePerformance, timed};
-use crate::bed::library::Library;
+use super::saving::Saver;
+use super::{Setting, StagePerformance, timed};
 use crate::bed::recipe::Recipe;
+use crate::bed::{Course, Pouring};
+use crate::checkpoint::{self, Note};
 use crate::error::{Error, Result};
-use crate::files::{bits, write_text, write_whole};
+use crate::files::{bits, text_file, write_whole};
 use crate::folder::Folder;
-use crate::progress::{Progress, Stage};
+use crate::progress::Stage;
 use crate::scenario::{BedPlan, Scenario};
+use crate::sim::Sim;
 use crate::summary::BedSummary;
-use crate::{bed, checkpoint, export, lammps, report};
+use crate::{bed, export, lammps, report};
 
 use super::summarise::rig;
 
@@ -49,7 +52,7 @@ fn bare_of(plan: &BedPlan) -> BedPlan {
 }
 
 /// Where the bed below a lid is in the run directory.
-fn below(scenario: &Scenario, plan: &BedPlan) -> BedPlan {
+pub fn below(scenario: &Scenario, plan: &BedPlan) -> BedPlan {
     let wanted = Recipe::new(scenario, &bare_of(plan));
     let mut bare = bare_beds(scenario).into_iter();
     let found = bare.find(|other| Recipe::new(scenario, other) == wanted);
@@ -57,28 +60,16 @@ fn below(scenario: &Scenario, plan: &BedPlan) -> BedPlan {
 }
 
 /// Pours a bed that lies below others' lids, unless it is at hand.
-pub(super) fn pour_bare(
-    scenario: &Scenario,
-    plan: &BedPlan,
-    folder: &Folder<'_>,
-    library: &Library,
-    progress: &Progress,
-) -> Result<StagePerformance> {
-    let mut stage = progress.stage(
-        &format!("bed {}", plan.name),
-        bed::pouring_steps(scenario, plan),
-    );
-    let path = folder.bed(&plan.name);
-    let from = fetch_bed(scenario, plan, folder, library, &mut stage)?;
-    let sim = checkpoint::read(&path)?;
-    let steps = if from == "poured" {
-        sim.step_count()
-    } else {
-        0
-    };
-    let performance = timed(stage, from, &sim, steps);
+pub(super) fn pour_bare(setting: Setting<'_>, plan: &BedPlan) -> Result<StagePerformance> {
+    let Setting {
+        scenario, progress, ..
+    } = setting;
+    let mut stage = progress.stage(&plan.name, bed::pouring_steps(scenario, plan));
+    let (how, steps) = fetch_bed(setting, plan, &mut stage)?;
+    let sim = read_settled(setting, plan)?.0;
+    let performance = timed(stage, how, &sim, steps);
     progress.line(&format!(
-        "{}: {} grains {from} ({:.1} s)",
+        "{}: {} grains {how} ({:.1} s)",
         plan.name,
         sim.count(),
         performance.seconds
@@ -88,47 +79,25 @@ pub(super) fn pour_bare(
 
 /// A settled bed in the run directory: from the library, poured and kept there, or imported.
 pub(super) fn settle_one(
-    scenario: &Scenario,
+    setting: Setting<'_>,
     plan: &BedPlan,
-    folder: &Folder<'_>,
-    library: &Library,
-    progress: &Progress,
 ) -> Result<(BedSummary, StagePerformance)> {
-    let name = format!("bed {}", plan.name);
+    let Setting {
+        scenario, progress, ..
+    } = setting;
     let steps = match plan.lid {
         Some(_) => bed::covering_steps(scenario, plan),
         None => bed::pouring_steps(scenario, plan),
     };
-    let mut stage = progress.stage(&name, steps);
-    let path = folder.bed(&plan.name);
-    let from = fetch_bed(scenario, plan, folder, library, &mut stage)?;
-    let mut sim = checkpoint::read(&path)?;
-    let covered_from = match (from, &plan.lid) {
-        ("covered", Some(_)) => {
-            checkpoint::read(&folder.bed(&below(scenario, plan).name))?.step_count()
-        }
-        _ => 0,
-    };
-    let title = format!(
-        "{} of {}: atom_style sphere; {}",
-        plan.name,
-        scenario.name,
-        bits()
-    );
-    let data = lammps::data_text(&export::atoms(&sim, true), &title);
-    write_text(&folder.bed_data(&plan.name), &data, scenario.measure.gzip)?;
-    let steps = match from {
-        "poured" => sim.step_count(),
-        "covered" => sim.step_count() - covered_from,
-        _ => 0,
-    };
-    let performance = timed(stage, from, &sim, steps);
-    let mut summary = bed::survey(&plan.name, &scenario.measures(), &mut sim);
-    summary.rig = scenario
-        .flows()
-        .then(|| rig(scenario, plan, &summary, &sim));
+    let mut stage = progress.stage(&plan.name, steps);
+    let (how, steps) = fetch_bed(setting, plan, &mut stage)?;
+    let (mut sim, note) = read_settled(setting, plan)?;
+    let (path, bytes) = data_file(setting.folder, scenario, plan, &sim)?;
+    write_whole(&path, &bytes)?;
+    let performance = timed(stage, how, &sim, steps);
+    let summary = surveyed(scenario, plan, &mut sim, &note);
     progress.line(&format!(
-        "{}: {} grains {from} ({} steps, {:.1} s); surface at {}, depth {}, packing fraction {:.3}, \
+        "{}: {} grains {how} ({} steps, {:.1} s); surface at {}, depth {}, packing fraction {:.3}, \
          coordination number {:.2}, weight carried {:.4}",
         plan.name,
         summary.grains,
@@ -154,49 +123,173 @@ pub(super) fn settle_one(
     Ok((summary, performance))
 }
 
-/// Puts the checkpoint of a settled bed where the run wants it, and says where it came from.
-fn fetch_bed(
+/// A settled bed as a LAMMPS data file: its path and its bytes.
+///
+/// # Errors
+/// [`Error::Write`] where packing goes wrong.
+pub fn data_file(
+    folder: &Folder<'_>,
     scenario: &Scenario,
     plan: &BedPlan,
-    folder: &Folder<'_>,
-    library: &Library,
+    sim: &Sim,
+) -> Result<(PathBuf, Vec<u8>)> {
+    let title = format!(
+        "{} of {}: atom_style sphere; {}",
+        plan.name,
+        scenario.name,
+        bits()
+    );
+    let data = lammps::data_text(&export::atoms(sim, true), &title);
+    text_file(&folder.bed_data(&plan.name), &data, scenario.measure.gzip)
+}
+
+/// A settled bed of the run directory, whose chain of digests is written beside it.
+fn read_settled(setting: Setting<'_>, plan: &BedPlan) -> Result<(Sim, Note)> {
+    let path = setting.folder.bed(&plan.name);
+    let (sim, note) = checkpoint::read_noted(&path)?;
+    let course = Course::of(&note).map_err(|problem| Error::Damaged {
+        place: path.display().to_string(),
+        problem,
+    })?;
+    let chain = setting.folder.bed_chain(&plan.name);
+    write_whole(&chain, course.chain().text().as_bytes())?;
+    Ok((sim, note))
+}
+
+/// What is measured of a settled bed.
+pub fn surveyed(scenario: &Scenario, plan: &BedPlan, sim: &mut Sim, note: &Note) -> BedSummary {
+    let mut summary = bed::survey(&plan.name, &scenario.measures(), sim);
+    summary.chain = note.link.clone();
+    summary.rig = scenario.flows().then(|| rig(scenario, plan, &summary, sim));
+    summary
+}
+
+/// Puts the checkpoint of a settled bed where the run wants it, and says where it came from and how many
+/// steps that took now.
+fn fetch_bed(
+    setting: Setting<'_>,
+    plan: &BedPlan,
     stage: &mut Stage,
-) -> Result<&'static str> {
+) -> Result<(&'static str, u64)> {
+    let Setting {
+        scenario,
+        folder,
+        library,
+        ..
+    } = setting;
     let path: &Path = &folder.bed(&plan.name);
-    if let Some(source) = &scenario.source {
-        let mut sim = bed::import::bed(scenario, source)?;
-        write_whole(path, &checkpoint::bytes(&mut sim, ""))?;
-        return Ok("imported");
+    // Asked to stop before it began.
+    stage.look().map_err(Error::saved)?;
+    if scenario.source.is_some() {
+        let bytes = imported(scenario, plan)?;
+        write_whole(path, &bytes)?;
+        return Ok(("imported", 0));
     }
     let recipe = Recipe::new(scenario, plan);
+    // What lies here first: its drags may be under way.
+    if let Some(bytes) = settled_here(setting, path, &recipe)? {
+        // An earlier run may have poured it and then found no room in the library.
+        if !library.has(&recipe) {
+            library.keep(&recipe, &bytes)?;
+        }
+        return Ok(("reused", 0));
+    }
     if let Some(bytes) = library.find(&recipe)? {
         write_whole(path, &bytes)?;
-        return Ok("reused");
+        return Ok(("reused", 0));
     }
-    // An earlier run may have poured it and then found no room in the library.
-    let digest = recipe.digest();
-    let here = std::fs::read(path).ok();
-    if let Some(bytes) = here {
-        match checkpoint::parse(&bytes, "", Some(&digest)) {
-            Ok(_) => {
-                library.keep(&recipe, &bytes)?;
-                return Ok("reused");
-            }
-            Err(broken @ Error::Contract { .. }) => return Err(broken),
-            // Another recipe's, or damaged: it is made anew.
-            Err(_) => {}
-        }
-    }
-    let (mut sim, how) = match plan.lid {
-        None => (bed::pour(scenario, plan, stage)?, "poured"),
-        Some(_) => {
-            let mut bare = checkpoint::read(&folder.bed(&below(scenario, plan).name))?;
-            (bed::cover(&mut bare, scenario, plan, stage)?, "covered")
-        }
+    let saved = folder.pouring(&plan.name);
+    let (mut bed, how) = match unsettled_here(setting, plan, &saved)? {
+        Some(bed) => (bed, "resumed"),
+        None => begin(setting, plan)?,
     };
-    let bytes = checkpoint::bytes(&mut sim, &digest);
+    let began = bed.sim.step_count();
+    stage.resume(began);
+    let mut saver = Saver::new(setting.save, saved, began);
+    let went = bed.go_on(scenario, plan, stage, &mut saver);
+    if let Err(error) = went {
+        if matches!(error, Error::Interrupted { .. }) {
+            saver.save(&mut bed.sim, &bed.course.note())?;
+        }
+        return Err(error.saved());
+    }
+    let bytes = checkpoint::pack(&mut bed.sim, &bed.course.note());
     // First where it is used: what was poured for days is not lost for want of a library.
     write_whole(path, &bytes)?;
+    saver.clear();
     library.keep(&recipe, &bytes)?;
-    Ok(how)
+    Ok((how, bed.sim.step_count() - began))
+}
+
+/// The checkpoint of a bed of others.
+///
+/// # Errors
+/// As [`bed::import::bed`].
+pub fn imported(scenario: &Scenario, plan: &BedPlan) -> Result<Vec<u8>> {
+    let source = scenario.source.as_ref();
+    let source = source.ok_or_else(|| Error::input(&plan.name, "is no bed from a file"))?;
+    let mut bed = Pouring::imported(bed::import::bed(scenario, source)?, scenario, plan);
+    let note = Note {
+        // By no recipe of ours.
+        recipe: String::new(),
+        ..bed.course.note()
+    };
+    Ok(checkpoint::pack(&mut bed.sim, &note))
+}
+
+/// A bed whose first grain is let fall, or whose lid has just been laid.
+fn begin(setting: Setting<'_>, plan: &BedPlan) -> Result<(Pouring, &'static str)> {
+    let Setting {
+        scenario, folder, ..
+    } = setting;
+    if plan.lid.is_none() {
+        return Ok((Pouring::begin(scenario, plan)?, "poured"));
+    }
+    let bare = folder.bed(&below(scenario, plan).name);
+    let (mut bare, note) = checkpoint::read_noted(&bare)?;
+    Ok((
+        Pouring::cover(&mut bare, &note.link, scenario, plan)?,
+        "covered",
+    ))
+}
+
+/// The bytes of the bed that lies in the run directory, if it is this one and whole.
+fn settled_here(setting: Setting<'_>, path: &Path, recipe: &Recipe) -> Result<Option<Vec<u8>>> {
+    let Ok(bytes) = std::fs::read(path) else {
+        return Ok(None);
+    };
+    let name = path.display().to_string();
+    match checkpoint::parse(&bytes, &name, Some(&recipe.digest())) {
+        Ok(_) => return Ok(Some(bytes)),
+        Err(broken @ Error::Contract { .. }) => return Err(broken),
+        Err(damage @ Error::Damaged { .. }) => {
+            setting.progress.warn(&format!("{damage}; it is made anew"));
+        }
+        // Another recipe's, or another version's.
+        Err(_) => {}
+    }
+    Ok(None)
+}
+
+/// The bed that was saved on its way, if it is this one and whole.
+fn unsettled_here(setting: Setting<'_>, plan: &BedPlan, path: &Path) -> Result<Option<Pouring>> {
+    if !path.exists() {
+        return Ok(None);
+    }
+    let place = path.display().to_string();
+    match checkpoint::read_noted(path) {
+        Ok((sim, note)) => Pouring::of(sim, &note, setting.scenario, plan)
+            .map(Some)
+            .map_err(|problem| {
+                let what = format!("{problem}; remove it to pour anew");
+                Error::input(place, what)
+            }),
+        Err(damage @ Error::Damaged { .. }) => {
+            setting
+                .progress
+                .warn(&format!("{damage}; the bed is poured from its beginning"));
+            Ok(None)
+        }
+        Err(other) => Err(other),
+    }
 }

@@ -15,7 +15,7 @@ use crate::threads::{no_threads, on_threads};
 ///
 /// # Errors
 /// [`crate::error::Error::Input`] where so many threads cannot be started.
-pub(super) fn side_by_side<T: Send>(
+pub(crate) fn side_by_side<T: Send>(
     threads: usize,
     count: usize,
     length: impl Fn(usize) -> u64,

@@ -2,34 +2,35 @@
 //! next through files of the run directory, in a first run too.
 
 mod beds;
+mod drags;
 mod jobs;
+mod saving;
 mod summarise;
 
-pub use beds::bare_beds;
+pub use beds::{bare_beds, below, data_file, imported, surveyed};
+pub use drags::{DragPlan, begin, read, record, results};
+pub(crate) use jobs::side_by_side;
+pub use saving::SaveEvery;
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use bitgrain_kernel::{BITS_VERSION, Pushed};
+use bitgrain_kernel::BITS_VERSION;
 use serde::Serialize;
 
 use crate::bed::library::Library;
 use crate::blocks::METHOD;
 use crate::coefficients::table_text;
-use crate::drag::Record;
 use crate::error::{Error, Result};
-use crate::files::{bits, check_writable, write_text, write_whole};
+use crate::files::{check_writable, write_whole};
 use crate::folder::Folder;
+use crate::present;
 use crate::progress::{Progress, Stage};
-use crate::report;
-use crate::scenario::{BedPlan, RunPlan, Scenario, UnitSystem};
-use crate::series::series_text;
+use crate::scenario::{BedPlan, Scenario, UnitSystem};
 use crate::sim::Sim;
-use crate::summary::{BedSummary, RunRecord, RunSummary, Summary};
-use crate::{checkpoint, drag, export, flow, lammps, present};
+use crate::summary::{BedSummary, RunSummary, Summary};
 use beds::{pour_bare, settle_one};
-use jobs::side_by_side;
-use summarise::summarise;
+use drags::drag_one;
 
 /// Timings and other facts of the machine, kept apart from the results.
 #[derive(Serialize)]
@@ -52,14 +53,27 @@ struct StagePerformance {
     pairs_listed: usize,
 }
 
-/// Runs a scenario into the folder `out` and returns the path of its report.
-///
-/// Beds come from `library` or are poured and kept there, side by side and then the drags, on
-/// `threads` threads, several for each where there are fewer of them; results do not depend on how
-/// many, nor on where a bed came from.
+/// How a scenario is run; none of it changes a result.
+#[derive(Clone, Copy)]
+pub struct Setting<'a> {
+    /// What is run.
+    pub scenario: &'a Scenario,
+    /// The run directory.
+    pub folder: &'a Folder<'a>,
+    /// The settled beds that runs share.
+    pub library: &'a Library,
+    /// Threads.
+    pub threads: usize,
+    /// How often a stage under way is saved.
+    pub save: SaveEvery,
+    /// Bars, lines and the wish to stop.
+    pub progress: &'a Progress,
+}
+
+/// [`run_in`] with its own folder, saving now and then.
 ///
 /// # Errors
-/// The first stage that went wrong, in the order of the scenario; what the others wrote stays.
+/// As [`run_in`].
 pub fn run(
     scenario: &Scenario,
     out: &Path,
@@ -67,10 +81,43 @@ pub fn run(
     threads: usize,
     progress: &Progress,
 ) -> Result<PathBuf> {
+    run_in(Setting {
+        scenario,
+        folder: &Folder(out),
+        library,
+        threads,
+        save: SaveEvery::default(),
+        progress,
+    })
+}
+
+/// Runs a scenario into its folder, or what is left of it, and returns the path of its report.
+///
+/// Beds come from the library or are poured and kept there, side by side and then the drags, on so many
+/// threads, several for each where there are fewer of them. Each goes on from where it was saved.
+/// Results depend on none of this.
+///
+/// # Errors
+/// The first stage that went wrong, in the order of the scenario; what the others wrote stays.
+pub fn run_in(setting: Setting<'_>) -> Result<PathBuf> {
+    let Setting {
+        scenario,
+        folder,
+        library,
+        threads,
+        progress,
+        ..
+    } = setting;
     let began = Instant::now();
-    let folder = Folder(out);
-    let _claimed = folder.claim(scenario)?;
-    if scenario.source.is_none() {
+    let claim = folder.claim(scenario)?;
+    if !claim.sure {
+        progress.warn(&format!(
+            "{} cannot be locked: see that no other run is at work in it",
+            folder.0.display()
+        ));
+    }
+    let there = |plan: &BedPlan| folder.bed(&plan.name).exists();
+    if scenario.source.is_none() && !scenario.beds().iter().all(there) {
         // Found out now rather than after days of pouring.
         check_writable(library.folder())?;
     }
@@ -92,7 +139,7 @@ pub fn run(
         threads,
         bare.len(),
         |k| height(&bare[k]),
-        |k| pour_bare(scenario, &bare[k], &folder, library, progress),
+        |k| pour_bare(setting, &bare[k]),
     )?;
     let mut stages: Vec<StagePerformance> = poured.into_iter().collect::<Result<_>>()?;
 
@@ -100,7 +147,7 @@ pub fn run(
         threads,
         plans.len(),
         |k| height(&plans[k]),
-        |k| settle_one(scenario, &plans[k], &folder, library, progress),
+        |k| settle_one(setting, &plans[k]),
     )?;
     let beds: Vec<(BedSummary, StagePerformance)> = beds.into_iter().collect::<Result<_>>()?;
     let (beds, timed): (Vec<_>, Vec<_>) = beds.into_iter().unzip();
@@ -110,25 +157,25 @@ pub fn run(
         threads,
         runs.len(),
         |k| runs[k].steps,
-        |k| drag_one(scenario, &runs[k], &beds[runs[k].bed], &folder, progress),
+        |k| {
+            let drag = DragPlan {
+                folder,
+                scenario,
+                plan: &runs[k],
+                bed: &beds[runs[k].bed],
+            };
+            let done = drag_one(drag, setting.save, progress);
+            done.inspect_err(|error| tell_now(error, runs.len(), progress))
+        },
     )?;
     let dragged: Vec<(RunSummary, StagePerformance)> =
         dragged.into_iter().collect::<Result<_>>()?;
     let (runs, timed): (Vec<_>, Vec<_>) = dragged.into_iter().unzip();
     stages.extend(timed);
 
-    let whole = Summary {
-        version: env!("CARGO_PKG_VERSION").into(),
-        bits_version: BITS_VERSION,
-        scenario: scenario.name.clone(),
-        units: scenario.units(),
-        inputs: folder.inputs(scenario),
-        standard_error_method: METHOD.into(),
-        beds,
-        runs,
-    };
+    let whole = whole_summary(folder, scenario, beds, runs);
     write_json(&folder.summary(), &whole)?;
-    present::write_report(&folder)?;
+    present::write_report(folder)?;
     let performance = Performance {
         bits_version: BITS_VERSION,
         threads,
@@ -137,6 +184,32 @@ pub fn run(
     };
     write_json(&folder.performance(), &performance)?;
     Ok(folder.report())
+}
+
+/// Tells of a stage that went wrong while others of several go on, which may take days.
+fn tell_now(error: &Error, stages: usize, progress: &Progress) {
+    if stages > 1 && !matches!(error, Error::Interrupted { .. }) {
+        progress.warn(&format!("{error}; the others go on"));
+    }
+}
+
+/// All numbers of a run.
+pub fn whole_summary(
+    folder: &Folder<'_>,
+    scenario: &Scenario,
+    beds: Vec<BedSummary>,
+    runs: Vec<RunSummary>,
+) -> Summary {
+    Summary {
+        version: env!("CARGO_PKG_VERSION").into(),
+        bits_version: BITS_VERSION,
+        scenario: scenario.name.clone(),
+        units: scenario.units(),
+        inputs: folder.inputs(scenario),
+        standard_error_method: METHOD.into(),
+        beds,
+        runs,
+    }
 }
 
 fn timed(stage: Stage, how: &str, sim: &Sim, steps: u64) -> StagePerformance {
@@ -153,112 +226,24 @@ fn timed(stage: Stage, how: &str, sim: &Sim, steps: u64) -> StagePerformance {
     }
 }
 
-fn drag_one(
-    scenario: &Scenario,
-    plan: &RunPlan,
-    bed: &BedSummary,
-    folder: &Folder<'_>,
-    progress: &Progress,
-) -> Result<(RunSummary, StagePerformance)> {
-    let stage = progress.stage(&format!("{} Fr {:.2}", plan.name, plan.froude), plan.steps);
-    let mut sim = checkpoint::read(&folder.bed(&bed.name))?;
-    let mut record = Record::default();
-    let snapshot = |step, sim: &Sim, contacts: &[Pushed<f64>]| {
-        write_snapshot(folder, scenario, &plan.name, step, sim, contacts)
-    };
-    let measured = drag::drag(&mut sim, scenario, plan, &stage, &mut record, snapshot);
-    let text = series_text(&scenario.units(), &scenario.measure, &record.series);
-    let partial = folder.partial_series(&plan.name);
-    let means = measured.inspect_err(|_| {
-        // Whatever was measured is kept, beside what an earlier run may have finished; why the drag
-        // stopped is what must be told.
-        let _ = write_whole(&partial, text.as_bytes());
-    })?;
-    write_whole(&folder.series(&plan.name), text.as_bytes())?;
-    let _ = std::fs::remove_file(&partial);
-    let write =
-        |file: &str, text: String| write_whole(&folder.of_run(&plan.name, file), text.as_bytes());
-    write("angles.csv", record.angles.text())?;
-    write("coordination.csv", record.coordination.text())?;
-    if let Some(gauge) = &record.flow {
-        let rows = flow::flow_text(&scenario.units(), &gauge.rows);
-        write("flow.csv", rows)?;
-        write("profile.csv", gauge.profile.text())?;
-    }
-    let performance = timed(stage, "dragged", &sim, plan.steps);
-    let summary = summarise(scenario, plan, bed, &means, &record, &mut sim);
-    let whole = RunRecord {
-        version: env!("CARGO_PKG_VERSION").into(),
-        bits_version: BITS_VERSION,
-        units: scenario.units(),
-        inputs: folder.inputs(scenario),
-        standard_error_method: METHOD.into(),
-        bed: bed.clone(),
-        run: summary.clone(),
-    };
-    write_json(&folder.of_run(&plan.name, "summary.json"), &whole)?;
-    progress.line(&format!(
-        "{}: Fr {}, drag {} +- {} {} ({:.1} s)",
-        plan.name,
-        report::short(plan.froude),
-        report::short(summary.drag.mean),
-        report::short(summary.drag.standard_error),
-        scenario.units().force,
-        performance.seconds
-    ));
-    if let Some(flow) = &summary.flow {
-        progress.line(&format!(
-            "{}: drag/(rho g h D L) {:.2} +- {:.2}, lift {:.1} +- {:.1} buoyancies, far bed at {:.3} of \
-             the speed",
-            plan.name,
-            flow.drag_coefficient,
-            flow.drag_coefficient_error,
-            flow.lift_over_buoyancy,
-            flow.lift_over_buoyancy_error,
-            flow.far_field
-        ));
-    }
-    Ok((summary, performance))
-}
-
-/// A state as a LAMMPS dump for OVITO, and as two VTK files, grains and contacts, for ParaView.
-fn write_snapshot(
-    folder: &Folder<'_>,
-    scenario: &Scenario,
-    run: &str,
-    step: u64,
-    sim: &Sim,
-    contacts: &[Pushed<f64>],
-) -> Result<()> {
-    let (mut frame, forces) = export::frame(sim);
-    frame.step = step;
-    let title = format!("{run}, step {step}; {}", bits());
-    let dump = folder.snapshot(run, "grains", step, "dump");
-    let text = lammps::dump_text(&frame, Some(&forces));
-    write_text(&dump, &text, scenario.measure.gzip)?;
-    let write = |kind, ending, text: String| {
-        write_whole(&folder.snapshot(run, kind, step, ending), text.as_bytes())
-    };
-    write("grains", "vtk", export::vtk_grains(sim, &title))?;
-    write(
-        "contacts",
-        "vtk",
-        export::vtk_contacts(sim, contacts, &title),
-    )
-}
-
-/// Writes a value as JSON; a number that is not finite, which JSON would turn into null, is refused.
 fn write_json(path: &Path, value: &impl Serialize) -> Result<()> {
-    let tree =
-        serde_json::to_value(value).map_err(|e| Error::write(path, std::io::Error::other(e)))?;
+    write_whole(path, json_text(path, value)?.as_bytes())
+}
+
+/// The text of a JSON file; a number that is not finite, which JSON would turn into null, is refused.
+///
+/// # Errors
+/// [`Error::Write`] with the file's name.
+pub fn json_text(path: &Path, value: &impl Serialize) -> Result<String> {
+    let refused = |e: serde_json::Error| Error::write(path, std::io::Error::other(e));
+    let tree = serde_json::to_value(value).map_err(refused)?;
     if has_null(&tree) {
         let problem = std::io::Error::other("a number in it is not finite");
         return Err(Error::write(path, problem));
     }
-    let mut text = serde_json::to_string_pretty(value)
-        .map_err(|e| Error::write(path, std::io::Error::other(e)))?;
+    let mut text = serde_json::to_string_pretty(value).map_err(refused)?;
     text.push('\n');
-    write_whole(path, text.as_bytes())
+    Ok(text)
 }
 
 fn has_null(tree: &serde_json::Value) -> bool {

@@ -2,7 +2,7 @@
 
 use bitgrain_kernel::PARTS;
 
-use crate::drag::{Means, Record};
+use crate::drag::{Dragging, Means, Record};
 use crate::flow::FlowMeans;
 use crate::observe::{INTRUDER, pressure_at};
 use crate::scenario::{BedPlan, RunPlan, Scenario, Shape};
@@ -109,7 +109,7 @@ pub(super) fn summarise(
     plan: &RunPlan,
     bed: &BedSummary,
     means: &Means,
-    record: &Record,
+    dragging: &Dragging,
     sim: &mut Sim,
 ) -> RunSummary {
     let digest = sim.digest();
@@ -139,7 +139,10 @@ pub(super) fn summarise(
         plug_ratio: means.drag.mean / above,
         flow: means
             .flow
-            .and_then(|m| flow(scenario, plan, bed, means, &m, record)),
+            .and_then(|m| flow(scenario, plan, bed, means, &m, &dragging.record)),
+        overlap_max: dragging.record.deepest / scenario.mean_diameter(),
+        energy: dragging.record.energy.last().copied(),
+        chain: dragging.chain.end().to_string(),
         digest: hex(&digest.whole),
         digest_parts: PARTS
             .iter()

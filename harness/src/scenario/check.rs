@@ -23,6 +23,9 @@ const THINNEST: f64 = 4.0;
 /// Most snapshots of one drag: a guard of the disk against a slip of the pen.
 const SNAPSHOTS_MAX: u64 = 100_000;
 
+/// Most checkpoints kept of one drag: the same for larger files.
+const CHECKPOINTS_MAX: u64 = 1000;
+
 pub(super) type Check = std::result::Result<(), (String, String)>;
 
 pub(super) fn refuse(key: &str, problem: impl Into<String>) -> Check {
@@ -75,6 +78,13 @@ impl Scenario {
         if self.measure.snapshots > SNAPSHOTS_MAX {
             let problem = format!("expected at most {SNAPSHOTS_MAX} for each drag");
             return refuse("measure.snapshots", problem);
+        }
+        if !(1..=CHECKPOINTS_MAX).contains(&self.measure.checkpoints) {
+            let problem = format!("expected 1 to {CHECKPOINTS_MAX} for each drag");
+            return refuse("measure.checkpoints", problem);
+        }
+        if self.measure.digest_every == 0 {
+            return refuse("measure.digest_every", "is 0; expected at least 1 step");
         }
         self.check_drag()?;
         Ok(())

@@ -304,9 +304,18 @@ pub struct Measure {
     /// Snapshots of each drag, evenly spaced, the last at its end; 0 for none.
     #[serde(default = "two")]
     pub snapshots: u64,
+    /// Whether the energy of each drag is accounted for, at three times its cost.
+    #[serde(default)]
+    pub energy: bool,
     /// Whether LAMMPS files, the beds' and the snapshots', are packed with gzip.
     #[serde(default)]
     pub gzip: bool,
+    /// Checkpoints that are kept of each drag, evenly spaced, the last at its end.
+    #[serde(default = "four")]
+    pub checkpoints: u64,
+    /// Steps between links of each drag's chain of digests (a bed's has one every 1,000 steps).
+    #[serde(default = "thousand")]
+    pub digest_every: u64,
 }
 
 impl Default for Measure {
@@ -316,7 +325,10 @@ impl Default for Measure {
             torque: true,
             contacts: true,
             snapshots: two(),
+            energy: false,
             gzip: false,
+            checkpoints: four(),
+            digest_every: thousand(),
         }
     }
 }
@@ -332,6 +344,12 @@ fn yes() -> bool {
 }
 fn two() -> u64 {
     2
+}
+fn four() -> u64 {
+    4
+}
+fn thousand() -> u64 {
+    1000
 }
 fn hundred() -> u64 {
     100

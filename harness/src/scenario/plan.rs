@@ -57,6 +57,8 @@ pub struct RunPlan {
     pub discard: f64,
     /// Steps after which a snapshot is taken, ascending.
     pub snapshots: Vec<u64>,
+    /// Steps after which a checkpoint is kept, ascending; the last is the last step.
+    pub checkpoints: Vec<u64>,
 }
 
 impl RunPlan {
@@ -74,7 +76,24 @@ impl RunPlan {
     }
 }
 
+/// The last of `steps` steps and others before it, so many in all, evenly spaced.
+fn evenly(steps: u64, count: u64) -> Vec<u64> {
+    let share = |k: u64| (u128::from(steps) * u128::from(k)).div_ceil(count.into());
+    let mut chosen: Vec<u64> = (1..=count).map(|k| share(k) as u64).collect();
+    chosen.dedup();
+    chosen
+}
+
 impl Scenario {
+    /// Digest of everything that shapes a run of this scenario, wherever the file of its bed lies.
+    pub fn key(&self, run: &str) -> String {
+        let mut inputs = self.clone();
+        // Its content has a digest among the inputs.
+        inputs.bed.file = inputs.bed.file.map(|_| String::new());
+        let text = format!("{run}\n{}", inputs.to_toml());
+        crate::sim::hex(blake3::hash(text.as_bytes()).as_bytes())
+    }
+
     /// The resolved scenario as TOML, every default written out.
     pub fn to_toml(&self) -> String {
         toml::to_string(self).expect("a scenario has only string keys and finite numbers")
@@ -290,10 +309,6 @@ impl Scenario {
                 };
                 let default = self.default_discard(plan.diameter, distance);
                 let steps = (distance / (speed * self.drag.dt)).round() as u64;
-                let wanted = self.measure.snapshots;
-                let share = |k: u64| (u128::from(steps) * u128::from(k)).div_ceil(wanted.into());
-                let mut snapshots: Vec<u64> = (1..=wanted).map(|k| share(k) as u64).collect();
-                snapshots.dedup();
                 runs.push(RunPlan {
                     name,
                     bed,
@@ -301,7 +316,8 @@ impl Scenario {
                     froude,
                     distance,
                     steps,
-                    snapshots,
+                    snapshots: evenly(steps, self.measure.snapshots),
+                    checkpoints: evenly(steps, self.measure.checkpoints),
                     discard: self.drag.discard.unwrap_or(default),
                 });
             }

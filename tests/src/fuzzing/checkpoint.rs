@@ -2,8 +2,10 @@
 
 use std::sync::OnceLock;
 
+use bitgrain::bed::Course;
 use bitgrain::case;
 use bitgrain::checkpoint::{bytes, parse};
+use bitgrain::drag::Dragging;
 use bitgrain::sim::Sim;
 
 use super::assert_finite;
@@ -31,7 +33,8 @@ const CASES: [&str; 2] = [
 ];
 
 /// Bytes of a checkpoint after a 0; after anything else, changes to a sound state that is sealed as it is
-/// then, so that what reading checks behind the seal is reached. What is read steps on, and is written
+/// then, so that what reading checks behind the seal is reached; after a 255, the stage under way that
+/// a checkpoint holds. What is read steps on, and is written
 /// and read again to the same bytes.
 pub fn checkpoint(data: &[u8]) -> bool {
     let Some((choice, rest)) = data.split_first() else {
@@ -39,8 +42,32 @@ pub fn checkpoint(data: &[u8]) -> bool {
     };
     match choice {
         0 => goes_on(rest),
+        255 => under_way(rest),
         _ => goes_on(&altered(usize::from(choice - 1), Bytes(rest))),
     }
+}
+
+/// A stage under way, a drag's or a bed's, as its checkpoint holds it.
+fn under_way(data: &[u8]) -> bool {
+    let Ok(text) = std::str::from_utf8(data) else {
+        return false;
+    };
+    let drag = serde_json::from_str::<Dragging>(text);
+    let bed = serde_json::from_str::<Course>(text);
+    for note in [
+        drag.as_ref().map(Dragging::note),
+        bed.as_ref().map(Course::note),
+    ]
+    .into_iter()
+    .flatten()
+    {
+        let again = [
+            Dragging::of(&note).map(|d| d.note()),
+            Course::of(&note).map(|c| c.note()),
+        ];
+        assert!(again.iter().flatten().all(|again| *again == note));
+    }
+    drag.is_ok() || bed.is_ok()
 }
 
 /// The small states after a few steps, with contacts and histories, and their checkpoints.

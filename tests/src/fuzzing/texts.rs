@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
+use bitgrain::audit::{energy_text, parse_energy};
 use bitgrain::case;
+use bitgrain::chain::Chain;
 use bitgrain::flow::{flow_text, parse_flow, parse_profile};
 use bitgrain::lammps::{Atom, DataFile, data_text, dump_text, parse_atoms, parse_data, parse_dump};
 use bitgrain::scenario::{self, Measure};
@@ -61,7 +63,8 @@ pub fn scenario(data: &[u8]) -> bool {
     true
 }
 
-/// A table of a run's folder, the force series, the flow series or the profile: read, every number is
+/// A table of a run's folder, the force series, the flow series, the energy series, the profile or the chain
+/// of digests: read, every number is
 /// finite, and the two series give the same rows when they are written and read again.
 pub fn series(data: &[u8]) -> bool {
     let Ok(text) = std::str::from_utf8(data) else {
@@ -79,6 +82,17 @@ pub fn series(data: &[u8]) -> bool {
         let again = parse_series(&again, "fuzz").expect("a force series reads back");
         assert_same_rows(&again, &rows);
         sound |= !rows.is_empty();
+    }
+    if let Ok(rows) = parse_energy(text) {
+        let again = parse_energy(&energy_text(&units(), &rows));
+        let again = again.expect("an energy series reads back");
+        assert_same_rows(&again, &rows);
+        sound |= !rows.is_empty();
+    }
+    if let Ok(chain) = Chain::parse(text, "fuzz") {
+        let again = Chain::parse(&chain.text(), "fuzz").expect("a chain reads back");
+        assert_eq!(again, chain);
+        sound = true;
     }
     if let Ok(layers) = parse_profile(text) {
         let finite = |&(low, high, speed): &(f64, f64, f64)| {

@@ -1,20 +1,28 @@
 //! The command line: what each command takes, and how each ending is told.
 
+mod help;
+
 use std::io::{BufWriter, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::atomic::Ordering;
+use std::time::{Duration, Instant, SystemTime};
 
 use clap::{Args, Parser, Subcommand};
 
 use crate::bed::library::Library;
 use crate::bench::{Timing, bench};
+use crate::bisect::{Side, bisect, run_both};
 use crate::error::{Error, Result};
 use crate::folder::Folder;
 use crate::progress::Progress;
-use crate::replay::{Replay, replay};
+use crate::replay::{Replay, Stretch, replay, replay_run};
+use crate::rerun::Past;
+use crate::run::{SaveEvery, Setting};
 use crate::selftest::selftest;
+use crate::verify::{Scope, Segment, verify};
 use crate::{forecast, present, scenario, shelf};
+use help::{BED_HELP, BENCH_HELP, BISECT_HELP, REPLAY_HELP, RUN_HELP, SELFTEST_HELP, VERIFY_HELP};
 
 /// Granular beds whose every run is reproducible to the last bit.
 #[derive(Parser)]
@@ -44,19 +52,32 @@ enum Command {
     /// Run the reference worlds on this machine and say whether it keeps the bit contract.
     #[command(after_help = SELFTEST_HELP)]
     Selftest,
-    /// Replay a case file and print one JSON line for each sampled step.
+    /// Replay a case file, or a stretch of a run, and print one JSON line for each sampled step.
     #[command(after_help = REPLAY_HELP)]
     Replay(Case),
+    /// Execute a run again, whole or in pieces, and say whether it gives what was written.
+    #[command(after_help = VERIFY_HELP)]
+    Verify(Verify),
+    /// Find the first step, grain and contact at which two runs, or two builds, differ.
+    #[command(after_help = BISECT_HELP)]
+    Bisect(Bisect),
 }
 
 #[derive(Args)]
 struct Run {
     /// A TOML file, or the name of a shipped scenario: quick, kumar-system-1, kumar-system-2,
     /// guillard-small, guillard-medium, guillard-2014.
-    scenario: String,
+    #[arg(required_unless_present = "resume")]
+    scenario: Option<String>,
     /// Folder for the results [default: out/NAME, NAME the scenario's name].
     #[arg(long)]
     out: Option<PathBuf>,
+    /// Go on with the run in this folder from where it was stopped; its scenario is in it.
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["scenario", "out", "sets"])]
+    resume: Option<PathBuf>,
+    /// Save stages under way so often, in minutes (5m) or in steps (20000) [default: 5m].
+    #[arg(long, value_name = "INTERVAL")]
+    save_every: Option<SaveEvery>,
     #[command(flatten)]
     beds: Beds,
     /// Threads, for beds and speeds side by side and for each where there are fewer [default: one
@@ -69,7 +90,7 @@ struct Run {
     /// Print what it would take (steps, memory, disk, time, dimensionless groups), and run nothing.
     #[arg(long)]
     dry_run: bool,
-    /// Print a line as each stage ends also where standard error is no terminal.
+    /// Print lines where standard error is no terminal: each minute, and as each stage ends.
     #[arg(long, short)]
     verbose: bool,
 }
@@ -137,11 +158,23 @@ struct Bench {
 
 #[derive(Args)]
 struct Case {
-    /// The case: one JSON file with the whole state and law, plain or gzip.
+    /// The case: one JSON file with the whole state and law, plain or gzip; or the folder of a run.
     case: PathBuf,
     /// Steps to run.
     #[arg(long)]
     steps: u64,
+    /// Of a run: which stage, as in run-1 or bed.
+    #[arg(long)]
+    stage: Option<String>,
+    /// Of a run: the step of the first sample; it is reached from the last checkpoint kept before it.
+    #[arg(long, default_value_t = 0, requires = "stage")]
+    from: u64,
+    /// Of a run: write the last state into this file, as a checkpoint.
+    #[arg(long, value_name = "FILE", requires = "stage")]
+    save: Option<PathBuf>,
+    /// Print the digests of states alone, part by part.
+    #[arg(long, conflicts_with = "contacts")]
+    digests: bool,
     /// Steps between samples [default: only the first and the last].
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..))]
     every: Option<u64>,
@@ -150,46 +183,56 @@ struct Case {
     contacts: bool,
     /// Account for the energy: in each sample what there is, and since step 0 the work done, what was
     /// dissipated, and the residual.
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = ["stage", "digests"])]
     energy: bool,
 }
 
-const RUN_HELP: &str = "\
-Examples:
-  bitgrain run quick
-  bitgrain run kumar-system-1 --dry-run
-  bitgrain run quick --out out/thick --set intruder.diameter=3 --set 'intruder.froude=[1, 4]' \\
-      --set drag.distance=12
+#[derive(Args)]
+struct Verify {
+    /// The folder of a run.
+    folder: PathBuf,
+    /// A stage, or the pieces between its checkpoints that share steps with FROM-TO; may be given
+    /// several times [default: all].
+    #[arg(long = "segment", value_name = "STAGE[:FROM-TO]")]
+    segments: Vec<Segment>,
+    /// So many pieces only, chosen at random.
+    #[arg(long, value_name = "PIECES", value_parser = clap::value_parser!(u16).range(1..))]
+    sample: Option<u16>,
+    /// Seed of the choice [default: the time].
+    #[arg(long, requires = "sample")]
+    seed: Option<u64>,
+    /// Threads [default: one for each processor].
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+}
 
-Results depend neither on --threads nor on whether a bed was poured or reused. Exit status: 0 done,
-2 the scenario was refused, 3 a run went wrong, 1 results could not be written, 130 interrupted.";
-
-const BED_HELP: &str = "\
-Examples:
-  bitgrain bed list
-  bitgrain bed show 4f1c
-  bitgrain bed remove --all";
-
-const BENCH_HELP: &str = "\
-Examples:
-  bitgrain bench --steps 2000
-  bitgrain bench --bed golden/peers/bed200.data --steps 4000 --json
-  bitgrain bench --bed golden/peers/bed200.data --tiles 8 --steps 100";
-
-const SELFTEST_HELP: &str = "\
-Example:
-  bitgrain selftest
-
-It takes seconds. Every way of stepping that this machine has (instruction sets, one thread and several)
-must give the published digests. Exit status: 0 it keeps the contract, 3 it does not.";
-
-const REPLAY_HELP: &str = "\
-Examples:
-  bitgrain replay golden/cases/collapse.json --steps 100 --every 10 --contacts
-  bitgrain replay golden/cases/rig.json --steps 1000 --energy
-
-A grain's motion in a case is \"free\", \"weightless\", \"frozen\", {\"carried\": [vx, vy, vz]} or, as a grain of
-a lid, {\"lid\": [vx, vy]}; the README shows a whole case, and what the terms of --energy are.";
+#[derive(Args)]
+struct Bisect {
+    /// The folder of a run, or with --scenario a `bitgrain` program.
+    a: PathBuf,
+    /// The other.
+    b: PathBuf,
+    /// Run this scenario with the two programs first.
+    #[arg(long, conflicts_with_all = ["program_a", "program_b"])]
+    scenario: Option<String>,
+    /// Folder for those two runs [default: out/bisect].
+    #[arg(
+        long,
+        requires = "scenario",
+        default_value = "out/bisect",
+        hide_default_value = true
+    )]
+    out: PathBuf,
+    /// Change a key of that scenario; may be given several times.
+    #[arg(long = "set", value_name = "KEY=VALUE", requires = "scenario")]
+    sets: Vec<String>,
+    /// The program that executes the first run again [default: this one].
+    #[arg(long, value_name = "PROGRAM")]
+    program_a: Option<PathBuf>,
+    /// The program that executes the second run again [default: this one].
+    #[arg(long, value_name = "PROGRAM")]
+    program_b: Option<PathBuf>,
+}
 
 /// Runs the command that the process was called with.
 pub fn main() -> ExitCode {
@@ -215,20 +258,89 @@ fn run(command: Command) -> Result<()> {
         Command::Bed(bed) => run_bed(bed),
         Command::Bench(what) => run_bench(&what),
         Command::Selftest => selftest(|line| print(&format!("{line}\n"))),
-        Command::Replay(case) => {
-            let what = Replay {
-                steps: case.steps,
-                every: case.every.unwrap_or(case.steps.max(1)),
-                contacts: case.contacts,
-                energy: case.energy,
+        Command::Replay(case) => run_replay(case),
+        Command::Verify(what) => run_verify(what),
+        Command::Bisect(what) => run_bisect(what),
+    }
+}
+
+fn run_replay(case: Case) -> Result<()> {
+    let what = Replay {
+        steps: case.steps,
+        every: case.every.unwrap_or(case.steps.max(1)),
+        contacts: case.contacts,
+        digests: case.digests,
+        energy: case.energy,
+    };
+    let out = &mut BufWriter::new(std::io::stdout().lock());
+    match (case.case.is_dir(), case.stage) {
+        (false, None) => replay(&case.case, &what, out),
+        (true, Some(stage)) => {
+            let stretch = Stretch {
+                stage,
+                from: case.from,
+                save: case.save,
             };
-            replay(
-                &case.case,
-                &what,
-                &mut BufWriter::new(std::io::stdout().lock()),
-            )
+            let folder = Folder(&case.case);
+            replay_run(&folder, &stretch, &what, &stoppable(false), out)
+        }
+        (true, None) => {
+            let past = Past::open(&Folder(&case.case)).map(|past| past.names())?;
+            let problem = format!("is a run: say which --stage of it; there are {past}");
+            Err(Error::input(case.case.display().to_string(), problem))
+        }
+        (false, Some(_)) => Err(Error::input(
+            case.case.display().to_string(),
+            "is no folder; --stage is of a run's",
+        )),
+    }
+}
+
+fn run_verify(what: Verify) -> Result<()> {
+    let time = || {
+        let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
+        since.map_or(0, |time| time.as_nanos() as u64)
+    };
+    let seed = what.seed.unwrap_or_else(time);
+    let scope = Scope {
+        segments: what.segments,
+        sample: what.sample.map(|count| (usize::from(count), seed)),
+    };
+    if scope.sample.is_some() {
+        print(&format!("seed {seed}\n"))?;
+    }
+    let folder = Folder(&what.folder);
+    let past = Past::open(&folder)?;
+    let progress = stoppable(false);
+    verify(&past, &scope, processors(what.threads), &progress, |line| {
+        print(&format!("{line}\n"))
+    })
+}
+
+fn run_bisect(what: Bisect) -> Result<()> {
+    let this = std::env::current_exe().map_err(Error::Output)?;
+    let say = |line: &str| print(&format!("{line}\n"));
+    let sides = match &what.scenario {
+        None => {
+            [(what.a, what.program_a), (what.b, what.program_b)].map(|(folder, program)| Side {
+                folder,
+                program: program.unwrap_or_else(|| this.clone()),
+            })
+        }
+        Some(scenario) => run_both([what.a, what.b], scenario, &what.sets, &what.out)?,
+    };
+    match bisect(&sides, say)? {
+        None => say("no difference: the same at every link that both have"),
+        Some(parting) => {
+            say(&parting.to_string())?;
+            Err(Error::Parted)
         }
     }
+}
+
+fn processors(asked: Option<u16>) -> usize {
+    let processors = || std::thread::available_parallelism().map_or(1, usize::from);
+    asked.map_or_else(processors, usize::from)
 }
 
 fn print(text: &str) -> Result<()> {
@@ -242,10 +354,12 @@ fn print(text: &str) -> Result<()> {
 fn stoppable(verbose: bool) -> Progress {
     let progress = Progress::new(verbose);
     let stop = progress.stop_flag();
+    let mut first = None;
     // Without a handler the signal ends the process at once, which loses no file either.
     let _ = ctrlc::set_handler(move || {
-        if stop.swap(true, Ordering::Relaxed) {
-            // Asked twice: now.
+        stop.store(true, Ordering::Relaxed);
+        // Asked again a while later: now. Schedulers ask a process and its shell in one breath.
+        if first.get_or_insert_with(Instant::now).elapsed() > Duration::from_secs(2) {
             std::process::exit(130);
         }
     });
@@ -253,18 +367,28 @@ fn stoppable(verbose: bool) -> Progress {
 }
 
 fn run_scenario(run: Run) -> Result<()> {
-    let scenario = scenario::load(&run.scenario, &run.sets)?;
+    let (scenario, out) = match (&run.resume, &run.scenario) {
+        (Some(folder), _) => (Folder(folder).saved_scenario()?, folder.clone()),
+        (None, name) => {
+            let scenario = scenario::load(name.as_deref().unwrap_or_default(), &run.sets)?;
+            let own = PathBuf::from("out").join(&scenario.name);
+            (scenario, run.out.unwrap_or(own))
+        }
+    };
     let library = Library::new(run.beds.folder);
-    let processors = || std::thread::available_parallelism().map_or(1, usize::from);
-    let threads = run.threads.map_or_else(processors, usize::from);
+    let threads = processors(run.threads);
     if run.dry_run {
         return print(&forecast::forecast(&scenario, &library, threads)?);
     }
-    let out = run
-        .out
-        .unwrap_or_else(|| PathBuf::from("out").join(&scenario.name));
     let progress = stoppable(run.verbose);
-    let report = crate::run::run(&scenario, &out, &library, threads, &progress)?;
+    let report = crate::run::run_in(Setting {
+        scenario: &scenario,
+        folder: &Folder(&out),
+        library: &library,
+        threads,
+        save: run.save_every.unwrap_or_default(),
+        progress: &progress,
+    })?;
     print(&format!("report: {}\n", report.display()))
 }
 

@@ -1,0 +1,253 @@
+//! A bed on its way from the first grain's release to rest: phase by phase, from a checkpoint on where it
+//! was stopped.
+
+use serde::{Deserialize, Serialize};
+
+use super::lattice::Lattice;
+use super::recipe::Recipe;
+use super::settle::{fallen, rest, settle, stopped, upward};
+use super::{buried, dropped, freeze_base, lid, renumbered};
+use crate::chain::{self, Chain};
+use crate::checkpoint::Note;
+use crate::error::Result;
+use crate::progress::Stage;
+use crate::scenario::{BedPlan, Pouring as Order, Scenario};
+use crate::sim::Sim;
+use crate::witness::Witness;
+
+/// Steps between links of a bed's chain: beds are shared by scenarios, so it is the same for all.
+const LINKS: u64 = 1000;
+
+/// Where a bed is on its way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Phase {
+    /// Grains fall, all of them or those below the intruder.
+    Fall,
+    /// The rest of them falls, over the intruder.
+    Fill,
+    /// What motion is left is taken out with more damping.
+    Quench,
+    /// The bed rests under its own law.
+    Rest,
+    /// It is settled.
+    Settled,
+}
+
+/// All that one look at a bed hands to the next besides the state itself.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Course {
+    /// Digest of the bed's recipe.
+    key: String,
+    phase: Phase,
+    /// Step at which the phase began.
+    pub(super) begin: u64,
+    /// Upward force on the intruder at the look before.
+    pub(super) before: f64,
+    /// Height that the grains fall from.
+    top: f64,
+    /// Digests of its states.
+    chain: Chain,
+}
+
+/// A bed under way.
+pub struct Pouring {
+    /// The state.
+    pub sim: Sim,
+    /// What belongs to it.
+    pub course: Course,
+}
+
+impl Pouring {
+    /// The grains of a bed as they are let fall; its lid is not yet on it.
+    ///
+    /// # Errors
+    /// [`crate::error::Error::Input`] and [`crate::error::Error::Run`] where they cannot be.
+    pub fn begin(scenario: &Scenario, plan: &BedPlan) -> Result<Self> {
+        let lowest = plan.center[2] - 0.5 * plan.diameter;
+        let count = scenario.grain_count(plan.diameter);
+        let (first, beside) = match scenario.bed.pouring {
+            Order::AtOnce => (count, Some(plan)),
+            Order::InTurn => (scenario.filling(lowest, 0.0).min(count), None),
+        };
+        let lattice = Lattice::new(scenario, first, 0.0, beside);
+        let mut sim = dropped(scenario, plan, &lattice)?;
+        sim.start().map_err(|f| stopped(&plan.name, &sim, f))?;
+        let link = chain::beginning(&Recipe::new(scenario, plan).digest());
+        let mut bed = Self::new(scenario, plan, sim, Phase::Fall, link);
+        bed.course.top = lattice.top;
+        Ok(bed)
+    }
+
+    /// A settled bed with the lid of `plan`, which must have one, laid on it; `link` is the last of the
+    /// bed's chain.
+    ///
+    /// # Errors
+    /// [`crate::error::Error::Input`] where the bed is deep enough without, and as [`Pouring::begin`].
+    pub fn cover(bare: &mut Sim, link: &str, scenario: &Scenario, plan: &BedPlan) -> Result<Self> {
+        let lid = plan.lid.as_ref().expect("only beds with a lid are covered");
+        let mut sim = lid::covered(bare, scenario, plan, lid)?;
+        sim.law = quenching(scenario);
+        Ok(Self::new(scenario, plan, sim, Phase::Quench, link.into()))
+    }
+
+    /// A bed of others, which is taken as it is; its chain begins with the digest of its file.
+    pub fn imported(sim: Sim, scenario: &Scenario, plan: &BedPlan) -> Self {
+        let file = scenario.bed.hash.as_deref().unwrap_or_default();
+        let link = chain::beginning(file);
+        Self::new(scenario, plan, sim, Phase::Settled, link)
+    }
+
+    fn new(scenario: &Scenario, plan: &BedPlan, sim: Sim, phase: Phase, link: String) -> Self {
+        let mut bed = Self {
+            sim,
+            course: Course {
+                key: Recipe::new(scenario, plan).digest(),
+                phase,
+                begin: 0,
+                before: 0.0,
+                top: 0.0,
+                chain: Chain::new(link, LINKS),
+            },
+        };
+        bed.enter(phase);
+        let digest = bed.sim.digest();
+        bed.course.chain.add(bed.sim.step_count(), &digest);
+        bed
+    }
+
+    /// Takes a bed up again from a checkpoint.
+    ///
+    /// # Errors
+    /// What is wrong with the note.
+    pub fn of(
+        sim: Sim,
+        note: &Note,
+        scenario: &Scenario,
+        plan: &BedPlan,
+    ) -> std::result::Result<Self, String> {
+        let course = Course::of(note)?;
+        if course.key == Recipe::new(scenario, plan).digest() {
+            Ok(Self { sim, course })
+        } else {
+            Err("holds a bed that was poured by another recipe".into())
+        }
+    }
+
+    /// Goes on until the bed is settled. Says whether it is: not where `witness` has seen enough before.
+    ///
+    /// # Errors
+    /// [`crate::error::Error::Run`] where grains escape or overlap too deep,
+    /// [`crate::error::Error::Unsettled`], [`crate::error::Error::Interrupted`], after which the bed can
+    /// go on from here, and what `witness` returns.
+    pub fn go_on(
+        &mut self,
+        scenario: &Scenario,
+        plan: &BedPlan,
+        stage: &mut Stage,
+        witness: &mut impl Witness,
+    ) -> Result<bool> {
+        let count = scenario.grain_count(plan.diameter);
+        witness.begins(self.sim.step_count(), &mut self.sim)?;
+        while self.course.phase != Phase::Settled {
+            let phase = self.course.phase;
+            let goal = match phase {
+                Phase::Fall | Phase::Fill => fallen(scenario, self.course.top),
+                _ => rest(scenario, plan, phase),
+            };
+            if !settle(self, scenario, plan, &goal, stage, witness)? {
+                return Ok(false);
+            }
+            let wrong = |sim: &Sim, f| stopped(&plan.name, sim, f);
+            let next = match phase {
+                Phase::Fall => {
+                    self.sim =
+                        freeze_base(&mut self.sim, scenario).map_err(|f| wrong(&self.sim, f))?;
+                    if scenario.bed.pouring == Order::InTurn {
+                        (self.sim, self.course.top) = buried(&mut self.sim, scenario, plan, count)
+                            .map_err(|f| wrong(&self.sim, f))?;
+                        Phase::Fill
+                    } else {
+                        Phase::Quench
+                    }
+                }
+                Phase::Fill => {
+                    self.sim = renumbered(&mut self.sim).map_err(|f| wrong(&self.sim, f))?;
+                    Phase::Quench
+                }
+                Phase::Quench => Phase::Rest,
+                Phase::Rest | Phase::Settled => Phase::Settled,
+            };
+            self.sim.law = match next {
+                Phase::Quench => quenching(scenario),
+                _ => scenario.law.build().expect("the scenario was checked"),
+            };
+            self.enter(next);
+        }
+        self.link(witness)?;
+        Ok(true)
+    }
+
+    pub(super) fn enter(&mut self, phase: Phase) {
+        self.course.phase = phase;
+        self.course.begin = self.sim.step_count();
+        self.course.before = upward(&self.sim);
+    }
+
+    /// After a look that was not the last of its phase: the next link, where it is due, and a moment to save.
+    pub(super) fn looked(&mut self, witness: &mut impl Witness) -> Result<()> {
+        if self.course.chain.is_due(self.sim.step_count()) {
+            self.link(witness)?;
+        }
+        let Self { sim, course } = self;
+        witness.pause(sim.step_count(), sim, &|| course.note())
+    }
+
+    fn link(&mut self, witness: &mut impl Witness) -> Result<()> {
+        let digest = self.sim.digest();
+        let link = self.course.chain.add(self.sim.step_count(), &digest);
+        link.map_or(Ok(()), |link| witness.linked(link))
+    }
+}
+
+pub(super) fn quenching(scenario: &Scenario) -> crate::sim::AnyLaw {
+    scenario
+        .law
+        .quenching(scenario.drag.dt, scenario.mean_diameter())
+}
+
+impl Course {
+    /// What a checkpoint holds of it. Only a settled bed has its recipe's digest.
+    pub fn note(&self) -> Note {
+        let settled = self.phase == Phase::Settled;
+        Note {
+            recipe: if settled {
+                self.key.clone()
+            } else {
+                String::new()
+            },
+            link: self.chain.end().to_string(),
+            course: serde_json::to_string(self).expect("what is measured is finite"),
+        }
+    }
+
+    /// Reads it from a checkpoint's note.
+    ///
+    /// # Errors
+    /// What is wrong with the note.
+    pub fn of(note: &Note) -> std::result::Result<Self, String> {
+        let read: Self =
+            serde_json::from_str(&note.course).map_err(|e| format!("holds no bed: {e}"))?;
+        if read.chain.end() == note.link {
+            Ok(read)
+        } else {
+            Err("does not hold the bed that its chain of digests is of".into())
+        }
+    }
+
+    /// Digests of its states.
+    pub fn chain(&self) -> &Chain {
+        &self.chain
+    }
+}

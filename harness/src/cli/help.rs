@@ -1,0 +1,64 @@
+//! What `--help` of each command says below its options: examples, and how it ends.
+
+pub(super) const RUN_HELP: &str = "\
+Examples:
+  bitgrain run quick
+  bitgrain run kumar-system-1 --dry-run
+  bitgrain run quick --out out/thick --set intruder.diameter=3 --set 'intruder.froude=[1, 4]' \\
+      --set drag.distance=12
+  bitgrain run --resume out/quick
+
+Results depend neither on --threads, nor on whether a bed was poured or reused, nor on whether a run was
+stopped: Ctrl-C (or SIGTERM) saves what is under way; the same command goes on from there, also after a
+kill or a full disk, from the last save; what has come to its end is kept.
+
+Exit status: 0 done, 2 the scenario was refused, 3 a run went wrong, 1 results could not be written,
+130 interrupted.";
+
+pub(super) const BED_HELP: &str = "\
+Examples:
+  bitgrain bed list
+  bitgrain bed show 4f1c
+  bitgrain bed remove --all";
+
+pub(super) const BENCH_HELP: &str = "\
+Examples:
+  bitgrain bench --steps 2000
+  bitgrain bench --bed golden/peers/bed200.data --steps 4000 --json
+  bitgrain bench --bed golden/peers/bed200.data --tiles 8 --steps 100";
+
+pub(super) const SELFTEST_HELP: &str = "\
+Example:
+  bitgrain selftest
+
+It takes seconds. Every way of stepping that this machine has (instruction sets, one thread and several)
+must give the published digests. Exit status: 0 it keeps the contract, 3 it does not.";
+
+pub(super) const VERIFY_HELP: &str = "\
+Examples:
+  bitgrain verify out/quick
+  bitgrain verify out/quick --segment run-1:20000-40000 --segment bed
+  bitgrain verify out/quick --sample 3
+
+Between two checkpoints of a run every link of its chain of digests is made again, and so is the
+checkpoint at the end with all that was measured, the tables and the snapshots; a bed is poured again. Of a
+run that has come to its end nothing may be missing, and its summary is made again where all is verified.
+The report is not looked at (`bitgrain report` makes it anew). Exit status: 0 all holds, 3 something does
+not, 2 the folder holds no run.";
+
+pub(super) const BISECT_HELP: &str = "\
+Examples:
+  bitgrain bisect out/quick out/other
+  bitgrain bisect out/quick elsewhere/quick --program-b ./bitgrain-of-last-week
+  bitgrain bisect ./bitgrain-of-last-week target/release/bitgrain --scenario quick
+
+Exit status: 0 the same at every link that both have, 3 they differ.";
+
+pub(super) const REPLAY_HELP: &str = "\
+Examples:
+  bitgrain replay golden/cases/collapse.json --steps 100 --every 10 --contacts
+  bitgrain replay golden/cases/rig.json --steps 1000 --energy
+  bitgrain replay out/quick --stage run-1 --from 12345 --steps 1 --contacts
+
+A grain's motion in a case is \"free\", \"weightless\", \"frozen\", {\"carried\": [vx, vy, vz]} or, as a grain of
+a lid, {\"lid\": [vx, vy]}; the README shows a whole case, and what the terms of --energy are.";

@@ -1,0 +1,185 @@
+//! A run done again, whole or in part, from what its folder holds: every checkpoint that was kept is a
+//! place to begin from.
+
+use crate::bed::{Pouring, import};
+use crate::checkpoint;
+use crate::drag::Dragging;
+use crate::error::{Error, Result};
+use crate::folder::Folder;
+use crate::progress::{Progress, Stage};
+use crate::run::{self, DragPlan, bare_beds, below, surveyed};
+use crate::scenario::{BedPlan, RunPlan, Scenario};
+use crate::sim::Sim;
+use crate::summary::BedSummary;
+use crate::witness::Witness;
+
+/// A run directory and what its scenario plans.
+pub struct Past<'a> {
+    /// Where it is.
+    pub folder: &'a Folder<'a>,
+    /// The scenario.
+    pub scenario: Scenario,
+    /// Its beds: those below lids, then those that are dragged through.
+    pub beds: Vec<BedPlan>,
+    /// Its drags.
+    pub runs: Vec<RunPlan>,
+}
+
+/// A stage of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Part<'a> {
+    /// A bed, from release to rest.
+    Bed(&'a BedPlan),
+    /// A drag.
+    Drag(&'a RunPlan),
+}
+
+impl Part<'_> {
+    /// Its name.
+    pub fn name(&self) -> &str {
+        match self {
+            Part::Bed(plan) => &plan.name,
+            Part::Drag(plan) => &plan.name,
+        }
+    }
+}
+
+impl<'a> Past<'a> {
+    /// What a folder holds.
+    ///
+    /// # Errors
+    /// As [`Folder::saved_scenario`].
+    pub fn open(folder: &'a Folder<'a>) -> Result<Self> {
+        let scenario = folder.saved_scenario()?;
+        let mut beds = Vec::new();
+        if scenario.beds().iter().any(|plan| plan.lid.is_some()) {
+            beds.extend(bare_beds(&scenario));
+        }
+        for plan in scenario.beds() {
+            if !beds.contains(&plan) {
+                beds.push(plan);
+            }
+        }
+        Ok(Self {
+            folder,
+            beds,
+            runs: scenario.runs(),
+            scenario,
+        })
+    }
+
+    /// All stages, in the order in which they are run.
+    pub fn parts(&self) -> impl Iterator<Item = Part<'_>> {
+        let beds = self.beds.iter().map(Part::Bed);
+        beds.chain(self.runs.iter().map(Part::Drag))
+    }
+
+    /// The stage of this name.
+    ///
+    /// # Errors
+    /// [`Error::Input`] with the names that there are.
+    pub fn part(&self, name: &str) -> Result<Part<'_>> {
+        let mut parts = self.parts();
+        parts.find(|part| part.name() == name).ok_or_else(|| {
+            let problem = format!("is no stage of this run; there are {}", self.names());
+            Error::input(name, problem)
+        })
+    }
+
+    /// Names of all stages, to be read.
+    pub fn names(&self) -> String {
+        let names: Vec<String> = self.parts().map(|part| part.name().to_string()).collect();
+        names.join(", ")
+    }
+
+    /// What was measured of the settled bed of a drag.
+    ///
+    /// # Errors
+    /// Where its checkpoint cannot be read.
+    pub fn bed_of(&self, run: &RunPlan) -> Result<BedSummary> {
+        self.bed(&self.scenario.beds()[run.bed])
+    }
+
+    /// What was measured of a settled bed.
+    ///
+    /// # Errors
+    /// Where its checkpoint cannot be read.
+    pub fn bed(&self, plan: &BedPlan) -> Result<BedSummary> {
+        let (mut sim, note) = checkpoint::read_noted(&self.folder.bed(&plan.name))?;
+        Ok(surveyed(&self.scenario, plan, &mut sim, &note))
+    }
+
+    /// A drag with its bed.
+    pub fn drag<'b>(&'b self, plan: &'b RunPlan, bed: &'b BedSummary) -> DragPlan<'b> {
+        DragPlan {
+            folder: self.folder,
+            scenario: &self.scenario,
+            plan,
+            bed,
+        }
+    }
+
+    /// The state of a drag at a step: 0, or one of those that were kept.
+    ///
+    /// # Errors
+    /// Where the checkpoint cannot be read or is another drag's.
+    pub fn state(&self, drag: DragPlan<'_>, step: u64) -> Result<(Sim, Dragging)> {
+        if step == 0 {
+            return run::begin(drag);
+        }
+        run::read(drag, &self.folder.checkpoint(&drag.plan.name, step))
+    }
+
+    /// The last step at or before this one at which the state of a drag was kept.
+    pub fn kept_before(&self, plan: &RunPlan, step: u64) -> u64 {
+        let kept = plan.checkpoints.iter().rev().copied();
+        let mut kept = kept.filter(|&n| n <= step);
+        let is_there = |&n: &u64| self.folder.checkpoint(&plan.name, n).exists();
+        kept.find(is_there).unwrap_or(0)
+    }
+
+    /// A bed as its first grain is let go, as its lid is laid, or as it was taken over from a file.
+    ///
+    /// # Errors
+    /// Where the bed below the lid cannot be read.
+    pub fn begin(&self, plan: &BedPlan) -> Result<Pouring> {
+        if let Some(source) = &self.scenario.source {
+            let sim = import::bed(&self.scenario, source)?;
+            return Ok(Pouring::imported(sim, &self.scenario, plan));
+        }
+        if plan.lid.is_none() {
+            return Pouring::begin(&self.scenario, plan);
+        }
+        let bare = self.folder.bed(&below(&self.scenario, plan).name);
+        let (mut bare, note) = checkpoint::read_noted(&bare)?;
+        Pouring::cover(&mut bare, &note.link, &self.scenario, plan)
+    }
+
+    /// Runs a stage again from the last kept state at or before `from` until `witness` has seen enough.
+    ///
+    /// # Errors
+    /// What goes wrong, and what `witness` returns.
+    pub fn rerun(
+        &self,
+        part: Part<'_>,
+        from: u64,
+        progress: &Progress,
+        witness: &mut impl Witness,
+    ) -> Result<()> {
+        let mut stage: Stage = progress.stage(part.name(), from);
+        match part {
+            Part::Bed(plan) => {
+                let mut bed = self.begin(plan)?;
+                bed.go_on(&self.scenario, plan, &mut stage, witness)?;
+            }
+            Part::Drag(plan) => {
+                let bed = self.bed_of(plan)?;
+                let drag = self.drag(plan, &bed);
+                let (mut sim, mut dragging) = self.state(drag, self.kept_before(plan, from))?;
+                stage.resume(dragging.step);
+                dragging.go_on(&mut sim, &self.scenario, plan, &stage, witness)?;
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,313 @@
+//! The drags of a run: begun, or taken up from the latest of their checkpoints, and written down.
+
+use std::path::Path;
+
+use bitgrain_kernel::{BITS_VERSION, Pushed};
+
+use super::saving::{SaveEvery, Saver};
+use super::summarise::summarise;
+use super::{StagePerformance, timed, write_json};
+use crate::audit::energy_text;
+use crate::blocks::METHOD;
+use crate::checkpoint::{self, Note};
+use crate::drag::Dragging;
+use crate::error::{Error, Result};
+use crate::files::{bits, packed_name, text_file, write_whole};
+use crate::folder::Folder;
+use crate::progress::Progress;
+use crate::scenario::{RunPlan, Scenario};
+use crate::series::series_text;
+use crate::sim::Sim;
+use crate::summary::{BedSummary, RunRecord, RunSummary};
+use crate::witness::Witness;
+use crate::{export, flow, lammps, report};
+
+/// One drag: where it lies and what it is.
+#[derive(Clone, Copy)]
+pub struct DragPlan<'a> {
+    /// The run directory.
+    pub folder: &'a Folder<'a>,
+    /// The scenario.
+    pub scenario: &'a Scenario,
+    /// The drag.
+    pub plan: &'a RunPlan,
+    /// Its settled bed.
+    pub bed: &'a BedSummary,
+}
+
+/// Does one drag, or what is left of it, and writes down what it measured.
+pub(super) fn drag_one(
+    drag: DragPlan<'_>,
+    save: SaveEvery,
+    progress: &Progress,
+) -> Result<(RunSummary, StagePerformance)> {
+    let DragPlan {
+        folder,
+        scenario,
+        plan,
+        ..
+    } = drag;
+    let mut stage = progress.stage(&format!("{} Fr {:.2}", plan.name, plan.froude), plan.steps);
+    // Asked to stop before it began.
+    stage.look().map_err(Error::saved)?;
+    let (mut sim, mut dragging) = match take_up(drag, progress)? {
+        Some(found) => found,
+        None => begin(drag)?,
+    };
+    let began = dragging.step;
+    stage.resume(began);
+    let how = match began {
+        0 => "dragged",
+        n if n < plan.steps => "resumed",
+        _ => "kept",
+    };
+    let mut files = Files {
+        drag,
+        saver: Saver::new(save, folder.latest(&plan.name), began),
+    };
+    let went = dragging.go_on(&mut sim, scenario, plan, &stage, &mut files);
+    if let Err(error) = went {
+        let text = series_text(
+            &scenario.units(),
+            &scenario.measure,
+            &dragging.record.series,
+        );
+        // To look at, and to bisect; why the drag stopped is what must be told.
+        let _ = write_whole(&folder.partial_series(&plan.name), text.as_bytes());
+        let chain = dragging.chain.text();
+        let _ = write_whole(&folder.chain(&plan.name), chain.as_bytes());
+        if matches!(error, Error::Interrupted { .. }) {
+            files.saver.save(&mut sim, &dragging.note())?;
+        }
+        return Err(error.saved());
+    }
+    let performance = timed(stage, how, &sim, plan.steps - began);
+    let (tables, summary) = results(drag, &dragging, &mut sim)?;
+    for (file, text) in tables {
+        write_whole(&folder.of_run(&plan.name, file), text.as_bytes())?;
+    }
+    write_json(
+        &folder.of_run(&plan.name, "summary.json"),
+        &record(drag, &summary),
+    )?;
+    files.saver.clear();
+    let _ = std::fs::remove_file(folder.partial_series(&plan.name));
+    tell(scenario, &summary, how, performance.seconds, progress);
+    Ok((summary, performance))
+}
+
+/// A settled bed whose drag begins.
+///
+/// # Errors
+/// Where the bed cannot be read or its drag not begun.
+pub fn begin(drag: DragPlan<'_>) -> Result<(Sim, Dragging)> {
+    let path = drag.folder.bed(&drag.bed.name);
+    let (mut sim, note) = checkpoint::read_noted(&path)?;
+    let dragging = Dragging::begin(&mut sim, drag.scenario, drag.plan, &note.link)?;
+    Ok((sim, dragging))
+}
+
+/// The drag as its furthest sound checkpoint has it, but for those that come after a file which is
+/// missing; `None` where there is none. Damaged ones are told and passed over.
+fn take_up(drag: DragPlan<'_>, progress: &Progress) -> Result<Option<(Sim, Dragging)>> {
+    let (folder, name) = (drag.folder, &drag.plan.name);
+    let mut furthest: Option<(Sim, Dragging)> = None;
+    let kept = drag.plan.checkpoints.iter().rev();
+    let kept = kept.map(|&step| folder.checkpoint(name, step));
+    // The kept ones descend, so that the first sound one is the furthest of them.
+    for path in std::iter::once(folder.latest(name)).chain(kept) {
+        if !path.exists() {
+            continue;
+        }
+        let found = match read(drag, &path) {
+            Err(damage @ Error::Damaged { .. }) => {
+                progress.warn(&format!("{damage}; going on from a state before it"));
+                continue;
+            }
+            found => found?,
+        };
+        if !drag.has_files_until(found.1.step) {
+            continue;
+        }
+        let latest = path == folder.latest(name);
+        if furthest.as_ref().is_none_or(|(_, f)| f.step < found.1.step) {
+            furthest = Some(found);
+        }
+        if !latest {
+            break;
+        }
+    }
+    Ok(furthest)
+}
+
+/// A state of a drag.
+///
+/// # Errors
+/// [`Error::Damaged`], and [`Error::Input`] where it is another drag's or another version's.
+pub fn read(drag: DragPlan<'_>, path: &Path) -> Result<(Sim, Dragging)> {
+    let (sim, note) = checkpoint::read_noted(path)?;
+    let place = path.display().to_string();
+    let dragging = Dragging::of(&note).map_err(|problem| Error::Damaged {
+        place: place.clone(),
+        problem,
+    })?;
+    if dragging.key != drag.scenario.key(&drag.plan.name) {
+        let problem = "was saved by a run of another scenario: was scenario.toml changed since? Put it \
+                       back, or choose another folder";
+        return Err(Error::input(place, problem));
+    }
+    if dragging.chain.begins != drag.bed.chain {
+        let problem = "was dragged through another bed than lies here now; choose another folder, or \
+                       remove this one to drag anew";
+        return Err(Error::input(place, problem));
+    }
+    Ok((sim, dragging))
+}
+
+impl DragPlan<'_> {
+    /// Whether everything is there that the drag wrote up to a step.
+    fn has_files_until(&self, step: u64) -> bool {
+        let snapshots = self.plan.snapshots.iter().filter(|n| **n <= step);
+        let kept = self.plan.checkpoints.iter().filter(|n| **n <= step);
+        let mut shown = snapshots.flat_map(|&n| self.snapshot(n));
+        let mut kept = kept.map(|&n| self.folder.checkpoint(&self.plan.name, n));
+        shown.all(|path| path.exists()) && kept.all(|path| path.exists())
+    }
+
+    /// The files of a snapshot.
+    fn snapshot(&self, step: u64) -> [std::path::PathBuf; 3] {
+        let path = |kind, ending| self.folder.snapshot(&self.plan.name, kind, step, ending);
+        let dump = path("grains", "dump");
+        [
+            if self.scenario.measure.gzip {
+                packed_name(&dump)
+            } else {
+                dump
+            },
+            path("grains", "vtk"),
+            path("contacts", "vtk"),
+        ]
+    }
+
+    /// A state as a LAMMPS dump for OVITO, and as two VTK files, grains and contacts, for ParaView: paths
+    /// and bytes.
+    ///
+    /// # Errors
+    /// [`Error::Write`] where packing goes wrong.
+    pub fn snapshot_files(
+        &self,
+        step: u64,
+        sim: &Sim,
+        contacts: &[Pushed<f64>],
+    ) -> Result<[(std::path::PathBuf, Vec<u8>); 3]> {
+        let (folder, run) = (self.folder, &self.plan.name[..]);
+        let (mut frame, forces) = export::frame(sim);
+        frame.step = step;
+        let title = format!("{run}, step {step}; {}", bits());
+        let dump = folder.snapshot(run, "grains", step, "dump");
+        let text = lammps::dump_text(&frame, Some(&forces));
+        let dump = text_file(&dump, &text, self.scenario.measure.gzip)?;
+        let [_, grains, lines] = self.snapshot(step);
+        let contacts = export::vtk_contacts(sim, contacts, &title).into_bytes();
+        let points = export::vtk_grains(sim, &title).into_bytes();
+        Ok([dump, (grains, points), (lines, contacts)])
+    }
+}
+
+/// Writes what a drag leaves behind on its way.
+struct Files<'a> {
+    drag: DragPlan<'a>,
+    saver: Saver,
+}
+
+impl Witness for Files<'_> {
+    fn looks_at(&self, step: u64) -> bool {
+        // They ascend, and there may be thousands.
+        self.drag.plan.snapshots.binary_search(&step).is_ok()
+    }
+
+    fn look(&mut self, step: u64, sim: &mut Sim, contacts: &[Pushed<f64>]) -> Result<()> {
+        for (path, bytes) in self.drag.snapshot_files(step, sim, contacts)? {
+            write_whole(&path, &bytes)?;
+        }
+        Ok(())
+    }
+
+    fn pause(&mut self, step: u64, sim: &mut Sim, note: &dyn Fn() -> Note) -> Result<()> {
+        if self.drag.plan.checkpoints.binary_search(&step).is_err() {
+            return self.saver.pause(step, sim, note);
+        }
+        let path = self.drag.folder.checkpoint(&self.drag.plan.name, step);
+        write_whole(&path, &checkpoint::pack(sim, &note()))?;
+        self.saver.saved(step);
+        Ok(())
+    }
+}
+
+/// The tables of a drag that has come to its end, by file, and its numbers.
+///
+/// # Errors
+/// [`Error::Input`] where the window is too short for a mean.
+pub fn results(
+    drag: DragPlan<'_>,
+    dragging: &Dragging,
+    sim: &mut Sim,
+) -> Result<(Vec<(&'static str, String)>, RunSummary)> {
+    let DragPlan { scenario, plan, .. } = drag;
+    let means = dragging.means(plan, sim.dt)?;
+    let (units, record) = (scenario.units(), &dragging.record);
+    let mut tables = vec![
+        (
+            "forces.csv",
+            series_text(&units, &scenario.measure, &record.series),
+        ),
+        ("angles.csv", record.angles.text()),
+        ("coordination.csv", record.coordination.text()),
+        ("chain.csv", dragging.chain.text()),
+    ];
+    if scenario.measure.energy {
+        tables.push(("energy.csv", energy_text(&units, &record.energy)));
+    }
+    if let Some(gauge) = &record.flow {
+        tables.push(("flow.csv", flow::flow_text(&units, &gauge.rows)));
+        tables.push(("profile.csv", gauge.profile.text()));
+    }
+    let summary = summarise(scenario, plan, drag.bed, &means, dragging, sim);
+    Ok((tables, summary))
+}
+
+/// What `summary.json` of the drag's own folder holds.
+pub fn record(drag: DragPlan<'_>, run: &RunSummary) -> RunRecord {
+    RunRecord {
+        version: env!("CARGO_PKG_VERSION").into(),
+        bits_version: BITS_VERSION,
+        units: drag.scenario.units(),
+        inputs: drag.folder.inputs(drag.scenario),
+        standard_error_method: METHOD.into(),
+        bed: drag.bed.clone(),
+        run: run.clone(),
+    }
+}
+
+fn tell(scenario: &Scenario, run: &RunSummary, how: &str, seconds: f64, progress: &Progress) {
+    progress.line(&format!(
+        "{}: Fr {}, drag {} +- {} {} ({how}, {seconds:.1} s)",
+        run.name,
+        report::short(run.froude),
+        report::short(run.drag.mean),
+        report::short(run.drag.standard_error),
+        scenario.units().force,
+    ));
+    if let Some(flow) = &run.flow {
+        progress.line(&format!(
+            "{}: drag/(rho g h D L) {:.2} +- {:.2}, lift {:.1} +- {:.1} buoyancies, far bed at {:.3} of \
+             the speed",
+            run.name,
+            flow.drag_coefficient,
+            flow.drag_coefficient_error,
+            flow.lift_over_buoyancy,
+            flow.lift_over_buoyancy_error,
+            flow.far_field
+        ));
+    }
+}

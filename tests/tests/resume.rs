@@ -1,0 +1,402 @@
+//! Nothing is lost: runs that are stopped, killed or robbed of their files end with the bytes of a run
+//! that was left alone.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+use bitgrain::checkpoint;
+use bitgrain::random::{Purpose, uniforms};
+use bitgrain_tests::{output, results, two_drags};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
+
+type Files = BTreeMap<String, Vec<u8>>;
+
+/// A folder with the scenario in it.
+struct Desk(tempfile::TempDir);
+
+impl Desk {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("small.toml"), two_drags()).unwrap();
+        Self(folder)
+    }
+
+    fn run(&self, args: &[&str]) -> Output {
+        output(PROGRAM, self.0.path(), args)
+    }
+
+    fn out(&self) -> PathBuf {
+        self.0.path().join("out/small")
+    }
+
+    /// The run begun with these arguments, to be killed.
+    fn begin(&self, args: &[&str]) -> std::process::Child {
+        let mut command = Command::new(PROGRAM);
+        command.args(["run", "small.toml"]).args(args);
+        command.current_dir(self.0.path());
+        command.stdout(Stdio::null()).stderr(Stdio::null());
+        command.spawn().unwrap()
+    }
+
+    /// Goes on with whatever is there, and returns its files.
+    fn finish(&self) -> Files {
+        let begun = self.out().join("scenario.toml").exists();
+        let args = match begun {
+            true => ["run", "--resume", "out/small"],
+            false => ["run", "small.toml", "-v"],
+        };
+        let out = self.run(&args);
+        let told = String::from_utf8_lossy(&out.stderr);
+        assert!(out.status.success(), "{told}");
+        results(&self.out())
+    }
+}
+
+/// The files of a run that was left alone, and how long it took while it saved all the time.
+fn alone() -> (Files, Duration) {
+    let desk = Desk::new();
+    let began = Instant::now();
+    let out = desk.run(&["run", "small.toml", "--save-every", "20"]);
+    assert!(
+        out.status.success(),
+        "{}",
+        String::from_utf8_lossy(&out.stderr)
+    );
+    (results(&desk.out()), began.elapsed())
+}
+
+/// Names of what differs, for a message that can be read.
+fn differing(a: &Files, b: &Files) -> Vec<String> {
+    let names = a.keys().chain(b.keys());
+    let mut wrong: Vec<String> = names.filter(|k| a.get(*k) != b.get(*k)).cloned().collect();
+    wrong.dedup();
+    wrong
+}
+
+fn signal(child: &std::process::Child, name: &str) {
+    let kill = format!("kill -{name} {}", child.id());
+    let _ = Command::new("sh").args(["-c", &kill]).status();
+}
+
+/// Half files that are left below a folder.
+fn half_files(folder: &Path) -> usize {
+    let ends = |name: &&String| name.ends_with(".partial");
+    results(folder).keys().filter(ends).count()
+}
+
+/// Kills a run at an instant, goes on with it, and says whether it was killed in the middle of a save.
+fn killed_at(instant: Duration, want: &Files) -> (bool, bool) {
+    let desk = Desk::new();
+    let mut child = desk.begin(&["--save-every", "20"]);
+    std::thread::sleep(instant);
+    let _ = child.kill();
+    let died = !child.wait().unwrap().success();
+    let saving = half_files(desk.0.path()) > 0;
+    let got = desk.finish();
+    assert!(
+        got == *want,
+        "killed after {instant:?}: {:?} differ",
+        differing(&got, want)
+    );
+    (died, saving)
+}
+
+/// So many instants over the time that a run takes, at random; returns how many hit one that was still at
+/// work and how many of those in the middle of a save.
+fn killed(count: u32) -> (usize, usize) {
+    let (want, whole) = alone();
+    let (mut died, mut saving) = (0, 0);
+    for k in 0..count {
+        let [x] = uniforms(7, Purpose::Sample, k);
+        let hit = killed_at(whole.mul_f64(x), &want);
+        died += usize::from(hit.0);
+        saving += usize::from(hit.1);
+    }
+    println!("{died} of {count} were killed at work, {saving} of them in the middle of a save");
+    (died, saving)
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn killed_runs_end_with_the_same_bytes() {
+    let (died, _) = killed(5);
+    assert!(died >= 2, "{died} of 5 were killed at work");
+}
+
+/// `cargo test -p bitgrain-tests --release --test resume -- --ignored --nocapture`
+#[test]
+#[ignore = "minutes"]
+fn a_hundred_killed_runs_end_with_the_same_bytes() {
+    let (died, saving) = killed(100);
+    assert!(died >= 80 && saving >= 1, "{died} died, {saving} in a save");
+}
+
+/// Asked politely, a run saves itself at once; the same command goes on, as often as need be.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn stopped_runs_end_with_the_same_bytes() {
+    let (want, whole) = alone();
+    let desk = Desk::new();
+    for (share, name) in [(0.2, "INT"), (0.3, "TERM"), (0.3, "TERM"), (0.3, "INT")] {
+        let mut child = desk.begin(&[]);
+        std::thread::sleep(whole.mul_f64(share));
+        signal(&child, name);
+        let status = child.wait().unwrap();
+        assert!(matches!(status.code(), Some(130 | 0)), "{status}");
+    }
+    assert!(desk.finish() == want);
+}
+
+/// A run in the middle of its drags: one of them is through, the other was stopped.
+fn half_done() -> Desk {
+    let desk = Desk::new();
+    assert!(desk.run(&["run", "small.toml"]).status.success());
+    let run = desk.out().join("runs/run-1");
+    let kept = kept(&run);
+    std::fs::copy(&kept[1], run.join("latest.safetensors")).unwrap();
+    for gone in [
+        &kept[2],
+        &kept[3],
+        &run.join("summary.json"),
+        &desk.out().join("summary.json"),
+    ] {
+        std::fs::remove_file(gone).unwrap();
+    }
+    desk
+}
+
+fn kept(run: &Path) -> Vec<PathBuf> {
+    let all = std::fs::read_dir(run.join("checkpoints")).unwrap();
+    let mut all: Vec<PathBuf> = all.map(|file| file.unwrap().path()).collect();
+    all.sort();
+    assert_eq!(all.len(), 4);
+    all
+}
+
+/// Whatever is taken away between two commands is made again.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn missing_files_are_made_again() {
+    let (want, _) = alone();
+    let names: Vec<&String> = want.keys().collect();
+    let gone = |name: &str| -> Vec<&str> {
+        let found = names.iter().filter(|n| n.contains(name));
+        let found: Vec<&str> = found.map(|n| n.as_str()).collect();
+        assert!(!found.is_empty(), "{name}");
+        found
+    };
+    let second = "runs/run-2/checkpoints/000000003334";
+    for what in [
+        "beds/bed.safetensors",
+        "beds/bed.chain.csv",
+        "run-1/forces.csv",
+        "run-1/chain.csv",
+        "snapshots/grains",
+        "run-2/snapshots/contacts",
+        second,
+        "run-1/checkpoints",
+        "run-2/",
+        "runs/",
+        "summary.json",
+        "report.html",
+    ] {
+        let desk = half_done();
+        for name in gone(what) {
+            let _ = std::fs::remove_file(desk.out().join(name));
+        }
+        let got = desk.finish();
+        assert!(got == want, "without {what}: {:?}", differing(&got, &want));
+    }
+}
+
+/// A state that was changed since is told and passed over; the one before it serves as well.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn damaged_states_are_told_and_passed_over() {
+    let (want, _) = alone();
+    for name in [
+        "run-1/latest.safetensors",
+        "run-2/checkpoints/000000006667.safetensors",
+    ] {
+        let desk = half_done();
+        let path = desk.out().join("runs").join(name);
+        let mut bytes = std::fs::read(&path).unwrap_or_else(|_| panic!("{name} is there"));
+        let middle = bytes.len() / 2;
+        bytes[middle] ^= 4;
+        std::fs::write(&path, bytes).unwrap();
+        let out = desk.run(&["run", "--resume", "out/small"]);
+        let told = String::from_utf8_lossy(&out.stderr);
+        assert!(out.status.success(), "{told}");
+        assert!(
+            told.contains(name) && told.contains("not a whole checkpoint"),
+            "{told}"
+        );
+        assert!(results(&desk.out()) == want, "{name}");
+    }
+}
+
+/// A disk that fills up ends the command with a clear error; with a little more room it goes on from
+/// there, until all of it fits.
+#[test]
+#[cfg(unix)]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn a_full_disk_loses_nothing() {
+    let (want, _) = alone();
+    let desk = Desk::new();
+    let mut full = Vec::new();
+    // Files may grow to so many blocks of 512 bytes.
+    for blocks in [4, 60, 130, 190, 250, 330, 500, 2000] {
+        let limited = format!(
+            "trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" run small.toml --save-every 300"
+        );
+        let out = output("sh", desk.0.path(), &["-c", &limited, PROGRAM]);
+        let told = String::from_utf8_lossy(&out.stderr).into_owned();
+        match out.status.code() {
+            Some(0) => break,
+            Some(1) => {
+                assert!(
+                    told.contains("free some space, then give the same command"),
+                    "{told}"
+                );
+                let (_, file) = told.split_once("cannot write ").unwrap();
+                full.push(file.split(':').next().unwrap().to_string());
+            }
+            other => panic!("{other:?}: {told}"),
+        }
+    }
+    let times = full.len();
+    full.dedup();
+    assert!(times >= 4 && full.len() >= 2, "{times} times: {full:?}");
+    assert_eq!(half_files(desk.0.path()), 0, "no half file is left behind");
+    assert!(desk.finish() == want);
+}
+
+/// Two runs never write into one folder: not the same scenario, not another before there is any result.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn a_folder_has_one_run() {
+    let desk = Desk::new();
+    let slow = two_drags().replacen("settled = 1e-2", "settled = 1e-12", 1);
+    std::fs::write(desk.0.path().join("slow.toml"), slow).unwrap();
+    let mut first = Command::new(PROGRAM)
+        .args(["run", "slow.toml"])
+        .current_dir(desk.0.path())
+        .spawn()
+        .unwrap();
+    while !desk.out().join("scenario.toml").exists() {
+        assert!(first.try_wait().unwrap().is_none(), "it is at work");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let before = std::fs::read(desk.out().join("scenario.toml")).unwrap();
+    for args in [["run", "slow.toml"], ["run", "small.toml"]] {
+        let out = desk.run(&args);
+        let told = String::from_utf8_lossy(&out.stderr);
+        assert_eq!(out.status.code(), Some(2), "{told}");
+        assert!(told.contains("another run is under way"), "{told}");
+    }
+    let after = std::fs::read(desk.out().join("scenario.toml")).unwrap();
+    assert!(before == after, "nothing of the first was touched");
+    first.kill().unwrap();
+    first.wait().unwrap();
+}
+
+/// What another version, another scenario or another bed made is refused by name.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn what_does_not_belong_is_refused() {
+    let desk = half_done();
+    let scenario = desk.out().join("scenario.toml");
+    let text = std::fs::read_to_string(&scenario).unwrap();
+    let refused = |words: &[&str]| {
+        let out = desk.run(&["run", "--resume", "out/small"]);
+        let told = String::from_utf8_lossy(&out.stderr).into_owned();
+        assert_eq!(out.status.code(), Some(2), "{told}");
+        assert!(words.iter().all(|word| told.contains(word)), "{told}");
+    };
+    std::fs::write(
+        &scenario,
+        text.replacen("BITS_VERSION 1", "BITS_VERSION 7", 1),
+    )
+    .unwrap();
+    refused(&[
+        "BITS_VERSION 7",
+        "BITS_VERSION 1",
+        "the program that began the run",
+    ]);
+    std::fs::write(
+        &scenario,
+        text.replacen("distance = 4.0", "distance = 4.5", 1),
+    )
+    .unwrap();
+    refused(&["latest.safetensors", "another scenario", "changed since"]);
+    std::fs::write(&scenario, &text).unwrap();
+    let latest = desk.out().join("runs/run-1/latest.safetensors");
+    let whole = std::fs::read(&latest).unwrap();
+    let head = br#"\"bits_version\":1"#;
+    let at = whole.windows(head.len()).position(|w| w == head).unwrap();
+    let mut other = whole.clone();
+    other[at + head.len() - 1] = b'2';
+    std::fs::write(&latest, other).unwrap();
+    // The seal is over the version too; what another program wrote has a seal of its own.
+    let out = desk.run(&["run", "--resume", "out/small"]);
+    assert!(String::from_utf8_lossy(&out.stderr).contains("seal"));
+    let head = br#"\"format\":3"#;
+    let at = whole.windows(head.len()).position(|w| w == head).unwrap();
+    let desk = half_done();
+    let latest = desk.out().join("runs/run-1/latest.safetensors");
+    let mut other = std::fs::read(&latest).unwrap();
+    other[at + head.len() - 1] = b'2';
+    std::fs::write(&latest, other).unwrap();
+    let out = desk.run(&["run", "--resume", "out/small"]);
+    let told = String::from_utf8_lossy(&out.stderr);
+    assert_eq!(out.status.code(), Some(2), "{told}");
+    assert!(told.contains("written in format 2 with arithmetic 1; this program reads format 3"));
+}
+
+/// Every bit of a small checkpoint, a note with it, and every length: none passes.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "seconds in release")]
+fn every_flipped_bit_and_every_truncation_is_seen() {
+    let case = r#"{"law": {"kind": "hertz_history", "kn": 2e5, "kt": 2.45e5, "gamma_n": 9,
+        "gamma_t": 9, "mu": 0.5}, "dt": 1e-4, "gravity": [0, 0, -1],
+        "obstacles": [{"shape": "plane", "point": [0, 0, 0], "normal": [0, 0, 1]}],
+        "grains": [{"id": 3, "diameter": 1, "density": 1, "position": [0, 0, 0.4999]},
+        {"id": 5, "diameter": 1, "density": 1, "position": [0, 0, 1.4997], "spin": [1, 2, 3]}]}"#;
+    let case = bitgrain::case::parse(case, "case").unwrap();
+    let mut sim = case.start("case", |_| {}).unwrap();
+    sim.steps(20).unwrap();
+    assert_eq!(sim.bonds().len(), 2);
+    let note = checkpoint::Note {
+        recipe: "a recipe".into(),
+        link: "a link".into(),
+        course: "{\"step\": 20}".into(),
+    };
+    let whole = checkpoint::pack(&mut sim, &note);
+    let (mut again, read) = checkpoint::unpack(&whole, "state").unwrap();
+    assert!(read == note && again.digest() == sim.digest());
+    assert!(checkpoint::pack(&mut again, &read) == whole);
+    let mut flipped = whole.clone();
+    for at in 0..whole.len() {
+        for bit in 0..8 {
+            flipped[at] ^= 1 << bit;
+            let refused = checkpoint::unpack(&flipped, "state").is_err();
+            assert!(refused, "byte {at} of {}, bit {bit}", whole.len());
+            flipped[at] ^= 1 << bit;
+        }
+        assert!(
+            checkpoint::unpack(&whole[..at], "state").is_err(),
+            "{at} bytes"
+        );
+    }
+    let mut longer = whole.clone();
+    longer.push(0);
+    assert!(checkpoint::unpack(&longer, "state").is_err());
+    assert!(
+        whole.len() < 8000,
+        "{} bytes: small enough to try all",
+        whole.len()
+    );
+}
