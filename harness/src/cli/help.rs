@@ -43,7 +43,7 @@ Examples:
 Between two checkpoints of a run every link of its chain of digests is made again, and so is the
 checkpoint at the end with all that was measured, the tables and the snapshots; a bed is poured again. Of a
 run that has come to its end nothing may be missing, and its summary is made again where all is verified.
-The report is not looked at (`bitgrain report` makes it anew). Exit status: 0 all holds, 3 something does
+The report is not looked at (`bitgrain report DIR` makes it anew). Exit status: 0 all holds, 3 something does
 not, 2 the folder holds no run.";
 
 pub(super) const BISECT_HELP: &str = "\
