@@ -9,10 +9,9 @@ use std::io::{BufRead, BufReader, Read, Seek};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use bitgrain_kernel::PARTS;
 use serde::Deserialize;
 
-use crate::chain::{Chain, Link};
+use crate::chain::{Chain, Link, differing};
 use crate::checkpoint;
 use crate::compare::{Difference, first_difference};
 use crate::error::{Error, Result};
@@ -286,14 +285,6 @@ fn first_step(sides: &[Side; 2], stage: &str, from: u64, links: [&Link; 2]) -> R
         stage,
         "differs in its links, but not in any of its states",
     ))
-}
-
-fn differing(a: &[String; 6], b: &[String; 6]) -> Vec<&'static str> {
-    let parts = a.iter().zip(b).zip(PARTS);
-    parts
-        .filter(|((a, b), _)| a != b)
-        .map(|(_, name)| name)
-        .collect()
 }
 
 /// A sample's contacts; the rest is not read here.

@@ -1,13 +1,12 @@
 //! A run done again, whole or in part, from what its folder holds: every checkpoint that was kept is a
 //! place to begin from.
 
-use crate::bed::{Pouring, import};
 use crate::checkpoint;
 use crate::drag::Dragging;
 use crate::error::{Error, Result};
 use crate::folder::Folder;
 use crate::progress::{Progress, Stage};
-use crate::run::{self, DragPlan, bare_beds, below, surveyed};
+use crate::run::{self, DragPlan, bare_beds, surveyed};
 use crate::scenario::{BedPlan, RunPlan, Scenario};
 use crate::sim::Sim;
 use crate::summary::BedSummary;
@@ -51,10 +50,7 @@ impl<'a> Past<'a> {
     /// As [`Folder::saved_scenario`].
     pub fn open(folder: &'a Folder<'a>) -> Result<Self> {
         let scenario = folder.saved_scenario()?;
-        let mut beds = Vec::new();
-        if scenario.beds().iter().any(|plan| plan.lid.is_some()) {
-            beds.extend(bare_beds(&scenario));
-        }
+        let mut beds = bare_beds(&scenario);
         for plan in scenario.beds() {
             if !beds.contains(&plan) {
                 beds.push(plan);
@@ -138,23 +134,6 @@ impl<'a> Past<'a> {
         kept.find(is_there).unwrap_or(0)
     }
 
-    /// A bed as its first grain is let go, as its lid is laid, or as it was taken over from a file.
-    ///
-    /// # Errors
-    /// Where the bed below the lid cannot be read.
-    pub fn begin(&self, plan: &BedPlan) -> Result<Pouring> {
-        if let Some(source) = &self.scenario.source {
-            let sim = import::bed(&self.scenario, source)?;
-            return Ok(Pouring::imported(sim, &self.scenario, plan));
-        }
-        if plan.lid.is_none() {
-            return Pouring::begin(&self.scenario, plan);
-        }
-        let bare = self.folder.bed(&below(&self.scenario, plan).name);
-        let (mut bare, note) = checkpoint::read_noted(&bare)?;
-        Pouring::cover(&mut bare, &note.link, &self.scenario, plan)
-    }
-
     /// Runs a stage again from the last kept state at or before `from` until `witness` has seen enough.
     ///
     /// # Errors
@@ -169,7 +148,7 @@ impl<'a> Past<'a> {
         let mut stage: Stage = progress.stage(part.name(), from);
         match part {
             Part::Bed(plan) => {
-                let mut bed = self.begin(plan)?;
+                let mut bed = run::begin_bed(self.folder, &self.scenario, plan)?;
                 bed.go_on(&self.scenario, plan, &mut stage, witness)?;
             }
             Part::Drag(plan) => {

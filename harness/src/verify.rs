@@ -6,14 +6,14 @@ use std::fmt::Write;
 use bitgrain_kernel::{PARTS, Pushed};
 
 use crate::bed::Course;
-use crate::chain::Link;
+use crate::chain::{Link, differing};
 use crate::checkpoint;
 use crate::drag::Dragging;
 use crate::error::{Error, Result};
 use crate::progress::Progress;
 use crate::random::{Purpose, uniforms};
 use crate::rerun::{Part, Past};
-use crate::run::{self, DragPlan, imported, side_by_side};
+use crate::run::{self, DragPlan, side_by_side};
 use crate::scenario::{BedPlan, RunPlan};
 use crate::sim::Sim;
 use crate::witness::Witness;
@@ -247,7 +247,7 @@ impl Witness for Check<'_> {
         match recorded {
             Some(one) if one == link => self.held += 1,
             Some(one) => {
-                let parts = one.differing(link);
+                let parts = differing(&one.parts, &link.parts);
                 let parts = match parts.len() {
                     0 => "a link before it".to_string(),
                     n if n == PARTS.len() => "every part".into(),
@@ -339,19 +339,18 @@ fn bed_again(past: &Past<'_>, plan: &BedPlan, progress: &Progress) -> Result<Fin
     let mut check = Check::new(&course.chain().links, u64::MAX);
     let first = course.chain().links.first().map_or(0, |link| link.step);
     let steps = [first, settled.step_count()];
-    if past.scenario.source.is_some() {
-        let same = imported(&past.scenario, plan)? == bytes && written;
-        check.held = course.chain().links.len();
-        return Ok(check.finding(&plan.name, steps, same, " (taken over again)"));
-    }
-    let mut bed = past.begin(plan)?;
+    let mut bed = run::begin_bed(past.folder, &past.scenario, plan)?;
     // Its first link was made as it began.
     check.linked(&bed.course.chain().links[0])?;
     let mut stage = progress.stage(&plan.name, settled.step_count());
     let settled = bed.go_on(&past.scenario, plan, &mut stage, &mut check)?;
     let note = bed.course.note();
     let same = settled && checkpoint::pack(&mut bed.sim, &note) == bytes && written;
-    Ok(check.finding(&plan.name, steps, same, ""))
+    let more = match past.scenario.source {
+        Some(_) => " (taken over again)",
+        None => "",
+    };
+    Ok(check.finding(&plan.name, steps, same, more))
 }
 
 /// Drags again from one kept state to the next.

@@ -251,6 +251,23 @@ pub fn printed(program: &str, folder: &Path, args: &[&str], status: i32) -> Stri
     String::from_utf8_lossy(&out.stdout).into_owned() + &told
 }
 
+/// A folder with [`two_drags`] as `small.toml`, and a run of it in `run`.
+pub fn made_run(program: &str) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("small.toml");
+    std::fs::write(path, two_drags()).expect("a file can be written");
+    printed(
+        program,
+        folder.path(),
+        &["run", "small.toml", "--out", "run"],
+        0,
+    );
+    folder
+}
+
+/// The checkpoint of it that was kept of run 1 at half of its steps.
+pub const HALF: &str = "runs/run-1/checkpoints/000000008334.safetensors";
+
 /// A copy of a folder with the results in it, to be changed.
 pub fn copied(from: &Path) -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a temporary folder");

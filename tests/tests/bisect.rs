@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::LazyLock;
 
 use bitgrain::checkpoint;
-use bitgrain_tests::{copied, two_drags};
+use bitgrain_tests::{HALF, copied};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
 
@@ -12,21 +12,13 @@ fn printed(folder: &Path, args: &[&str], status: i32) -> String {
     bitgrain_tests::printed(PROGRAM, folder, args, status)
 }
 
-/// A folder with the scenario and a run of it.
-static RUN: LazyLock<tempfile::TempDir> = LazyLock::new(|| {
-    let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("small.toml"), two_drags()).unwrap();
-    printed(folder.path(), &["run", "small.toml", "--out", "run"], 0);
-    folder
-});
+/// A run to look at.
+static RUN: LazyLock<tempfile::TempDir> = LazyLock::new(|| bitgrain_tests::made_run(PROGRAM));
 
 /// A copy of it, to be changed.
 fn copy() -> tempfile::TempDir {
     copied(RUN.path())
 }
-
-/// The checkpoint that was kept of run 1 at half of its steps.
-const HALF: &str = "runs/run-1/checkpoints/000000008334.safetensors";
 
 /// Two runs that differ in one coefficient part where a contact first slides; the same run does not part.
 #[test]

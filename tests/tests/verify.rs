@@ -7,7 +7,7 @@ use bitgrain::chain::Chain;
 use bitgrain::checkpoint;
 use bitgrain::drag::Dragging;
 use bitgrain::folder::Folder;
-use bitgrain_tests::{copied, golden, small_from_file, two_drags};
+use bitgrain_tests::{HALF, copied, golden, small_from_file};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
 
@@ -15,14 +15,10 @@ fn printed(folder: &Path, args: &[&str], status: i32) -> String {
     bitgrain_tests::printed(PROGRAM, folder, args, status)
 }
 
-/// A folder with the scenario and a run of it.
-static RUN: LazyLock<tempfile::TempDir> = LazyLock::new(|| {
-    let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("small.toml"), two_drags()).unwrap();
-    printed(folder.path(), &["run", "small.toml", "--out", "run"], 0);
-    folder
-});
+/// A run to look at.
+static RUN: LazyLock<tempfile::TempDir> = LazyLock::new(|| bitgrain_tests::made_run(PROGRAM));
 
+/// A copy of it, to be changed.
 fn copy() -> tempfile::TempDir {
     copied(RUN.path())
 }
@@ -35,9 +31,6 @@ fn edit(folder: &Path, name: &str, change: impl FnOnce(String) -> String) {
     assert_ne!(new, text, "{name}");
     std::fs::write(path, new).unwrap();
 }
-
-/// The checkpoint that was kept of run 1 at half of its steps.
-const HALF: &str = "runs/run-1/checkpoints/000000008334.safetensors";
 
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours a small bed: seconds in release")]

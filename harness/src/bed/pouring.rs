@@ -38,7 +38,7 @@ pub enum Phase {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Course {
-    /// Digest of the bed's recipe.
+    /// Digest of the bed's recipe; empty for a bed of others.
     key: String,
     phase: Phase,
     /// Step at which the phase began.
@@ -74,8 +74,9 @@ impl Pouring {
         let lattice = Lattice::new(scenario, first, 0.0, beside);
         let mut sim = dropped(scenario, plan, &lattice)?;
         sim.start().map_err(|f| stopped(&plan.name, &sim, f))?;
-        let link = chain::beginning(&Recipe::new(scenario, plan).digest());
-        let mut bed = Self::new(scenario, plan, sim, Phase::Fall, link);
+        let key = Recipe::new(scenario, plan).digest();
+        let link = chain::beginning(&key);
+        let mut bed = Self::new(key, sim, Phase::Fall, link);
         bed.course.top = lattice.top;
         Ok(bed)
     }
@@ -89,21 +90,22 @@ impl Pouring {
         let lid = plan.lid.as_ref().expect("only beds with a lid are covered");
         let mut sim = lid::covered(bare, scenario, plan, lid)?;
         sim.law = quenching(scenario);
-        Ok(Self::new(scenario, plan, sim, Phase::Quench, link.into()))
+        let key = Recipe::new(scenario, plan).digest();
+        Ok(Self::new(key, sim, Phase::Quench, link.into()))
     }
 
-    /// A bed of others, which is taken as it is; its chain begins with the digest of its file.
-    pub fn imported(sim: Sim, scenario: &Scenario, plan: &BedPlan) -> Self {
+    /// A bed of others, which is taken as it is: by no recipe of ours. Its chain begins with the digest of
+    /// its file.
+    pub fn imported(sim: Sim, scenario: &Scenario) -> Self {
         let file = scenario.bed.hash.as_deref().unwrap_or_default();
-        let link = chain::beginning(file);
-        Self::new(scenario, plan, sim, Phase::Settled, link)
+        Self::new(String::new(), sim, Phase::Settled, chain::beginning(file))
     }
 
-    fn new(scenario: &Scenario, plan: &BedPlan, sim: Sim, phase: Phase, link: String) -> Self {
+    fn new(key: String, sim: Sim, phase: Phase, link: String) -> Self {
         let mut bed = Self {
             sim,
             course: Course {
-                key: Recipe::new(scenario, plan).digest(),
+                key,
                 phase,
                 begin: 0,
                 before: 0.0,

@@ -52,7 +52,7 @@ fn bare_of(plan: &BedPlan) -> BedPlan {
 }
 
 /// Where the bed below a lid is in the run directory.
-pub fn below(scenario: &Scenario, plan: &BedPlan) -> BedPlan {
+fn below(scenario: &Scenario, plan: &BedPlan) -> BedPlan {
     let wanted = Recipe::new(scenario, &bare_of(plan));
     let mut bare = bare_beds(scenario).into_iter();
     let found = bare.find(|other| Recipe::new(scenario, other) == wanted);
@@ -181,8 +181,8 @@ fn fetch_bed(
     // Asked to stop before it began.
     stage.look().map_err(Error::saved)?;
     if scenario.source.is_some() {
-        let bytes = imported(scenario, plan)?;
-        write_whole(path, &bytes)?;
+        let mut bed = begin_bed(folder, scenario, plan)?;
+        write_whole(path, &checkpoint::pack(&mut bed.sim, &bed.course.note()))?;
         return Ok(("imported", 0));
     }
     let recipe = Recipe::new(scenario, plan);
@@ -201,7 +201,14 @@ fn fetch_bed(
     let saved = folder.pouring(&plan.name);
     let (mut bed, how) = match unsettled_here(setting, plan, &saved)? {
         Some(bed) => (bed, "resumed"),
-        None => begin(setting, plan)?,
+        None => {
+            let how = if plan.lid.is_some() {
+                "covered"
+            } else {
+                "poured"
+            };
+            (begin_bed(folder, scenario, plan)?, how)
+        }
     };
     let began = bed.sim.step_count();
     stage.resume(began);
@@ -221,36 +228,22 @@ fn fetch_bed(
     Ok((how, bed.sim.step_count() - began))
 }
 
-/// The checkpoint of a bed of others.
+/// A bed as its first grain is let go, as its lid is laid on what lies below it, or as it is taken over
+/// from a file.
 ///
 /// # Errors
-/// As [`bed::import::bed`].
-pub fn imported(scenario: &Scenario, plan: &BedPlan) -> Result<Vec<u8>> {
-    let source = scenario.source.as_ref();
-    let source = source.ok_or_else(|| Error::input(&plan.name, "is no bed from a file"))?;
-    let mut bed = Pouring::imported(bed::import::bed(scenario, source)?, scenario, plan);
-    let note = Note {
-        // By no recipe of ours.
-        recipe: String::new(),
-        ..bed.course.note()
-    };
-    Ok(checkpoint::pack(&mut bed.sim, &note))
-}
-
-/// A bed whose first grain is let fall, or whose lid has just been laid.
-fn begin(setting: Setting<'_>, plan: &BedPlan) -> Result<(Pouring, &'static str)> {
-    let Setting {
-        scenario, folder, ..
-    } = setting;
+/// Where the file is no such bed, or the bed below the lid cannot be read.
+pub fn begin_bed(folder: &Folder<'_>, scenario: &Scenario, plan: &BedPlan) -> Result<Pouring> {
+    if let Some(source) = &scenario.source {
+        let sim = bed::import::bed(scenario, source)?;
+        return Ok(Pouring::imported(sim, scenario));
+    }
     if plan.lid.is_none() {
-        return Ok((Pouring::begin(scenario, plan)?, "poured"));
+        return Pouring::begin(scenario, plan);
     }
     let bare = folder.bed(&below(scenario, plan).name);
     let (mut bare, note) = checkpoint::read_noted(&bare)?;
-    Ok((
-        Pouring::cover(&mut bare, &note.link, scenario, plan)?,
-        "covered",
-    ))
+    Pouring::cover(&mut bare, &note.link, scenario, plan)
 }
 
 /// The bytes of the bed that lies in the run directory, if it is this one and whole.

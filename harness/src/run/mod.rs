@@ -7,7 +7,7 @@ mod jobs;
 mod saving;
 mod summarise;
 
-pub use beds::{bare_beds, below, data_file, imported, surveyed};
+pub use beds::{bare_beds, begin_bed, data_file, surveyed};
 pub use drags::{DragPlan, begin, read, record, results};
 pub(crate) use jobs::side_by_side;
 pub use saving::SaveEvery;
