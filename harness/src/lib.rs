@@ -10,7 +10,7 @@
 //!   those of others; [`checkpoint`] saves a state;
 //! * [`drag`] pulls the intruder or carries the bed past it; [`flow`], [`observe`], [`audit`], [`series`],
 //!   [`histogram`], [`blocks`] and [`summary`] hold what was measured, in [`units`]; [`claims`] what the
-//!   runs say together, beside the paper;
+//!   runs say together, beside the paper; [`fit`] draws curves through points;
 //! * [`export`] and [`lammps`] write fields that others read, [`report`] draws the page from what
 //!   [`present`] finds in the run directory; [`compare`] says where two states first differ.
 //!
@@ -37,6 +37,7 @@ pub mod drag;
 pub mod error;
 pub mod export;
 pub mod files;
+pub mod fit;
 pub mod flow;
 pub mod folder;
 pub mod forecast;
