@@ -1,4 +1,4 @@
-//! Curves through measured points: straight lines, powers, powers with an offset.
+//! Curves through measured points: straight lines, powers, powers with an offset, three regimes.
 //!
 //! Pure functions over plain data. Every fit is by weighted least squares with the points' own standard
 //! errors, says how well it fits, and is refused by a sentence where the points cannot carry it: a
@@ -12,10 +12,13 @@
 //! degrees of freedom, by 3 % with a hundred.
 
 pub mod chance;
+mod joints;
 pub mod limit;
 pub mod linear;
 pub mod offset_power;
 pub mod power;
+pub mod regimes;
+mod segments;
 #[cfg(test)]
 mod synthetic;
 
