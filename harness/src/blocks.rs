@@ -19,7 +19,8 @@ pub const BLOCKS_MIN: usize = 8;
 pub const METHOD: &str = "block averaging: blocks are doubled in length until \
     B^3 > 2 n (e_B/e_1)^4 (B base blocks in a block, n in all, e_B the error from such blocks), \
     eight blocks at least; converged says whether that was reached; block_length counts steps, for \
-    contact_angle contacts and for coordination grains of the samples";
+    contact_angle contacts, for new_contact_angle contacts that begin, for coordination and floating \
+    grains of the samples, for moving and drift samples";
 
 /// A mean over the averaging window with its standard error.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

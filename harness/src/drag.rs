@@ -16,14 +16,11 @@ use crate::progress::Stage;
 use crate::scenario::{History, Moves, RunPlan, Scenario};
 use crate::series::SeriesRow;
 use crate::sim::{Role, Sim};
+use crate::surroundings::{SurroundingMeans, Surroundings};
 use crate::witness::Witness;
 
 /// Steps between updates of the progress bar; no result depends on it.
 const SHOW: u64 = 200;
-
-/// Grains whose centres lie within so many mean diameters of the intruder's surface are its
-/// neighbourhood (Kumar 2018, Fig. 7).
-pub const NEAR: f64 = 2.0;
 
 /// Means over the averaging window.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,10 +33,8 @@ pub struct Means {
     pub side: Mean,
     /// Grains that touch the intruder.
     pub contacts: Mean,
-    /// Contact angle, over all contacts of the samples.
-    pub contact_angle: Option<Mean>,
-    /// Contacts of a grain near the intruder, over all such grains of the samples.
-    pub coordination: Option<Mean>,
+    /// The grains round it.
+    pub around: SurroundingMeans,
     /// Drag over all steps.
     pub drag_uncut: f64,
     /// Steps in the window.
@@ -87,14 +82,12 @@ impl Sums {
     }
 }
 
-/// All that is measured on the way.
+/// All that is measured of the intruder on the way.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Gauges {
     force: [BlockSums; 3],
     contacts: BlockSums,
-    angle: BlockSums,
-    coordination: BlockSums,
     since_row: Sums,
     all: Sums,
 }
@@ -112,6 +105,7 @@ pub struct Dragging {
     /// What was measured so far.
     pub record: Record,
     gauges: Gauges,
+    around: Surroundings,
     audit: Option<Audit>,
 }
 
@@ -145,6 +139,7 @@ impl Dragging {
                 ..Record::default()
             },
             gauges: Gauges::default(),
+            around: Surroundings::default(),
             audit: scenario.measure.energy.then(|| Audit::new(sim)),
         })
     }
@@ -210,16 +205,33 @@ impl Dragging {
         if let Some(flow) = &mut self.record.flow {
             flow.read(sim, n, force);
         }
-        let record = &mut self.record;
-        if row {
-            record.energy.extend(self.audit.map(|audit| audit.row(n)));
-            let deepest = observe::deepest_overlap(sim);
-            if deepest > record.deepest {
-                record.deepest = deepest;
-            }
+        let (record, moves) = (&mut self.record, scenario.drag.moves);
+        let angles = &mut record.angles;
+        self.around.touched(sim, moves, counted, angles);
+        self.gauges.read(sim, force, counted);
+        if !row {
+            return;
         }
-        self.gauges
-            .read(sim, scenario, plan, n, force, row, counted, record);
+        record.energy.extend(self.audit.map(|audit| audit.row(n)));
+        let deepest = observe::deepest_overlap(sim);
+        if deepest > record.deepest {
+            record.deepest = deepest;
+        }
+        let sums = counted.then_some((angles, &mut record.coordination));
+        let sample = self
+            .around
+            .sample(sim, moves, scenario.mean_diameter(), sums);
+        record.series.push(SeriesRow {
+            step: n,
+            time: n as f64 * sim.dt,
+            distance: n as f64 * sim.dt * plan.speed,
+            force,
+            force_mean: std::mem::take(&mut self.gauges.since_row).mean(),
+            torque: sim.obstacles[INTRUDER as usize].torque,
+            contacts: sim.touch_count(INTRUDER),
+            angle: sample.angle,
+            coordination: sample.coordination,
+        });
     }
 
     /// What a checkpoint holds of it.
@@ -253,6 +265,7 @@ impl Dragging {
         let short = || Error::input(&plan.name, "has too few steps to average");
         let steps = self.step + 1 - plan.first_averaged(dt);
         let mut means = self.gauges.means(steps).ok_or_else(short)?;
+        means.around = self.around.means();
         means.flow = self.record.flow.as_ref().and_then(|flow| flow.means(dt));
         Ok(means)
     }
@@ -305,60 +318,16 @@ fn force_on_intruder(sim: &Sim, moves: Moves) -> [f64; 3] {
 }
 
 impl Gauges {
-    /// Takes the readings of step `n`, which may end a row of the series or lie in the window.
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "one call, beside the loop it is part of"
-    )]
-    fn read(
-        &mut self,
-        sim: &mut Sim,
-        scenario: &Scenario,
-        plan: &RunPlan,
-        n: u64,
-        force: [f64; 3],
-        row: bool,
-        counted: bool,
-        record: &mut Record,
-    ) {
-        let torque = sim.obstacles[INTRUDER as usize].torque;
+    /// Sums the force of a step, and where it is `counted` what the means are of.
+    fn read(&mut self, sim: &Sim, force: [f64; 3], counted: bool) {
         self.since_row.add(force);
         self.all.add(force);
-        if !row && !counted {
-            return;
-        }
-        let contacts = sim.touch_count(INTRUDER);
         if counted {
             for a in 0..3 {
                 self.force[a].add(force[a]);
             }
-            self.contacts.add(f64::from(contacts));
+            self.contacts.add(f64::from(sim.touch_count(INTRUDER)));
         }
-        if !row {
-            return;
-        }
-        let ahead = scenario.drag.moves.forward();
-        let (angles, near) = observe::neighbourhood(sim, NEAR * scenario.mean_diameter(), ahead);
-        let (angle, coordination) = (mean(&angles), mean(&near));
-        if counted {
-            // Every contact and every grain counts alike, in whichever sample.
-            angles.iter().for_each(|x| self.angle.add(*x));
-            near.iter().for_each(|x| self.coordination.add(*x));
-            record.angles.add(&angles);
-            record.coordination.add(&near);
-        }
-        record.series.push(SeriesRow {
-            step: n,
-            time: n as f64 * sim.dt,
-            distance: n as f64 * sim.dt * plan.speed,
-            force,
-            force_mean: self.since_row.mean(),
-            torque,
-            contacts,
-            angle,
-            coordination,
-        });
-        self.since_row = Sums::default();
     }
 
     fn means(&self, window_steps: u64) -> Option<Means> {
@@ -367,19 +336,10 @@ impl Gauges {
             lift: self.force[1].mean()?,
             side: self.force[2].mean()?,
             contacts: self.contacts.mean()?,
-            contact_angle: self.angle.mean(),
-            coordination: self.coordination.mean(),
+            around: SurroundingMeans::default(),
             drag_uncut: self.all.mean()[0],
             window_steps,
             flow: None,
         })
-    }
-}
-
-/// The mean in the order given; `None` of nothing.
-fn mean(values: &[f64]) -> Option<f64> {
-    match values.len() {
-        0 => None,
-        n => Some(values.iter().sum::<f64>() / n as f64),
     }
 }

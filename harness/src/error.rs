@@ -68,6 +68,19 @@ pub enum Error {
         /// What does not hold.
         problem: String,
     },
+    /// Runs of a campaign failed.
+    #[error(
+        "{failed} of {} runs failed: the column `reason` of {} says why; --retry tries them again",
+        failed + done, table.display()
+    )]
+    Failed {
+        /// How many.
+        failed: usize,
+        /// How many did not.
+        done: usize,
+        /// The table.
+        table: PathBuf,
+    },
     /// Two runs differ, as was told.
     #[error("the runs differ")]
     Parted,
@@ -112,6 +125,7 @@ impl Error {
             Error::Run { .. }
             | Error::Unsettled { .. }
             | Error::Unverified { .. }
+            | Error::Failed { .. }
             | Error::Parted
             | Error::Contract { .. } => 3,
             Error::Write { .. } | Error::Output(_) => 1,

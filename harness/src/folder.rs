@@ -20,6 +20,31 @@ pub struct Claim {
 }
 
 impl Claim {
+    /// Takes a folder whose `file` says what it is for, and which `settle` writes or refuses.
+    ///
+    /// # Errors
+    /// [`Error::Input`] where another process is at work in it, what `settle` returns, [`Error::Write`].
+    pub fn take(folder: &Path, file: &Path, settle: impl FnOnce() -> Result<()>) -> Result<Self> {
+        make_folder(folder)?;
+        let mut claim = Claim {
+            locks: Vec::new(),
+            sure: false,
+        };
+        // Before anything is written: what another process wrote is not to be replaced. The folder holds
+        // where its file is replaced, and the file where a network file system cannot lock folders.
+        claim.lock(folder, File::open(folder))?;
+        let open = || File::options().append(true).open(file);
+        let held = claim.locks.len();
+        if file.exists() {
+            claim.lock(folder, open())?;
+        }
+        settle()?;
+        // It may be another file now; a second lock on the same one would wait for the first.
+        claim.locks.truncate(held);
+        claim.lock(folder, open())?;
+        Ok(claim)
+    }
+
     fn lock(&mut self, folder: &Path, opened: std::io::Result<File>) -> Result<()> {
         let held = self.locks.len();
         let locked = opened.map(|file| (file.try_lock(), file));
@@ -125,24 +150,9 @@ impl Folder<'_> {
     /// [`Error::Write`].
     pub fn claim(&self, scenario: &Scenario) -> Result<Claim> {
         let inputs = self.inputs(scenario);
-        make_folder(self.0)?;
-        let mut claim = Claim {
-            locks: Vec::new(),
-            sure: false,
-        };
-        // Before anything is written: what another run wrote is not to be replaced. The folder holds
-        // where its scenario is replaced, and the file where a network file system cannot lock folders.
-        claim.lock(self.0, File::open(self.0))?;
-        let path = self.scenario();
-        let open = || File::options().append(true).open(&path);
-        let held = claim.locks.len();
-        if path.exists() {
-            claim.lock(self.0, open())?;
-        }
-        self.claim_text(&format!("# {}\n{}", bits(), inputs.to_toml()))?;
-        // It may be another file now; a second lock on the same one would wait for the first.
-        claim.locks.truncate(held);
-        claim.lock(self.0, open())?;
+        let claim = Claim::take(self.0, &self.scenario(), || {
+            self.claim_text(&format!("# {}\n{}", bits(), inputs.to_toml()))
+        })?;
         if claim.sure {
             // What a killed process was writing; nobody else writes here now.
             clear_partials(self.0);

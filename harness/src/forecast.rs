@@ -243,7 +243,7 @@ fn system(scenario: &Scenario) -> &'static str {
 }
 
 /// Steps that the busiest of `threads` workers does, the longest job first.
-fn side_by_side(jobs: &[u64], threads: usize) -> u64 {
+pub(crate) fn side_by_side(jobs: &[u64], threads: usize) -> u64 {
     let mut jobs = jobs.to_vec();
     jobs.sort_unstable_by(|a, b| b.cmp(a));
     let mut load = vec![0u64; threads.max(1)];
@@ -255,7 +255,7 @@ fn side_by_side(jobs: &[u64], threads: usize) -> u64 {
     load.into_iter().max().unwrap_or(0)
 }
 
-fn disk(scenario: &Scenario, runs: &[RunPlan], grains: usize, beds: usize) -> f64 {
+pub(crate) fn disk(scenario: &Scenario, runs: &[RunPlan], grains: usize, beds: usize) -> f64 {
     let grains = grains as f64;
     // Twice: in the library and in the run directory.
     let bed = grains * (2.0 * CHECKPOINT + DATA);
@@ -271,7 +271,7 @@ const TRIAL_GRAINS: usize = 500;
 
 /// Grain-steps a second on one thread: a small bed of the quick scenario's soft grains, poured just
 /// now, with the scenario's friction.
-fn trial(scenario: &Scenario) -> Result<f64> {
+pub(crate) fn trial(scenario: &Scenario) -> Result<f64> {
     let sets = [
         "name=trial".to_string(),
         format!("bed.grains={TRIAL_GRAINS}"),

@@ -14,12 +14,15 @@ pub const ANGLE_BINS: usize = 36;
 pub struct Angles {
     /// Contacts in each of [`ANGLE_BINS`] bins; bin `k` is from `k` to `k + 1` times `pi / 36`.
     pub bins: Vec<u64>,
+    /// The same of contacts as they begin.
+    pub new: Vec<u64>,
 }
 
 impl Default for Angles {
     fn default() -> Self {
         Self {
             bins: vec![0; ANGLE_BINS],
+            new: vec![0; ANGLE_BINS],
         }
     }
 }
@@ -27,26 +30,35 @@ impl Default for Angles {
 impl Angles {
     /// Whether it has all its bins.
     pub fn is_whole(&self) -> bool {
-        self.bins.len() == ANGLE_BINS
+        self.bins.len() == ANGLE_BINS && self.new.len() == ANGLE_BINS
     }
 
     /// Counts angles (radians, 0 to pi).
     pub fn add(&mut self, angles: &[f64]) {
-        for angle in angles {
-            let bin = (angle * (ANGLE_BINS as f64 / std::f64::consts::PI)) as usize;
-            self.bins[bin.min(ANGLE_BINS - 1)] += 1;
-        }
+        angles.iter().for_each(|angle| self.bins[bin(*angle)] += 1);
     }
 
-    /// `angle_low`, `angle_high` (radians), `contacts` (all of the window's samples together).
+    /// Counts the angle of a contact that begins.
+    pub fn add_new(&mut self, angle: f64) {
+        self.new[bin(angle)] += 1;
+    }
+
+    /// `angle_low`, `angle_high` (radians), `contacts` (all of the window's samples together),
+    /// `new_contacts` (all that began in it).
     pub fn text(&self) -> String {
-        let mut out = format!("# {}\nangle_low,angle_high,contacts\n", bits());
+        let mut out = format!("# {}\nangle_low,angle_high,contacts,new_contacts\n", bits());
         let edge = |k: usize| k as f64 * (std::f64::consts::PI / ANGLE_BINS as f64);
-        for (k, count) in self.bins.iter().enumerate() {
-            out.push_str(&format!("{},{},{count}\n", edge(k), edge(k + 1)));
+        for (k, (count, new)) in self.bins.iter().zip(&self.new).enumerate() {
+            out.push_str(&format!("{},{},{count},{new}\n", edge(k), edge(k + 1)));
         }
         out
     }
+}
+
+/// The bin of an angle.
+fn bin(angle: f64) -> usize {
+    let bin = (angle * (ANGLE_BINS as f64 / std::f64::consts::PI)) as usize;
+    bin.min(ANGLE_BINS - 1)
 }
 
 /// Coordination numbers counted.
@@ -67,6 +79,12 @@ impl Coordination {
             }
             self.grains[number] += 1;
         }
+    }
+
+    /// Shares of the grains with 0, 1, 2, ... contacts; nothing where no grain was counted.
+    pub fn shares(&self) -> Vec<f64> {
+        let all: u64 = self.grains.iter().sum();
+        self.grains.iter().map(|&n| n as f64 / all as f64).collect()
     }
 
     /// `contacts` and the number of `grains` that have so many (all of the window's samples together).
@@ -92,9 +110,13 @@ mod tests {
             (angles.bins[0], angles.bins[18], angles.bins[35]),
             (2, 1, 1)
         );
+        angles.add_new(0.5 * pi);
+        assert_eq!((angles.new[18], angles.new.iter().sum::<u64>()), (1, 1));
         assert_eq!(angles.text().lines().count(), 38);
         let mut numbers = Coordination::default();
         numbers.add(&[0.0, 4.0, 4.0]);
+        let third = 1.0 / 3.0;
+        assert_eq!(numbers.shares(), [third, 0.0, 0.0, 0.0, 2.0 / 3.0]);
         let text = numbers.text();
         let (_, rows) = text.split_once('\n').unwrap();
         assert_eq!(rows, "contacts,grains\n0,1\n1,0\n2,0\n3,0\n4,2\n");

@@ -21,11 +21,13 @@
 
 #![forbid(unsafe_code)]
 
+pub mod analysis;
 pub mod audit;
 pub mod bed;
 pub mod bench;
 pub mod bisect;
 pub mod blocks;
+pub mod campaign;
 pub mod case;
 pub mod chain;
 pub mod checkpoint;
@@ -46,6 +48,7 @@ pub mod lammps;
 pub mod law;
 pub mod observe;
 pub mod order;
+pub mod plug;
 pub mod present;
 pub mod progress;
 pub mod random;
@@ -62,6 +65,7 @@ pub mod sim;
 mod skin;
 pub mod stepping;
 pub mod summary;
+pub mod surroundings;
 pub mod threads;
 pub mod units;
 pub mod verify;

@@ -135,14 +135,20 @@ fn from_intruder(sim: &Sim, i: usize) -> [f64; 3] {
     offset(&sim.domain, body, [x[0], x[1], x[2]])
 }
 
-/// What is round the intruder: the angles at which grains touch it, by ascending grain, and the numbers
-/// of contacts, with grains and obstacles, of the free grains whose centres lie within `reach` of its
-/// surface, those without contacts among them (Kumar 2018, Figs. 6 and 7).
-///
-/// `cos theta = (x_grain - x_intruder) / distance`, minimum image, in radians, 0 straight ahead: the sign
-/// of eq. 6 is a misprint, for eq. 7 needs this one.
+/// Angle at which a grain touches the intruder: `cos theta = (x_grain - x_intruder) / distance`, minimum
+/// image, in radians, 0 straight ahead. The sign of eq. 6 of Kumar 2018 is a misprint, for eq. 7 needs
+/// this one.
 ///
 /// `front` is 1 where the intruder moves along +x, -1 where the bed does.
+pub fn contact_angle(sim: &Sim, i: usize, front: f64) -> f64 {
+    let d = from_intruder(sim, i);
+    libm::acos(front * d[0] / length(d))
+}
+
+/// What is round the intruder: the angles at which grains touch it, by ascending grain, and the numbers
+/// of contacts, with grains and obstacles, of the free grains whose centres lie within `reach` of its
+/// surface, those without contacts among them (Kumar 2018, Figs. 6 and 7). `front` is that of
+/// [`contact_angle`].
 pub fn neighbourhood(sim: &mut Sim, reach: f64, front: f64) -> (Vec<f64>, Vec<f64>) {
     let mut contacts = vec![0u32; sim.count()];
     let mut angles = Vec::new();
@@ -155,8 +161,7 @@ pub fn neighbourhood(sim: &mut Sim, reach: f64, front: f64) -> (Vec<f64>, Vec<f6
             Bond::Touch { i, obstacle, .. } => {
                 contacts[i as usize] += 1;
                 if obstacle == INTRUDER {
-                    let d = from_intruder(sim, i as usize);
-                    angles.push(libm::acos(front * d[0] / length(d)));
+                    angles.push(contact_angle(sim, i as usize, front));
                 }
             }
         }

@@ -257,13 +257,18 @@ impl Sim {
             + self.lists.iter().map(List::bytes).sum::<usize>()
     }
 
+    /// Places of the grains that touch an obstacle, ascending.
+    pub fn touching(&self, obstacle: u32) -> impl Iterator<Item = u32> {
+        let list = &self.lists[0];
+        let listed = list.touch_grain.iter().zip(&list.touch_obstacle);
+        let touching = listed.take(self.clock.touches());
+        let touching = touching.filter(move |&(_, &word)| word == (obstacle | TOUCHING));
+        touching.map(|(&grain, _)| grain)
+    }
+
     /// How many grains touch an obstacle.
     pub fn touch_count(&self, obstacle: u32) -> u32 {
-        let words = &self.lists[0].touch_obstacle;
-        let listed = words.iter().take(self.clock.touches());
-        listed
-            .filter(|&&word| word == (obstacle | TOUCHING))
-            .count() as u32
+        self.touching(obstacle).count() as u32
     }
 
     /// Lends lists of this many entries, and cells, until they prove too short: speed and memory only,

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::audit::EnergyRow;
 use crate::blocks::Mean;
 use crate::error::{Error, Result};
+use crate::plug::Plug;
 use crate::scenario::Scenario;
 use crate::units::Units;
 
@@ -134,11 +135,37 @@ pub struct RunSummary {
     /// Contacts of a grain within 2 d of the intruder's surface, over all such grains of the samples.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coordination: Option<Mean>,
+    /// The same angle where contacts begin, over all that began in the window.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub new_contact_angle: Option<Mean>,
+    /// Share of the grains within 2 d of the intruder's surface that have no contact.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub floating: Option<Mean>,
+    /// Shares of these grains with 0, 1, 2, ... contacts (Kumar 2018, Fig. 7).
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub coordination_shares: Vec<f64>,
+    /// Normalised coordination number kappa = (Z/n) (D + d)^2 / (2 sqrt(3) d^2), Z `coordination` and n
+    /// `contacts` (Kumar 2018, eq. 8).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub kappa: Option<f64>,
+    /// Its standard error, those of Z and n taken for independent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub kappa_error: Option<f64>,
+    /// Free grains that go at half the intruder's speed or faster.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub moving: Option<Mean>,
+    /// Speed along x of the layers above the intruder's top over its own: 0 where they stay, 1 where all
+    /// slide along as a plug.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drift: Option<Mean>,
     /// Mean drag over all steps, nothing cut.
     pub drag_uncut: f64,
     /// Drag over the weight of the bed above the intruder's lowest point. Nothing but friction holds
     /// that part back in a periodic box: the larger the ratio, the more of it slides along.
     pub plug_ratio: f64,
+    /// What that ratio says; of a bed that flows it says nothing, for base and lid carry it.
+    #[serde(default)]
+    pub plug: Plug,
     /// Deepest overlap of grains with each other and with the intruder at any row of the series, over the
     /// mean diameter.
     #[serde(default)]

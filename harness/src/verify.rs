@@ -108,7 +108,7 @@ pub fn verify(
         Piece::Bed(plan) => crate::bed::pouring_steps(&past.scenario, plan),
         Piece::Drag(_, from, to) => to - from,
     };
-    let found = side_by_side(threads, pieces.len(), length, |k| {
+    let found = side_by_side(threads, threads, pieces.len(), length, |k| {
         again(past, pieces[k], progress)
     })?;
     let (mut links, mut wrong) = (0, 0);
@@ -395,7 +395,10 @@ fn drag_again(
     if same && check.broken.is_none() && to == plan.steps {
         let (tables, summary) = run::results(drag, &dragging, &mut sim)?;
         let place = past.folder.of_run(&plan.name, "summary.json");
-        let summary = run::json_text(&place, &run::record(drag, &summary))?;
+        let summary = run::json_text(
+            &place,
+            &run::record(drag.folder, drag.scenario, drag.bed, &summary),
+        )?;
         let tables = tables.into_iter().chain([("summary.json", summary)]);
         let wrong: Vec<&str> = tables
             .filter(|(file, text)| {

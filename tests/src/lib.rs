@@ -9,6 +9,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use bitgrain::campaign::table::Table;
 use bitgrain::case::{self, Case, GrainSpec, ObstacleSpec};
 use bitgrain::checkpoint;
 use bitgrain::law::LawSpec;
@@ -241,6 +242,65 @@ pub fn two_drags() -> String {
     let text = SMALL.replacen("grains = 300", "grains = 300\nsettled = 1e-2", 1);
     let text = text.replacen("speed = 1.0", "speed = [0.8, 2.0]", 1);
     text + "\n[measure]\nevery = 50\ndigest_every = 200\n"
+}
+
+/// Two frictions, two speeds: two beds and four drags in seconds.
+pub const CAMPAIGN: &str = r#"
+name = "camp"
+base = "small.toml"
+
+[[grid]]
+name = "friction"
+set = { "bed.settled" = 1e-2, "measure.every" = 20, "measure.snapshots" = 0, "measure.checkpoints" = 1 }
+mu = [0.1, 0.5]
+speed = [1.0, 2.0]
+"#;
+
+/// A folder with [`SMALL`] and a campaign over it, and the program that runs it.
+pub struct CampaignDesk {
+    /// The folder.
+    pub folder: tempfile::TempDir,
+    program: &'static str,
+}
+
+impl CampaignDesk {
+    /// With this campaign as `camp.toml`.
+    pub fn new(program: &'static str, campaign: &str) -> Self {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let desk = Self { folder, program };
+        desk.write("small.toml", SMALL);
+        desk.write("camp.toml", campaign);
+        desk
+    }
+
+    /// Writes a file.
+    pub fn write(&self, name: &str, text: &str) {
+        std::fs::write(self.folder.path().join(name), text).expect("a file can be written");
+    }
+
+    /// The folder of its results.
+    pub fn out(&self) -> PathBuf {
+        self.folder.path().join("out/camp")
+    }
+
+    /// Runs it, or what is left of it.
+    pub fn sweep(&self, args: &[&str]) -> Output {
+        let args: Vec<&str> = ["sweep", "camp.toml"].iter().chain(args).copied().collect();
+        output(self.program, self.folder.path(), &args)
+    }
+
+    /// The same, which must end well; returns what it said on the way.
+    pub fn done(&self, args: &[&str]) -> String {
+        let out = self.sweep(args);
+        let told = String::from_utf8_lossy(&out.stderr).into_owned();
+        assert!(out.status.success(), "{told}");
+        told
+    }
+
+    /// Its table.
+    pub fn table(&self) -> Table {
+        Table::read(&self.out().join("results.csv")).expect("a table")
+    }
 }
 
 /// What a program printed, on both its channels, which must have ended with this status.

@@ -44,6 +44,9 @@ pub struct Recipe {
     pub floor: bool,
     /// Bound of the kinetic energy per grain, over its weight times the mean diameter.
     pub settled: f64,
+    /// Whether it was stopped at maxima of the kinetic energy, where the scenario says.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub halting: Option<bool>,
     /// Whether the grains were let fall all at once or in turn.
     #[serde(default, skip_serializing_if = "is_default")]
     pub order: Pouring,
@@ -98,6 +101,7 @@ impl Recipe {
             base: bed.base,
             floor: bed.floor,
             settled: bed.settled,
+            halting: bed.halting,
             order: bed.pouring,
             moves: scenario.drag.moves,
             intruder: RecipeIntruder {
@@ -148,6 +152,7 @@ mod tests {
             "bed.base=0.7",
             "bed.floor=false",
             "bed.settled=2e-6",
+            "bed.halting=true",
             "intruder.diameter=2.1",
             "intruder.density=2.0",
             "intruder.height=4.1",

@@ -74,7 +74,7 @@ pub fn rest(scenario: &Scenario, plan: &BedPlan, phase: Phase) -> Goal {
 /// holds alone: the bare bed under a lid is one that other scenarios use without.
 fn halts(scenario: &Scenario, plan: &BedPlan) -> bool {
     let still = scenario.intruder.shape == Shape::Sphere && scenario.drag.moves == Moves::Intruder;
-    !still || plan.lid.is_some()
+    scenario.bed.halting.unwrap_or(!still || plan.lid.is_some())
 }
 
 fn steps_of_fall(scenario: &Scenario, height: f64) -> u64 {

@@ -1,9 +1,15 @@
 //! What the runs of flowing beds say together, beside what Guillard 2014 says: points over seeds,
 //! slopes, plateaus, and statements with verdicts. Everything is a pure function of the summary.
 
+pub mod book;
+pub mod evidence;
 mod fits;
+pub mod guillard;
 mod judged;
+pub mod kumar;
+mod kumar_scaling;
 mod points;
+pub mod restitution;
 mod soundness;
 mod statements;
 #[cfg(test)]

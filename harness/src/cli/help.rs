@@ -15,6 +15,39 @@ kill or a full disk, from the last save; what has come to its end is kept.
 Exit status: 0 done, 2 the scenario was refused, 3 a run went wrong, 1 results could not be written,
 130 interrupted.";
 
+pub(super) const SWEEP_HELP: &str = "\
+Examples:
+  bitgrain sweep kumar-small
+  bitgrain sweep kumar-2018 --dry-run
+  bitgrain sweep my-campaign.toml --threads 16 --jobs 4
+
+A campaign's file holds a base scenario and grids of values; harness/campaigns/kumar-small.toml is one to
+begin from. Each member (the runs that share a bed) is a run directory of its own, which `bitgrain verify`
+and `bitgrain run --resume` take. Runs that end are in results.csv and results.parquet at once; those that
+fail keep a row with the reason. A campaign that was stopped or killed goes on with the same command, and
+ends with the same bytes.
+
+Exit status: 0 done, 2 the campaign was refused, 3 runs failed, 1 results could not be written,
+130 interrupted.";
+
+pub(super) const ANALYSE_HELP: &str = "\
+Examples:
+  bitgrain analyse out/kumar-small
+  bitgrain analyse out/quick
+  bitgrain analyse results.csv --plugs --out findings.json
+
+Fits say their errors and how good they are, or why there is none: too few points, too short a range, an
+exponent known too badly.";
+
+pub(super) const CLAIMS_HELP: &str = "\
+Examples:
+  bitgrain claims
+  bitgrain claims out/kumar-small
+  bitgrain claims out/kumar-small --book golden/claims.toml
+
+A claim agrees, disagrees, or is not resolved by the runs at hand: a number agrees within its tolerance if
+its standard error is no larger, and disagrees where two errors more do not reach it.";
+
 pub(super) const BED_HELP: &str = "\
 Examples:
   bitgrain bed list

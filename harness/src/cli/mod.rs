@@ -1,6 +1,8 @@
 //! The command line: what each command takes, and how each ending is told.
 
+mod analyse;
 mod help;
+mod sweep;
 
 use std::io::{BufWriter, Write};
 use std::path::PathBuf;
@@ -22,7 +24,10 @@ use crate::run::{SaveEvery, Setting};
 use crate::selftest::selftest;
 use crate::verify::{Scope, Segment, verify};
 use crate::{forecast, present, scenario, shelf};
-use help::{BED_HELP, BENCH_HELP, BISECT_HELP, REPLAY_HELP, RUN_HELP, SELFTEST_HELP, VERIFY_HELP};
+use help::{
+    ANALYSE_HELP, BED_HELP, BENCH_HELP, BISECT_HELP, CLAIMS_HELP, REPLAY_HELP, RUN_HELP,
+    SELFTEST_HELP, SWEEP_HELP, VERIFY_HELP,
+};
 
 /// Granular beds whose every run is reproducible to the last bit.
 #[derive(Parser)]
@@ -37,6 +42,15 @@ enum Command {
     /// Run a scenario: pour its beds, drag its intruder, write the results and a report.
     #[command(after_help = RUN_HELP)]
     Run(Run),
+    /// Run a campaign: a base scenario over the values of its grids, into one table.
+    #[command(after_help = SWEEP_HELP)]
+    Sweep(sweep::Sweep),
+    /// Say what the runs of a campaign, or of one run, have in common: regimes, yield forces, exponents.
+    #[command(after_help = ANALYSE_HELP)]
+    Analyse(analyse::Analyse),
+    /// Say what two papers claim in numbers, what was measured of it, and whether they agree.
+    #[command(after_help = CLAIMS_HELP)]
+    Claims(analyse::Claims),
     /// Write the report of a run directory anew from the files in it.
     #[command(after_help = "Example:\n  bitgrain report out/quick")]
     Report {
@@ -250,6 +264,9 @@ pub fn main() -> ExitCode {
 fn run(command: Command) -> Result<()> {
     match command {
         Command::Run(run) => run_scenario(run),
+        Command::Sweep(what) => sweep::run(what),
+        Command::Analyse(what) => analyse::run(what),
+        Command::Claims(what) => analyse::run_claims(what),
         Command::Report { folder } => {
             let folder = Folder(&folder);
             present::write_report(&folder)?;

@@ -1,6 +1,6 @@
 //! Tables of the page: every number of the beds and drags.
 
-use super::text::{count, digest, escape, exact, plus_minus, short, typeset};
+use super::text::{count, digest, escape, exact, number_with_error, plus_minus, short, typeset};
 use crate::audit::EnergyRow;
 use crate::blocks::Mean;
 use crate::claims;
@@ -153,6 +153,7 @@ pub(super) fn run_table(runs: &[RunSummary], units: &Units) -> String {
         "contacts of a grain within 2 d of the intruder&rsquo;s surface",
         |r| optional(r.coordination),
     );
+    around_rows(&mut t, runs);
     t.row("Drag, uncut", force, "mean over all steps", |r| {
         exact(r.drag_uncut)
     });
@@ -189,6 +190,56 @@ pub(super) fn run_table(runs: &[RunSummary], units: &Units) -> String {
     t.row("Chain", "", note, |r| digest(&r.chain));
     digest_rows(&mut t, runs);
     t.finish()
+}
+
+/// Rows of the grains round the intruder that some runs have and others have not.
+fn around_rows(t: &mut Table<RunSummary>, runs: &[RunSummary]) {
+    type Line = (
+        &'static str,
+        &'static str,
+        &'static str,
+        fn(&RunSummary) -> Option<Mean>,
+    );
+    let lines: [Line; 4] = [
+        (
+            "Contact angle, new",
+            "rad",
+            "where contacts with the intruder begin",
+            |r| r.new_contact_angle,
+        ),
+        (
+            "Floating",
+            "",
+            "share of the grains within 2 d of the intruder&rsquo;s surface that have no contact",
+            |r| r.floating,
+        ),
+        (
+            "Moving along",
+            "",
+            "free grains that go at half the intruder&rsquo;s speed or faster",
+            |r| r.moving,
+        ),
+        (
+            "Drift above",
+            "V",
+            "speed of the layers above the intruder&rsquo;s top",
+            |r| r.drift,
+        ),
+    ];
+    for (name, unit, note, of) in lines {
+        if runs.iter().any(|r| of(r).is_some()) {
+            t.row(name, unit, note, |r| optional(of(r)));
+        }
+    }
+    if runs.iter().any(|r| r.kappa.is_some()) {
+        let note = "kappa: (Z/n) (D + d)<sup>2</sup>/(2 &radic;3 d<sup>2</sup>), Z the coordination \
+                    number and n the contacts";
+        let cell = |r: &RunSummary| {
+            let both = r.kappa.zip(r.kappa_error);
+            both.map_or("\u{2014}".to_owned(), |(k, e)| number_with_error(k, e))
+        };
+        t.row("Normalised coordination", "", note, cell);
+    }
 }
 
 fn optional(mean: Option<Mean>) -> String {

@@ -88,7 +88,7 @@ pub(super) fn drag_one(
     }
     write_json(
         &folder.of_run(&plan.name, "summary.json"),
-        &record(drag, &summary),
+        &record(folder, scenario, drag.bed, &summary),
     )?;
     files.saver.clear();
     let _ = std::fs::remove_file(folder.partial_series(&plan.name));
@@ -276,15 +276,20 @@ pub fn results(
     Ok((tables, summary))
 }
 
-/// What `summary.json` of the drag's own folder holds.
-pub fn record(drag: DragPlan<'_>, run: &RunSummary) -> RunRecord {
+/// What `summary.json` of a drag's own folder holds.
+pub fn record(
+    folder: &Folder<'_>,
+    scenario: &Scenario,
+    bed: &BedSummary,
+    run: &RunSummary,
+) -> RunRecord {
     RunRecord {
         version: env!("CARGO_PKG_VERSION").into(),
         bits_version: BITS_VERSION,
-        units: drag.scenario.units(),
-        inputs: drag.folder.inputs(drag.scenario),
+        units: scenario.units(),
+        inputs: folder.inputs(scenario),
         standard_error_method: METHOD.into(),
-        bed: drag.bed.clone(),
+        bed: bed.clone(),
         run: run.clone(),
     }
 }

@@ -8,7 +8,7 @@ use std::thread;
 use crate::error::Result;
 use crate::threads::{no_threads, on_threads};
 
-/// Does `count` jobs, the longest first, and returns their results in order.
+/// Does `count` jobs, the longest first, at most `most` at a time, and returns their results in order.
 ///
 /// Each job has a thread while there are at least as many jobs as threads. Where there are fewer, the
 /// threads are shared out as each job begins, and it steps on those of a pool of its own.
@@ -17,6 +17,7 @@ use crate::threads::{no_threads, on_threads};
 /// [`crate::error::Error::Input`] where so many threads cannot be started.
 pub(crate) fn side_by_side<T: Send>(
     threads: usize,
+    most: usize,
     count: usize,
     length: impl Fn(usize) -> u64,
     job: impl Fn(usize) -> T + Sync,
@@ -31,7 +32,8 @@ pub(crate) fn side_by_side<T: Send>(
             let Some(&k) = order.get(place) else {
                 return Ok(());
             };
-            let share = share(threads, unfinished.load(Ordering::Relaxed), place);
+            let side = most.min(unfinished.load(Ordering::Relaxed));
+            let share = share(threads, side, place);
             let done = on_threads(share, || job(k))?;
             *results[k].lock().expect("no job panics with it") = Some(done);
             unfinished.fetch_sub(1, Ordering::Relaxed);
@@ -39,7 +41,7 @@ pub(crate) fn side_by_side<T: Send>(
     };
     thread::scope(|scope| {
         let start = |_| thread::Builder::new().spawn_scoped(scope, worker);
-        let started: Vec<io::Result<_>> = (0..threads.min(count)).map(start).collect();
+        let started: Vec<io::Result<_>> = (0..threads.min(most).min(count)).map(start).collect();
         let mut outcome = Ok(());
         for handle in started {
             let ended = handle
@@ -60,7 +62,7 @@ pub(crate) fn side_by_side<T: Send>(
     Ok(results.into_iter().map(taken).collect())
 }
 
-/// Threads for a job that begins while `unfinished` are, itself among them.
+/// Threads for a job that begins while `unfinished` are to be done side by side, itself among them.
 fn share(threads: usize, unfinished: usize, place: usize) -> usize {
     let jobs = threads.min(unfinished).max(1);
     threads / jobs + usize::from(place % jobs < threads % jobs)
@@ -74,6 +76,7 @@ mod tests {
     fn jobs_come_back_in_order_and_share_the_threads() {
         for (threads, count) in [(1, 3), (3, 3), (8, 3), (4, 1), (2, 0), (3, 40)] {
             let done = side_by_side(
+                threads,
                 threads,
                 count,
                 |k| (k * 7 % 5) as u64,

@@ -23,10 +23,10 @@ use crate::blocks::METHOD;
 use crate::coefficients::table_text;
 use crate::error::{Error, Result};
 use crate::files::{check_writable, write_whole};
-use crate::folder::Folder;
+use crate::folder::{Claim, Folder};
 use crate::present;
 use crate::progress::{Progress, Stage};
-use crate::scenario::{BedPlan, Scenario, UnitSystem};
+use crate::scenario::{BedPlan, RunPlan, Scenario, UnitSystem};
 use crate::sim::Sim;
 use crate::summary::{BedSummary, RunSummary, Summary};
 use beds::{pour_bare, settle_one};
@@ -41,8 +41,9 @@ struct Performance {
     stages: Vec<StagePerformance>,
 }
 
+/// How one stage went on this machine.
 #[derive(Serialize)]
-struct StagePerformance {
+pub struct StagePerformance {
     stage: String,
     /// What was done: poured, reused, imported, dragged.
     how: String,
@@ -109,13 +110,7 @@ pub fn run_in(setting: Setting<'_>) -> Result<PathBuf> {
         ..
     } = setting;
     let began = Instant::now();
-    let claim = folder.claim(scenario)?;
-    if !claim.sure {
-        progress.warn(&format!(
-            "{} cannot be locked: see that no other run is at work in it",
-            folder.0.display()
-        ));
-    }
+    let _claim = claimed(setting)?;
     let there = |plan: &BedPlan| folder.bed(&plan.name).exists();
     if scenario.source.is_none() && !scenario.beds().iter().all(there) {
         // Found out now rather than after days of pouring.
@@ -127,44 +122,15 @@ pub fn run_in(setting: Setting<'_>) -> Result<PathBuf> {
         progress.line(table.trim_end());
     }
     progress.line(&scenario.time_step_line());
-    let (plans, runs) = (scenario.beds(), scenario.runs());
-    let height = |plan: &BedPlan| plan.center[2] as u64;
-
-    // What lies below lids first: several lids lie on one bed.
-    let mut bare = bare_beds(scenario);
-    if plans.iter().all(|plan| plan.lid.is_none()) {
-        bare.clear();
-    }
-    let poured = side_by_side(
-        threads,
-        bare.len(),
-        |k| height(&bare[k]),
-        |k| pour_bare(setting, &bare[k]),
-    )?;
-    let mut stages: Vec<StagePerformance> = poured.into_iter().collect::<Result<_>>()?;
-
-    let beds = side_by_side(
-        threads,
-        plans.len(),
-        |k| height(&plans[k]),
-        |k| settle_one(setting, &plans[k]),
-    )?;
-    let beds: Vec<(BedSummary, StagePerformance)> = beds.into_iter().collect::<Result<_>>()?;
-    let (beds, timed): (Vec<_>, Vec<_>) = beds.into_iter().unzip();
-    stages.extend(timed);
-
+    let (beds, mut stages) = beds(setting)?;
+    let runs = scenario.runs();
     let dragged = side_by_side(
+        threads,
         threads,
         runs.len(),
         |k| runs[k].steps,
         |k| {
-            let drag = DragPlan {
-                folder,
-                scenario,
-                plan: &runs[k],
-                bed: &beds[runs[k].bed],
-            };
-            let done = drag_one(drag, setting.save, progress);
+            let done = drag(setting, &runs[k], &beds[runs[k].bed]);
             done.inspect_err(|error| tell_now(error, runs.len(), progress))
         },
     )?;
@@ -172,10 +138,7 @@ pub fn run_in(setting: Setting<'_>) -> Result<PathBuf> {
         dragged.into_iter().collect::<Result<_>>()?;
     let (runs, timed): (Vec<_>, Vec<_>) = dragged.into_iter().unzip();
     stages.extend(timed);
-
-    let whole = whole_summary(folder, scenario, beds, runs);
-    write_json(&folder.summary(), &whole)?;
-    present::write_report(folder)?;
+    conclude(folder, scenario, beds, runs)?;
     let performance = Performance {
         bits_version: BITS_VERSION,
         threads,
@@ -184,6 +147,90 @@ pub fn run_in(setting: Setting<'_>) -> Result<PathBuf> {
     };
     write_json(&folder.performance(), &performance)?;
     Ok(folder.report())
+}
+
+/// The folder as this process's own.
+///
+/// # Errors
+/// As [`Folder::claim`].
+pub fn claimed(setting: Setting<'_>) -> Result<Claim> {
+    let claim = setting.folder.claim(setting.scenario)?;
+    if !claim.sure {
+        setting.progress.warn(&format!(
+            "{} cannot be locked: see that no other run is at work in it",
+            setting.folder.0.display()
+        ));
+    }
+    Ok(claim)
+}
+
+/// The settled beds of a run, in a folder that is [`claimed`].
+///
+/// # Errors
+/// The first that went wrong.
+pub fn beds(setting: Setting<'_>) -> Result<(Vec<BedSummary>, Vec<StagePerformance>)> {
+    let Setting {
+        scenario, threads, ..
+    } = setting;
+    let plans = scenario.beds();
+    let height = |plan: &BedPlan| plan.center[2] as u64;
+    // What lies below lids first: several lids lie on one bed.
+    let mut bare = bare_beds(scenario);
+    if plans.iter().all(|plan| plan.lid.is_none()) {
+        bare.clear();
+    }
+    let poured = side_by_side(
+        threads,
+        threads,
+        bare.len(),
+        |k| height(&bare[k]),
+        |k| pour_bare(setting, &bare[k]),
+    )?;
+    let mut stages: Vec<StagePerformance> = poured.into_iter().collect::<Result<_>>()?;
+    let beds = side_by_side(
+        threads,
+        threads,
+        plans.len(),
+        |k| height(&plans[k]),
+        |k| settle_one(setting, &plans[k]),
+    )?;
+    let beds: Vec<(BedSummary, StagePerformance)> = beds.into_iter().collect::<Result<_>>()?;
+    let (beds, timed): (Vec<_>, Vec<_>) = beds.into_iter().unzip();
+    stages.extend(timed);
+    Ok((beds, stages))
+}
+
+/// One drag through a settled bed, or what is left of it.
+///
+/// # Errors
+/// Where it goes wrong or is interrupted.
+pub fn drag(
+    setting: Setting<'_>,
+    plan: &RunPlan,
+    bed: &BedSummary,
+) -> Result<(RunSummary, StagePerformance)> {
+    let drag = DragPlan {
+        folder: setting.folder,
+        scenario: setting.scenario,
+        plan,
+        bed,
+    };
+    drag_one(drag, setting.save, setting.progress)
+}
+
+/// Writes the summary and the report of a run whose stages are all done.
+///
+/// # Errors
+/// [`Error::Write`].
+pub fn conclude(
+    folder: &Folder<'_>,
+    scenario: &Scenario,
+    beds: Vec<BedSummary>,
+    runs: Vec<RunSummary>,
+) -> Result<()> {
+    let whole = whole_summary(folder, scenario, beds, runs);
+    write_json(&folder.summary(), &whole)?;
+    present::write_report(folder)
 }
 
 /// Tells of a stage that went wrong while others of several go on, which may take days.

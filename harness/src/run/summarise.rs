@@ -5,6 +5,7 @@ use bitgrain_kernel::PARTS;
 use crate::drag::{Dragging, Means, Record};
 use crate::flow::FlowMeans;
 use crate::observe::{INTRUDER, pressure_at};
+use crate::plug::{self, Plug};
 use crate::scenario::{BedPlan, RunPlan, Scenario, Shape};
 use crate::sim::{Role, Sim, hex};
 use crate::summary::{BedSummary, Flow, Rig, RunSummary};
@@ -104,6 +105,20 @@ fn flow(
     })
 }
 
+/// Normalised coordination number and its standard error, of an intruder so many grains wide (Kumar 2018,
+/// eq. 8); `None` where nothing touches it.
+fn kappa(means: &Means, diameter: f64) -> Option<(f64, f64)> {
+    let (bulk, own) = (means.around.coordination?, means.contacts);
+    let shape = (diameter + 1.0) * (diameter + 1.0) / (2.0 * 3f64.sqrt());
+    let kappa = bulk.mean / own.mean * shape;
+    let parts = [
+        bulk.standard_error / bulk.mean,
+        own.standard_error / own.mean,
+    ];
+    let relative = (parts[0] * parts[0] + parts[1] * parts[1]).sqrt();
+    (kappa.is_finite() && relative.is_finite()).then_some((kappa, kappa * relative))
+}
+
 pub(super) fn summarise(
     scenario: &Scenario,
     plan: &RunPlan,
@@ -117,6 +132,9 @@ pub(super) fn summarise(
     let diameter = scenario.beds()[plan.bed].diameter;
     let weight = bed.packing_fraction * scenario.bed.density * scenario.gravity;
     let above = weight * (x * y) * (bed.depth + 0.5 * diameter);
+    let ratio = means.drag.mean / above;
+    let around = means.around;
+    let kappa = kappa(means, diameter / scenario.mean_diameter());
     RunSummary {
         name: plan.name.clone(),
         bed: bed.name.clone(),
@@ -133,10 +151,21 @@ pub(super) fn summarise(
         lift: means.lift,
         side: means.side,
         contacts: means.contacts,
-        contact_angle: means.contact_angle,
-        coordination: means.coordination,
+        contact_angle: around.contact_angle,
+        coordination: around.coordination,
+        new_contact_angle: around.new_contact_angle,
+        floating: around.floating,
+        coordination_shares: dragging.record.coordination.shares(),
+        kappa: kappa.map(|k| k.0),
+        kappa_error: kappa.map(|k| k.1),
+        moving: around.moving,
+        drift: around.drift,
         drag_uncut: means.drag_uncut,
-        plug_ratio: means.drag.mean / above,
+        plug_ratio: ratio,
+        plug: match scenario.flows() {
+            true => Plug::Sound,
+            false => plug::judge(scenario.law.mu(), ratio),
+        },
         flow: means
             .flow
             .and_then(|m| flow(scenario, plan, bed, means, &m, &dragging.record)),

@@ -139,9 +139,13 @@ impl Scenario {
             );
         }
         if self.bed.file.is_some() {
-            return match self.bed.fill_height {
-                Some(_) => refuse("bed.fill_height", "a bed from a file is as full as it is"),
-                None => Ok(()),
+            return match (self.bed.fill_height, self.bed.halting) {
+                (Some(_), _) => refuse("bed.fill_height", "a bed from a file is as full as it is"),
+                (_, Some(_)) => refuse(
+                    "bed.halting",
+                    "a bed from a file is not poured; leave it out",
+                ),
+                _ => Ok(()),
             };
         }
         if self.bed.base == 0.0 && !self.bed.floor {

@@ -92,6 +92,11 @@ pub struct Bed {
     /// mean diameter, falls below this.
     #[serde(default = "settled")]
     pub settled: f64,
+    /// Whether all motion is stopped, while the bed settles under more damping, each time the kinetic
+    /// energy passes a maximum: high beds without friction breathe for long. Where it is not said: round a
+    /// cylinder, under a lid and where the bed moves.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub halting: Option<bool>,
 }
 
 /// One value or several.

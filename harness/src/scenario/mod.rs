@@ -161,7 +161,11 @@ fn refuse_reduced_defaults(table: &toml::Table, place: &str) -> Result<()> {
     Ok(())
 }
 
-fn apply(table: &mut toml::Table, set: &str) -> Result<()> {
+/// Changes a key of a scenario, as `key.subkey=value` says.
+///
+/// # Errors
+/// [`Error::Input`] where it is no such pair.
+pub(crate) fn apply(table: &mut toml::Table, set: &str) -> Result<()> {
     let place = || format!("--set {set}");
     let Some((key, text)) = set.split_once('=') else {
         return Err(Error::input(

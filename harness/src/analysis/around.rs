@@ -1,0 +1,173 @@
+//! What goes on round the intruder: contact angle, coordination, grains without contacts (Kumar 2018,
+//! section III B).
+
+use serde::{Deserialize, Serialize};
+
+use super::{Curve, Finding, Material, Point, Value, Yield};
+use crate::fit::linear::{constant, line};
+use crate::fit::offset_power::angle_law;
+use crate::fit::{Datum, Fit};
+
+/// Least D/d of an intruder with contacts enough for a law: the paper's smallest scatters too.
+pub const LEAST_DIAMETER: f64 = 2.0;
+
+/// One reading of the contact angle.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Contacts {
+    /// `Y1 Fr^Y2 + pi/Y3` (Kumar 2018, eq. 7).
+    pub law: Finding<Fit>,
+    /// Angle at Fr = 10, mean over the runs there.
+    pub at_ten: Finding<Fit>,
+    /// How far each diameter lies off the law, or off the mean at equal speeds.
+    pub offsets: Vec<Offset>,
+}
+
+/// One diameter against the others.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Offset {
+    /// Diameter D.
+    pub diameter: f64,
+    /// Mean residual of its points.
+    pub residual: Value,
+}
+
+/// Share of near grains without contacts of one curve.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Floating {
+    /// Diameter of the intruder.
+    pub diameter: f64,
+    /// Its depth.
+    pub depth_asked: f64,
+    /// At the lowest Froude number.
+    pub slowest: Value,
+    /// At the highest.
+    pub fastest: Value,
+    /// How many times the share falls from a speed to the next by more than two errors.
+    pub falls: usize,
+}
+
+/// What goes on in one material.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Around {
+    /// The grains.
+    pub material: Material,
+    /// Angle over all contacts.
+    pub contacts: Contacts,
+    /// Angle where contacts begin.
+    pub new_contacts: Contacts,
+    /// `kappa = a + b Fr` (Kumar 2018, Fig. 8).
+    pub kappa: Finding<Fit>,
+    /// How far each diameter lies off that line.
+    pub kappa_offsets: Vec<Offset>,
+    /// Grains without contacts.
+    pub floating: Vec<Floating>,
+}
+
+type Reading = fn(&Point) -> Option<Value>;
+
+/// Points of all curves with intruders wide enough, and the diameter of each.
+fn data(curves: &[(&Curve, &Yield)], of: Reading) -> (Vec<Datum>, Vec<f64>) {
+    let wide = curves
+        .iter()
+        .filter(|(c, _)| c.diameter >= LEAST_DIAMETER * c.mean_diameter);
+    let mut all: Vec<(Datum, f64)> = Vec::new();
+    for (curve, _) in wide {
+        for p in &curve.points {
+            let Some(v) = of(p).filter(|v| v.error > 0.0) else {
+                continue;
+            };
+            let datum = Datum {
+                x: p.froude,
+                y: v.value,
+                error: v.error,
+            };
+            all.push((datum, curve.diameter));
+        }
+    }
+    all.into_iter().unzip()
+}
+
+/// Weighted mean residual of each diameter, with errors that the scatter has a part in.
+fn offsets(data: &[Datum], diameters: &[f64], fit: &Fit) -> Vec<Offset> {
+    let mut kinds: Vec<f64> = diameters.to_vec();
+    kinds.sort_by(f64::total_cmp);
+    kinds.dedup();
+    let mut out = Vec::new();
+    for diameter in kinds {
+        let own = data.iter().zip(diameters).zip(&fit.residuals);
+        let own: Vec<Datum> = own
+            .filter(|((_, d), _)| **d == diameter)
+            .map(|((datum, _), residual)| Datum {
+                y: *residual,
+                ..*datum
+            })
+            .collect();
+        if let Ok(mean) = constant(&own) {
+            let residual = Value {
+                value: mean.parameters[0].value,
+                error: mean.parameters[0].error,
+            };
+            out.push(Offset { diameter, residual });
+        }
+    }
+    out
+}
+
+fn contacts(curves: &[(&Curve, &Yield)], of: Reading) -> Contacts {
+    let (data, diameters) = data(curves, of);
+    let law = angle_law(&data);
+    let ten: Vec<Datum> = data
+        .iter()
+        .filter(|d| (d.x - 10.0).abs() < 0.01)
+        .copied()
+        .collect();
+    Contacts {
+        offsets: law
+            .as_ref()
+            .map_or(vec![], |fit| offsets(&data, &diameters, fit)),
+        law: law.into(),
+        at_ten: constant(&ten).into(),
+    }
+}
+
+/// All readings of one material.
+pub(super) fn around(material: Material, curves: &[(&Curve, &Yield)]) -> Around {
+    let (kappas, diameters) = data(curves, |p| p.kappa);
+    let kappa = line(&kappas);
+    Around {
+        material,
+        contacts: contacts(curves, |p| p.angle),
+        new_contacts: contacts(curves, |p| p.new_angle),
+        kappa_offsets: kappa
+            .as_ref()
+            .map_or(vec![], |fit| offsets(&kappas, &diameters, fit)),
+        kappa: kappa.into(),
+        floating: curves
+            .iter()
+            .filter_map(|(curve, _)| floating(curve))
+            .collect(),
+    }
+}
+
+fn floating(curve: &Curve) -> Option<Floating> {
+    let shares: Vec<Value> = curve.points.iter().filter_map(|p| p.floating).collect();
+    let (first, last) = (shares.first()?, shares.last()?);
+    if shares.len() < 2 {
+        return None;
+    }
+    let falls = shares.windows(2).filter(|pair| {
+        let error = (pair[0].error * pair[0].error + pair[1].error * pair[1].error).sqrt();
+        pair[1].value < pair[0].value - 2.0 * error
+    });
+    Some(Floating {
+        diameter: curve.diameter,
+        depth_asked: curve.depth_asked,
+        slowest: *first,
+        fastest: *last,
+        falls: falls.count(),
+    })
+}

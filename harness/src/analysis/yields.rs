@@ -1,0 +1,111 @@
+//! The yield force of an intruder: the drag in the limit of no speed (Kumar 2018, section III E).
+
+use serde::{Deserialize, Serialize};
+
+use super::{Curve, Finding, Value};
+use crate::fit::Datum;
+use crate::fit::limit::extrapolated;
+use crate::fit::linear::constant;
+
+/// Fastest run, over sqrt(g d), that counts as the slow limit itself: the paper's 0.01.
+pub const SLOW: f64 = 0.0101;
+/// Least friction coefficient with which the drag has a plateau (Kumar 2018, section III D).
+pub const PLATEAU_MU: f64 = 0.05;
+/// Froude number up to which it is flat (Kumar 2018, section III A).
+pub const PLATEAU_FROUDE: f64 = 1.0;
+/// Froude number up to which a frictionless drag is extrapolated from: the paper fits its law below 1.
+pub const EXTRAPOLATED_FROUDE: f64 = 1.3;
+
+/// How a yield force was found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Method {
+    /// A run at V = 0.01 sqrt(g d) or slower, as in the paper.
+    SlowRun,
+    /// Weighted mean of the runs below Fr = 1, with friction.
+    Plateau,
+    /// `a` of `a + b Fr^c` through the slow runs, without.
+    Extrapolated,
+}
+
+/// The yield force of a curve.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Yield {
+    /// How it was found.
+    pub method: Method,
+    /// How many runs it rests on.
+    pub runs: usize,
+    /// It, or why there is none.
+    pub force: Finding<Value>,
+}
+
+/// Points below a Froude number.
+fn below(curve: &Curve, froude: f64) -> Vec<Datum> {
+    let slow = curve.points.iter().filter(|p| p.froude <= froude);
+    slow.map(|p| Datum {
+        x: p.froude,
+        y: p.drag.value,
+        error: p.drag.error,
+    })
+    .collect()
+}
+
+/// The yield force of a curve, by the best method that its runs allow.
+pub(super) fn yield_of(curve: &Curve) -> Yield {
+    let limit = SLOW * curve.mean_diameter.sqrt();
+    let slow: Vec<Value> = curve
+        .points
+        .iter()
+        .filter(|p| p.speed <= limit)
+        .map(|p| p.drag)
+        .collect();
+    if !slow.is_empty() {
+        return Yield {
+            method: Method::SlowRun,
+            runs: slow.len(),
+            force: Finding::Found(mean(&slow)),
+        };
+    }
+    if curve.material.mu >= PLATEAU_MU {
+        let data = below(curve, PLATEAU_FROUDE);
+        let force = match &data[..] {
+            [] => Finding::refused(format!("no run is below Fr = {PLATEAU_FROUDE}")),
+            [one] => Finding::Found(Value {
+                value: one.y,
+                error: one.error,
+            }),
+            _ => constant(&data)
+                .map(|fit| Value {
+                    value: fit.parameters[0].value,
+                    error: fit.parameters[0].error,
+                })
+                .into(),
+        };
+        return Yield {
+            method: Method::Plateau,
+            runs: data.len(),
+            force,
+        };
+    }
+    let data = below(curve, EXTRAPOLATED_FROUDE);
+    let limit = extrapolated(&data).map(|limit| Value {
+        value: limit.value,
+        error: limit.error,
+    });
+    Yield {
+        method: Method::Extrapolated,
+        runs: data.len(),
+        force: limit.into(),
+    }
+}
+
+/// Weighted mean of a few.
+fn mean(values: &[Value]) -> Value {
+    let weight = |v: &Value| 1.0 / (v.error * v.error);
+    let weights: f64 = values.iter().map(weight).sum();
+    Value {
+        value: values.iter().map(|v| weight(v) * v.value).sum::<f64>() / weights,
+        error: 1.0 / weights.sqrt(),
+    }
+}

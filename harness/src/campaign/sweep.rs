@@ -1,0 +1,450 @@
+//! Runs what is left of a campaign: beds first, each once, then drags, the longest first.
+
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::sync::atomic::Ordering;
+
+use super::columns::{Row, Status};
+use super::folder::{CampaignFolder, FAILURE, Failure};
+use super::plan::{Member, Plan};
+use super::{parquet, table};
+use crate::bed::recipe::Recipe;
+use crate::bed::{self, library::Library};
+use crate::error::{Error, Result};
+use crate::files::{check_writable, clear_partials, write_whole};
+use crate::folder::Folder;
+use crate::progress::{Overall, Progress};
+use crate::run::{self, SaveEvery, Setting, side_by_side};
+use crate::scenario::{BedPlan, RunPlan, Scenario};
+use crate::summary::{BedSummary, RunRecord, RunSummary};
+
+/// How a campaign is run; none of it changes a result.
+pub struct Sweep<'a> {
+    /// What is run.
+    pub plan: &'a Plan,
+    /// The campaign's folder.
+    pub out: &'a Path,
+    /// The settled beds that runs share.
+    pub library: &'a Library,
+    /// Threads.
+    pub threads: usize,
+    /// Most stages at a time, which share the threads.
+    pub jobs: usize,
+    /// How often a stage under way is saved.
+    pub save: SaveEvery,
+    /// Whether what failed before is tried again.
+    pub retry: bool,
+    /// Bars, lines and the wish to stop.
+    pub progress: &'a Progress,
+}
+
+/// How a campaign ended.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Outcome {
+    /// Runs that are done.
+    pub done: usize,
+    /// Runs that failed; their rows say why.
+    pub failed: usize,
+    /// The table.
+    pub table: PathBuf,
+}
+
+/// One drag of one member.
+struct Job {
+    member: usize,
+    plan: RunPlan,
+    work: u64,
+}
+
+/// What became of a drag: nothing yet, or its end.
+type Slot = Option<Status>;
+
+/// A campaign under way.
+struct Under<'a> {
+    what: &'a Sweep<'a>,
+    folder: CampaignFolder<'a>,
+    places: Vec<PathBuf>,
+    jobs: Vec<Job>,
+    slots: Mutex<Vec<Slot>>,
+}
+
+/// Runs a campaign into its folder, or what is left of it.
+///
+/// # Errors
+/// Where its folder cannot be had or written to, or it is interrupted; runs that fail are told of in the
+/// table and stop nothing.
+pub fn sweep(what: &Sweep<'_>) -> Result<Outcome> {
+    let folder = CampaignFolder(what.out);
+    let claim = folder.claim(what.plan)?;
+    if !claim.sure {
+        what.progress.warn(&format!(
+            "{} cannot be locked: see that no other campaign is at work in it",
+            what.out.display()
+        ));
+    }
+    check_writable(what.library.folder())?;
+    let members = &what.plan.members;
+    let places: Vec<PathBuf> = members.iter().map(|m| folder.member(&m.name)).collect();
+    let mut jobs = Vec::new();
+    for (member, Member { scenario, .. }) in members.iter().enumerate() {
+        let beds = scenario.beds();
+        for plan in scenario.runs() {
+            let grains = scenario.grain_count(beds[plan.bed].diameter) as u64;
+            let work = plan.steps * grains;
+            jobs.push(Job { member, plan, work });
+        }
+    }
+    let mut claims = Vec::new();
+    for (member, place) in members.iter().zip(&places) {
+        claims.push(Folder(place).claim(&member.scenario)?);
+    }
+    if claim.sure && claims.iter().all(|claim| claim.sure) {
+        clear_partials(what.out);
+    }
+    let slots = jobs.iter().map(|_| None).collect();
+    let under = Under {
+        what,
+        folder,
+        places,
+        jobs,
+        slots: Mutex::new(slots),
+    };
+    under.take_up()?;
+    under.go_on()?;
+    under.conclude()
+}
+
+impl Under<'_> {
+    fn setting<'b>(
+        &'b self,
+        member: usize,
+        folder: &'b Folder<'b>,
+        progress: &'b Progress,
+    ) -> Setting<'b> {
+        Setting {
+            scenario: self.scenario(member),
+            folder,
+            library: self.what.library,
+            // Stages are side by side already, each on its share of the threads.
+            threads: 1,
+            save: self.what.save,
+            progress,
+        }
+    }
+
+    fn progress(&self, member: usize) -> Progress {
+        self.what
+            .progress
+            .labelled(&self.what.plan.members[member].name)
+    }
+
+    fn scenario(&self, member: usize) -> &Scenario {
+        &self.what.plan.members[member].scenario
+    }
+
+    fn run_folder(&self, job: &Job) -> PathBuf {
+        self.places[job.member].join("runs").join(&job.plan.name)
+    }
+
+    /// Finds the runs that came to their end before.
+    fn take_up(&self) -> Result<()> {
+        let ends: Vec<Slot> = self
+            .jobs
+            .iter()
+            .map(|job| self.ended(job))
+            .collect::<Result<_>>()?;
+        *self.slots.lock().expect("no job panics with it") = ends;
+        self.write_table()
+    }
+
+    /// How a run ended before, if it did.
+    fn ended(&self, job: &Job) -> Result<Slot> {
+        let failures = [
+            self.places[job.member].join(FAILURE),
+            self.run_folder(job).join(FAILURE),
+        ];
+        for path in failures {
+            if self.what.retry {
+                let _ = std::fs::remove_file(&path);
+            }
+            let text = std::fs::read_to_string(&path).ok();
+            let failure = text.and_then(|text| serde_json::from_str::<Failure>(&text).ok());
+            if let Some(failure) = failure {
+                return Ok(Some(Status::Failed(failure.reason)));
+            }
+        }
+        let path = self.run_folder(job).join("summary.json");
+        let Ok(text) = std::fs::read_to_string(&path) else {
+            return Ok(None);
+        };
+        let record: Option<RunRecord> = serde_json::from_str(&text).ok();
+        let folder = Folder(&self.places[job.member]);
+        let inputs = folder.inputs(self.scenario(job.member));
+        // Half a file, or another program's: the run is taken up from its checkpoints.
+        let whole =
+            record.filter(|record| record.inputs == inputs && !record.run.plug.is_unknown());
+        Ok(whole.map(|record| Status::Done(Box::new(record))))
+    }
+
+    /// The members of whose runs some are open, by the first of each recipe and the rest.
+    fn open(&self) -> [Vec<usize>; 2] {
+        let slots = self.slots.lock().expect("no job panics with it");
+        let mut recipes: Vec<String> = Vec::new();
+        let mut open = [Vec::new(), Vec::new()];
+        for member in 0..self.places.len() {
+            let mut own = self.jobs.iter().zip(slots.iter());
+            if !own.any(|(job, slot)| job.member == member && slot.is_none()) {
+                continue;
+            }
+            let scenario = self.scenario(member);
+            let digests = scenario
+                .beds()
+                .into_iter()
+                .map(|bed| Recipe::new(scenario, &bed).digest());
+            let digests: Vec<String> = digests.collect();
+            let again = digests.iter().any(|digest| recipes.contains(digest));
+            open[usize::from(again)].push(member);
+            recipes.extend(digests);
+        }
+        open
+    }
+
+    /// Makes the beds that are wanted, then does the drags that are open.
+    fn go_on(&self) -> Result<()> {
+        let open = self.open();
+        let overall = self.overall(&open);
+        let beds = self.beds(open, &overall)?;
+        let open: Vec<usize> = {
+            let slots = self.slots.lock().expect("no job panics with it");
+            (0..self.jobs.len())
+                .filter(|&k| slots[k].is_none())
+                .collect()
+        };
+        let work = |k: usize| self.jobs[open[k]].work;
+        let ended = side_by_side(self.what.threads, self.what.jobs, open.len(), work, |k| {
+            let job = &self.jobs[open[k]];
+            let found = beds[job.member].as_ref().expect("its bed was made");
+            let folder = Folder(&self.places[job.member]);
+            let progress = self.progress(job.member);
+            let setting = self.setting(job.member, &folder, &progress);
+            let dragged = run::drag(setting, &job.plan, &found[job.plan.bed]).map(|(run, _)| run);
+            let ended = self.end(dragged, &self.run_folder(job))?;
+            overall.run_ended(ended.is_err());
+            self.record(open[k], ended, &found[job.plan.bed])
+        })?;
+        first_cause(ended).map(|_| ())
+    }
+
+    /// Makes beds, by member; of those that fail the runs do too.
+    fn beds(
+        &self,
+        open: [Vec<usize>; 2],
+        overall: &Overall,
+    ) -> Result<Vec<Option<Vec<BedSummary>>>> {
+        let mut beds: Vec<Option<Vec<BedSummary>>> = vec![None; self.places.len()];
+        for members in open {
+            let work = |k: usize| self.pouring(members[k]);
+            let made = side_by_side(
+                self.what.threads,
+                self.what.jobs,
+                members.len(),
+                work,
+                |k| {
+                    let folder = Folder(&self.places[members[k]]);
+                    let progress = self.progress(members[k]);
+                    let setting = self.setting(members[k], &folder, &progress);
+                    let planned = self.planned(members[k]);
+                    let made = run::beds(setting).map(|(beds, _)| beds);
+                    if let Ok(beds) = &made
+                        && planned > 0
+                    {
+                        let steps = beds.iter().map(|bed| bed.steps * bed.grains as u64);
+                        overall.took(planned, steps.sum());
+                    }
+                    self.end(made, &self.places[members[k]])
+                },
+            )?;
+            for (member, made) in members.into_iter().zip(first_cause(made)?) {
+                match made {
+                    Ok(found) => beds[member] = Some(found),
+                    Err(reason) => self.fail_all(member, &reason, overall)?,
+                }
+            }
+        }
+        Ok(beds)
+    }
+
+    /// Grain-steps that the beds of a member take about.
+    fn pouring(&self, member: usize) -> u64 {
+        let scenario = self.scenario(member);
+        let one = |bed: &BedPlan| {
+            bed::pouring_steps(scenario, bed) * scenario.grain_count(bed.diameter) as u64
+        };
+        scenario.beds().iter().map(one).sum()
+    }
+
+    /// The same, or 0 where they are at hand.
+    fn planned(&self, member: usize) -> u64 {
+        let scenario = self.scenario(member);
+        let here = Folder(&self.places[member]);
+        let at_hand = |bed: &BedPlan| {
+            here.bed(&bed.name).exists() || self.what.library.has(&Recipe::new(scenario, bed))
+        };
+        match scenario.source.is_some() || scenario.beds().iter().all(at_hand) {
+            true => 0,
+            false => self.pouring(member),
+        }
+    }
+
+    /// The bar over all of it.
+    fn overall(&self, open: &[Vec<usize>; 2]) -> Overall<'_> {
+        let pouring: u64 = open[0].iter().map(|&member| self.planned(member)).sum();
+        let slots = self.slots.lock().expect("no job panics with it");
+        let (mut before, mut ended, mut total) = (0, 0, pouring);
+        for (job, slot) in self.jobs.iter().zip(slots.iter()) {
+            total += job.work;
+            if slot.is_some() {
+                (before, ended) = (before + job.work, ended + 1);
+            }
+        }
+        let name = &self.what.plan.campaign.name;
+        self.what
+            .progress
+            .overall(name, total, before, self.jobs.len(), ended)
+    }
+
+    /// A stage's end: what it gave, or why it failed, which is written down; whatever else stopped it stops
+    /// the campaign.
+    fn end<T>(&self, ended: Result<T>, place: &Path) -> Result<std::result::Result<T, String>> {
+        let error = match ended {
+            Ok(given) => return Ok(Ok(given)),
+            Err(error) => error,
+        };
+        let failed = matches!(
+            error,
+            Error::Run { .. } | Error::Unsettled { .. } | Error::Input { .. }
+        );
+        if !failed {
+            // Nothing more is begun, and what is under way is saved.
+            self.what
+                .progress
+                .stop_flag()
+                .store(true, Ordering::Relaxed);
+            return Err(error);
+        }
+        let failure = Failure {
+            reason: error.to_string(),
+        };
+        let text = serde_json::to_string_pretty(&failure).expect("a sentence is text");
+        write_whole(&place.join(FAILURE), format!("{text}\n").as_bytes())?;
+        self.what
+            .progress
+            .warn(&format!("{error}; the others go on"));
+        Ok(Err(failure.reason))
+    }
+
+    fn fail_all(&self, member: usize, reason: &str, overall: &Overall) -> Result<()> {
+        let mut slots = self.slots.lock().expect("no job panics with it");
+        for (job, slot) in self.jobs.iter().zip(slots.iter_mut()) {
+            if job.member == member && slot.is_none() {
+                *slot = Some(Status::Failed(reason.into()));
+                overall.run_ended(true);
+            }
+        }
+        drop(slots);
+        self.write_table()
+    }
+
+    /// Keeps how a run ended, and writes the table with it.
+    fn record(
+        &self,
+        job: usize,
+        ended: std::result::Result<RunSummary, String>,
+        bed: &BedSummary,
+    ) -> Result<()> {
+        let folder = Folder(&self.places[self.jobs[job].member]);
+        let scenario = self.scenario(self.jobs[job].member);
+        let status = match ended {
+            Ok(run) => Status::Done(Box::new(run::record(&folder, scenario, bed, &run))),
+            Err(reason) => Status::Failed(reason),
+        };
+        self.slots.lock().expect("no job panics with it")[job] = Some(status);
+        self.write_table()
+    }
+
+    /// Writes the rows that there are, in the order of the plan.
+    fn write_table(&self) -> Result<()> {
+        // Held until it is written: an older table must not replace a newer one.
+        let slots = self.slots.lock().expect("no job panics with it");
+        let ended = self.jobs.iter().zip(slots.iter());
+        let row = |(job, slot): (&Job, &Slot)| {
+            Some(Row {
+                member: &self.what.plan.members[job.member].name[..],
+                scenario: self.scenario(job.member),
+                plan: job.plan.clone(),
+                status: slot.clone()?,
+            })
+        };
+        let rows: Vec<Row> = ended.filter_map(row).collect();
+        let units = self.scenario(0).units();
+        write_whole(&self.folder.table(), table::text(&units, &rows).as_bytes())?;
+        let path = self.folder.parquet();
+        let bytes = parquet::bytes(&rows).map_err(|e| Error::write(&path, e))?;
+        write_whole(&path, &bytes)
+    }
+
+    /// Writes the summaries and reports of the members whose runs are all done.
+    fn conclude(&self) -> Result<Outcome> {
+        let slots = self.slots.lock().expect("no job panics with it");
+        let (mut done, mut failed) = (0, 0);
+        for (member, place) in self.places.iter().enumerate() {
+            let own = self
+                .jobs
+                .iter()
+                .zip(slots.iter())
+                .filter(|(job, _)| job.member == member);
+            let mut records = Vec::new();
+            let mut whole = true;
+            for (_, slot) in own {
+                match slot {
+                    Some(Status::Done(record)) => records.push(record),
+                    _ => {
+                        whole = false;
+                        failed += 1;
+                    }
+                }
+            }
+            done += records.len();
+            let folder = Folder(place);
+            if !whole || folder.report().exists() && folder.summary().exists() {
+                continue;
+            }
+            let mut beds: Vec<BedSummary> = Vec::new();
+            for record in &records {
+                if !beds.iter().any(|bed| bed.name == record.bed.name) {
+                    beds.push(record.bed.clone());
+                }
+            }
+            let runs = records.iter().map(|record| record.run.clone()).collect();
+            run::conclude(&folder, self.scenario(member), beds, runs)?;
+        }
+        Ok(Outcome {
+            done,
+            failed,
+            table: self.folder.table(),
+        })
+    }
+}
+
+/// All results, or what stopped the first of them; an interruption only where nothing else did.
+fn first_cause<T>(results: Vec<Result<T>>) -> Result<Vec<T>> {
+    let (mut given, mut interrupted) = (Vec::with_capacity(results.len()), None);
+    for result in results {
+        match result {
+            Ok(value) => given.push(value),
+            Err(error @ Error::Interrupted { .. }) => interrupted = Some(error),
+            Err(error) => return Err(error),
+        }
+    }
+    interrupted.map_or(Ok(given), Err)
+}

@@ -1,0 +1,322 @@
+//! What a campaign's analysis says of each claim of Kumar 2018.
+
+use super::kumar_scaling::{collapses, exponents, stiffness, yields};
+use crate::analysis::{Analysis, Around, Curve, Finding, Pooled, Scaling, Speeds, Value, Yield};
+use crate::fit::Fit;
+use crate::fit::regimes::Crossover;
+
+/// A number with what it rests on, or why there is none.
+pub type Found = Result<(Value, String), String>;
+
+/// Friction coefficient of most of the paper.
+pub(super) const MU: f64 = 0.5;
+/// Normal quantile of 97.5 %: a 95 % interval is so many standard errors each way.
+const WIDE: f64 = 1.96;
+
+pub(super) fn value(value: f64, error: f64) -> Value {
+    Value { value, error }
+}
+
+pub(super) fn parameter(fit: &Fit, name: &str) -> Result<Value, String> {
+    let found = fit.parameter(name).map(|p| value(p.value, p.error));
+    found.ok_or_else(|| format!("the fit has no {name}"))
+}
+
+pub(super) fn found<T>(finding: &Finding<T>) -> Result<&T, String> {
+    match finding {
+        Finding::Found(found) => Ok(found),
+        Finding::Refused(why) => Err(why.to_string()),
+    }
+}
+
+/// The farthest of some from a number.
+pub(super) fn farthest(all: Vec<(Value, String)>, from: f64, none: &str) -> Found {
+    let far = |v: &Value| (v.value - from).abs();
+    let most = all
+        .into_iter()
+        .reduce(|a, b| if far(&b.0) > far(&a.0) { b } else { a });
+    most.ok_or_else(|| none.to_string())
+}
+
+/// The least of some.
+pub(super) fn least(all: Vec<(Value, String)>, none: &str) -> Found {
+    let less = all
+        .into_iter()
+        .reduce(|a, b| if b.0.value < a.0.value { b } else { a });
+    less.ok_or_else(|| none.to_string())
+}
+
+/// The material that most of a paper is about: of the friction asked for, that with the most curves.
+pub(super) struct Of<'a> {
+    pub(super) analysis: &'a Analysis,
+}
+
+impl<'a> Of<'a> {
+    pub(super) fn curves(&self) -> impl Iterator<Item = (&'a Curve, &'a Speeds, &'a Yield)> {
+        let a = self.analysis;
+        let all = a.curves.iter().zip(&a.speeds).zip(&a.yields);
+        all.map(|((curve, speeds), own)| (curve, speeds, own))
+    }
+
+    fn most<T>(
+        &self,
+        list: &'a [T],
+        mu: f64,
+        of: impl Fn(&T) -> (crate::analysis::Material, usize),
+    ) -> Result<&'a T, String> {
+        let own = list.iter().filter(|x| (of(x).0.mu - mu).abs() < 1e-9);
+        let most = own.reduce(|a, b| if of(b).1 > of(a).1 { b } else { a });
+        most.ok_or_else(|| format!("no run has mu = {mu}"))
+    }
+
+    fn pooled(&self, mu: f64) -> Result<&'a Pooled, String> {
+        self.most(&self.analysis.pooled, mu, |p| (p.material, p.runs))
+    }
+
+    fn around(&self, mu: f64) -> Result<&'a Around, String> {
+        self.most(&self.analysis.around, mu, |a| {
+            (a.material, a.floating.len())
+        })
+    }
+
+    pub(super) fn scaling(&self, mu: f64) -> Result<&'a Scaling, String> {
+        self.most(&self.analysis.scaling, mu, |s| {
+            (s.material, s.phi.len() + s.alpha.len())
+        })
+    }
+}
+
+pub(super) fn name(curve: &Curve) -> String {
+    format!(
+        "mu = {}, D = {}, h = {:.1}",
+        curve.material.mu, curve.diameter, curve.depth
+    )
+}
+
+/// Ratios of drags below Fr = 1 of curves with such friction.
+fn flat(of: &Of, which: impl Fn(f64) -> bool) -> Vec<(Value, String)> {
+    let own = of.curves().filter(|(c, ..)| which(c.material.mu));
+    own.filter_map(|(curve, speeds, _)| {
+        let f = speeds.flatness.found()?;
+        let note = format!("Fr {} over {}, {}", f.froude[1], f.froude[0], name(curve));
+        Some((f.ratio, note))
+    })
+    .collect()
+}
+
+/// Weighted mean of ratios; the error has their scatter in it.
+pub(super) fn mean(all: &[(Value, String)], none: &str) -> Found {
+    if all.is_empty() {
+        return Err(none.into());
+    }
+    let weight = |v: &Value| 1.0 / (v.error * v.error);
+    let weights: f64 = all.iter().map(|(v, _)| weight(v)).sum();
+    let middle = all.iter().map(|(v, _)| weight(v) * v.value).sum::<f64>() / weights;
+    let square = |v: &Value| weight(v) * (v.value - middle) * (v.value - middle);
+    let scatter =
+        all.iter().map(|(v, _)| square(v)).sum::<f64>() / (all.len() as f64 - 1.0).max(1.0);
+    let scale = if scatter > 1.0 { scatter.sqrt() } else { 1.0 };
+    Ok((
+        value(middle, scale / weights.sqrt()),
+        format!("mean of {} curves", all.len()),
+    ))
+}
+
+/// The measurement of a claim of Kumar 2018; `None` where this paper has no such claim.
+pub fn measure(id: &str, analysis: &Analysis) -> Option<Found> {
+    let of = Of { analysis };
+    let rest = id.strip_prefix("kumar-")?;
+    speeds(rest, &of)
+        .or_else(|| around(rest, &of))
+        .or_else(|| yields(rest, &of))
+        .or_else(|| exponents(rest, &of))
+        .or_else(|| collapses(rest, &of))
+        .or_else(|| stiffness(rest, &of))
+}
+
+fn speeds(id: &str, of: &Of) -> Option<Found> {
+    let none = "no curve has two speeds below Fr = 1";
+    Some(match id {
+        "flat" => mean(&flat(of, |mu| (mu - MU).abs() < 1e-9), none),
+        "plateau" => farthest(flat(of, |mu| (0.05..MU).contains(&mu)), 1.0, none),
+        "no-plateau" => least(flat(of, |mu| mu < 0.05), none),
+        "linear" => of.pooled(MU).and_then(|p| {
+            let fit = found(&p.second)?;
+            Ok((parameter(fit, "p")?, fit.line()))
+        }),
+        "quadratic" => mean(&quadratic(of), "no curve has runs at Fr = 5, 7 and 10"),
+        "crossover-1" => crossover(of, MU, |r| r.first),
+        "crossover-2" => crossover(of, MU, |r| r.second),
+        "crossovers-friction" => (|| {
+            let (slick, rough) = (
+                crossover(of, 0.0, |r| r.first)?,
+                crossover(of, MU, |r| r.first)?,
+            );
+            Ok((slick.0.over(rough.0), format!("{}; {}", slick.1, rough.1)))
+        })(),
+        "crossovers-size-depth" => curves_apart(of),
+        "crossovers-stiffness" => (|| {
+            let all = of
+                .analysis
+                .pooled
+                .iter()
+                .filter(|p| (p.material.mu - MU).abs() < 1e-9);
+            let all: Vec<Value> = all.filter_map(|p| at(&p.regimes.found()?.first)).collect();
+            let [first, rest @ ..] = &all[..] else {
+                return Err("crossovers of other K_n or gamma_n were not found".into());
+            };
+            let ratios = rest
+                .iter()
+                .map(|x| (x.over(*first), "K_n or gamma_n varied".to_string()));
+            farthest(
+                ratios.collect(),
+                1.0,
+                "the runs have one K_n and one gamma_n",
+            )
+        })(),
+        _ => return None,
+    })
+}
+
+/// A crossover whose interval is closed, as a number with an error.
+fn at(crossover: &Crossover) -> Option<Value> {
+    let (low, high) = (crossover.low?, crossover.high?);
+    Some(value(crossover.at, (high - low) / (2.0 * WIDE)))
+}
+
+fn crossover(of: &Of, mu: f64, which: fn(&crate::fit::regimes::Regimes) -> Crossover) -> Found {
+    let pooled = of.pooled(mu)?;
+    let regimes = found(&pooled.regimes)?;
+    let crossover = which(regimes);
+    let end = |x: Option<f64>| x.map_or("open".to_string(), |x| format!("{x:.2}"));
+    let note = format!(
+        "{:.2}, 95 % from {} to {}, of {} runs at mu = {mu}{}",
+        crossover.at,
+        end(crossover.low),
+        end(crossover.high),
+        pooled.runs,
+        if regimes.needed {
+            ""
+        } else {
+            "; fewer regimes fit as well"
+        }
+    );
+    at(&crossover).map(|v| (v, note.clone())).ok_or(note)
+}
+
+fn curves_apart(of: &Of) -> Found {
+    let pooled = found(&of.pooled(MU)?.regimes)?;
+    let whole = [at(&pooled.first), at(&pooled.second)];
+    let mut all = Vec::new();
+    for (curve, speeds, _) in of
+        .curves()
+        .filter(|(c, ..)| (c.material.mu - MU).abs() < 1e-9)
+    {
+        let Some(own) = speeds.regimes.found() else {
+            continue;
+        };
+        for (x, all_curves) in [at(&own.first), at(&own.second)].into_iter().zip(whole) {
+            let (Some(x), Some(all_curves)) = (x, all_curves) else {
+                continue;
+            };
+            let ratio = x.over(all_curves);
+            all.push((value((ratio.value - 1.0).abs(), ratio.error), name(curve)));
+        }
+    }
+    farthest(
+        all,
+        0.0,
+        "no single curve has crossovers with closed intervals",
+    )
+}
+
+fn quadratic(of: &Of) -> Vec<(Value, String)> {
+    let own = of
+        .curves()
+        .filter(|(c, ..)| (c.material.mu - MU).abs() < 1e-9);
+    own.filter_map(|(curve, ..)| {
+        let drag = |froude: f64| {
+            curve
+                .points
+                .iter()
+                .find(|p| (p.froude - froude).abs() < 1e-6)
+                .map(|p| p.drag)
+        };
+        let [a, b, c] = [drag(5.0)?, drag(7.0)?, drag(10.0)?];
+        let (long, short) = (c.value - a.value, b.value - a.value);
+        let ratio = long / short;
+        // By each drag: of the first both differences depend.
+        let by = [
+            (ratio - 1.0) / short * a.error,
+            ratio / short * b.error,
+            c.error / short,
+        ];
+        let error = by.iter().map(|e| e * e).sum::<f64>().sqrt();
+        Some((value(ratio, error), name(curve)))
+    })
+    .collect()
+}
+
+fn around(id: &str, of: &Of) -> Option<Found> {
+    let of_angle = |name: &'static str| -> Found {
+        let fit = found(&of.around(MU)?.contacts.law)?;
+        Ok((parameter(fit, name)?, fit.line()))
+    };
+    let of_kappa = |name: &'static str| -> Found {
+        let fit = found(&of.around(MU)?.kappa)?;
+        Ok((parameter(fit, name)?, fit.line()))
+    };
+    Some(match id {
+        "angle-one" => (|| {
+            let fit = found(&of.around(MU)?.contacts.law)?;
+            let (y1, y3) = (parameter(fit, "Y1")?, parameter(fit, "Y3")?);
+            let pi = std::f64::consts::PI;
+            let slope = -pi / (y3.value * y3.value);
+            let c = &fit.covariance;
+            let variance = c[0][0] + slope * slope * c[2][2] + 2.0 * slope * c[0][2];
+            Ok((value(y1.value + pi / y3.value, variance.sqrt()), fit.line()))
+        })(),
+        "angle-ten" => (|| {
+            let fit = found(&of.around(MU)?.contacts.at_ten)?;
+            Ok((parameter(fit, "a")?, fit.line()))
+        })(),
+        "angle-exponent" => of_angle("Y2"),
+        "angle-size" => of.around(MU).and_then(|a| {
+            let offset = |o: &crate::analysis::Offset| {
+                (
+                    value(o.residual.value.abs(), o.residual.error),
+                    format!("D = {}", o.diameter),
+                )
+            };
+            let all = a.contacts.offsets.iter().map(offset).collect();
+            farthest(all, 0.0, "no law of the contact angle was found")
+        }),
+        "kappa-intercept" => of_kappa("a"),
+        "kappa-slope" => of_kappa("b"),
+        "kappa-size" => (|| {
+            let around = of.around(MU)?;
+            let fit = found(&around.kappa)?;
+            let five = parameter(fit, "a")?.value + 5.0 * parameter(fit, "b")?.value;
+            let offset = |o: &crate::analysis::Offset| {
+                let residual = value(o.residual.value.abs() / five, o.residual.error / five);
+                (residual, format!("D = {}", o.diameter))
+            };
+            farthest(
+                around.kappa_offsets.iter().map(offset).collect(),
+                0.0,
+                "no line was found",
+            )
+        })(),
+        "floating" => of.around(MU).and_then(|a| {
+            let ratio = |f: &crate::analysis::Floating| {
+                let note = format!("D = {}, h = {}", f.diameter, f.depth_asked);
+                (f.fastest.over(f.slowest), note)
+            };
+            least(
+                a.floating.iter().map(ratio).collect(),
+                "no curve has two speeds",
+            )
+        }),
+        _ => return None,
+    })
+}

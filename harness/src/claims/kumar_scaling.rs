@@ -1,0 +1,276 @@
+//! What a campaign's analysis says of the claims about yield forces and how they scale.
+
+use super::kumar::{Found, MU, Of, farthest, found, least, mean, name, parameter, value};
+use crate::analysis::{
+    Collapse, Curve, Exponent, Finding, Scaling, Speeds, Stiffness, Value, Yield,
+};
+
+pub(super) fn yields(id: &str, of: &Of) -> Option<Found> {
+    let slick = || of.curves().filter(|(c, ..)| c.material.mu < 0.05);
+    Some(match id {
+        "table-1" | "table-1-offset" => {
+            let offset = id == "table-1-offset";
+            let one = |(curve, speeds, own): (&Curve, &Speeds, &Yield)| -> Option<(Value, String)> {
+                if offset {
+                    let force = *own.force.found()?;
+                    let scale =
+                        curve.effective_diameter() * curve.effective_diameter() * curve.depth;
+                    return Some((value(force.value / scale, force.error / scale), name(curve)));
+                }
+                let fit = speeds.first.as_ref()?.found()?;
+                Some((parameter(fit, "c").ok()?, name(curve)))
+            };
+            let wide = slick().filter(|(c, ..)| !offset || c.diameter > 1.5 * c.mean_diameter);
+            let all: Vec<(Value, String)> = wide.filter_map(one).collect();
+            mean(
+                &all,
+                "no first regime without friction was found: each exponent was refused",
+            )
+        }
+        "frictionless-yield" => {
+            let over = |(curve, _, own): (&Curve, &Speeds, &Yield)| {
+                let force = own.force.found()?;
+                Some((value(force.value / force.error, 0.0), name(curve)))
+            };
+            least(
+                slick().filter_map(over).collect(),
+                "no yield force without friction was found",
+            )
+        }
+        "yield-rises" => {
+            let mut all = Vec::new();
+            for (curve, _, own) in slick() {
+                let same = |c: &Curve| {
+                    (c.material.mu - MU).abs() < 1e-9
+                        && c.material.kn == curve.material.kn
+                        && c.diameter == curve.diameter
+                        && (c.depth_asked - curve.depth_asked).abs() < 1e-6
+                };
+                let rough = of.curves().find(|(c, ..)| same(c));
+                let both =
+                    rough.and_then(|(_, _, r)| Some((*r.force.found()?, *own.force.found()?)));
+                all.extend(both.map(|(r, s)| (r.over(s), name(curve))));
+            }
+            least(
+                all,
+                "no intruder has a yield force with and without friction",
+            )
+        }
+        "yield-saturates" => saturation(of),
+        _ => return None,
+    })
+}
+
+fn saturation(of: &Of) -> Found {
+    let force = |mu: f64, like: &Curve| {
+        let same = |c: &Curve| {
+            (c.material.mu - mu).abs() < 1e-9
+                && c.material.kn == like.material.kn
+                && c.diameter == like.diameter
+                && (c.depth_asked - like.depth_asked).abs() < 1e-6
+        };
+        of.curves()
+            .find(|(c, ..)| same(c))
+            .and_then(|(_, _, y)| y.force.found().copied())
+    };
+    let one = |(curve, _, _): (&Curve, &Speeds, &Yield)| {
+        let [a, b, c] = [force(0.0, curve)?, force(MU, curve)?, force(0.9, curve)?];
+        let (low, high) = (b.value - a.value, c.value - b.value);
+        let ratio = high / low;
+        let by = [
+            ratio / low * a.error,
+            (1.0 + ratio) / low * b.error,
+            c.error / low,
+        ];
+        let error = by.iter().map(|e| e * e).sum::<f64>().sqrt();
+        Some((value(ratio, error), name(curve)))
+    };
+    let slick = of.curves().filter(|(c, ..)| c.material.mu < 0.05);
+    mean(
+        &slick.filter_map(one).collect::<Vec<_>>(),
+        "no run has mu = 0.9",
+    )
+}
+
+/// Weighted mean of the exponents of a list.
+fn exponent(list: &[Exponent], what: &str) -> Found {
+    let mut why = format!("no {what} was found");
+    let mut all = Vec::new();
+    for e in list {
+        match &e.fit {
+            Finding::Found(fit) => all.push((parameter(fit, "p")?, String::new())),
+            Finding::Refused(refusal) => why = refusal.to_string(),
+        }
+    }
+    mean(&all, &why).map(|(v, _)| (v, format!("mean of {} fits of {what}", all.len())))
+}
+
+fn difference(a: Found, b: Found) -> Found {
+    let ((a, _), (b, note)) = (a?, b?);
+    let error = (a.error * a.error + b.error * b.error).sqrt();
+    Ok((
+        value(a.value - b.value, error),
+        format!("{:.3} less {:.3}; {note}", a.value, b.value),
+    ))
+}
+
+pub(super) fn exponents(id: &str, of: &Of) -> Option<Found> {
+    let phi = |mu: f64| exponent(&of.scaling(mu)?.phi, "phi");
+    let alpha = |mu: f64| exponent(&of.scaling(mu)?.alpha, "alpha");
+    Some(match id {
+        "phi-0" => phi(0.0),
+        "phi-falls" => difference(phi(0.0), phi(MU)),
+        "phi-depth" => within(of, |s| &s.phi),
+        "phi-stiffness" => across(of, |s| &s.phi, "phi"),
+        "alpha-0" => alpha(0.0),
+        "alpha-rises" => difference(alpha(MU), alpha(0.0)),
+        "alpha-stiffness" => {
+            let mut own: Vec<&Scaling> = of
+                .analysis
+                .scaling
+                .iter()
+                .filter(|s| (s.material.mu - MU).abs() < 1e-9)
+                .collect();
+            own.sort_by(|a, b| a.material.kn.total_cmp(&b.material.kn));
+            match &own[..] {
+                [soft, .., hard] if hard.material.kn > soft.material.kn => difference(
+                    exponent(&hard.alpha, "alpha"),
+                    exponent(&soft.alpha, "alpha"),
+                ),
+                _ => Err("the runs have one K_n".into()),
+            }
+        }
+        "sum" => {
+            let all = of
+                .analysis
+                .scaling
+                .iter()
+                .filter_map(|s| Some((s.both.found()?.sum, format!("mu = {}", s.material.mu))));
+            farthest(
+                all.collect(),
+                3.0,
+                "no material has yield forces at several sizes and depths",
+            )
+        }
+        _ => return None,
+    })
+}
+
+type Exponents = fn(&Scaling) -> &Vec<Exponent>;
+
+/// The largest difference of an exponent within one material.
+fn within(of: &Of, list: Exponents) -> Found {
+    let mut all = Vec::new();
+    for scaling in &of.analysis.scaling {
+        let fits: Vec<Value> = list(scaling)
+            .iter()
+            .filter_map(|e| parameter(e.fit.found()?, "p").ok())
+            .collect();
+        for (k, a) in fits.iter().enumerate() {
+            all.extend(fits[..k].iter().map(|b| apart(*a, *b, scaling.material.mu)));
+        }
+    }
+    farthest(all, 0.0, "no material has the exponent at two depths")
+}
+
+/// The largest difference of an exponent between materials of one friction.
+fn across(of: &Of, list: Exponents, what: &str) -> Found {
+    let mut all = Vec::new();
+    let scalings = &of.analysis.scaling;
+    for (k, a) in scalings.iter().enumerate() {
+        for b in scalings[..k]
+            .iter()
+            .filter(|b| b.material.mu == a.material.mu)
+        {
+            if let (Ok((x, _)), Ok((y, _))) = (exponent(list(a), what), exponent(list(b), what)) {
+                all.push(apart(x, y, a.material.mu));
+            }
+        }
+    }
+    farthest(all, 0.0, "the runs have one K_n")
+}
+
+fn apart(a: Value, b: Value, mu: f64) -> (Value, String) {
+    let error = (a.error * a.error + b.error * b.error).sqrt();
+    (
+        value((a.value - b.value).abs(), error),
+        format!("mu = {mu}"),
+    )
+}
+
+pub(super) fn collapses(id: &str, of: &Of) -> Option<Found> {
+    // Beyond the errors: what is left when they are taken out in squares.
+    let beyond = |collapse: &Collapse| -> (Value, String) {
+        let left = collapse.spread * collapse.spread - collapse.expected * collapse.expected;
+        let n: f64 = collapse.speeds.iter().map(|s| s.runs as f64 - 1.0).sum();
+        let error = collapse.spread / (2.0 * n).sqrt();
+        let note = format!(
+            "spread {:.3}, of which errors {:.3}, at {} speeds",
+            collapse.spread,
+            collapse.expected,
+            collapse.speeds.len()
+        );
+        (
+            value(if left > 0.0 { left.sqrt() } else { 0.0 }, error),
+            note,
+        )
+    };
+    let which: fn(&Scaling) -> &Finding<Collapse> = match id {
+        "collapse-size" | "collapse-size-frictionless" => |s| &s.by_size,
+        "collapse-depth" => |s| &s.by_depth_deep,
+        "collapse-shallow" => |s| &s.by_depth_shallow,
+        _ => return None,
+    };
+    let mu = if id == "collapse-size-frictionless" {
+        0.0
+    } else {
+        MU
+    };
+    Some(of.scaling(mu).and_then(|s| Ok(beyond(found(which(s))?))))
+}
+
+pub(super) fn stiffness(id: &str, of: &Of) -> Option<Found> {
+    let groups = |what: &str| -> Vec<&Stiffness> {
+        of.analysis
+            .stiffness
+            .iter()
+            .filter(|g| g.what == what && (g.mu - MU).abs() < 1e-9)
+            .collect()
+    };
+    let fast = |what: &str, far: f64| {
+        let mut all = Vec::new();
+        for group in groups(what) {
+            let note = format!("D = {}, h = {}", group.diameter, group.depth_asked);
+            let levels = group.levels.iter().filter_map(|level| level.fast);
+            all.extend(levels.map(|v| (v, note.clone())));
+        }
+        farthest(
+            all,
+            far,
+            &format!("no intruder was dragged beyond Fr = 5 at several {what}"),
+        )
+    };
+    let slow = |what: &str| {
+        let ratio = |group: &&Stiffness| {
+            let [first, .., last] = &group.levels[..] else {
+                return None;
+            };
+            let note = format!("D = {}, h = {}", group.diameter, group.depth_asked);
+            Some((last.slow.over(first.slow), note))
+        };
+        let all: Vec<(Value, String)> = groups(what).iter().filter_map(ratio).collect();
+        mean(
+            &all,
+            &format!("no intruder has yield forces at several {what}"),
+        )
+    };
+    Some(match id {
+        "fast-stiffness" => fast("kn", 1.0),
+        "fast-damping" => {
+            fast("gamma_n", 1.0).map(|(v, note)| (value((v.value - 1.0).abs(), v.error), note))
+        }
+        "slow-stiffness" => slow("kn"),
+        "slow-damping" => slow("gamma_n"),
+        _ => return None,
+    })
+}

@@ -1,0 +1,109 @@
+//! The book of claims: every number in it that was measured comes from a golden, and comes out again.
+
+use bitgrain::claims::book::{Agreement, Book, table};
+use bitgrain::claims::evidence::{DIRECT, Evidence, record_direct};
+use bitgrain::files::write_whole;
+use bitgrain_tests::{golden, printed};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
+
+/// Goldens that the book's measurements come from.
+const GOLDENS: [&str; 1] = ["guillard-small/summary.json"];
+
+fn book() -> (Book, String) {
+    let text = std::fs::read_to_string(golden("claims.toml")).unwrap();
+    (Book::parse(&text, "golden/claims.toml").unwrap(), text)
+}
+
+/// The book is what its recipe makes of the goldens: with INSTA_UPDATE=always it is written anew.
+#[test]
+fn what_was_measured_is_what_the_goldens_give() {
+    let (mut book, before) = book();
+    let written = book.clone();
+    for claim in &mut book.claim {
+        claim.measured.clear();
+    }
+    for name in GOLDENS {
+        Evidence::read(&golden(name)).unwrap().record(&mut book);
+    }
+    record_direct(&mut book);
+    if std::env::var("INSTA_UPDATE").as_deref() == Ok("always") {
+        // In one go: other tests may be reading it.
+        write_whole(&golden("claims.toml"), book.text(&before).as_bytes()).unwrap();
+        return;
+    }
+    for (now, then) in book.claim.iter().zip(&written.claim) {
+        assert_eq!(now, then);
+    }
+    // Every number of the book was measured on something.
+    let measured = book.claim.iter().filter(|c| !c.measured.is_empty()).count();
+    assert!(measured > 5, "{measured}");
+}
+
+/// Claims name where they come from and what they allow, and why.
+#[test]
+fn every_claim_can_be_checked() {
+    let (book, _) = book();
+    let papers: Vec<&str> = book.claim.iter().map(|c| &c.paper[..]).collect();
+    assert_eq!(papers.iter().filter(|p| **p == "Kumar 2018").count(), 40);
+    assert_eq!(papers.iter().filter(|p| **p == "Guillard 2014").count(), 20);
+    let campaigns = bitgrain::campaign::SHIPPED.iter().map(|c| c.0);
+    let plans: Vec<&str> = campaigns
+        .chain(bitgrain::scenario::SHIPPED.iter().map(|s| s.0))
+        .collect();
+    for claim in &book.claim {
+        for words in [&claim.source, &claim.statement, &claim.why, &claim.measures] {
+            assert!(words.len() > 10, "{}: {words}", claim.id);
+        }
+        let place = ["section", "Fig", "eq", "Table", "abstract"];
+        assert!(
+            place.iter().any(|p| claim.source.contains(p)),
+            "{}: {}",
+            claim.id,
+            claim.source
+        );
+        for by in &claim.tested_by {
+            assert!(
+                plans.contains(&&by[..]),
+                "{}: no plan is called {by}",
+                claim.id
+            );
+        }
+        for measured in claim.measured.iter().filter(|m| m.by != DIRECT) {
+            assert_eq!(measured.digest.len(), 64, "{}", claim.id);
+        }
+    }
+}
+
+/// The command prints each claim once, with its verdict.
+#[test]
+fn the_command_prints_the_book() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = printed(PROGRAM, folder.path(), &["claims"], 0);
+    let (book, _) = book();
+    assert_eq!(text, table(&book));
+    for claim in &book.claim {
+        assert_eq!(text.matches(&claim.statement).count(), 1, "{}", claim.id);
+    }
+    let count = |wanted| book.claim.iter().filter(|c| c.verdict() == wanted).count();
+    let line = format!(
+        "{} agree, {} disagree, {} are not resolved",
+        count(Agreement::Agrees),
+        count(Agreement::Disagrees),
+        count(Agreement::NotResolved)
+    );
+    assert!(text.trim_end().ends_with(&line), "{line}");
+    // A book of one's own is written to.
+    let own = folder.path().join("own.toml");
+    std::fs::copy(golden("claims.toml"), &own).unwrap();
+    let table = golden("guillard-small/summary.json");
+    let args = [
+        "claims",
+        table.to_str().unwrap(),
+        "--book",
+        own.to_str().unwrap(),
+    ];
+    printed(PROGRAM, folder.path(), &args, 0);
+    let written = std::fs::read_to_string(&own).unwrap();
+    assert_eq!(Book::parse(&written, "own").unwrap(), book);
+}

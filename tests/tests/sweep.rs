@@ -1,0 +1,311 @@
+//! Campaigns: one table of many runs, whatever happens on the way.
+
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+use bitgrain::campaign::table::Table;
+use bitgrain_tests::{CAMPAIGN, CampaignDesk, output, results};
+use parquet::file::reader::{FileReader, SerializedFileReader};
+use parquet::record::Field;
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
+
+type Desk = CampaignDesk;
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn a_campaign_ends_with_the_same_bytes_however_it_was_run() {
+    let alone = Desk::new(PROGRAM, CAMPAIGN);
+    alone.done(&["--threads", "1"]);
+    let want = results(&alone.out());
+    let table = alone.table();
+    let names: Vec<(&str, &str)> = (0..table.len())
+        .map(|k| (table.text(k, "member"), table.text(k, "run")))
+        .collect();
+    let (a, b) = ("mu0.1", "mu0.5");
+    assert_eq!(
+        names,
+        [(a, "run-1"), (a, "run-2"), (b, "run-1"), (b, "run-2")]
+    );
+    assert!(want.contains_key("members/mu0.5/report.html"));
+    // Side by side, more threads than stages, and all that is there already.
+    let beside = Desk::new(PROGRAM, CAMPAIGN);
+    let lines = beside.done(&["--threads", "5", "--jobs", "2", "-v"]);
+    assert!(
+        lines.contains("4 of 4 runs") && lines.contains("mu0.5 run-2: Fr"),
+        "{lines}"
+    );
+    assert!(results(&beside.out()) == want);
+    beside.done(&[]);
+    assert!(results(&beside.out()) == want);
+    // Killed again and again, wherever it was.
+    let killed = Desk::new(PROGRAM, CAMPAIGN);
+    let mut kills = 0;
+    for wait in [30, 200, 400, 150, 600, 300, 700, 500, 250, 800] {
+        let mut child = Command::new(PROGRAM)
+            .args([
+                "sweep",
+                "camp.toml",
+                "--save-every",
+                "500",
+                "--threads",
+                "2",
+            ])
+            .current_dir(killed.folder.path())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        std::thread::sleep(Duration::from_millis(wait));
+        if child.try_wait().unwrap().is_some() {
+            break;
+        }
+        child.kill().unwrap();
+        child.wait().unwrap();
+        kills += 1;
+    }
+    assert!(kills >= 3, "{kills} kills");
+    killed.done(&[]);
+    assert!(results(&killed.out()) == want);
+}
+
+/// What Parquet holds is what CSV holds, number for number.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn both_tables_hold_the_same() {
+    let desk = Desk::new(PROGRAM, CAMPAIGN);
+    desk.done(&[]);
+    let table = desk.table();
+    let file = std::fs::File::open(desk.out().join("results.parquet")).unwrap();
+    let reader = SerializedFileReader::new(file).unwrap();
+    let (mut rows, mut reals, mut empty) = (0, 0, 0);
+    for (k, row) in reader.get_row_iter(None).unwrap().enumerate() {
+        rows += 1;
+        for (name, field) in row.unwrap().get_column_iter() {
+            let word = table.text(k, name);
+            match field {
+                Field::Null => {
+                    assert_eq!(word, "", "{name}");
+                    empty += 1;
+                }
+                Field::Str(text) => assert_eq!(word, text, "{name}"),
+                Field::Long(n) => assert_eq!(word.parse(), Ok(*n), "{name}"),
+                Field::Double(x) => {
+                    assert_eq!(
+                        word.parse::<f64>().unwrap().to_bits(),
+                        x.to_bits(),
+                        "{name}"
+                    );
+                    reals += 1;
+                }
+                other => panic!("{name}: {other:?}"),
+            }
+        }
+    }
+    assert_eq!(rows, table.len());
+    assert!(reals > 50 * rows && empty > 0, "{reals} {empty}");
+    // The inputs are those of the members, the digests those of their runs.
+    for k in 0..table.len() {
+        let folder = desk.out().join("members").join(table.text(k, "member"));
+        let scenario = std::fs::read_to_string(folder.join("scenario.toml")).unwrap();
+        assert!(
+            scenario.contains(&format!("mu = {}", table.text(k, "mu"))),
+            "{scenario}"
+        );
+        let summary = folder
+            .join("runs")
+            .join(table.text(k, "run"))
+            .join("summary.json");
+        let summary: serde_json::Value =
+            serde_json::from_str(&std::fs::read_to_string(summary).unwrap()).unwrap();
+        assert_eq!(summary["run"]["digest"], table.text(k, "digest"));
+        assert_eq!(
+            summary["run"]["drag"]["mean"].as_f64(),
+            table.real(k, "drag")
+        );
+    }
+    // A member is a run like any other.
+    let member = desk.out().join("members/mu0.1");
+    let out = output(
+        PROGRAM,
+        desk.folder.path(),
+        &["verify", member.to_str().unwrap(), "--segment", "run-2"],
+    );
+    assert!(
+        out.status.success(),
+        "{}",
+        String::from_utf8_lossy(&out.stderr)
+    );
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn what_fails_keeps_its_row_and_stops_nothing() {
+    let wrong = CAMPAIGN
+        .replace(
+            "speed = [1.0, 2.0]",
+            "speed = [1.0, 150.0]\ndistance = [4.0, 6.0]",
+        )
+        .replace("mu = [0.1, 0.5]", "mu = 0.5")
+        .replace("\"measure.every\" = 20", "\"measure.every\" = 1")
+        + r#"
+[[grid]]
+name = "restless"
+set = { "bed.settled" = 1e-300, "bed.grains" = 90, "bed.box" = [4.0, 4.0, 6.0], "drag.dt" = 9e-4, "measure.every" = 5 }
+mu = 0.4
+speed = 1.0
+distance = 3.5
+"#;
+    let desk = Desk::new(PROGRAM, &wrong);
+    let out = desk.sweep(&[]);
+    let message = String::from_utf8_lossy(&out.stderr).into_owned();
+    assert_eq!(out.status.code(), Some(3), "{message}");
+    assert!(message.contains("2 of 3 runs failed"), "{message}");
+    let table = desk.table();
+    let ends: Vec<&str> = (0..3).map(|k| table.text(k, "status")).collect();
+    assert_eq!(ends, ["done", "failed", "failed"]);
+    assert!(table.text(1, "reason").contains("run-2 stopped at step"));
+    assert!(table.text(2, "reason").contains("did not settle"));
+    assert_eq!(table.real(1, "speed"), Some(150.0));
+    assert_eq!(table.text(1, "drag"), "");
+    // It is not tried again unless that is asked for, and then ends the same.
+    let before = results(&desk.out());
+    let again = desk.sweep(&["-v"]);
+    let lines = String::from_utf8_lossy(&again.stderr).into_owned();
+    assert!(
+        again.status.code() == Some(3) && !lines.contains("150"),
+        "{lines}"
+    );
+    assert!(results(&desk.out()) == before);
+    let retried = desk.sweep(&["--retry", "-v"]);
+    let lines = String::from_utf8_lossy(&retried.stderr).into_owned();
+    assert!(
+        retried.status.code() == Some(3) && lines.contains("the others go on"),
+        "{lines}"
+    );
+    assert!(results(&desk.out()) == before);
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn two_campaigns_never_share_a_folder() {
+    let slow = CAMPAIGN.replace("\"bed.settled\" = 1e-2", "\"bed.settled\" = 1e-12");
+    let desk = Desk::new(PROGRAM, &slow);
+    let mut first = Command::new(PROGRAM)
+        .args(["sweep", "camp.toml"])
+        .current_dir(desk.folder.path())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    while !desk.out().join("members/mu0.5/scenario.toml").exists() {
+        assert!(first.try_wait().unwrap().is_none(), "it is at work");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let second = desk.sweep(&[]);
+    let refused = String::from_utf8_lossy(&second.stderr).into_owned();
+    assert_eq!(second.status.code(), Some(2), "{refused}");
+    assert!(
+        refused.contains("another run is under way in it"),
+        "{refused}"
+    );
+    // A member of it is at work too.
+    let member = output(
+        PROGRAM,
+        desk.folder.path(),
+        &["run", "--resume", "out/camp/members/mu0.5"],
+    );
+    let refused = String::from_utf8_lossy(&member.stderr).into_owned();
+    assert_eq!(member.status.code(), Some(2), "{refused}");
+    first.kill().unwrap();
+    first.wait().unwrap();
+}
+
+/// Files may grow to so many blocks of 512 bytes: what is done stays, and is gone on with.
+#[test]
+#[cfg(unix)]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn a_full_disk_stops_a_campaign_with_what_is_done_intact() {
+    let alone = Desk::new(PROGRAM, CAMPAIGN);
+    alone.done(&[]);
+    let desk = Desk::new(PROGRAM, CAMPAIGN);
+    let mut stops = 0;
+    for blocks in [8, 80, 160, 200, 230, 260, 300, 500, 4000] {
+        let limited = format!(
+            "trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" sweep camp.toml --save-every 300"
+        );
+        let out = output("sh", desk.folder.path(), &["-c", &limited, PROGRAM]);
+        let message = String::from_utf8_lossy(&out.stderr).into_owned();
+        match out.status.code() {
+            Some(0) => break,
+            Some(1) => assert!(message.contains("free some space"), "{message}"),
+            other => panic!("{other:?}: {message}"),
+        }
+        stops += 1;
+        let rows = desk.out().join("results.csv");
+        if rows.exists() {
+            Table::read(&rows).unwrap();
+        }
+    }
+    assert!(stops >= 3, "{stops}");
+    assert!(results(&desk.out()) == results(&alone.out()));
+}
+
+/// Ratios that are kept follow the stiffness, and nothing else.
+#[test]
+fn rules_hold_what_they_say() {
+    let campaign = r#"
+name = "stiff"
+keep = ["kt/kn", "gamma_n/kn^0.6", "gamma_t/gamma_n", "dt*kn^0.4"]
+base = "quick"
+[[grid]]
+name = "kn"
+kn = [2e5, 2e6]
+[[grid]]
+name = "damping"
+keep = ["gamma_t/gamma_n"]
+gamma_n = [400.0]
+"#;
+    let place = std::path::Path::new("");
+    let plan = bitgrain::campaign::plan::parse(campaign, "stiff", &[], place).unwrap();
+    let names: Vec<&str> = plan.members.iter().map(|m| &m.name[..]).collect();
+    assert_eq!(names, ["Kn2e5", "Kn2e6", "gn400"]);
+    let law = |k: usize| bitgrain_tests::hertz_history(&plan.members[k].scenario.law);
+    let dt = |k: usize| plan.members[k].scenario.drag.dt;
+    let quick = bitgrain::scenario::load("quick", &[]).unwrap();
+    assert_eq!(law(0), bitgrain_tests::hertz_history(&quick.law));
+    assert_eq!(dt(0), quick.drag.dt);
+    let [kn, kt, gamma_n, gamma_t, mu] = law(1);
+    let near = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-12, "{a} {b}");
+    near(kn, 2e6);
+    near(kt / kn, 1.225);
+    // 10^0.6 and 10^0.4, to fifteen digits.
+    near(gamma_n / law(0)[2], 3.981071705534973);
+    near(gamma_t, gamma_n);
+    near(dt(0) / dt(1), 2.511_886_431_509_58);
+    assert_eq!(mu, 0.5);
+    assert_eq!(law(2)[..4], [2e5, 2.45e5, 400.0, 400.0]);
+    assert_eq!(dt(2), quick.drag.dt);
+}
+
+/// A plan tells what it would cost, and touches nothing.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn a_dry_run_tells_the_cost() {
+    let desk = Desk::new(PROGRAM, CAMPAIGN);
+    let out = desk.sweep(&["--dry-run", "--threads", "4"]);
+    let text = String::from_utf8_lossy(&out.stdout).into_owned();
+    assert!(out.status.success());
+    // 300 grains, 4 of travel at speeds 1 and 2 with steps of 3e-4: 20,000 steps.
+    let row = text.lines().find(|line| line.starts_with("mu0.1")).unwrap();
+    let words: Vec<&str> = row.split_whitespace().collect();
+    assert_eq!((words[1], words[2], words[4]), ("300", "2", "6"), "{text}");
+    assert!(
+        text.contains("beds to pour                     2"),
+        "{text}"
+    );
+    assert!(
+        text.contains("on 4 thread(s), 4 stages at a time"),
+        "{text}"
+    );
+    assert!(!desk.out().exists());
+}
