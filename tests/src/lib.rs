@@ -1,6 +1,7 @@
 //! What several tests share: where the goldens are, how the peers' data is read, and small cases; and
 //! other machines.
 
+pub mod drags;
 pub mod fuzzing;
 pub mod targets;
 

@@ -1,5 +1,5 @@
-//! Drag through a bed that LAMMPS poured (`bedS_D4.data.gz`), against LAMMPS' own drags through it:
-//! contact histories empty, the intruder at its speed at once, one box length, the first quarter cut.
+//! Drag through beds that LAMMPS poured (`bedS_*`), against LAMMPS' own drags through them: contact
+//! histories empty, the intruder at its speed at once, one box length, the first quarter cut.
 //!
 //! At first the two agree to every digit that LAMMPS printed. But grains are chaotic: two programs that
 //! agree to the last digit but one give different forces after a while. What can agree then are means,
@@ -7,7 +7,7 @@
 //! each eighth of the run is compared too, with the spread of twelve runs of ours whose time steps
 //! differ by parts in ten thousand.
 //!
-//! The whole of it takes a quarter of an hour on two cores:
+//! The whole of it takes half an hour on two quiet cores:
 //! `cargo test -p bitgrain-tests --release --test drag -- --ignored`. The ordinary tests hold the numbers
 //! that came out of it against LAMMPS', and run fixed pieces of it again.
 
@@ -15,39 +15,57 @@ use std::fmt::Write;
 
 use bitgrain::checkpoint;
 use bitgrain::drag::{Means, drag};
-use bitgrain::scenario::{self, Scenario};
+use bitgrain::error::Error;
+use bitgrain::scenario::Scenario;
 use bitgrain::series::SeriesRow;
 use bitgrain::sim::{Sim, hex};
+use bitgrain_kernel::Fault;
+use bitgrain_tests::drags::{Bed, Ours, blocks, body, spread, tail};
 use bitgrain_tests::{Shown, golden, hertz_history};
 
-/// Froude numbers and the steps of LAMMPS' runs.
-const POINTS: [(f64, u64); 4] = [(0.5, 301_600), (2.0, 75_600), (5.0, 30_000), (8.0, 18_800)];
+/// Frictionless grains leak through a base; there, and only there, a floor is under it.
+const BEDS: [Bed; 4] = [
+    Bed {
+        diameter: 4.0,
+        friction: 0.5,
+        file: "bedS_D4.data.gz",
+        series: "series_D4_mu0.5_Fr",
+    },
+    Bed {
+        diameter: 2.0,
+        friction: 0.5,
+        file: "bedS_D2.data.gz",
+        series: "series_D2_mu0.5_Fr",
+    },
+    Bed {
+        diameter: 3.0,
+        friction: 0.5,
+        file: "bedS_D3.data.gz",
+        series: "series_D3_mu0.5_Fr",
+    },
+    Bed {
+        diameter: 4.0,
+        friction: 0.0,
+        file: "bedS_D4_mu0.data.gz",
+        series: "series_D4_mu0_Fr",
+    },
+];
+const FROUDES: [f64; 4] = [0.5, 2.0, 5.0, 8.0];
 /// Those whose eighths are compared.
 const EIGHTHS: [f64; 2] = [5.0, 8.0];
 /// Runs of ours for the spread of an eighth.
 const REPLICAS: usize = 12;
-/// Where the slowest run is cut for a checkpoint, and where a piece of it ends.
+/// Where the slowest run through the first bed is cut for a checkpoint, and where a piece of it ends.
 const PIECE: [u64; 2] = [200_000, 204_000];
 
-/// The scenario of one drag; the `replica`-th has its time step longer by so many parts in 10,000.
-fn scenario_of(froude: f64, replica: usize) -> Scenario {
-    let file = golden("peers/drag/lammps.toml");
-    let sets = [
-        format!("intruder.froude={froude:?}"),
-        format!("drag.dt={:?}", 1.5e-4 * (1.0 + 1e-4 * replica as f64)),
-    ];
-    scenario::load(file.to_str().unwrap(), &sets).unwrap()
-}
-
 /// One drag, and the states at the `marks`.
-fn pull(froude: f64, replica: usize, marks: &[u64]) -> (Means, Vec<SeriesRow>, Vec<Sim>) {
-    let scenario = scenario_of(froude, replica);
+fn pull(scenario: &Scenario, marks: &[u64]) -> (Means, Vec<SeriesRow>, Vec<Sim>) {
     let mut sim =
-        bitgrain::bed::import::bed(&scenario, scenario.source.as_deref().unwrap()).unwrap();
+        bitgrain::bed::import::bed(scenario, scenario.source.as_deref().unwrap()).unwrap();
     let plan = scenario.runs().remove(0);
     let mut states = Vec::new();
     let mut mark = Shown(marks, |_, sim: &mut Sim| states.push(sim.clone()));
-    let (means, record) = drag(&mut sim, &scenario, &plan, &mut mark).unwrap();
+    let (means, record) = drag(&mut sim, scenario, &plan, &mut mark).unwrap();
     (means, record.series, states)
 }
 
@@ -61,53 +79,62 @@ fn eighths(rows: &[SeriesRow], steps: u64) -> [f64; 8] {
     })
 }
 
-fn line(froude: f64, replica: usize, steps: u64) -> (String, Vec<Sim>) {
-    let marks = if froude == 0.5 { &PIECE[..] } else { &[] };
-    let (means, rows, states) = pull(froude, replica, marks);
+fn line(bed: &Bed, froude: f64, replica: usize) -> (String, Vec<Sim>) {
+    let slowest = (bed.file, froude) == (BEDS[0].file, 0.5);
+    let marks = if slowest { &PIECE[..] } else { &[] };
+    let (means, rows, states) = pull(&bed.scenario(froude, replica), marks);
     let mut text = format!(
-        "{froude:3.1} {replica} {:10.4} {:8.4} {:10.4} {:8.4}",
-        means.drag.mean, means.drag.standard_error, means.lift.mean, means.lift.standard_error
+        "{} {:3.1} {froude:3.1} {replica:<2} {:9.4} {:8.4} {:10.4} {:8.4}",
+        bed.diameter,
+        bed.friction,
+        means.drag.mean,
+        means.drag.standard_error,
+        means.lift.mean,
+        means.lift.standard_error
     );
-    for part in eighths(&rows, steps) {
+    for part in eighths(&rows, bed.lammps(froude).steps) {
         write!(text, " {part:9.3}").unwrap();
     }
     (text, states)
 }
 
-fn snapshot(name: &str, text: &str) {
+fn snapshot(name: &str, command: &str, text: &str) {
     let mut settings = insta::Settings::clone_current();
     settings.set_snapshot_path(golden("peers/drag"));
     settings.set_prepend_module_to_snapshot(false);
     settings.set_omit_expression(true);
-    settings.set_description(
-        "recipe: golden/peers/drag/lammps.toml; \
-         `cargo test -p bitgrain-tests --release --test drag -- --ignored`",
-    );
+    let recipe = format!("recipe: golden/peers/drag/lammps.toml; `{command}`");
+    settings.set_description(recipe);
     settings.bind(|| insta::assert_snapshot!(name, text));
+}
+
+/// Every bed at every Froude number.
+fn points() -> impl Iterator<Item = (&'static Bed, f64)> {
+    BEDS.iter()
+        .flat_map(|bed| FROUDES.map(|froude| (bed, froude)))
 }
 
 /// Where a thread leaves a drag's line and states.
 type Slot = std::sync::Mutex<Option<(String, Vec<Sim>)>>;
 
+const RECIPE: &str = "cargo test -p bitgrain-tests --release --test drag -- --ignored";
 const HEAD: &str =
-    "Fr  #       drag    error       lift    error  drag of each eighth of the run\n";
+    "D mu  Fr  #       drag    error       lift    error  drag of each eighth of the run\n";
 
 /// Every drag, all over: the numbers that the other tests hold to. With INSTA_UPDATE=always it also
 /// writes the checkpoint of the slowest anew.
 #[test]
-#[ignore = "a quarter of an hour on two cores"]
+#[ignore = "half an hour on two quiet cores"]
 fn all_drags_give_their_goldens() {
-    let jobs: Vec<(f64, usize, u64)> = POINTS
-        .iter()
-        .flat_map(|&(froude, steps)| {
-            let count = if EIGHTHS.contains(&froude) {
-                REPLICAS
-            } else {
-                1
-            };
-            (0..count).map(move |k| (froude, k, steps))
-        })
-        .collect();
+    let mut jobs: Vec<(&Bed, f64, usize)> = Vec::new();
+    for (bed, froude) in points() {
+        let count = if EIGHTHS.contains(&froude) {
+            REPLICAS
+        } else {
+            1
+        };
+        jobs.extend((0..count).map(|k| (bed, froude, k)));
+    }
     let next = std::sync::atomic::AtomicUsize::new(0);
     let done: Vec<Slot> = jobs.iter().map(|_| Slot::default()).collect();
     std::thread::scope(|scope| {
@@ -115,10 +142,10 @@ fn all_drags_give_their_goldens() {
             scope.spawn(|| {
                 loop {
                     let k = next.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-                    let Some(&(froude, replica, steps)) = jobs.get(k) else {
+                    let Some(&(bed, froude, replica)) = jobs.get(k) else {
                         return;
                     };
-                    *done[k].lock().unwrap() = Some(line(froude, replica, steps));
+                    *done[k].lock().unwrap() = Some(line(bed, froude, replica));
                 }
             });
         }
@@ -140,205 +167,283 @@ fn all_drags_give_their_goldens() {
             );
         }
     }
-    snapshot("piece", &piece);
-    snapshot("bitgrain", &text);
+    snapshot("piece", RECIPE, &piece);
+    snapshot("bitgrain", RECIPE, &text);
 }
 
-/// The body of a snapshot file.
-fn body(name: &str) -> String {
-    let text = std::fs::read_to_string(golden(&format!("peers/drag/{name}.snap"))).unwrap();
-    let (_, rest) = text.split_once("---\n").unwrap();
-    rest.split_once("---\n").unwrap().1.to_string()
-}
-
-/// Lines of our numbers: Froude number, drag, its error, lift, its error, eighths.
-fn ours() -> Vec<(f64, [f64; 4], [f64; 8])> {
-    let lines = body("bitgrain");
-    let row = |line: &str| {
-        let numbers: Vec<f64> = line
-            .split_whitespace()
-            .map(|w| w.parse().unwrap())
-            .collect();
-        let four = std::array::from_fn(|k| numbers[2 + k]);
-        (numbers[0], four, std::array::from_fn(|k| numbers[6 + k]))
-    };
-    lines.lines().skip(1).map(row).collect()
-}
-
-/// LAMMPS' drag, its error, lift and its error.
-fn lammps_means(froude: f64) -> [f64; 4] {
-    let text = std::fs::read_to_string(golden("peers/drag/drag.csv")).unwrap();
-    let rows = text.lines().skip(2);
-    let rows =
-        rows.map(|line| -> Vec<f64> { line.split(',').map(|w| w.parse().unwrap()).collect() });
-    let row = rows.into_iter().find(|row| row[2] == froude).unwrap();
-    [row[5], row[6], row[7], row[8]]
-}
-
-/// LAMMPS' drag over each eighth of its run.
-fn lammps_eighths(froude: f64) -> [f64; 8] {
-    let name = format!("peers/drag/series_D4_mu0.5_Fr{froude}.csv");
-    let text = std::fs::read_to_string(golden(&name)).unwrap();
-    let rows = text.lines().skip(2);
-    let drags: Vec<f64> = rows
-        .map(|line| -line.split(',').nth(1).unwrap().parse::<f64>().unwrap())
-        .collect();
-    let part = drags.len() / 8;
-    std::array::from_fn(|k| drags[k * part..(k + 1) * part].iter().sum::<f64>() / part as f64)
-}
-
-/// The comparison as the README shows it: differences over their combined standard errors.
-fn table() -> String {
-    let ours = ours();
-    let mut text = String::from(
-        "| Fr | drag, LAMMPS | drag, bitgrain | difference | lift, LAMMPS | lift, bitgrain | difference |\n\
-         | --- | --- | --- | --- | --- | --- | --- |\n",
-    );
-    for (froude, _) in POINTS {
-        let l = lammps_means(froude);
-        let (_, b, _) = ours.iter().find(|row| row.0 == froude).unwrap();
-        let off = |k: usize| (b[k] - l[k]) / (b[k + 1] * b[k + 1] + l[k + 1] * l[k + 1]).sqrt();
-        writeln!(
-            text,
-            "| {froude} | {:.0} ± {:.0} | {:.0} ± {:.0} | {:+.1} σ | {:.0} ± {:.0} | {:.0} ± {:.0} | {:+.1} σ |",
-            l[0], l[1], b[0], b[1], off(0), l[2], l[3], b[2], b[3], off(2)
-        )
-        .unwrap();
-        // Three combined standard errors, each program's from its own blocks.
-        assert!(
-            off(0).abs() < 3.0 && off(2).abs() < 3.0,
-            "Fr {froude}: {b:?} against {l:?}"
-        );
+/// LAMMPS' means in `drag.csv` are those of its series: eight blocks of the last three quarters.
+#[test]
+fn the_peer_s_means_are_those_of_its_series() {
+    for (bed, froude) in points() {
+        let row = bed.lammps(froude);
+        let (head, series) = bed.lammps_series(froude);
+        let name = bed.file.trim_end_matches(".gz");
+        let every = row.steps / 400;
+        let says = [
+            format!("D={} mu={} Fr={froude} ", bed.diameter, bed.friction),
+            format!(" dt=0.00015 bed={name};"),
+            format!(" the {every} steps "),
+        ];
+        assert!(says.iter().all(|part| head.contains(part)), "{head}");
+        assert_eq!(series.len(), 400);
+        for (k, line) in series.iter().enumerate() {
+            assert_eq!(line[0] as u64, every * (k as u64 + 1));
+        }
+        for (axis, sign, at) in [(1, -1.0, 0), (3, 1.0, 2)] {
+            let kept: Vec<f64> = series[100..].iter().map(|row| sign * row[axis]).collect();
+            let (mean, deviation) = spread(&blocks(&kept, 8));
+            for (made, told) in [(mean, at), (deviation / 8f64.sqrt(), at + 1)] {
+                assert!(
+                    (made / row.means[told] - 1.0).abs() < 1e-8,
+                    "{head}: {made}"
+                );
+            }
+        }
     }
-    text
 }
 
-/// LAMMPS' input and our scenario say the same.
+/// LAMMPS' input and our scenarios say the same.
 #[test]
 fn both_programs_are_asked_the_same() {
     let input = std::fs::read_to_string(golden("peers/drag/in.lammps")).unwrap();
-    let scenario = scenario_of(8.0, 0);
-    let word = |name: &str, k: usize| -> f64 {
-        let line = input.lines().find(|line| line.starts_with(name)).unwrap();
-        line.split_whitespace().nth(k).unwrap().parse().unwrap()
+    let variable = |word: &str| {
+        let Some(name) = word.strip_prefix("${").and_then(|w| w.strip_suffix('}')) else {
+            return word.to_string();
+        };
+        let head = format!("variable {name} index ");
+        let mut lines = input.lines();
+        lines.find_map(|l| l.strip_prefix(&head)).unwrap().into()
     };
-    let style: [f64; 5] = std::array::from_fn(|k| word("pair_style", k + 2));
-    assert_eq!(style, hertz_history(&scenario.law));
-    assert_eq!(word("timestep", 1), scenario.drag.dt);
-    assert_eq!(word("fix weight", 4), scenario.gravity);
-    let speed = input.split("-var V ").nth(1).unwrap();
-    let speed: f64 = speed.split(' ').next().unwrap().parse().unwrap();
+    let word = |name: &str, k: usize| -> f64 {
+        let line = input.lines().find(|line| line.contains(name)).unwrap();
+        let after = line.split_once(name).unwrap().1;
+        let word = after.split_whitespace().nth(k).unwrap();
+        variable(word).parse().unwrap()
+    };
+    let scenario = BEDS[0].scenario(8.0, 0);
+    for style in ["pair_style gran/hertz/history", "wall/gran hertz/history"] {
+        let style: [f64; 5] = std::array::from_fn(|k| word(style, k));
+        assert_eq!(style, hertz_history(&scenario.law));
+    }
+    assert_eq!(word("timestep", 0), scenario.drag.dt);
+    assert_eq!(word("fix weight free gravity", 0), scenario.gravity);
+    assert_eq!(word(" zplane", 0), 0.0);
+    assert!(input.contains("-var bed bedS_D4_mu0.data -var mu 0 -var floor yes"));
+    let speed = word("-var V", 0);
     // The same but for how it was rounded.
     assert!((speed / scenario.runs()[0].speed - 1.0).abs() < 1e-15);
+    for (bed, froude) in points() {
+        let (scenario, row) = (bed.scenario(froude, 0), bed.lammps(froude));
+        let plan = scenario.runs().remove(0);
+        assert_eq!(scenario.beds()[0].diameter, bed.diameter);
+        assert!((row.speed / plan.speed - 1.0).abs() < 1e-9);
+        // LAMMPS' runs end with a row of their series, 400 of them.
+        assert!(row.steps.abs_diff(plan.steps) <= 200);
+        assert_eq!(scenario.bed.floor, bed.friction == 0.0);
+    }
 }
 
+/// Both programs' drag and lift at a point with their errors, as cells of a table, and the differences
+/// over the combined errors.
+fn means_of(bed: &Bed, froude: f64) -> (String, [f64; 2]) {
+    let l = bed.lammps(froude).means;
+    let b = bed.ours(froude)[0].means;
+    let off = [0, 2].map(|k| (b[k] - l[k]) / b[k + 1].hypot(l[k + 1]));
+    let cells = [0, 2].map(|k| {
+        let (theirs, ours, off) = (&l[k..], &b[k..], off[k / 2]);
+        let [t, te, o, oe] = [theirs[0], theirs[1], ours[0], ours[1]];
+        format!(" {t:.0} ± {te:.0} | {o:.0} ± {oe:.0} | {off:+.1} σ |")
+    });
+    (format!("| {froude} |{}{}", cells[0], cells[1]), off)
+}
+
+const MEANS: &str = "| Fr | drag, LAMMPS | drag, bitgrain | difference \
+    | lift, LAMMPS | lift, bitgrain | difference |\n";
+
+fn readme() -> String {
+    std::fs::read_to_string(golden("../README.md")).unwrap()
+}
+
+/// Means at every point within three combined standard errors, each program's from its own blocks; and
+/// the squares of all of them together no larger than chance makes them. The README shows the first bed.
 #[test]
 fn drags_agree_with_lammps() {
-    let table = table();
-    let readme = std::fs::read_to_string(golden("../README.md")).unwrap();
+    let mut shown = format!("{MEANS}{}|\n", "| --- ".repeat(7));
+    let mut text = format!("| D | mu {MEANS}{}|\n", "| --- ".repeat(9));
+    let mut squares = [0.0; 2];
+    let mut worst: f64 = 0.0;
+    for (k, (bed, froude)) in points().enumerate() {
+        let (row, off) = means_of(bed, froude);
+        if k < FROUDES.len() {
+            writeln!(shown, "{row}").unwrap();
+        }
+        writeln!(text, "| {} | {} {row}", bed.diameter, bed.friction).unwrap();
+        for (square, off) in squares.iter_mut().zip(off) {
+            *square += off * off;
+            worst = worst.max(off.abs());
+        }
+    }
+    let chances = squares.map(|square| tail(square, 16));
+    for (name, (square, p)) in ["drag", "lift"].iter().zip(squares.iter().zip(chances)) {
+        let line = format!("chi-square of {name}: {square:.1} over 16 points, p = {p:.2}");
+        writeln!(text, "{line}").unwrap();
+    }
+    let told = squares.map(|square| format!("{square:.0}"));
+    let told = format!(
+        "chi-square is {} for drag and {} for lift",
+        told[0], told[1]
+    );
+    assert!(worst < 3.0, "{worst}\n{text}");
+    // One per cent is at 32.0.
+    assert!(chances.iter().all(|p| *p > 0.01), "{text}");
     assert!(
-        readme.contains(&table),
-        "the README's table should be\n{table}"
+        readme().contains(&shown),
+        "the README's table should be\n{shown}"
+    );
+    assert!(readme().contains(&told), "the README should say: {told}");
+    snapshot(
+        "comparison",
+        "cargo test -p bitgrain-tests --release --test drag",
+        &text,
     );
 }
 
-/// Mean and standard deviation.
-fn spread(values: &[f64]) -> (f64, f64) {
-    let n = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    let square: f64 = values.iter().map(|x| (x - mean) * (x - mean)).sum();
-    (mean, (square / (n - 1.0)).sqrt())
-}
-
-/// The decay of the fast drags, part by part, and their means, against the spread of several runs: as
-/// the README shows it.
-#[test]
-fn eighths_of_fast_drags_agree_with_lammps() {
-    let ours = ours();
+/// The decay of the fast drags, part by part, and their means: the table, and LAMMPS' run against ours
+/// over their spread, column by column.
+fn decay(bed: &Bed) -> (String, Vec<(String, f64)>) {
     let mut text = String::from(
-        "| Fr | eighth of the run | 1 | 2 | 3 | 4 | 5 | 6 | 7 | 8 | mean of 5 to 20 d |\n\
-         | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n",
+        "| Fr | eighth of the run | 1 | 2 | 3 | 4 | 5 | 6 | 7 | 8 | mean of 5 to 20 d |\n",
     );
-    let mut worst = (0.0, String::new());
+    writeln!(text, "{}|", "| --- ".repeat(11)).unwrap();
+    let mut offs = Vec::new();
     for froude in EIGHTHS {
-        let runs: Vec<_> = ours.iter().filter(|r| r.0 == froude).collect();
+        let runs = bed.ours(froude);
         assert_eq!(runs.len(), REPLICAS);
-        let theirs = lammps_eighths(froude);
+        let drags: Vec<f64> = bed
+            .lammps_series(froude)
+            .1
+            .iter()
+            .map(|row| -row[1])
+            .collect();
+        let mut theirs = blocks(&drags, 8);
+        theirs.push(bed.lammps(froude).means[0]);
         let mut rows = [
             format!("| {froude} | LAMMPS |"),
             "| | bitgrain, the same steps |".to_string(),
             format!("| | bitgrain, {REPLICAS} runs |"),
         ];
-        for k in 0..9 {
-            let of = |run: &(f64, [f64; 4], [f64; 8])| if k < 8 { run.2[k] } else { run.1[0] };
-            let values: Vec<f64> = runs.iter().map(|run| of(run)).collect();
+        for (k, theirs) in theirs.into_iter().enumerate() {
+            let of = |run: &Ours| *run.eighths.get(k).unwrap_or(&run.means[0]);
+            let values: Vec<f64> = runs.iter().map(of).collect();
             let (mean, deviation) = spread(&values);
-            let theirs = if k < 8 {
-                theirs[k]
-            } else {
-                lammps_means(froude)[0]
-            };
             write!(rows[0], " {theirs:.0} |").unwrap();
             write!(rows[1], " {:.0} |", values[0]).unwrap();
             write!(rows[2], " {mean:.0} ± {deviation:.0} |").unwrap();
             // One run of theirs against the mean of ours, which spread as theirs would.
-            let off = (theirs - mean).abs() / (deviation * (1.0 + 1.0 / REPLICAS as f64).sqrt());
-            if off > worst.0 {
-                worst = (off, format!("Fr {froude}, column {}: {off:.2}", k + 1));
-            }
+            let off = (theirs - mean) / (deviation * (1.0 + 1.0 / REPLICAS as f64).sqrt());
+            let place = format!(
+                "{} {} Fr {froude}, column {}",
+                bed.diameter,
+                bed.friction,
+                k + 1
+            );
+            offs.push((place, off));
         }
         rows.iter().for_each(|row| writeln!(text, "{row}").unwrap());
     }
-    assert!(worst.0 < 3.0, "{}\n{text}", worst.1);
-    let readme = std::fs::read_to_string(golden("../README.md")).unwrap();
+    (text, offs)
+}
+
+/// The decay agrees part by part at every bed. The README shows the first bed.
+#[test]
+fn eighths_of_fast_drags_agree_with_lammps() {
+    let mut text = String::new();
+    let mut offs = Vec::new();
+    for bed in &BEDS {
+        let (table, off) = decay(bed);
+        writeln!(text, "D = {}, mu = {}\n{table}", bed.diameter, bed.friction).unwrap();
+        offs.extend(off);
+    }
+    let far: Vec<_> = offs.iter().filter(|(_, off)| off.abs() >= 3.0).collect();
+    assert!(far.is_empty(), "{far:?}\n{text}");
+    let (shown, _) = decay(&BEDS[0]);
     assert!(
-        readme.contains(&text),
-        "{}; the README's table should be\n{text}",
-        worst.1
+        readme().contains(&shown),
+        "the README's table should be\n{shown}"
+    );
+    snapshot(
+        "eighths",
+        "cargo test -p bitgrain-tests --release --test drag",
+        &text,
     );
 }
 
+/// The begin of a drag at Fr 5 with LAMMPS' series of it: rows of both.
+fn first_rows(bed: &Bed, floor: bool, rows: u64) -> Result<Vec<[[f64; 2]; 2]>, Error> {
+    let (_, theirs) = bed.lammps_series(5.0);
+    let mut scenario = bed.scenario(5.0, 0);
+    scenario.bed.floor = floor;
+    scenario.measure.every = theirs[0][0] as u64;
+    let mut plan = scenario.runs().remove(0);
+    plan.steps = rows * scenario.measure.every;
+    plan.discard = 0.1;
+    let mut sim = bitgrain::bed::import::bed(&scenario, scenario.source.as_deref().unwrap())?;
+    let (_, record) = drag(&mut sim, &scenario, &plan, &mut ())?;
+    let pairs = record.series.iter().zip(theirs);
+    let pairs = pairs.map(|(ours, theirs)| {
+        assert_eq!(ours.step as f64, theirs[0]);
+        let ours = [ours.force_mean[0], ours.force_mean[1]];
+        [ours, [-theirs[1], theirs[3]]]
+    });
+    Ok(pairs.collect())
+}
+
+/// Six significant digits: half of the last one, and as much for what chaos has made of rounding.
+fn same([ours, theirs]: [[f64; 2]; 2]) -> bool {
+    let pairs = ours.into_iter().zip(theirs);
+    pairs
+        .into_iter()
+        .all(|(a, b)| (a - b).abs() <= 1e-5 * b.abs())
+}
+
 /// Before chaos has made a rounding error large, the two programs give the same forces: drag and lift
-/// of the first 40 rows, 3,000 steps, to the six digits that LAMMPS printed.
+/// of the first 40 rows, some 3,000 steps, to the six digits that LAMMPS printed.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "seconds in release")]
 fn the_first_rows_are_those_of_lammps() {
-    let mut scenario = scenario_of(5.0, 0);
-    scenario.measure.every = 75;
-    let mut plan = scenario.runs().remove(0);
-    plan.steps = 3000;
-    plan.discard = 0.1;
-    let mut sim =
-        bitgrain::bed::import::bed(&scenario, scenario.source.as_deref().unwrap()).unwrap();
-    let (_, record) = drag(&mut sim, &scenario, &plan, &mut ()).unwrap();
-    let text = std::fs::read_to_string(golden("peers/drag/series_D4_mu0.5_Fr5.csv")).unwrap();
-    let theirs = text.lines().skip(2).take(40);
-    let mut rows = 0;
-    for (row, line) in record.series.iter().zip(theirs) {
-        let numbers: Vec<f64> = line.split(',').map(|w| w.parse().unwrap()).collect();
-        assert_eq!(row.step as f64, numbers[0]);
-        // Six significant digits: half of the last one, and as much for what chaos has made of
-        // rounding by then.
-        for (ours, theirs) in [
-            (row.force_mean[0], -numbers[1]),
-            (row.force_mean[1], numbers[3]),
-        ] {
-            assert!(
-                (ours - theirs).abs() <= 1e-5 * theirs.abs(),
-                "{line}: {ours}"
-            );
+    for bed in &BEDS {
+        let rows = first_rows(bed, bed.friction == 0.0, 40).unwrap();
+        assert_eq!(rows.len(), 40);
+        for (k, row) in rows.into_iter().enumerate() {
+            assert!(same(row), "{}, row {k}: {row:?}", bed.file);
         }
-        rows += 1;
     }
-    assert_eq!(rows, 40);
+}
+
+/// The floor is what holds frictionless grains: without it the forces soon are others, and a grain leaks.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "seconds in release")]
+fn frictionless_grains_need_the_floor() {
+    let bed = &BEDS[3];
+    let rows = first_rows(bed, false, 40).unwrap();
+    let agree = rows.into_iter().take_while(|row| same(*row)).count();
+    assert!(agree < 40, "{agree}");
+    let leak = first_rows(bed, false, 60).unwrap_err();
+    let escaped = matches!(
+        leak,
+        Error::Run {
+            fault: Fault::Escaped { .. },
+            ..
+        }
+    );
+    assert!(escaped, "{leak}");
 }
 
 /// The fastest drag from its beginning, and a piece of the slowest from a checkpoint.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "half a minute in release")]
 fn pieces_of_the_drags_run_again() {
-    let (froude, steps) = POINTS[3];
-    let (again, _) = line(froude, 0, steps);
+    let (again, _) = line(&BEDS[0], 8.0, 0);
     assert!(
         body("bitgrain").lines().any(|line| line == again),
         "{again}"
