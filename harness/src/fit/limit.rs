@@ -63,8 +63,8 @@ fn accepted(data: &[Datum], range: [f64; 2], best: f64, most: f64) -> Result<[f6
 ///
 /// Its interval is that of all offsets whose best chi-square, over b and over all c of [`EXPONENTS`], is
 /// above the least by at most one (times the reduced chi-square where that is above 1).
-/// Refused: points that are no numbers; x not above zero; fewer than [`POINTS_MIN`] values of x; an error
-/// beyond half of the value.
+/// Refused: points that are no numbers; x not above zero; fewer than
+/// [`POINTS_MIN`](super::offset_power::POINTS_MIN) values of x; an error beyond half of the value.
 pub fn extrapolated(data: &[Datum]) -> Result<Limit, Refusal> {
     let limit = limit(data)?;
     let told = limit.error.is_finite() && limit.error <= limit.value.abs() / 2.0;
