@@ -223,6 +223,15 @@ fn hint(fault: Fault) -> &'static str {
 /// The result of most things here.
 pub type Result<T> = std::result::Result<T, Error>;
 
+/// A text that is no TOML of the wanted kind, with the line; `place` is what the text is called.
+pub fn wrong_toml(place: &str, text: &str, error: &toml::de::Error) -> Error {
+    let line = error
+        .span()
+        .map(|s| 1 + text[..s.start].matches('\n').count());
+    let place = line.map_or(place.to_string(), |line| format!("{place}:{line}"));
+    Error::input(place, teach(error.message()))
+}
+
 /// A parser's message with what helps most: the nearest valid key to an unknown one, or what a
 /// broken file probably is. The place is told elsewhere.
 pub fn teach(message: &str) -> String {

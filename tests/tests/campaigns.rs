@@ -87,6 +87,15 @@ fn wrong_campaigns_are_told_what_is_wrong() {
         told(&["sweep", "kumar-smal"], &out)
     )
     .unwrap();
+    desk.write("camp.toml", CAMPAIGN);
+    let args = ["sweep", "camp.toml", "--only", "mu0.5/run-3"];
+    write!(
+        text,
+        "# a run that is not there\n{}",
+        told(&args, &desk.sweep(&args[2..]))
+    )
+    .unwrap();
+    assert!(!desk.out().exists());
     // Changed under a campaign that has begun.
     desk.write(
         "camp.toml",

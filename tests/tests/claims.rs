@@ -1,6 +1,7 @@
 //! The book of claims: every number in it that was measured comes from a golden, and comes out again.
 
-use bitgrain::claims::book::{Agreement, Book, table};
+use bitgrain::claims::Verdict;
+use bitgrain::claims::book::{Book, table};
 use bitgrain::claims::evidence::{DIRECT, Evidence, record_direct};
 use bitgrain::files::write_whole;
 use bitgrain_tests::{golden, printed};
@@ -8,7 +9,7 @@ use bitgrain_tests::{golden, printed};
 const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
 
 /// Goldens that the book's measurements come from.
-const GOLDENS: [&str; 1] = ["guillard-small/summary.json"];
+const GOLDENS: [&str; 2] = ["guillard-small/summary.json", "kumar-small/results.csv.gz"];
 
 fn book() -> (Book, String) {
     let text = std::fs::read_to_string(golden("claims.toml")).unwrap();
@@ -24,7 +25,9 @@ fn what_was_measured_is_what_the_goldens_give() {
         claim.measured.clear();
     }
     for name in GOLDENS {
-        Evidence::read(&golden(name)).unwrap().record(&mut book);
+        Evidence::read(&golden(name), false)
+            .unwrap()
+            .record(&mut book);
     }
     record_direct(&mut book);
     if std::env::var("INSTA_UPDATE").as_deref() == Ok("always") {
@@ -88,9 +91,9 @@ fn the_command_prints_the_book() {
     let count = |wanted| book.claim.iter().filter(|c| c.verdict() == wanted).count();
     let line = format!(
         "{} agree, {} disagree, {} are not resolved",
-        count(Agreement::Agrees),
-        count(Agreement::Disagrees),
-        count(Agreement::NotResolved)
+        count(Verdict::Agrees),
+        count(Verdict::Disagrees),
+        count(Verdict::NotResolved)
     );
     assert!(text.trim_end().ends_with(&line), "{line}");
     // A book of one's own is written to.

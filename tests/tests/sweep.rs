@@ -27,7 +27,9 @@ fn a_campaign_ends_with_the_same_bytes_however_it_was_run() {
         names,
         [(a, "run-1"), (a, "run-2"), (b, "run-1"), (b, "run-2")]
     );
-    assert!(want.contains_key("members/mu0.5/report.html"));
+    for name in ["members/mu0.5/report.html", "report.html", "analysis.json"] {
+        assert!(want.contains_key(name), "{name}");
+    }
     // Side by side, more threads than stages, and all that is there already.
     let beside = Desk::new(PROGRAM, CAMPAIGN);
     let lines = beside.done(&["--threads", "5", "--jobs", "2", "-v"]);
@@ -162,6 +164,8 @@ distance = 3.5
     assert_eq!(out.status.code(), Some(3), "{message}");
     assert!(message.contains("2 of 3 runs failed"), "{message}");
     let table = desk.table();
+    let page = std::fs::read_to_string(desk.out().join("report.html")).unwrap();
+    assert!(page.contains("run-2 failed.</b>") && page.contains("did not settle"));
     let ends: Vec<&str> = (0..3).map(|k| table.text(k, "status")).collect();
     assert_eq!(ends, ["done", "failed", "failed"]);
     assert!(table.text(1, "reason").contains("run-2 stopped at step"));
@@ -218,6 +222,44 @@ fn two_campaigns_never_share_a_folder() {
     assert_eq!(member.status.code(), Some(2), "{refused}");
     first.kill().unwrap();
     first.wait().unwrap();
+}
+
+/// One row is done again alone and held against the whole campaign's; the others can follow.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn a_row_is_done_alone_and_held_against_a_table() {
+    let whole = Desk::new(PROGRAM, CAMPAIGN);
+    whole.done(&[]);
+    let golden = whole.out().join("results.csv");
+    let golden = golden.to_str().unwrap();
+    let desk = Desk::new(PROGRAM, CAMPAIGN);
+    let row = ["--only", "mu0.5/run-2", "--against", golden];
+    let out = desk.sweep(&row);
+    let said = String::from_utf8_lossy(&out.stdout).into_owned();
+    assert_eq!(out.status.code(), Some(0), "{said}");
+    assert!(said.contains("1 runs are those of"), "{said}");
+    let table = desk.table();
+    assert_eq!((table.len(), table.text(0, "run")), (1, "run-2"));
+    let page = std::fs::read_to_string(desk.out().join("report.html")).unwrap();
+    // Not all of the member is done, so that it has no report to be linked.
+    assert!(page.contains("Runs: 1 of 4 planned") && !page.contains("<a href"));
+    assert!(!desk.out().join("members/mu0.1/beds").exists());
+    // A last digit that differs is told.
+    let text = std::fs::read_to_string(golden).unwrap();
+    let drag = table.text(0, "drag");
+    let last = drag.chars().last().unwrap();
+    let other = if last == '3' { '4' } else { '3' };
+    let changed = format!("{}{other}", &drag[..drag.len() - 1]);
+    desk.write("changed.csv", &text.replace(drag, &changed));
+    let out = desk.sweep(&["--only", "mu0.5/run-2", "--against", "changed.csv"]);
+    let message = String::from_utf8_lossy(&out.stderr).into_owned();
+    assert_eq!(out.status.code(), Some(3), "{message}");
+    let told = format!("mu0.5/run-2: drag is {drag}, and {changed} in changed.csv");
+    assert!(message.contains(&told), "{message}");
+    desk.done(&["--only", "mu0.5"]);
+    assert_eq!(desk.table().len(), 2);
+    desk.done(&[]);
+    assert!(results(&desk.out()) == results(&whole.out()));
 }
 
 /// Files may grow to so many blocks of 512 bytes: what is done stays, and is gone on with.

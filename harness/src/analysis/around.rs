@@ -107,10 +107,7 @@ fn offsets(data: &[Datum], diameters: &[f64], fit: &Fit) -> Vec<Offset> {
             })
             .collect();
         if let Ok(mean) = constant(&own) {
-            let residual = Value {
-                value: mean.parameters[0].value,
-                error: mean.parameters[0].error,
-            };
+            let residual = Value::from(&mean.parameters[0]);
             out.push(Offset { diameter, residual });
         }
     }
@@ -160,8 +157,8 @@ fn floating(curve: &Curve) -> Option<Floating> {
         return None;
     }
     let falls = shares.windows(2).filter(|pair| {
-        let error = (pair[0].error * pair[0].error + pair[1].error * pair[1].error).sqrt();
-        pair[1].value < pair[0].value - 2.0 * error
+        let fall = pair[1].less(pair[0]);
+        fall.value < -2.0 * fall.error
     });
     Some(Floating {
         diameter: curve.diameter,

@@ -76,6 +76,17 @@ impl Curve {
     pub fn effective_diameter(&self) -> f64 {
         self.diameter + self.mean_diameter
     }
+
+    /// What a force at its depth would be at another, if it grew with a power of the depth.
+    pub fn brought_to(&self, depth: f64, alpha: f64, force: Value) -> Value {
+        let to = libm::pow(depth / self.depth, alpha);
+        Value::new(force.value * to, force.error * to)
+    }
+
+    /// `(D + d)^phi h^alpha`.
+    pub fn scale(&self, [phi, alpha]: [f64; 2]) -> f64 {
+        libm::pow(self.effective_diameter(), phi) * libm::pow(self.depth, alpha)
+    }
 }
 
 /// What a table holds.
@@ -94,9 +105,11 @@ pub(super) fn read(table: &Table, plugs: bool) -> Read {
             failed += 1;
             continue;
         }
-        if !plugs && table.text(row, "plug") == Plug::Slides.word() {
+        if table.text(row, "plug") == Plug::Slides.word() {
             sliding += 1;
-            continue;
+            if !plugs {
+                continue;
+            }
         }
         let Some(point) = point(table, row) else {
             failed += 1;

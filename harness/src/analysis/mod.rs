@@ -6,20 +6,26 @@
 
 mod around;
 mod curves;
+mod exponents;
 mod scaling;
 mod speeds;
 mod stiffness;
 #[cfg(test)]
 mod tests;
+mod value;
 mod words;
 mod yields;
 
-pub use around::{Around, Contacts, Floating, Offset};
+pub use around::{Around, Contacts, Floating, LEAST_DIAMETER, Offset};
 pub use curves::{Curve, Material, Point};
-pub use scaling::{AtSpeed, Collapse, Exponent, Scaled, Scaling, Spread};
+pub use exponents::Scaled;
+pub(crate) use exponents::near;
+pub use scaling::{AtSpeed, Collapse, Exponent, Scaling, Spread};
 pub use speeds::{Flatness, Pooled, Speeds};
 pub use stiffness::{Level, Stiffness};
+pub use value::Value;
 pub use words::words;
+pub(crate) use words::{grains, intruder, material};
 pub use yields::{Method, Yield};
 
 use serde::{Deserialize, Serialize};
@@ -58,33 +64,6 @@ impl<T> From<Result<T, Refusal>> for Finding<T> {
     }
 }
 
-/// A number with its standard error.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Value {
-    /// The number.
-    pub value: f64,
-    /// Its standard error.
-    pub error: f64,
-}
-
-impl Value {
-    /// The error over the number.
-    pub fn relative(&self) -> f64 {
-        (self.error / self.value).abs()
-    }
-
-    /// This over another, independent of it.
-    pub fn over(self, other: Value) -> Value {
-        let value = self.value / other.value;
-        let (a, b) = (self.relative(), other.relative());
-        Value {
-            value,
-            error: value.abs() * (a * a + b * b).sqrt(),
-        }
-    }
-}
-
 /// Everything that the table says.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -93,8 +72,10 @@ pub struct Analysis {
     pub rows: usize,
     /// Rows that failed.
     pub failed: usize,
-    /// Rows left out because the bed slid along as a plug.
+    /// Rows whose bed slid along as a plug.
     pub sliding: usize,
+    /// Whether these count all the same.
+    pub plugs: bool,
     /// Drag against speed: intruder, depth and grains the same.
     pub curves: Vec<Curve>,
     /// Regimes of each curve.
@@ -138,6 +119,7 @@ pub fn analyse(table: &Table, plugs: bool) -> Analysis {
         rows: table.len(),
         failed: read.failed,
         sliding: read.sliding,
+        plugs,
         speeds: curves.iter().map(speeds::speeds).collect(),
         pooled,
         around,

@@ -3,15 +3,14 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::exponents::{Force, Scaled, distinct, geometric_mean, near, scaled};
+use super::yields::EXTRAPOLATED_FROUDE;
 use super::{Curve, Finding, Material, Point, Value, Yield};
-use crate::fit::linear::{Column, columns};
 use crate::fit::power::power;
-use crate::fit::{DECADES_MIN, Datum, EXPONENT_ERROR_MAX, Exact, Fit, Refusal};
+use crate::fit::{Datum, Fit, Refusal};
 
 /// Depth in mean diameters down to which the paper's collapse fails (Kumar 2018, section III H).
 pub const SHALLOW: f64 = 25.0;
-/// Froude numbers that differ by less than this part are one.
-const SAME_FROUDE: f64 = 1e-6;
 
 /// An exponent at a depth or a diameter.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -35,16 +34,6 @@ pub struct AtSpeed {
     pub fit: Finding<Fit>,
 }
 
-/// Exponents of size and depth from all yield forces at once.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Scaled {
-    /// `ln F = ln A + phi ln(D + d) + alpha ln h`.
-    pub fit: Fit,
-    /// `phi + alpha` with the error that their covariance gives.
-    pub sum: Value,
-}
-
 /// Runs at one Froude number, each over its scale.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -63,6 +52,8 @@ pub struct Spread {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Collapse {
+    /// phi and alpha of the scale (D + d)^phi h^alpha that each drag is taken over.
+    pub exponents: [f64; 2],
     /// By Froude number.
     pub speeds: Vec<Spread>,
     /// Root mean square over all.
@@ -77,8 +68,11 @@ pub struct Collapse {
 pub struct Scaling {
     /// The grains.
     pub material: Material,
-    /// phi: yield force against D + d at each depth.
+    /// phi: yield force against D + d at each depth asked for, to which those of the settled beds are brought.
     pub phi: Vec<Exponent>,
+    /// The exponent of the depth by which they are: alpha of both at once, of yields or of slow drags, or 1 where
+    /// there is none.
+    pub brought_by: f64,
     /// alpha: yield force against depth at each diameter.
     pub alpha: Vec<Exponent>,
     /// alpha of the drag at each speed.
@@ -87,7 +81,11 @@ pub struct Scaling {
     pub alpha_mean: Finding<Value>,
     /// Both at once.
     pub both: Finding<Scaled>,
-    /// Drags of all diameters at a depth, over (D + d)^phi (Kumar 2018, Fig. 15).
+    /// Both from the drags up to Fr = 1.3 at the Froude numbers that all curves share: if drags of all sizes and
+    /// depths grow alike with the speed, these are the exponents of the yield force without it.
+    pub slow: Finding<Scaled>,
+    /// Drags of all diameters at a depth, over (D + d)^phi (Kumar 2018, Fig. 15); phi of the yields, or of slow
+    /// drags where these give none. So is alpha below.
     pub by_size: Finding<Collapse>,
     /// Drags of all depths at a diameter, over h^alpha (Kumar 2018, Fig. 19).
     pub by_depth: Finding<Collapse>,
@@ -99,69 +97,45 @@ pub struct Scaling {
 
 type Pair<'a> = (&'a Curve, &'a Yield);
 
-/// Values that occur, ascending, each once.
-fn kinds(values: impl Iterator<Item = f64>) -> Vec<f64> {
-    let mut all: Vec<f64> = values.collect();
-    all.sort_by(f64::total_cmp);
-    all.dedup_by(|a, b| (*a - *b).abs() <= SAME_FROUDE * b.abs());
-    all
-}
-
-fn near(a: f64, b: f64) -> bool {
-    (a - b).abs() <= SAME_FROUDE * b.abs()
-}
-
 /// All scalings of one material.
 pub(super) fn scaling(material: Material, curves: &[Pair]) -> Scaling {
     let both: Finding<Scaled> = both(curves).into();
+    let slow: Finding<Scaled> = slow(curves).into();
+    let at_once =
+        |found: &Finding<Scaled>, name| found.found()?.fit.parameter(name).map(Value::from);
     // Beds do not settle to the depth that was asked for: yields are brought to one depth.
-    let slope = both
-        .found()
-        .and_then(|s| s.fit.parameter("alpha"))
-        .map_or(1.0, |p| p.value);
+    let slope = at_once(&both, "alpha").or(at_once(&slow, "alpha"));
+    let slope = slope.map_or(1.0, |alpha| alpha.value);
     let phi = phi(curves, slope);
     let alpha = alpha(curves);
-    let exponent = |list: &[Exponent]| {
+    let exponent = |list: &[Exponent], name| {
         let found = list.iter().filter_map(|e| e.fit.found());
-        let values: Vec<Value> = found
-            .filter_map(|fit| fit.parameter("p"))
-            .map(|p| Value {
-                value: p.value,
-                error: p.error,
-            })
-            .collect();
-        mean(&values)
+        let mean = Value::mean(found.filter_map(|fit| fit.parameter("p")).map(Value::from));
+        mean.or(at_once(&slow, name))
     };
-    let (size, depth) = (exponent(&phi), exponent(&alpha));
+    let (size, depth) = (exponent(&phi, "phi"), exponent(&alpha, "alpha"));
     let no_phi = || Finding::refused("a collapse takes the exponent phi, which was not found");
     let no_alpha = || Finding::refused("a collapse takes the exponent alpha, which was not found");
     let by_size = size.map_or_else(no_phi, |phi| {
-        collapse(
-            curves,
-            |c| c.depth_asked,
-            |c| libm::pow(c.effective_diameter(), phi.value) * libm::pow(c.depth, slope),
-        )
-        .into()
+        collapse(curves, |c| c.depth_asked, [phi.value, slope]).into()
     });
     let by_depth = |wanted: fn(f64) -> bool| {
         let deep = |(c, _): &&Pair| wanted(c.depth_asked / c.mean_diameter);
         let own: Vec<Pair> = curves.iter().filter(deep).copied().collect();
         depth.map_or_else(no_alpha, |alpha| {
-            collapse(&own, |c| c.diameter, |c| libm::pow(c.depth, alpha.value)).into()
+            collapse(&own, |c| c.diameter, [0.0, alpha.value]).into()
         })
     };
     let alpha_at_speed = alpha_at_speed(curves);
     let speeds: Vec<Value> = alpha_at_speed
         .iter()
         .filter_map(|s| s.fit.found()?.parameter("p"))
-        .map(|p| Value {
-            value: p.value,
-            error: p.error,
-        })
+        .map(Value::from)
         .collect();
     let alpha_mean = plain_mean(&speeds);
     Scaling {
         material,
+        brought_by: slope,
         by_size,
         by_depth: by_depth(|_| true),
         by_depth_deep: by_depth(|h| h > SHALLOW),
@@ -171,18 +145,8 @@ pub(super) fn scaling(material: Material, curves: &[Pair]) -> Scaling {
         alpha_at_speed,
         alpha_mean,
         both,
+        slow,
     }
-}
-
-/// Weighted mean; none of none.
-fn mean(values: &[Value]) -> Option<Value> {
-    let weight = |v: &Value| 1.0 / (v.error * v.error);
-    let weights: f64 = values.iter().map(weight).sum();
-    let value = values.iter().map(|v| weight(v) * v.value).sum::<f64>() / weights;
-    (weights > 0.0 && value.is_finite()).then(|| Value {
-        value,
-        error: 1.0 / weights.sqrt(),
-    })
 }
 
 /// Plain mean, with the error of its values or their scatter, whichever is larger.
@@ -205,17 +169,16 @@ fn plain_mean(values: &[Value]) -> Finding<Value> {
 }
 
 fn phi(curves: &[Pair], alpha: f64) -> Vec<Exponent> {
-    let depths = kinds(curves.iter().map(|(c, _)| c.depth_asked));
+    let depths = distinct(curves.iter().map(|(c, _)| c.depth_asked));
     let at = |depth: f64| {
         let own = curves.iter().filter(|(c, _)| near(c.depth_asked, depth));
         let data: Vec<Datum> = own
             .filter_map(|(c, y)| {
-                let force = y.force.found()?;
-                let to = libm::pow(depth / c.depth, alpha);
+                let force = c.brought_to(depth, alpha, *y.force.found()?);
                 Some(Datum {
                     x: c.effective_diameter(),
-                    y: force.value * to,
-                    error: force.error * to,
+                    y: force.value,
+                    error: force.error,
                 })
             })
             .collect();
@@ -228,7 +191,7 @@ fn phi(curves: &[Pair], alpha: f64) -> Vec<Exponent> {
 }
 
 fn alpha(curves: &[Pair]) -> Vec<Exponent> {
-    let diameters = kinds(curves.iter().map(|(c, _)| c.diameter));
+    let diameters = distinct(curves.iter().map(|(c, _)| c.diameter));
     let at = |diameter: f64| {
         let own = curves.iter().filter(|(c, _)| near(c.diameter, diameter));
         let data: Vec<Datum> = own
@@ -243,7 +206,7 @@ fn alpha(curves: &[Pair]) -> Vec<Exponent> {
             .collect();
         Exponent {
             at: diameter,
-            fit: power(&data, "the depth h").into(),
+            fit: power(&data, "depths h").into(),
         }
     };
     diameters.into_iter().map(at).collect()
@@ -251,16 +214,16 @@ fn alpha(curves: &[Pair]) -> Vec<Exponent> {
 
 fn alpha_at_speed(curves: &[Pair]) -> Vec<AtSpeed> {
     let mut out = Vec::new();
-    for diameter in kinds(curves.iter().map(|(c, _)| c.diameter)) {
+    for diameter in distinct(curves.iter().map(|(c, _)| c.diameter)) {
         let own: Vec<&Curve> = curves
             .iter()
             .map(|(c, _)| *c)
             .filter(|c| near(c.diameter, diameter))
             .collect();
-        if kinds(own.iter().map(|c| c.depth_asked)).len() < 2 {
+        if distinct(own.iter().map(|c| c.depth_asked)).len() < 2 {
             continue;
         }
-        for speed in kinds(own.iter().flat_map(|c| c.points.iter().map(|p| p.speed))) {
+        for speed in distinct(own.iter().flat_map(|c| c.points.iter().map(|p| p.speed))) {
             let at = |c: &&Curve| -> Vec<Datum> {
                 let points = c.points.iter().filter(|p| near(p.speed, speed));
                 points
@@ -272,8 +235,8 @@ fn alpha_at_speed(curves: &[Pair]) -> Vec<AtSpeed> {
                     .collect()
             };
             let data: Vec<Datum> = own.iter().flat_map(at).collect();
-            if kinds(data.iter().map(|d| d.x)).len() > 2 {
-                let fit = power(&data, "the depth h").into();
+            if distinct(data.iter().map(|d| d.x)).len() > 2 {
+                let fit = power(&data, "depths h").into();
                 out.push(AtSpeed {
                     diameter,
                     speed,
@@ -287,92 +250,70 @@ fn alpha_at_speed(curves: &[Pair]) -> Vec<AtSpeed> {
 
 /// Both exponents from all yields.
 fn both(curves: &[Pair]) -> Result<Scaled, Refusal> {
-    let known: Vec<(&Curve, Value)> = curves
-        .iter()
-        .filter_map(|(c, y)| Some((*c, *y.force.found()?)))
-        .collect();
-    let positive = known.iter().all(|(_, force)| force.value > 0.0);
-    if known.len() < 4 || !positive {
-        return Err(Refusal(format!(
-            "both exponents at once take four yield forces above zero or more; there are {}",
-            known.len()
-        )));
-    }
-    for (what, of) in [
-        ("D + d", (|c| c.effective_diameter()) as fn(&Curve) -> f64),
-        ("the depth h", |c| c.depth),
-    ] {
-        let all = kinds(known.iter().map(|(c, _)| of(c)));
-        let decades = libm::log10(all[all.len() - 1] / all[0]);
-        if decades < DECADES_MIN {
-            return Err(Refusal(format!(
-                "an exponent takes a range of {DECADES_MIN} decades or more in {what}; the yield forces span \
-                 {decades:.2}"
-            )));
-        }
-    }
-    let data: Vec<Datum> = known
-        .iter()
-        .map(|(c, force)| Datum {
-            x: c.depth,
-            y: libm::log(force.value),
-            error: force.relative(),
+    let force = |(c, y): &Pair| {
+        Some(Force {
+            size: c.effective_diameter(),
+            depth: c.depth,
+            value: *y.force.found()?,
         })
-        .collect();
-    let column = |name: &'static str, of: &dyn Fn(&Curve) -> f64| Column {
-        name,
-        values: known.iter().map(|(c, _)| of(c)).collect(),
     };
-    let model = [
-        column("ln A", &|_| 1.0),
-        column("phi", &|c| libm::log(c.effective_diameter())),
-        column("alpha", &|c| libm::log(c.depth)),
-    ];
-    let fit = columns(
-        &data,
-        "ln F = ln A + phi ln(D + d) + alpha ln h",
-        &model,
-        Exact::Refused,
-    )?;
-    let worst = fit.parameters[1..]
-        .iter()
-        .find(|p| p.error > EXPONENT_ERROR_MAX);
-    if let Some(p) = worst {
-        return Err(Refusal(format!(
-            "the standard error of {} is {:.2}, beyond {EXPONENT_ERROR_MAX}: more or longer runs are wanted",
-            p.name, p.error
-        )));
-    }
-    let c = &fit.covariance;
-    let sum = Value {
-        value: fit.parameters[1].value + fit.parameters[2].value,
-        error: (c[1][1] + c[2][2] + 2.0 * c[1][2]).sqrt(),
-    };
-    Ok(Scaled { fit, sum })
+    let known: Vec<Force> = curves.iter().filter_map(force).collect();
+    scaled(&known, "yield forces")
 }
 
-/// How well the drags over `scale` agree at equal Froude numbers, among curves that `group` puts together.
+/// Both from slow drags: of each curve one force, the mean over the Froude numbers that all curves share. The
+/// drags of a curve begin in one bed, so that they are not independent of each other.
+fn slow(curves: &[Pair]) -> Result<Scaled, Refusal> {
+    let has = |c: &Curve, froude: f64| c.points.iter().any(|p| near(p.froude, froude));
+    let all = curves
+        .iter()
+        .flat_map(|(c, _)| c.points.iter().map(|p| p.froude));
+    let mut shared = distinct(all.filter(|froude| *froude <= EXTRAPOLATED_FROUDE));
+    shared.retain(|froude| curves.iter().all(|(c, _)| has(c, *froude)));
+    if shared.is_empty() {
+        let why =
+            "the curves share no Froude number up to 1.3 at which their drags could be compared";
+        return Err(Refusal(why.into()));
+    }
+    let force = |(c, _): &Pair| {
+        let own = c
+            .points
+            .iter()
+            .filter(|p| shared.iter().any(|s| near(p.froude, *s)));
+        let drags: Vec<Value> = own.map(|p| p.drag).collect();
+        let positive = drags.iter().all(|v| v.value > 0.0);
+        Force {
+            size: c.effective_diameter(),
+            depth: c.depth,
+            value: match positive {
+                true => geometric_mean(&drags),
+                false => Value::new(0.0, 0.0),
+            },
+        }
+    };
+    let forces: Vec<Force> = curves.iter().map(force).collect();
+    scaled(&forces, "curves of slow drags")
+}
+
+/// How well the drags over their scale agree at equal Froude numbers, among curves that `group` puts together.
 fn collapse(
     curves: &[Pair],
     group: impl Fn(&Curve) -> f64,
-    scale: impl Fn(&Curve) -> f64,
+    exponents: [f64; 2],
 ) -> Result<Collapse, Refusal> {
     let mut speeds = Vec::new();
-    for kind in kinds(curves.iter().map(|(c, _)| group(c))) {
+    for kind in distinct(curves.iter().map(|(c, _)| group(c))) {
         let own: Vec<&Curve> = curves
             .iter()
             .map(|(c, _)| *c)
             .filter(|c| near(group(c), kind))
             .collect();
-        for froude in kinds(own.iter().flat_map(|c| c.points.iter().map(|p| p.froude))) {
+        for froude in distinct(own.iter().flat_map(|c| c.points.iter().map(|p| p.froude))) {
             let at = |c: &&Curve| -> Vec<Value> {
-                let scale = scale(c);
+                let scale = c.scale(exponents);
                 let points = c.points.iter().filter(|p: &&Point| near(p.froude, froude));
                 points
-                    .map(|p| Value {
-                        value: p.drag.value / scale,
-                        error: p.drag.error / scale,
-                    })
+                    .map(|p| Value::new(p.drag.value / scale, p.drag.error / scale))
                     .collect()
             };
             let values: Vec<Value> = own.iter().flat_map(at).collect();
@@ -392,6 +333,7 @@ fn collapse(
         (squares.sum::<f64>() / n).sqrt()
     };
     Ok(Collapse {
+        exponents,
         spread: whole(|s| s.spread),
         expected: whole(|s| s.expected),
         speeds,

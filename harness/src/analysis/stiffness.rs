@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Curve, Value, Yield};
+use super::{Curve, Point, Value, Yield};
 use crate::campaign::rules::RESTITUTION;
 
 /// Least Froude number of the regime in which only restitution counts.
@@ -106,25 +106,14 @@ fn fast(curve: &Curve, first: &Curve) -> Option<Value> {
     if std::ptr::eq(curve, first) {
         return None;
     }
-    let (mut weights, mut sum) = (0.0, 0.0);
-    for p in curve
+    let fast = curve
         .points
         .iter()
-        .filter(|p| p.froude > FAST * (1.0 - SAME))
-    {
-        for q in first
-            .points
-            .iter()
-            .filter(|q| (q.froude - p.froude).abs() < SAME * p.froude)
-        {
-            let ratio = p.drag.over(q.drag);
-            let weight = 1.0 / (ratio.error * ratio.error);
-            weights += weight;
-            sum += weight * ratio.value;
-        }
-    }
-    (weights > 0.0).then(|| Value {
-        value: sum / weights,
-        error: 1.0 / weights.sqrt(),
-    })
+        .filter(|p| p.froude > FAST * (1.0 - SAME));
+    let ratios = fast.flat_map(|p| {
+        let same = |q: &&Point| (q.froude - p.froude).abs() < SAME * p.froude;
+        let own = first.points.iter().filter(same);
+        own.map(|q| p.drag.over(q.drag))
+    });
+    Value::mean(ratios)
 }

@@ -147,6 +147,9 @@ fn known_exponents_and_yield_forces_are_found() {
         near(&both.fit, "phi", phi);
         near(&both.fit, "alpha", alpha);
         assert!((both.sum.value - 3.0).abs() < 4.0 * both.sum.error);
+        let slow = scaling.slow.found().unwrap();
+        near(&slow.fit, "phi", phi);
+        near(&slow.fit, "alpha", alpha);
         assert_eq!((scaling.phi.len(), scaling.alpha.len()), (3, 4));
         scaling
             .phi

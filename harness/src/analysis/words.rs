@@ -1,11 +1,11 @@
 //! The analysis in words and numbers, for a terminal.
 
 use super::{
-    Analysis, Around, Collapse, Curve, Exponent, Finding, Material, Method, Pooled, Scaling,
-    Stiffness, Value,
+    Analysis, Around, Collapse, Curve, Exponent, Finding, Material, Method, Pooled, Scaled,
+    Scaling, Stiffness, Value,
 };
 use crate::fit::Fit;
-use crate::fit::regimes::Crossover;
+use crate::fit::regimes::Regimes;
 use crate::report::{number_with_error, short};
 
 fn value(v: &Value) -> String {
@@ -24,23 +24,35 @@ fn line(fit: &Finding<Fit>) -> String {
     told(fit, |fit| format!("{}: {}", fit.model, fit.line()))
 }
 
-fn material(m: &Material) -> String {
-    format!(
-        "mu = {}, K_n = {:e}, gamma_n = {}",
-        m.mu,
-        m.kn,
-        short(m.gamma_n)
-    )
+/// Grains in words.
+pub(crate) fn material(m: &Material) -> String {
+    match grains(m) {
+        own if own.is_empty() => format!("mu = {}", m.mu),
+        own => format!("mu = {}, {own}", m.mu),
+    }
 }
 
-fn intruder(curve: &Curve) -> String {
+/// What they are beside their friction; nothing under a law without these numbers.
+pub(crate) fn grains(m: &Material) -> String {
+    match m.kn {
+        0.0 => String::new(),
+        kn => format!("K_n = {kn:e}, gamma_n = {}", short(m.gamma_n)),
+    }
+}
+
+/// An intruder in words.
+pub(crate) fn intruder(curve: &Curve) -> String {
     format!("D = {}, h = {}", short(curve.diameter), short(curve.depth))
 }
 
 /// All of it, a line for each finding.
 pub fn words(analysis: &Analysis) -> String {
+    let counted = match analysis.plugs {
+        true => "counted although",
+        false => "left out because",
+    };
     let mut lines = vec![format!(
-        "{} runs, {} failed, {} left out because the bed slid along",
+        "{} runs, {} failed, {} {counted} the bed slid along",
         analysis.rows, analysis.failed, analysis.sliding
     )];
     curves(analysis, &mut lines);
@@ -82,7 +94,7 @@ fn curves(analysis: &Analysis, lines: &mut Vec<String>) {
         if let Some(first) = &speeds.first {
             lines.push(format!("    first regime: {}", line(first)));
         }
-        let all = told(&speeds.regimes, |r| r.fit.line());
+        let all = told(&speeds.regimes, Regimes::words);
         lines.push(format!("    regimes: {all}"));
     }
 }
@@ -90,16 +102,7 @@ fn curves(analysis: &Analysis, lines: &mut Vec<String>) {
 fn pooled(pooled: &Pooled, lines: &mut Vec<String>) {
     let name = material(&pooled.material);
     lines.push(format!("\nall intruders over their yield force, {name}"));
-    let end = |x: Option<f64>| x.map_or("open".to_string(), short);
-    let one = |c: &Crossover| format!("{} ({} to {})", short(c.at), end(c.low), end(c.high));
-    let regimes = told(&pooled.regimes, |r| {
-        let needed = match r.needed {
-            true => "",
-            false => "; fewer regimes fit as well",
-        };
-        let (first, second) = (one(&r.first), one(&r.second));
-        format!("crossovers {first} and {second}, 95 %{needed}")
-    });
+    let regimes = told(&pooled.regimes, Regimes::words);
     lines.push(format!("  regimes: {regimes}"));
     lines.push(format!(
         "  F/F_Y - 1 against Fr - 1 up to Fr = 5: {}",
@@ -140,10 +143,16 @@ fn scaling(scaling: &Scaling, lines: &mut Vec<String>) {
     list("alpha", "D", &scaling.alpha);
     let mean = told(&scaling.alpha_mean, value);
     lines.push(format!("  alpha, mean over speeds: {mean}"));
-    let both = told(&scaling.both, |s| {
-        format!("{}; phi + alpha = {}", s.fit.line(), value(&s.sum))
-    });
-    lines.push(format!("  both at once: {both}"));
+    let both = |found: &Finding<Scaled>| {
+        told(found, |s| {
+            format!("{}; phi + alpha = {}", s.fit.line(), value(&s.sum))
+        })
+    };
+    lines.push(format!("  both at once: {}", both(&scaling.both)));
+    let slow = both(&scaling.slow);
+    lines.push(format!(
+        "  both from slow drags, if all grow alike with Fr up to 1.3: {slow}"
+    ));
     let spread = |c: &Collapse| {
         format!(
             "spread {}, of which errors {}",
@@ -170,7 +179,7 @@ fn levels(group: &Stiffness, lines: &mut Vec<String>) {
         short(group.depth_asked)
     ));
     for level in &group.levels {
-        let fast = level.fast.as_ref().map_or("1".to_string(), value);
+        let fast = level.fast.as_ref().map_or("-".to_string(), value);
         lines.push(format!(
             "  K_n = {:e}, gamma_n = {}: yield force {}, drag beyond Fr = 5 over the first {fast}",
             level.kn,

@@ -60,26 +60,20 @@ pub(super) fn yield_of(curve: &Curve) -> Yield {
         .filter(|p| p.speed <= limit)
         .map(|p| p.drag)
         .collect();
-    if !slow.is_empty() {
+    if let Some(force) = Value::mean(slow.iter().copied()) {
         return Yield {
             method: Method::SlowRun,
             runs: slow.len(),
-            force: Finding::Found(mean(&slow)),
+            force: Finding::Found(force),
         };
     }
     if curve.material.mu >= PLATEAU_MU {
         let data = below(curve, PLATEAU_FROUDE);
         let force = match &data[..] {
             [] => Finding::refused(format!("no run is below Fr = {PLATEAU_FROUDE}")),
-            [one] => Finding::Found(Value {
-                value: one.y,
-                error: one.error,
-            }),
+            [one] => Finding::Found(Value::new(one.y, one.error)),
             _ => constant(&data)
-                .map(|fit| Value {
-                    value: fit.parameters[0].value,
-                    error: fit.parameters[0].error,
-                })
+                .map(|fit| Value::from(&fit.parameters[0]))
                 .into(),
         };
         return Yield {
@@ -89,23 +83,10 @@ pub(super) fn yield_of(curve: &Curve) -> Yield {
         };
     }
     let data = below(curve, EXTRAPOLATED_FROUDE);
-    let limit = extrapolated(&data).map(|limit| Value {
-        value: limit.value,
-        error: limit.error,
-    });
+    let limit = extrapolated(&data).map(|limit| Value::new(limit.value, limit.error));
     Yield {
         method: Method::Extrapolated,
         runs: data.len(),
         force: limit.into(),
-    }
-}
-
-/// Weighted mean of a few.
-fn mean(values: &[Value]) -> Value {
-    let weight = |v: &Value| 1.0 / (v.error * v.error);
-    let weights: f64 = values.iter().map(weight).sum();
-    Value {
-        value: values.iter().map(|v| weight(v) * v.value).sum::<f64>() / weights,
-        error: 1.0 / weights.sqrt(),
     }
 }

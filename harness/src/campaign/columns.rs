@@ -28,7 +28,7 @@ pub struct Row<'a> {
     /// The run.
     pub plan: RunPlan,
     /// How it ended.
-    pub status: Status,
+    pub status: &'a Status,
 }
 
 /// One cell; what is not there is empty in CSV and null in Parquet.
@@ -77,7 +77,7 @@ impl Column {
 
 impl Row<'_> {
     fn record(&self) -> Option<&RunRecord> {
-        match &self.status {
+        match self.status {
             Status::Done(record) => Some(record),
             Status::Failed(_) => None,
         }
@@ -150,13 +150,13 @@ fn names(all: &mut Vec<Column>) {
     text(all, "member", |row| Some(row.member.into()));
     text(all, "run", |row| Some(row.plan.name.clone()));
     text(all, "status", |row| {
-        let word = match &row.status {
+        let word = match row.status {
             Status::Done(_) => "done",
             Status::Failed(_) => "failed",
         };
         Some(word.into())
     });
-    text(all, "reason", |row| match &row.status {
+    text(all, "reason", |row| match row.status {
         Status::Done(_) => None,
         Status::Failed(reason) => Some(reason.clone()),
     });

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::changes;
-use super::plan::Plan;
+use super::plan::{self, Member, Plan};
 use crate::error::{Error, Result};
 use crate::files::{bits, read_text, write_whole};
 use crate::folder::Claim;
@@ -20,6 +20,18 @@ pub(super) struct Failure {
     pub(super) reason: String,
 }
 
+/// What lies beside a campaign's table.
+pub struct Beside {
+    /// Name of the campaign.
+    pub name: String,
+    /// Its file with its base written out.
+    pub text: String,
+    /// Runs that it plans.
+    pub planned: usize,
+    /// Members that have a report.
+    pub reports: Vec<String>,
+}
+
 /// The folder of a campaign.
 #[derive(Clone, Copy, Debug)]
 pub struct CampaignFolder<'a>(pub &'a Path);
@@ -28,6 +40,24 @@ impl CampaignFolder<'_> {
     /// The campaign's file with its base written out.
     pub fn campaign(&self) -> PathBuf {
         self.0.join("campaign.toml")
+    }
+
+    /// What lies beside the table.
+    ///
+    /// # Errors
+    /// [`Error::Input`] where the campaign's file is not there or is none.
+    pub fn beside(&self) -> Result<Beside> {
+        let path = self.campaign();
+        let text = read_text(&path)?;
+        let plan = plan::parse(&text, &path.display().to_string(), &[], self.0)?;
+        let reported = |member: &&Member| self.member(&member.name).join("report.html").exists();
+        let reports = plan.members.iter().filter(reported);
+        Ok(Beside {
+            name: plan.campaign.name.clone(),
+            planned: plan.members.iter().map(|m| m.scenario.runs().len()).sum(),
+            reports: reports.map(|member| member.name.clone()).collect(),
+            text,
+        })
     }
 
     /// The table.

@@ -2,12 +2,13 @@
 
 use std::fmt::Write;
 
+use super::only::Only;
 use super::plan::Plan;
 use crate::bed::{self, library::Library, recipe::Recipe};
 use crate::error::Result;
 use crate::forecast::{disk, side_by_side, trial};
 use crate::report::short;
-use crate::scenario::Scenario;
+use crate::scenario::{RunPlan, Scenario};
 
 /// Grain-steps of a job that are counted as one, so that sums stay far below 2^64.
 const GRAIN_STEPS: f64 = 1e6;
@@ -16,40 +17,36 @@ const GRAIN_STEPS: f64 = 1e6;
 /// caches one after the other.
 const LARGE: [(usize, f64); 3] = [(5_000, 0.85), (50_000, 0.7), (500_000, 0.6)];
 
-/// The forecast of a campaign as text: `jobs` stages side by side on so many threads, beds from `library`.
+/// The forecast of the wanted runs of a campaign as text: `jobs` stages side by side on so many threads, beds
+/// from `library`.
 ///
 /// # Errors
 /// What the trial of this machine's speed may meet.
-pub fn forecast(plan: &Plan, library: &Library, threads: usize, jobs: usize) -> Result<String> {
+pub fn forecast(
+    plan: &Plan,
+    only: &Only,
+    library: &Library,
+    threads: usize,
+    jobs: usize,
+) -> Result<String> {
     let speed = trial(&plan.members[0].scenario)?;
-    let mut out = String::new();
+    let mut out = head(plan);
     let mut say = |line: String| {
         out.push_str(&line);
         out.push('\n');
     };
-    say(format!(
-        "campaign {}: {} members",
-        plan.campaign.name,
-        plan.members.len()
-    ));
-    say(String::new());
-    say(format!(
-        "{:<32} {:>8} {:>5} {:>14} {:>14} {:>9}",
-        "member", "grains", "runs", "bed", "runs", "hours"
-    ));
-    say(format!(
-        "{:<32} {:>8} {:>5} {:>14} {:>14} {:>9}",
-        "", "", "", "M grain-steps", "M grain-steps", "1 thread"
-    ));
     let mut recipes: Vec<String> = Vec::new();
     let (mut pours, mut drags) = (Vec::new(), Vec::new());
     let (mut bytes, mut count) = (0.0, 0);
     for member in &plan.members {
         let scenario = &member.scenario;
-        let (poured, runs) = (
-            pouring(scenario, library, &mut recipes)?,
-            dragging(scenario),
-        );
+        let wanted = |run: &RunPlan| only.wants(&member.name, &run.name);
+        let plans: Vec<RunPlan> = scenario.runs().into_iter().filter(wanted).collect();
+        if plans.is_empty() {
+            continue;
+        }
+        let poured = pouring(scenario, library, &mut recipes)?;
+        let runs = dragging(scenario, &plans);
         let grains = scenario
             .beds()
             .iter()
@@ -62,12 +59,12 @@ pub fn forecast(plan: &Plan, library: &Library, threads: usize, jobs: usize) -> 
             "{:<32} {grains:>8} {:>5} {:>14.0} {:>14.0} {:>9.2}",
             member.name,
             runs.len(),
-            poured.iter().sum::<f64>(),
+            poured.iter().sum::<f64>() + 0.0, // an empty sum is -0
             runs.iter().sum::<f64>(),
             all * GRAIN_STEPS / (speed * slower) / 3600.0
         ));
         count += runs.len();
-        bytes += disk(scenario, &scenario.runs(), grains, scenario.beds().len());
+        bytes += disk(scenario, &plans, grains, scenario.beds().len());
         // As jobs, in thousandths of a million grain-steps on a small bed.
         let job = |work: &f64| (1000.0 * work / slower) as u64;
         pours.extend(poured.iter().map(job));
@@ -108,6 +105,21 @@ pub fn forecast(plan: &Plan, library: &Library, threads: usize, jobs: usize) -> 
     Ok(out)
 }
 
+/// The campaign's name, and over its members what their columns are.
+fn head(plan: &Plan) -> String {
+    let columns = |names: [&str; 6]| {
+        let [member, grains, count, bed, runs, hours] = names;
+        format!("{member:<32} {grains:>8} {count:>5} {bed:>14} {runs:>14} {hours:>9}\n")
+    };
+    format!(
+        "campaign {}: {} members\n\n{}{}",
+        plan.campaign.name,
+        plan.members.len(),
+        columns(["member", "grains", "runs", "bed", "runs", "hours"]),
+        columns(["", "", "", "M grain-steps", "M grain-steps", "1 thread"]),
+    )
+}
+
 fn span(hours: f64) -> String {
     match hours {
         h if h < 1.5 => format!("{:.0} minutes", 60.0 * h),
@@ -136,14 +148,14 @@ fn pouring(scenario: &Scenario, library: &Library, recipes: &mut Vec<String>) ->
 }
 
 /// Million grain-steps of each drag.
-fn dragging(scenario: &Scenario) -> Vec<f64> {
+fn dragging(scenario: &Scenario, runs: &[RunPlan]) -> Vec<f64> {
     let beds = scenario.beds();
-    let runs = scenario.runs().into_iter();
-    runs.map(|run| {
-        let grains = scenario.grain_count(beds[run.bed].diameter) as f64;
-        run.steps as f64 * grains / GRAIN_STEPS
-    })
-    .collect()
+    runs.iter()
+        .map(|run| {
+            let grains = scenario.grain_count(beds[run.bed].diameter) as f64;
+            run.steps as f64 * grains / GRAIN_STEPS
+        })
+        .collect()
 }
 
 /// How fast a bed of so many grains goes, over the small one of the trial.

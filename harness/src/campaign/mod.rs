@@ -9,6 +9,7 @@ pub mod columns;
 pub mod folder;
 pub mod forecast;
 pub mod keys;
+pub mod only;
 pub mod parquet;
 pub mod plan;
 pub mod rules;

@@ -6,7 +6,7 @@ use toml::{Table, Value};
 
 use super::keys::{Axis, Base, Campaign, Grid};
 use super::rules::{Rule, damping, followers};
-use crate::error::{Error, Result, teach};
+use crate::error::{Error, Result, wrong_toml};
 use crate::files::read_text;
 use crate::scenario::{self, RunPlan, Scenario};
 
@@ -54,11 +54,7 @@ struct Cell<'a> {
 /// # Errors
 /// [`Error::Input`] with line, grid or key, and what was expected.
 pub fn parse(text: &str, place: &str, sets: &[String], folder: &Path) -> Result<Plan> {
-    let mut campaign: Campaign = toml::from_str(text).map_err(|e| {
-        let line = e.span().map(|s| 1 + text[..s.start].matches('\n').count());
-        let place = line.map_or(place.to_string(), |line| format!("{place}:{line}"));
-        Error::input(place, teach(e.message()))
-    })?;
+    let mut campaign: Campaign = toml::from_str(text).map_err(|e| wrong_toml(place, text, &e))?;
     let plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
     if campaign.name.is_empty() || !campaign.name.chars().all(plain) {
         let problem = "expected letters, digits, `-` and `_`: it names a folder";
@@ -129,10 +125,7 @@ fn base_table(base: &Base, place: &str, folder: &Path) -> Result<Table> {
             }
         },
     };
-    toml::from_str(&text).map_err(|e: toml::de::Error| {
-        let line = e.span().map(|s| 1 + text[..s.start].matches('\n').count());
-        Error::input(format!("{name}:{}", line.unwrap_or(1)), teach(e.message()))
-    })
+    toml::from_str(&text).map_err(|e| wrong_toml(&name, &text, &e))
 }
 
 /// Refuses what is given twice, or not at all.

@@ -1,13 +1,15 @@
 //! Runs what is left of a campaign: beds first, each once, then drags, the longest first.
 
-use std::path::{Path, PathBuf};
-use std::sync::Mutex;
-use std::sync::atomic::Ordering;
+mod records;
 
-use super::columns::{Row, Status};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
+use std::sync::{Mutex, MutexGuard};
+
+use super::columns::Status;
 use super::folder::{CampaignFolder, FAILURE, Failure};
+use super::only::Only;
 use super::plan::{Member, Plan};
-use super::{parquet, table};
 use crate::bed::recipe::Recipe;
 use crate::bed::{self, library::Library};
 use crate::error::{Error, Result};
@@ -16,12 +18,14 @@ use crate::folder::Folder;
 use crate::progress::{Overall, Progress};
 use crate::run::{self, SaveEvery, Setting, side_by_side};
 use crate::scenario::{BedPlan, RunPlan, Scenario};
-use crate::summary::{BedSummary, RunRecord, RunSummary};
+use crate::summary::{BedSummary, RunRecord};
 
 /// How a campaign is run; none of it changes a result.
 pub struct Sweep<'a> {
     /// What is run.
     pub plan: &'a Plan,
+    /// Which of its runs.
+    pub only: &'a Only,
     /// The campaign's folder.
     pub out: &'a Path,
     /// The settled beds that runs share.
@@ -54,6 +58,14 @@ struct Job {
     member: usize,
     plan: RunPlan,
     work: u64,
+    wanted: bool,
+}
+
+impl Job {
+    /// Whether it is still to be done.
+    fn open(&self, slot: &Slot) -> bool {
+        self.wanted && slot.is_none()
+    }
 }
 
 /// What became of a drag: nothing yet, or its end.
@@ -74,6 +86,7 @@ struct Under<'a> {
 /// Where its folder cannot be had or written to, or it is interrupted; runs that fail are told of in the
 /// table and stop nothing.
 pub fn sweep(what: &Sweep<'_>) -> Result<Outcome> {
+    let jobs = jobs(what.plan, what.only);
     let folder = CampaignFolder(what.out);
     let claim = folder.claim(what.plan)?;
     if !claim.sure {
@@ -85,15 +98,6 @@ pub fn sweep(what: &Sweep<'_>) -> Result<Outcome> {
     check_writable(what.library.folder())?;
     let members = &what.plan.members;
     let places: Vec<PathBuf> = members.iter().map(|m| folder.member(&m.name)).collect();
-    let mut jobs = Vec::new();
-    for (member, Member { scenario, .. }) in members.iter().enumerate() {
-        let beds = scenario.beds();
-        for plan in scenario.runs() {
-            let grains = scenario.grain_count(beds[plan.bed].diameter) as u64;
-            let work = plan.steps * grains;
-            jobs.push(Job { member, plan, work });
-        }
-    }
     let mut claims = Vec::new();
     for (member, place) in members.iter().zip(&places) {
         claims.push(Folder(place).claim(&member.scenario)?);
@@ -112,6 +116,24 @@ pub fn sweep(what: &Sweep<'_>) -> Result<Outcome> {
     under.take_up()?;
     under.go_on()?;
     under.conclude()
+}
+
+/// All drags, and which of them are wanted.
+fn jobs(plan: &Plan, only: &Only) -> Vec<Job> {
+    let mut jobs = Vec::new();
+    for (member, Member { name, scenario }) in plan.members.iter().enumerate() {
+        let beds = scenario.beds();
+        for plan in scenario.runs() {
+            let grains = scenario.grain_count(beds[plan.bed].diameter) as u64;
+            jobs.push(Job {
+                member,
+                work: plan.steps * grains,
+                wanted: only.wants(name, &plan.name),
+                plan,
+            });
+        }
+    }
+    jobs
 }
 
 impl Under<'_> {
@@ -138,6 +160,10 @@ impl Under<'_> {
             .labelled(&self.what.plan.members[member].name)
     }
 
+    fn slots(&self) -> MutexGuard<'_, Vec<Slot>> {
+        self.slots.lock().expect("no job panics with it")
+    }
+
     fn scenario(&self, member: usize) -> &Scenario {
         &self.what.plan.members[member].scenario
     }
@@ -153,7 +179,7 @@ impl Under<'_> {
             .iter()
             .map(|job| self.ended(job))
             .collect::<Result<_>>()?;
-        *self.slots.lock().expect("no job panics with it") = ends;
+        *self.slots() = ends;
         self.write_table()
     }
 
@@ -188,12 +214,12 @@ impl Under<'_> {
 
     /// The members of whose runs some are open, by the first of each recipe and the rest.
     fn open(&self) -> [Vec<usize>; 2] {
-        let slots = self.slots.lock().expect("no job panics with it");
+        let slots = self.slots();
         let mut recipes: Vec<String> = Vec::new();
         let mut open = [Vec::new(), Vec::new()];
         for member in 0..self.places.len() {
             let mut own = self.jobs.iter().zip(slots.iter());
-            if !own.any(|(job, slot)| job.member == member && slot.is_none()) {
+            if !own.any(|(job, slot)| job.member == member && job.open(slot)) {
                 continue;
             }
             let scenario = self.scenario(member);
@@ -215,9 +241,9 @@ impl Under<'_> {
         let overall = self.overall(&open);
         let beds = self.beds(open, &overall)?;
         let open: Vec<usize> = {
-            let slots = self.slots.lock().expect("no job panics with it");
+            let slots = self.slots();
             (0..self.jobs.len())
-                .filter(|&k| slots[k].is_none())
+                .filter(|&k| self.jobs[k].open(&slots[k]))
                 .collect()
         };
         let work = |k: usize| self.jobs[open[k]].work;
@@ -299,9 +325,13 @@ impl Under<'_> {
     /// The bar over all of it.
     fn overall(&self, open: &[Vec<usize>; 2]) -> Overall<'_> {
         let pouring: u64 = open[0].iter().map(|&member| self.planned(member)).sum();
-        let slots = self.slots.lock().expect("no job panics with it");
+        let slots = self.slots();
         let (mut before, mut ended, mut total) = (0, 0, pouring);
+        let wanted = self.jobs.iter().filter(|job| job.wanted).count();
         for (job, slot) in self.jobs.iter().zip(slots.iter()) {
+            if !job.wanted {
+                continue;
+            }
             total += job.work;
             if slot.is_some() {
                 (before, ended) = (before + job.work, ended + 1);
@@ -310,7 +340,7 @@ impl Under<'_> {
         let name = &self.what.plan.campaign.name;
         self.what
             .progress
-            .overall(name, total, before, self.jobs.len(), ended)
+            .overall(name, total, before, wanted, ended)
     }
 
     /// A stage's end: what it gave, or why it failed, which is written down; whatever else stopped it stops
@@ -344,95 +374,17 @@ impl Under<'_> {
     }
 
     fn fail_all(&self, member: usize, reason: &str, overall: &Overall) -> Result<()> {
-        let mut slots = self.slots.lock().expect("no job panics with it");
+        let mut slots = self.slots();
         for (job, slot) in self.jobs.iter().zip(slots.iter_mut()) {
             if job.member == member && slot.is_none() {
                 *slot = Some(Status::Failed(reason.into()));
-                overall.run_ended(true);
+                if job.wanted {
+                    overall.run_ended(true);
+                }
             }
         }
         drop(slots);
         self.write_table()
-    }
-
-    /// Keeps how a run ended, and writes the table with it.
-    fn record(
-        &self,
-        job: usize,
-        ended: std::result::Result<RunSummary, String>,
-        bed: &BedSummary,
-    ) -> Result<()> {
-        let folder = Folder(&self.places[self.jobs[job].member]);
-        let scenario = self.scenario(self.jobs[job].member);
-        let status = match ended {
-            Ok(run) => Status::Done(Box::new(run::record(&folder, scenario, bed, &run))),
-            Err(reason) => Status::Failed(reason),
-        };
-        self.slots.lock().expect("no job panics with it")[job] = Some(status);
-        self.write_table()
-    }
-
-    /// Writes the rows that there are, in the order of the plan.
-    fn write_table(&self) -> Result<()> {
-        // Held until it is written: an older table must not replace a newer one.
-        let slots = self.slots.lock().expect("no job panics with it");
-        let ended = self.jobs.iter().zip(slots.iter());
-        let row = |(job, slot): (&Job, &Slot)| {
-            Some(Row {
-                member: &self.what.plan.members[job.member].name[..],
-                scenario: self.scenario(job.member),
-                plan: job.plan.clone(),
-                status: slot.clone()?,
-            })
-        };
-        let rows: Vec<Row> = ended.filter_map(row).collect();
-        let units = self.scenario(0).units();
-        write_whole(&self.folder.table(), table::text(&units, &rows).as_bytes())?;
-        let path = self.folder.parquet();
-        let bytes = parquet::bytes(&rows).map_err(|e| Error::write(&path, e))?;
-        write_whole(&path, &bytes)
-    }
-
-    /// Writes the summaries and reports of the members whose runs are all done.
-    fn conclude(&self) -> Result<Outcome> {
-        let slots = self.slots.lock().expect("no job panics with it");
-        let (mut done, mut failed) = (0, 0);
-        for (member, place) in self.places.iter().enumerate() {
-            let own = self
-                .jobs
-                .iter()
-                .zip(slots.iter())
-                .filter(|(job, _)| job.member == member);
-            let mut records = Vec::new();
-            let mut whole = true;
-            for (_, slot) in own {
-                match slot {
-                    Some(Status::Done(record)) => records.push(record),
-                    _ => {
-                        whole = false;
-                        failed += 1;
-                    }
-                }
-            }
-            done += records.len();
-            let folder = Folder(place);
-            if !whole || folder.report().exists() && folder.summary().exists() {
-                continue;
-            }
-            let mut beds: Vec<BedSummary> = Vec::new();
-            for record in &records {
-                if !beds.iter().any(|bed| bed.name == record.bed.name) {
-                    beds.push(record.bed.clone());
-                }
-            }
-            let runs = records.iter().map(|record| record.run.clone()).collect();
-            run::conclude(&folder, self.scenario(member), beds, runs)?;
-        }
-        Ok(Outcome {
-            done,
-            failed,
-            table: self.folder.table(),
-        })
     }
 }
 

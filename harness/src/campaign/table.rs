@@ -5,6 +5,7 @@ use std::path::Path;
 use super::columns::{Cell, Row, Status, Unit, columns};
 use crate::error::{Error, Result};
 use crate::files::{bits, read_text};
+use crate::scenario::RunPlan;
 use crate::summary::{RunRecord, RunSummary, Summary};
 use crate::units::Units;
 
@@ -51,7 +52,7 @@ pub fn text(units: &Units, rows: &[Row<'_>]) -> String {
 /// The table of one run: a row for each of its drags.
 pub fn of_run(whole: &Summary) -> String {
     let plans = whole.inputs.runs();
-    let row = |run: &RunSummary| {
+    let done = |run: &RunSummary| {
         let plan = plans.iter().find(|plan| plan.name == run.name)?;
         let bed = whole.beds.iter().find(|bed| bed.name == run.bed)?;
         let record = RunRecord {
@@ -63,14 +64,19 @@ pub fn of_run(whole: &Summary) -> String {
             bed: bed.clone(),
             run: run.clone(),
         };
-        Some(Row {
-            member: &whole.scenario,
-            scenario: &whole.inputs,
-            plan: plan.clone(),
-            status: Status::Done(Box::new(record)),
-        })
+        Some((plan, Status::Done(Box::new(record))))
     };
-    let rows: Vec<Row> = whole.runs.iter().filter_map(row).collect();
+    let ended: Vec<_> = whole.runs.iter().filter_map(done).collect();
+    let row = |(plan, status)| Row {
+        member: &whole.scenario,
+        scenario: &whole.inputs,
+        plan: RunPlan::clone(plan),
+        status,
+    };
+    let rows: Vec<Row> = ended
+        .iter()
+        .map(|(plan, status)| row((*plan, status)))
+        .collect();
     text(&whole.units, &rows)
 }
 
@@ -85,6 +91,8 @@ fn cell_text(cell: Cell) -> String {
 /// A campaign's table as it was written: names and cells.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
+    /// Of each unit the columns that have it, then the unit, as the comment says.
+    units: Vec<String>,
     names: Vec<String>,
     rows: Vec<Vec<String>>,
 }
@@ -129,7 +137,60 @@ impl Table {
         for record in reader.records() {
             rows.push(record.map_err(wrong)?.iter().map(String::from).collect());
         }
-        Ok(Self { names, rows })
+        let comment = text
+            .lines()
+            .next()
+            .and_then(|l| l.strip_prefix("# units: "));
+        let units = comment.map_or(Vec::new(), |c| c.split("; ").map(String::from).collect());
+        Ok(Self { units, names, rows })
+    }
+
+    /// What the numbers of a column are counted in; `""` where that is not said.
+    pub fn unit(&self, column: &str) -> String {
+        let has = |kind: &&String| kind.split(' ').any(|word| word == column);
+        let kind = self.units.iter().find(has).map_or("", |kind| kind);
+        let name = |word: &&str| self.names.iter().any(|name| name == word);
+        let words: Vec<&str> = kind.split(' ').skip_while(name).collect();
+        words.join(" ")
+    }
+
+    /// How many of its done runs have the same row in another table: every column of that one.
+    ///
+    /// # Errors
+    /// [`Error::Unverified`] with the first run, column and both texts that differ, or what is missing.
+    pub fn check_against(&self, other: &Table, place: &str) -> Result<usize> {
+        let missing = other.names.iter().find(|name| !self.names.contains(name));
+        let digest = other.names.iter().any(|name| name == "digest");
+        if missing.is_some() || !digest {
+            let column = missing.map_or("digest", |name| name);
+            let problem = format!("only one of the table and {place} has a column `{column}`");
+            return Err(Error::Unverified { problem });
+        }
+        let mut same = 0;
+        for row in (0..self.len()).filter(|&row| self.text(row, "status") == "done") {
+            let key = |table: &Table, row| ["member", "run"].map(|c| table.text(row, c).to_owned());
+            let [member, run] = key(self, row);
+            let twin = (0..other.len()).find(|&k| key(other, k) == key(self, row));
+            let problem = match twin {
+                None => Some(format!("{place} has no row of {member}/{run}")),
+                Some(twin) => {
+                    let differs = |name: &&String| self.text(row, name) != other.text(twin, name);
+                    let first = other.names.iter().find(differs);
+                    first.map(|name| {
+                        format!(
+                            "{member}/{run}: {name} is {}, and {} in {place}",
+                            self.text(row, name),
+                            other.text(twin, name)
+                        )
+                    })
+                }
+            };
+            if let Some(problem) = problem {
+                return Err(Error::Unverified { problem });
+            }
+            same += 1;
+        }
+        Ok(same)
     }
 
     /// How many rows it has.

@@ -3,8 +3,9 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::verdict::Verdict;
 use crate::analysis::Value;
-use crate::error::{Error, Result, teach};
+use crate::error::{Error, Result, wrong_toml};
 use crate::fit::round10;
 use crate::report::{number_with_error, short};
 
@@ -67,29 +68,6 @@ pub struct Measured {
     pub digest: String,
 }
 
-/// Whether a claim and a measurement agree.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Agreement {
-    /// They do.
-    Agrees,
-    /// They do not.
-    Disagrees,
-    /// What was measured cannot tell, or nothing was.
-    NotResolved,
-}
-
-impl Agreement {
-    /// In words.
-    pub fn words(self) -> &'static str {
-        match self {
-            Agreement::Agrees => "agrees",
-            Agreement::Disagrees => "disagrees",
-            Agreement::NotResolved => "not resolved",
-        }
-    }
-}
-
 /// All claims.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -104,12 +82,7 @@ impl Book {
     /// # Errors
     /// [`Error::Input`] with the line, or the claim, that is wrong.
     pub fn parse(text: &str, place: &str) -> Result<Self> {
-        let book: Book = toml::from_str(text).map_err(|e| {
-            let line = e
-                .span()
-                .map_or(1, |s| 1 + text[..s.start].matches('\n').count());
-            Error::input(format!("{place}:{line}"), teach(e.message()))
-        })?;
+        let book: Book = toml::from_str(text).map_err(|e| wrong_toml(place, text, &e))?;
         for (k, claim) in book.claim.iter().enumerate() {
             let place = format!("{place}: claim `{}`", claim.id);
             if book.claim[..k].iter().any(|other| other.id == claim.id) {
@@ -200,18 +173,18 @@ impl Claim {
     /// Whether a measurement agrees. A number agrees within the tolerance if its error is no larger, and
     /// disagrees where two errors more do not reach it. It keeps a bound if it does with one error, and
     /// breaks it where it does with two.
-    pub fn agreement(&self, measured: &Measured) -> Agreement {
+    pub fn agreement(&self, measured: &Measured) -> Verdict {
         let (Some(x), Some(error)) = (measured.value, measured.error) else {
-            return Agreement::NotResolved;
+            return Verdict::NotResolved;
         };
         if let (Some(value), Some(tolerance)) = (self.value, self.tolerance) {
             let off = (x - value).abs();
             return if off > tolerance + 2.0 * error {
-                Agreement::Disagrees
+                Verdict::Disagrees
             } else if off <= tolerance && error <= tolerance {
-                Agreement::Agrees
+                Verdict::Agrees
             } else {
-                Agreement::NotResolved
+                Verdict::NotResolved
             };
         }
         let above = |least: f64, errors: f64| x - errors * error >= least;
@@ -221,16 +194,16 @@ impl Claim {
         let broken = self.least.is_some_and(|b| !above(b, -2.0))
             || self.most.is_some_and(|b| !below(b, -2.0));
         match (kept, broken) {
-            (true, _) => Agreement::Agrees,
-            (_, true) => Agreement::Disagrees,
-            _ => Agreement::NotResolved,
+            (true, _) => Verdict::Agrees,
+            (_, true) => Verdict::Disagrees,
+            _ => Verdict::NotResolved,
         }
     }
 
     /// Whether the last measurement agrees.
-    pub fn verdict(&self) -> Agreement {
+    pub fn verdict(&self) -> Verdict {
         let last = self.measured.last();
-        last.map_or(Agreement::NotResolved, |measured| self.agreement(measured))
+        last.map_or(Verdict::NotResolved, |measured| self.agreement(measured))
     }
 }
 
@@ -282,7 +255,7 @@ pub fn table(book: &Book) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use Agreement::{Agrees, Disagrees, NotResolved};
+    use Verdict::{Agrees, Disagrees, NotResolved};
 
     fn claim(bounds: &str) -> Claim {
         let text = format!(
@@ -292,7 +265,7 @@ mod tests {
         Book::parse(&text, "text").unwrap().claim.remove(0)
     }
 
-    fn verdict(bounds: &str, value: f64, error: f64) -> Agreement {
+    fn verdict(bounds: &str, value: f64, error: f64) -> Verdict {
         let found = Ok((Value { value, error }, String::new()));
         claim(bounds).agreement(&Measured::new("x", "", found))
     }

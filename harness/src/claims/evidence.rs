@@ -4,67 +4,69 @@ use std::path::Path;
 
 use super::book::{Book, Measured};
 use super::{guillard, kumar, restitution};
-use crate::analysis::{Analysis, analyse};
-use crate::campaign::folder::CampaignFolder;
+use crate::analysis::{Analysis, analyse, text};
+use crate::campaign::folder::{Beside, CampaignFolder};
 use crate::campaign::table::{Table, of_run};
 use crate::error::{Error, Result};
 use crate::files::read_text;
 use crate::folder::Folder;
+use crate::report::{Shown, campaign_page};
 use crate::scenario::source::hash;
 use crate::summary::{Summary, read_summary};
 
 /// Name of what is measured on no run, but computed.
 pub const DIRECT: &str = "direct";
 
-/// Results to measure claims on.
+/// Results, what they say, and what claims they bear on.
 pub struct Evidence {
     /// Name of the scenario or campaign.
     pub by: String,
     /// Digest of the results.
     pub digest: String,
-    analysis: Analysis,
-    summary: Option<Summary>,
+    /// The results as a table.
+    pub table: Table,
+    /// What that says.
+    pub analysis: Analysis,
+    /// A run's own summary; none of a campaign.
+    pub summary: Option<Summary>,
+    /// What lies beside the table in a campaign's folder.
+    pub beside: Option<Beside>,
 }
 
 impl Evidence {
-    /// Reads a campaign's folder, a run's, or a table, which is named after its folder.
+    /// Reads a campaign's folder, a run's folder or summary, or a table, which is named after its folder. Runs
+    /// whose bed slid along as a plug are left out unless `plugs`.
     ///
     /// # Errors
     /// [`Error::Input`] where it is none of them.
-    pub fn read(from: &Path) -> Result<Self> {
+    pub fn read(from: &Path, plugs: bool) -> Result<Self> {
         let campaign = CampaignFolder(from);
-        let folder = Folder(from);
+        let is_summary = from.extension().is_some_and(|ending| ending == "json");
         if from.is_dir() && !campaign.table().exists() {
-            return Self::of_summary(&folder.summary());
+            return Self::of_summary(&Folder(from).summary(), plugs);
         }
-        let (path, named) = if from.is_dir() {
-            (campaign.table(), from)
-        } else if from
-            .file_name()
-            .is_some_and(|name| name.to_string_lossy().ends_with(".json"))
-        {
-            return Self::of_summary(from);
-        } else {
-            (from.to_path_buf(), from.parent().unwrap_or(from))
+        if is_summary {
+            return Self::of_summary(from, plugs);
+        }
+        let beside = from.is_dir().then(|| campaign.beside()).transpose()?;
+        let (path, by) = match &beside {
+            Some(beside) => (campaign.table(), beside.name.clone()),
+            None => (from.to_path_buf(), name_of_folder(from)?),
         };
         let text = read_text(&path)?;
         let table = Table::parse(&text, &path.display().to_string())?;
-        let full = std::path::absolute(named).map_err(|e| Error::read(named, &e))?;
-        let name = full
-            .file_name()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into_owned();
         Ok(Self {
-            by: name,
+            by,
             digest: hash(&text),
-            analysis: analyse(&table, false),
+            analysis: analyse(&table, plugs),
+            table,
             summary: None,
+            beside,
         })
     }
 
     /// A run, by its summary.
-    fn of_summary(path: &Path) -> Result<Self> {
+    fn of_summary(path: &Path, plugs: bool) -> Result<Self> {
         let text = read_text(path)?;
         let summary = read_summary(path)?;
         let table = of_run(&summary);
@@ -72,8 +74,28 @@ impl Evidence {
         Ok(Self {
             by: summary.scenario.clone(),
             digest: hash(&text),
-            analysis: analyse(&table, false),
+            analysis: analyse(&table, plugs),
+            table,
             summary: Some(summary),
+            beside: None,
+        })
+    }
+
+    /// All findings as JSON.
+    pub fn text(&self) -> String {
+        text(&self.analysis)
+    }
+
+    /// All findings as a page.
+    pub fn page(&self) -> String {
+        let mut book = Book::shipped();
+        self.record(&mut book);
+        campaign_page(&Shown {
+            name: &self.by,
+            beside: self.beside.as_ref(),
+            table: &self.table,
+            analysis: &self.analysis,
+            book: &book,
         })
     }
 
@@ -105,6 +127,13 @@ impl Evidence {
         all.into_iter()
             .for_each(|(id, measured)| book.record(&id, measured));
     }
+}
+
+/// Name of the folder that a file is in.
+fn name_of_folder(file: &Path) -> Result<String> {
+    let full = std::path::absolute(file).map_err(|e| Error::read(file, &e))?;
+    let folder = full.parent().and_then(Path::file_name);
+    Ok(folder.unwrap_or_default().to_string_lossy().into_owned())
 }
 
 /// Puts what is computed on the spot into a book.

@@ -2,8 +2,8 @@
 
 use super::fits::{drag_slope, plateau};
 use super::judged::{FAR_FIELD_LEAST, TRAVEL_LEAST, least};
-use super::kumar::Found;
-use super::points::{Group, Point, groups};
+use super::kumar::{Found, farthest};
+use super::points::{Group, Point, Spread, groups};
 use crate::analysis::Value;
 use crate::scenario::Shape;
 use crate::summary::{RunSummary, Summary};
@@ -31,7 +31,7 @@ pub fn measure(id: &str, summary: &Summary) -> Option<Found> {
     };
     let found = match rest {
         "drag" => drag(group),
-        "drag-gradient" => drag_ratio(group),
+        "drag-gradient" => ratio(&pairs(group), 1.0, |p| p.drag_over_pressure),
         "lift-saturates" => deepest_over_next(group),
         "lift-thirty" | "lift-thin" => lift(group),
         "lift-simulation" => lift(group).map(|(v, note)| (scaled(v, EXPERIMENT), note)),
@@ -43,10 +43,7 @@ pub fn measure(id: &str, summary: &Summary) -> Option<Found> {
 }
 
 fn scaled(value: Value, by: f64) -> Value {
-    Value {
-        value: value.value / by,
-        error: value.error / by,
-    }
+    Value::new(value.value / by, value.error / by)
 }
 
 /// Nothing counts that rests on a bed that slips, or on too little travel.
@@ -67,13 +64,7 @@ fn steady(group: &Group, found: (Value, String)) -> Found {
 fn drag(group: &Group) -> Found {
     let fit = drag_slope(group).ok_or("no drag was measured")?;
     let note = format!("slope of the drag over {} depths", fit.depths);
-    Ok((
-        Value {
-            value: fit.slope,
-            error: fit.error,
-        },
-        note,
-    ))
+    Ok((Value::new(fit.slope, fit.error), note))
 }
 
 /// Points with and without a gradient at one effective depth.
@@ -85,25 +76,21 @@ fn pairs(group: &Group) -> Vec<(&Point, &Point)> {
     without.filter_map(|b| Some((partner(&b)?, b))).collect()
 }
 
-fn drag_ratio(group: &Group) -> Found {
-    let one = |(with, without): &(&Point, &Point)| {
-        let (a, b) = (with.drag_over_pressure, without.drag_over_pressure);
-        let value = |s: super::Spread| Value {
-            value: s.mean,
-            error: s.error,
-        };
-        value(b).over(value(a))
+const NO_PAIR: &str = "no two runs with and without gradient have one effective depth";
+
+impl From<Spread> for Value {
+    fn from(spread: Spread) -> Self {
+        Value::new(spread.mean, spread.error)
+    }
+}
+
+/// A quantity of each pair, without a gradient over with it: what is farthest from a number.
+fn ratio(pairs: &[(&Point, &Point)], from: f64, of: fn(&Point) -> Spread) -> Found {
+    let over = |(with, without): &(&Point, &Point)| {
+        let ratio = Value::from(of(without)).over(of(with).into());
+        (ratio, format!("without over with, farthest from {from}"))
     };
-    let all: Vec<Value> = pairs(group).iter().map(one).collect();
-    let far = all.into_iter().reduce(|a, b| {
-        if (b.value - 1.0).abs() > (a.value - 1.0).abs() {
-            b
-        } else {
-            a
-        }
-    });
-    far.map(|v| (v, "without over with, farthest from 1".to_string()))
-        .ok_or_else(|| "no two runs with and without gradient have one effective depth".into())
+    farthest(pairs.iter().map(over).collect(), from, NO_PAIR)
 }
 
 fn seeds(points: &[&Point]) -> Result<(), String> {
@@ -120,11 +107,8 @@ fn lift(group: &Group) -> Found {
     let points = group.with_gradient(true);
     seeds(&points)?;
     if let Some(flat) = plateau(&points) {
-        let value = Value {
-            value: flat.lift,
-            error: flat.error,
-        };
-        return Ok((value, format!("plateau of {} points", flat.points)));
+        let note = format!("plateau of {} points", flat.points);
+        return Ok((Value::new(flat.lift, flat.error), note));
     }
     let deepest = points.last().ok_or("no run has a gradient")?;
     let over = deepest.effective_depth / group.diameter;
@@ -133,11 +117,7 @@ fn lift(group: &Group) -> Found {
             "no plateau can be told, and the deepest run is at h~/D = {over:.0}, not {DEEP}"
         ));
     }
-    let value = Value {
-        value: deepest.lift.mean,
-        error: deepest.lift.error,
-    };
-    Ok((value, format!("at h~/D = {over:.0}")))
+    Ok((deepest.lift.into(), format!("at h~/D = {over:.0}")))
 }
 
 fn deepest_over_next(group: &Group) -> Found {
@@ -146,13 +126,9 @@ fn deepest_over_next(group: &Group) -> Found {
     let [.., next, deepest] = &points[..] else {
         return Err("two depths with a gradient are wanted".into());
     };
-    let value = |p: &Point| Value {
-        value: p.lift.mean,
-        error: p.lift.error,
-    };
     let over = [deepest, next].map(|p| p.effective_depth / group.diameter);
     Ok((
-        value(deepest).over(value(next)),
+        Value::from(deepest.lift).over(next.lift.into()),
         format!("h~/D = {:.0} over {:.0}", over[0], over[1]),
     ))
 }
@@ -161,16 +137,7 @@ fn no_lift(group: &Group) -> Found {
     let pairs = pairs(group);
     let points: Vec<&Point> = pairs.iter().flat_map(|(a, b)| [*a, *b]).collect();
     seeds(&points)?;
-    let value = |p: &Point| Value {
-        value: p.lift.mean,
-        error: p.lift.error,
-    };
-    let all = pairs
-        .iter()
-        .map(|(with, without)| value(without).over(value(with)));
-    let far = all.reduce(|a, b| if b.value.abs() > a.value.abs() { b } else { a });
-    far.map(|v| (v, "without over with, farthest from 0".to_string()))
-        .ok_or_else(|| "no two runs with and without gradient have one effective depth".into())
+    ratio(&pairs, 0.0, |p| p.lift)
 }
 
 /// The drag's two halves of the window, which begins after 2 D: farthest from equal.
@@ -179,19 +146,9 @@ fn halves(summary: &Summary) -> Found {
         let [first, second] = run.flow.as_ref()?.drag_halves;
         // Each half is known a root of two worse than the whole.
         let error = 2.0 * run.drag.standard_error / run.drag.mean;
-        Some(Value {
-            value: first / second,
-            error,
-        })
+        let note = "first half of the window over the second".to_string();
+        Some((Value::new(first / second, error), note))
     };
-    let all = summary.runs.iter().filter_map(one);
-    let far = all.reduce(|a, b| {
-        if (b.value - 1.0).abs() > (a.value - 1.0).abs() {
-            b
-        } else {
-            a
-        }
-    });
-    far.map(|v| (v, "first half of the window over the second".to_string()))
-        .ok_or_else(|| "no bed flowed".into())
+    let all = summary.runs.iter().filter_map(one).collect();
+    farthest(all, 1.0, "no bed flowed")
 }

@@ -2,6 +2,7 @@
 
 use super::points::Point;
 use super::statements::Statement;
+use super::verdict::Verdict;
 use crate::report::short;
 
 /// Least speed of the far grains over the speed asked for in a bed that follows its base.
@@ -9,28 +10,6 @@ pub const FAR_FIELD_LEAST: f64 = 0.95;
 /// Least travel of a window in grain diameters: of the paper's 40 cylinder diameters, 132 grain diameters
 /// at D/d = 3.3, a little less than half (Guillard 2014, section III A).
 pub const TRAVEL_LEAST: f64 = 60.0;
-
-/// Whether a statement and the runs agree.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
-    /// Within errors.
-    Agrees,
-    /// Beyond them.
-    Differs,
-    /// These runs cannot tell.
-    Unresolved,
-}
-
-impl Verdict {
-    /// In a word.
-    pub fn word(self) -> &'static str {
-        match self {
-            Verdict::Agrees => "agrees",
-            Verdict::Differs => "differs",
-            Verdict::Unresolved => "unresolved",
-        }
-    }
-}
 
 /// What was measured and how it compares.
 pub(super) struct Judged {
@@ -53,10 +32,10 @@ impl Judged {
     }
 
     pub(super) fn unresolved(measured: impl Into<String>, reason: impl Into<String>) -> Self {
-        Self::new(Verdict::Unresolved, measured, reason)
+        Self::new(Verdict::NotResolved, measured, reason)
     }
 
-    /// Unresolved where one of the points it rests on slipped, or travelled too little for a steady value.
+    /// NotResolved where one of the points it rests on slipped, or travelled too little for a steady value.
     pub(super) fn if_steady<'a>(self, points: impl Iterator<Item = &'a Point> + Clone) -> Self {
         let slowest = least(points.clone().map(|p| p.far_field));
         let shortest = least(points.map(|p| p.travel));
@@ -77,7 +56,7 @@ impl Judged {
             return self;
         };
         Self {
-            verdict: Verdict::Unresolved,
+            verdict: Verdict::NotResolved,
             measured: self.measured,
             reason: why,
         }
@@ -98,12 +77,12 @@ impl Judged {
 /// resolved count.
 pub(super) fn verdict_of(verdicts: &[Verdict]) -> Verdict {
     let any = |wanted| verdicts.contains(&wanted);
-    if any(Verdict::Differs) {
-        Verdict::Differs
+    if any(Verdict::Disagrees) {
+        Verdict::Disagrees
     } else if any(Verdict::Agrees) {
         Verdict::Agrees
     } else {
-        Verdict::Unresolved
+        Verdict::NotResolved
     }
 }
 

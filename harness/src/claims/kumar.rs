@@ -14,11 +14,11 @@ pub(super) const MU: f64 = 0.5;
 const WIDE: f64 = 1.96;
 
 pub(super) fn value(value: f64, error: f64) -> Value {
-    Value { value, error }
+    Value::new(value, error)
 }
 
 pub(super) fn parameter(fit: &Fit, name: &str) -> Result<Value, String> {
-    let found = fit.parameter(name).map(|p| value(p.value, p.error));
+    let found = fit.parameter(name).map(Value::from);
     found.ok_or_else(|| format!("the fit has no {name}"))
 }
 
@@ -52,6 +52,18 @@ pub(super) struct Of<'a> {
 }
 
 impl<'a> Of<'a> {
+    /// The yield force of the same intruder in grains of another friction.
+    pub(super) fn yield_at(&self, mu: f64, like: &Curve) -> Option<Value> {
+        let same = |c: &Curve| {
+            (c.material.mu - mu).abs() < 1e-9
+                && c.material.kn == like.material.kn
+                && c.diameter == like.diameter
+                && (c.depth_asked - like.depth_asked).abs() < 1e-6
+        };
+        let found = self.curves().find(|(c, ..)| same(c));
+        found.and_then(|(_, _, own)| own.force.found().copied())
+    }
+
     pub(super) fn curves(&self) -> impl Iterator<Item = (&'a Curve, &'a Speeds, &'a Yield)> {
         let a = self.analysis;
         let all = a.curves.iter().zip(&a.speeds).zip(&a.yields);
@@ -106,18 +118,13 @@ fn flat(of: &Of, which: impl Fn(f64) -> bool) -> Vec<(Value, String)> {
 
 /// Weighted mean of ratios; the error has their scatter in it.
 pub(super) fn mean(all: &[(Value, String)], none: &str) -> Found {
-    if all.is_empty() {
-        return Err(none.into());
-    }
-    let weight = |v: &Value| 1.0 / (v.error * v.error);
-    let weights: f64 = all.iter().map(|(v, _)| weight(v)).sum();
-    let middle = all.iter().map(|(v, _)| weight(v) * v.value).sum::<f64>() / weights;
-    let square = |v: &Value| weight(v) * (v.value - middle) * (v.value - middle);
+    let mean = Value::mean(all.iter().map(|(v, _)| *v)).ok_or(none)?;
+    let square = |v: &Value| v.weight() * (v.value - mean.value) * (v.value - mean.value);
     let scatter =
         all.iter().map(|(v, _)| square(v)).sum::<f64>() / (all.len() as f64 - 1.0).max(1.0);
     let scale = if scatter > 1.0 { scatter.sqrt() } else { 1.0 };
     Ok((
-        value(middle, scale / weights.sqrt()),
+        value(mean.value, scale * mean.error),
         format!("mean of {} curves", all.len()),
     ))
 }

@@ -38,21 +38,12 @@ pub(super) fn yields(id: &str, of: &Of) -> Option<Found> {
             )
         }
         "yield-rises" => {
-            let mut all = Vec::new();
-            for (curve, _, own) in slick() {
-                let same = |c: &Curve| {
-                    (c.material.mu - MU).abs() < 1e-9
-                        && c.material.kn == curve.material.kn
-                        && c.diameter == curve.diameter
-                        && (c.depth_asked - curve.depth_asked).abs() < 1e-6
-                };
-                let rough = of.curves().find(|(c, ..)| same(c));
-                let both =
-                    rough.and_then(|(_, _, r)| Some((*r.force.found()?, *own.force.found()?)));
-                all.extend(both.map(|(r, s)| (r.over(s), name(curve))));
-            }
+            let over = |(curve, _, own): (&Curve, &Speeds, &Yield)| {
+                let rough = of.yield_at(MU, curve)?;
+                Some((rough.over(*own.force.found()?), name(curve)))
+            };
             least(
-                all,
+                slick().filter_map(over).collect(),
                 "no intruder has a yield force with and without friction",
             )
         }
@@ -62,19 +53,12 @@ pub(super) fn yields(id: &str, of: &Of) -> Option<Found> {
 }
 
 fn saturation(of: &Of) -> Found {
-    let force = |mu: f64, like: &Curve| {
-        let same = |c: &Curve| {
-            (c.material.mu - mu).abs() < 1e-9
-                && c.material.kn == like.material.kn
-                && c.diameter == like.diameter
-                && (c.depth_asked - like.depth_asked).abs() < 1e-6
-        };
-        of.curves()
-            .find(|(c, ..)| same(c))
-            .and_then(|(_, _, y)| y.force.found().copied())
-    };
     let one = |(curve, _, _): (&Curve, &Speeds, &Yield)| {
-        let [a, b, c] = [force(0.0, curve)?, force(MU, curve)?, force(0.9, curve)?];
+        let [a, b, c] = [
+            of.yield_at(0.0, curve)?,
+            of.yield_at(MU, curve)?,
+            of.yield_at(0.9, curve)?,
+        ];
         let (low, high) = (b.value - a.value, c.value - b.value);
         let ratio = high / low;
         let by = [
@@ -105,18 +89,29 @@ fn exponent(list: &[Exponent], what: &str) -> Found {
     mean(&all, &why).map(|(v, _)| (v, format!("mean of {} fits of {what}", all.len())))
 }
 
+/// An exponent from the slow drags at equal Froude numbers, where the yield forces give none.
+fn slow(scaling: &Scaling, name: &str, why: String) -> Found {
+    let found = scaling.slow.found().ok_or(why.clone())?;
+    let note =
+        format!("of drags up to Fr = 1.3, if all grow alike with the speed; of yields none: {why}");
+    Ok((parameter(&found.fit, name)?, note))
+}
+
 fn difference(a: Found, b: Found) -> Found {
-    let ((a, _), (b, note)) = (a?, b?);
-    let error = (a.error * a.error + b.error * b.error).sqrt();
-    Ok((
-        value(a.value - b.value, error),
-        format!("{:.3} less {:.3}; {note}", a.value, b.value),
-    ))
+    let ((a, first), (b, second)) = (a?, b?);
+    let note = format!("{:.3} ({first}) less {:.3} ({second})", a.value, b.value);
+    Ok((a.less(b), note))
 }
 
 pub(super) fn exponents(id: &str, of: &Of) -> Option<Found> {
-    let phi = |mu: f64| exponent(&of.scaling(mu)?.phi, "phi");
-    let alpha = |mu: f64| exponent(&of.scaling(mu)?.alpha, "alpha");
+    let phi = |mu: f64| {
+        let own = of.scaling(mu)?;
+        exponent(&own.phi, "phi").or_else(|why| slow(own, "phi", why))
+    };
+    let alpha = |mu: f64| {
+        let own = of.scaling(mu)?;
+        exponent(&own.alpha, "alpha").or_else(|why| slow(own, "alpha", why))
+    };
     Some(match id {
         "phi-0" => phi(0.0),
         "phi-falls" => difference(phi(0.0), phi(MU)),
@@ -141,15 +136,17 @@ pub(super) fn exponents(id: &str, of: &Of) -> Option<Found> {
             }
         }
         "sum" => {
-            let all = of
-                .analysis
-                .scaling
-                .iter()
-                .filter_map(|s| Some((s.both.found()?.sum, format!("mu = {}", s.material.mu))));
+            let all = of.analysis.scaling.iter().filter_map(|s| {
+                let (found, of) = match s.both.found() {
+                    Some(found) => (found, "yield forces"),
+                    None => (s.slow.found()?, "slow drags"),
+                };
+                Some((found.sum, format!("mu = {}, of {of}", s.material.mu)))
+            });
             farthest(
                 all.collect(),
                 3.0,
-                "no material has yield forces at several sizes and depths",
+                "no material has yield forces or slow drags at several sizes and depths",
             )
         }
         _ => return None,
@@ -191,11 +188,8 @@ fn across(of: &Of, list: Exponents, what: &str) -> Found {
 }
 
 fn apart(a: Value, b: Value, mu: f64) -> (Value, String) {
-    let error = (a.error * a.error + b.error * b.error).sqrt();
-    (
-        value((a.value - b.value).abs(), error),
-        format!("mu = {mu}"),
-    )
+    let apart = a.less(b);
+    (value(apart.value.abs(), apart.error), format!("mu = {mu}"))
 }
 
 pub(super) fn collapses(id: &str, of: &Of) -> Option<Found> {

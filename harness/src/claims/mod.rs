@@ -1,5 +1,5 @@
-//! What the runs of flowing beds say together, beside what Guillard 2014 says: points over seeds,
-//! slopes, plateaus, and statements with verdicts. Everything is a pure function of the summary.
+//! What runs say beside the two papers. Of flowing beds (Guillard 2014): points over seeds, slopes, plateaus,
+//! and [`statements`] with verdicts, a pure function of the summary. Of both papers: the [`book`] of claims.
 
 pub mod book;
 pub mod evidence;
@@ -14,11 +14,13 @@ mod soundness;
 mod statements;
 #[cfg(test)]
 pub(crate) mod synthetic;
+mod verdict;
 
 pub use fits::{
     LiftCoefficient, Plateau, SAME_DEPTH, Slope, depths, drag_slope, lift_coefficient, plateau,
 };
-pub use judged::{FAR_FIELD_LEAST, TRAVEL_LEAST, Verdict};
+pub use judged::{FAR_FIELD_LEAST, TRAVEL_LEAST};
 pub use points::{Group, Point, Spread, Way, groups};
 pub use soundness::{OVERLAP_MAX, overlap_remark};
 pub use statements::{DRAG_COEFFICIENT_NEAR, Statement, statements};
+pub use verdict::Verdict;

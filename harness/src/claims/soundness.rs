@@ -1,7 +1,8 @@
 //! Whether the runs are what they must be: the bed follows its base, forces balance, the state is steady.
 
-use super::judged::{FAR_FIELD_LEAST, Judged, TRAVEL_LEAST, Verdict};
+use super::judged::{FAR_FIELD_LEAST, Judged, TRAVEL_LEAST};
 use super::statements::Statement;
+use super::verdict::Verdict;
 use crate::report::{number_with_error, short};
 use crate::summary::{Flow, RunSummary, Summary};
 
@@ -91,7 +92,7 @@ fn follows(runs: &[Passage]) -> Judged {
         "A run is below {FAR_FIELD_LEAST}: base and lid slip under the drag, and the speed past the \
          cylinder is not the one asked for."
     );
-    Judged::new(Verdict::Differs, measured, reason)
+    Judged::new(Verdict::Disagrees, measured, reason)
 }
 
 fn balances(runs: &[Passage]) -> Judged {
@@ -118,7 +119,7 @@ fn balances(runs: &[Passage]) -> Judged {
         return Judged::unresolved(measured, reason);
     }
     let reason = format!("More than {BALANCE} of the drag is carried by nothing that is measured.");
-    Judged::new(Verdict::Differs, measured, reason)
+    Judged::new(Verdict::Disagrees, measured, reason)
 }
 
 /// The pair of halves that is farthest apart in standard errors of their difference, and how far.
@@ -183,14 +184,14 @@ fn steady(runs: &[Passage], force: &str) -> Judged {
         return Judged::new(Verdict::Agrees, measured, reason);
     }
     let reason = "A force drifts: the halves of a window differ by more than errors allow.";
-    Judged::new(Verdict::Differs, measured, reason)
+    Judged::new(Verdict::Disagrees, measured, reason)
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::synthetic::{self, Asked};
     use super::*;
-    use Verdict::{Agrees, Differs, Unresolved};
+    use Verdict::{Agrees, Disagrees, NotResolved};
 
     /// Verdicts on following, balance and steadiness.
     fn verdicts(whole: &Summary) -> [Verdict; 3] {
@@ -221,26 +222,32 @@ mod tests {
     #[test]
     fn a_bed_that_slips_is_no_steady_state_either() {
         let found = verdicts(&changed(|f| f.far_field = 0.94));
-        assert_eq!(found, [Differs, Agrees, Unresolved]);
+        assert_eq!(found, [Disagrees, Agrees, NotResolved]);
     }
 
     #[test]
     fn forces_that_do_not_add_up_differ_unless_the_bed_takes_them_up() {
-        assert_eq!(verdicts(&changed(|f| f.carried_by_lid = 0.45))[1], Differs);
+        assert_eq!(
+            verdicts(&changed(|f| f.carried_by_lid = 0.45))[1],
+            Disagrees
+        );
         let speeds_up = |f: &mut Flow| (f.carried_by_lid, f.inertia) = (0.55, 0.05);
-        assert_eq!(verdicts(&changed(speeds_up))[1], Unresolved);
+        assert_eq!(verdicts(&changed(speeds_up))[1], NotResolved);
         let wrong_way = |f: &mut Flow| (f.carried_by_lid, f.inertia) = (0.55, -0.05);
-        assert_eq!(verdicts(&changed(wrong_way))[1], Differs);
+        assert_eq!(verdicts(&changed(wrong_way))[1], Disagrees);
     }
 
     #[test]
     fn a_drift_a_short_window_and_an_open_error_are_told() {
-        assert_eq!(verdicts(&changed(|f| f.lift_halves[1] += 20.0))[2], Differs);
-        assert_eq!(verdicts(&changed(|f| f.travel = 59.0))[2], Unresolved);
+        assert_eq!(
+            verdicts(&changed(|f| f.lift_halves[1] += 20.0))[2],
+            Disagrees
+        );
+        assert_eq!(verdicts(&changed(|f| f.travel = 59.0))[2], NotResolved);
         let mut open = changed(|_| ());
         open.runs[3].lift.converged = false;
         let found = &statements(&open)[2];
-        assert_eq!(found.verdict, Unresolved);
+        assert_eq!(found.verdict, NotResolved);
         let (all, rest) = (open.runs.len(), open.runs.len() - 1);
         assert!(found.measured.contains(&format!("in {rest} of {all} runs")));
     }

@@ -2,8 +2,9 @@
 //! agree.
 
 use super::fits::{SAME_DEPTH, both, depths, drag_slope, flat, plateau};
-use super::judged::{Judged, Verdict, verdict_of};
+use super::judged::{Judged, verdict_of};
 use super::points::{Group, Point, groups};
+use super::verdict::Verdict;
 use crate::report::{number_with_error, short};
 use crate::scenario::{DRAG_COEFFICIENT, Shape};
 use crate::summary::Summary;
@@ -133,7 +134,7 @@ fn drag_is_linear(group: &Group) -> Judged {
             }
             _ => "The slope is another, and the residuals are larger than errors allow.",
         };
-        Judged::new(Verdict::Differs, measured, reason)
+        Judged::new(Verdict::Disagrees, measured, reason)
     };
     judged.if_steady(group.points.iter())
 }
@@ -177,15 +178,15 @@ fn drag_is_the_same(group: &Group, unit: &str) -> Judged {
         let resolved = error < RESOLVED && off.is_finite() && converged;
         let equal = off <= 2.0 * error || off <= EQUAL;
         verdicts.push(match (resolved, equal) {
-            (false, _) => Verdict::Unresolved,
+            (false, _) => Verdict::NotResolved,
             (true, true) => Verdict::Agrees,
-            (true, false) => Verdict::Differs,
+            (true, false) => Verdict::Disagrees,
         });
     }
     let verdict = verdict_of(&verdicts);
     let open = verdicts
         .iter()
-        .filter(|v| **v == Verdict::Unresolved)
+        .filter(|v| **v == Verdict::NotResolved)
         .count();
     let reason = match verdict {
         Verdict::Agrees if open > 0 => format!(
@@ -194,8 +195,8 @@ fn drag_is_the_same(group: &Group, unit: &str) -> Judged {
             verdicts.len()
         ),
         Verdict::Agrees => format!("Every ratio is 1 within two errors or {EQUAL}."),
-        Verdict::Differs => format!("A ratio is off 1 by more than two errors and {EQUAL}."),
-        Verdict::Unresolved => format!(
+        Verdict::Disagrees => format!("A ratio is off 1 by more than two errors and {EQUAL}."),
+        Verdict::NotResolved => format!(
             "No ratio is known to {RESOLVED} with errors that converged: more seeds or travel are wanted."
         ),
     };
@@ -240,7 +241,7 @@ fn lift_saturates(group: &Group, unit: &str) -> Judged {
     let Some(flat) = plateau else {
         let reason = "No shallower point agrees with the deepest within two errors: the lift still \
                       changes with depth.";
-        let judged = Judged::new(Verdict::Differs, measured, reason);
+        let judged = Judged::new(Verdict::Disagrees, measured, reason);
         return judged.if_steady(points.into_iter());
     };
     let reached = flat.depth.map_or(String::new(), |depth| {
@@ -267,7 +268,7 @@ fn lift_saturates(group: &Group, unit: &str) -> Judged {
     } else {
         let reason =
             format!("The plateau is off {LIFT} by more than two errors and {LIFT_NEAR} of it.");
-        Judged::new(Verdict::Differs, measured, reason)
+        Judged::new(Verdict::Disagrees, measured, reason)
     };
     judged.if_steady(points.into_iter())
 }
@@ -292,8 +293,8 @@ fn no_lift_without(group: &Group, unit: &str) -> Judged {
         let known = a.mean > errors * a.error;
         verdicts.push(match (none, small) {
             (true, true) if known => Verdict::Agrees,
-            (false, _) if b.mean.is_finite() => Verdict::Differs,
-            _ => Verdict::Unresolved,
+            (false, _) if b.mean.is_finite() => Verdict::Disagrees,
+            _ => Verdict::NotResolved,
         });
     }
     let points: Vec<&Point> = pairs.into_iter().flat_map(|(a, b)| [a, b]).collect();
@@ -310,8 +311,8 @@ fn no_lift_without(group: &Group, unit: &str) -> Judged {
         Verdict::Agrees => format!(
             "It is below {errors} standard errors and below {part} of the lift with a gradient."
         ),
-        Verdict::Differs => format!("Somewhere it is more than {errors} standard errors."),
-        Verdict::Unresolved => format!(
+        Verdict::Disagrees => format!("Somewhere it is more than {errors} standard errors."),
+        Verdict::NotResolved => format!(
             "It is zero within {errors} standard errors, but the errors with and without gradient are \
              too large to set it below {part} of the lift with one."
         ),
@@ -323,7 +324,7 @@ fn no_lift_without(group: &Group, unit: &str) -> Judged {
 mod tests {
     use super::super::synthetic::{self, Asked};
     use super::*;
-    use crate::claims::Verdict::{Agrees, Differs, Unresolved};
+    use crate::claims::Verdict::{Agrees, Disagrees, NotResolved};
 
     /// Verdicts on drag, its equality, the lift and its absence.
     fn verdicts(asked: &Asked) -> [Verdict; 4] {
@@ -346,9 +347,9 @@ mod tests {
     #[test]
     fn another_drag_differs_and_two_depths_leave_it_open() {
         let steep = asked(|a| a.drag_coefficient = 20.0);
-        assert_eq!(verdicts(&steep)[0], Differs);
+        assert_eq!(verdicts(&steep)[0], Disagrees);
         let few = asked(|a| a.depths = vec![0.08, 0.16]);
-        assert_eq!(verdicts(&few)[0], Unresolved);
+        assert_eq!(verdicts(&few)[0], NotResolved);
         let all = statements(&synthetic::summary(&few));
         assert!(all[0].measured.contains("C_d = 10"), "{:?}", all[0]);
         assert!(all[0].reason.contains("3 depths"), "{:?}", all[0]);
@@ -365,41 +366,41 @@ mod tests {
             }
         };
         change(&mut whole, 1.5);
-        assert_eq!(statements(&whole)[1].verdict, Differs);
+        assert_eq!(statements(&whole)[1].verdict, Disagrees);
         let mut vague = synthetic::summary(&asked(|a| a.error = 0.2));
         change(&mut vague, 1.5);
         let found = &statements(&vague)[1];
-        assert_eq!(found.verdict, Unresolved, "{found:?}");
+        assert_eq!(found.verdict, NotResolved, "{found:?}");
     }
 
     #[test]
     fn a_lift_takes_depths_seeds_and_a_plateau() {
         let one = asked(|a| a.seeds = 1);
-        assert_eq!(verdicts(&one)[2], Unresolved);
+        assert_eq!(verdicts(&one)[2], NotResolved);
         let few = asked(|a| a.depths = vec![0.08, 0.16]);
-        assert_eq!(verdicts(&few)[2], Unresolved);
+        assert_eq!(verdicts(&few)[2], NotResolved);
         let growing = asked(|a| a.lift = |depth| 400.0 * depth);
-        assert_eq!(verdicts(&growing)[2], Differs);
+        assert_eq!(verdicts(&growing)[2], Disagrees);
         let high = asked(|a| a.lift = |_| 60.0);
-        assert_eq!(verdicts(&high)[2], Differs);
+        assert_eq!(verdicts(&high)[2], Disagrees);
     }
 
     #[test]
     fn a_lift_without_gradient_differs_and_large_errors_leave_it_open() {
         let there = asked(|a| a.lift_without = 15.0);
-        assert_eq!(verdicts(&there)[3], Differs);
+        assert_eq!(verdicts(&there)[3], Disagrees);
         let vague = asked(|a| (a.error, a.lift_without) = (0.3, 9.0));
-        assert_eq!(verdicts(&vague)[3], Unresolved);
+        assert_eq!(verdicts(&vague)[3], NotResolved);
     }
 
     #[test]
     fn nothing_agrees_of_a_bed_that_slips_or_hardly_moved() {
         let slips = asked(|a| a.far_field = 0.9);
-        assert_eq!(verdicts(&slips), [Unresolved; 4]);
+        assert_eq!(verdicts(&slips), [NotResolved; 4]);
         let all = statements(&synthetic::summary(&slips));
         assert!(all[0].reason.contains("0.9"), "{:?}", all[0]);
         let short = asked(|a| a.travel = 30.0);
-        assert_eq!(verdicts(&short), [Unresolved; 4]);
+        assert_eq!(verdicts(&short), [NotResolved; 4]);
         // What was measured is told all the same.
         assert!(
             all.iter()

@@ -1,19 +1,16 @@
 //! `bitgrain analyse` and `bitgrain claims`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 
 use super::print;
-use crate::analysis::{analyse, text, words};
+use crate::analysis::words;
 use crate::campaign::folder::CampaignFolder;
-use crate::campaign::table::{Table, of_run};
 use crate::claims::book::{Book, table};
 use crate::claims::evidence::{Evidence, record_direct};
 use crate::error::Result;
 use crate::files::{read_text, write_whole};
-use crate::folder::Folder;
-use crate::summary::read_summary;
 
 /// What `bitgrain analyse` takes.
 #[derive(Args)]
@@ -23,9 +20,14 @@ pub(super) struct Analyse {
     /// Count runs too whose bed slid along as a plug.
     #[arg(long)]
     plugs: bool,
-    /// Write all findings into this file, as JSON [default: analysis.json in the folder; of a table, none].
+    /// Write all findings into this file, as JSON, and no other [default: analysis.json in the folder; of a
+    /// table, none].
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
+    /// Write the page with all charts into this file, and no other but --out [default: report.html in a
+    /// campaign's folder; of a table or a run, none].
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
 }
 
 /// What `bitgrain claims` takes.
@@ -41,27 +43,22 @@ pub(super) struct Claims {
 
 /// Runs `bitgrain analyse`.
 pub(super) fn run(what: Analyse) -> Result<()> {
-    let (table, own) = read(&what.from)?;
-    let analysis = analyse(&table, what.plugs);
-    if let Some(path) = what.out.or(own) {
-        write_whole(&path, text(&analysis).as_bytes())?;
+    let evidence = Evidence::read(&what.from, what.plugs)?;
+    print(&words(&evidence.analysis))?;
+    let folder = CampaignFolder(&what.from);
+    // Who names a file wants no others.
+    let own = what.from.is_dir() && what.out.is_none() && what.report.is_none();
+    let findings = what.out.or(own.then(|| folder.analysis()));
+    let page = what
+        .report
+        .or((own && evidence.beside.is_some()).then(|| folder.report()));
+    if let Some(path) = findings {
+        write_whole(&path, evidence.text().as_bytes())?;
     }
-    print(&words(&analysis))
-}
-
-/// A table, and where its findings belong.
-fn read(from: &Path) -> Result<(Table, Option<PathBuf>)> {
-    let campaign = CampaignFolder(from);
-    if !from.is_dir() {
-        return Ok((Table::read(from)?, None));
+    if let Some(path) = page {
+        write_whole(&path, evidence.page().as_bytes())?;
     }
-    if campaign.table().exists() {
-        return Ok((Table::read(&campaign.table())?, Some(campaign.analysis())));
-    }
-    let path = Folder(from).summary();
-    let rows = of_run(&read_summary(&path)?);
-    let table = Table::parse(&rows, &path.display().to_string())?;
-    Ok((table, Some(campaign.analysis())))
+    Ok(())
 }
 
 /// Runs `bitgrain claims`.
@@ -74,7 +71,7 @@ pub(super) fn run_claims(what: Claims) -> Result<()> {
         }
     };
     for from in &what.from {
-        Evidence::read(from)?.record(&mut book);
+        Evidence::read(from, false)?.record(&mut book);
     }
     if !what.from.is_empty() {
         record_direct(&mut book);

@@ -6,8 +6,13 @@ use clap::Args;
 
 use super::{Beds, print, processors, stoppable};
 use crate::bed::library::Library;
+use crate::campaign::folder::CampaignFolder;
+use crate::campaign::only::Only;
+use crate::campaign::table::Table;
 use crate::campaign::{self, forecast, sweep};
+use crate::claims::evidence::Evidence;
 use crate::error::{Error, Result};
+use crate::files::write_whole;
 use crate::run::SaveEvery;
 
 /// What the command takes.
@@ -33,6 +38,14 @@ pub(super) struct Sweep {
     /// Change a key of the base scenario, as in --set bed.settled=1e-5; may be given several times.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
+    /// Do only this member, or this run of one as MEMBER/RUN, as --dry-run and the table name them; may be
+    /// given several times. The others can be done later.
+    #[arg(long, value_name = "NAME")]
+    only: Vec<String>,
+    /// Compare each run that is done with its row in this table of the same campaign, such as one of
+    /// those under golden/, and end with status 3 where a digit differs.
+    #[arg(long, value_name = "TABLE")]
+    against: Option<PathBuf>,
     /// Try again what failed before.
     #[arg(long)]
     retry: bool,
@@ -47,16 +60,22 @@ pub(super) struct Sweep {
 /// Runs it.
 pub(super) fn run(what: Sweep) -> Result<()> {
     let plan = campaign::load(&what.campaign, &what.sets)?;
+    let only = Only::new(what.only, &plan)?;
+    let against = what
+        .against
+        .map(|path| Ok::<_, Error>((Table::read(&path)?, path)))
+        .transpose()?;
     let library = Library::new(what.beds.folder);
     let threads = processors(what.threads);
     let jobs = what.jobs.map_or(threads, usize::from);
     if what.dry_run {
-        return print(&forecast::forecast(&plan, &library, threads, jobs)?);
+        return print(&forecast::forecast(&plan, &only, &library, threads, jobs)?);
     }
     let own = PathBuf::from("out").join(&plan.campaign.name);
     let out = what.out.unwrap_or(own);
     let outcome = sweep::sweep(&sweep::Sweep {
         plan: &plan,
+        only: &only,
         out: &out,
         library: &library,
         threads,
@@ -65,7 +84,22 @@ pub(super) fn run(what: Sweep) -> Result<()> {
         retry: what.retry,
         progress: &stoppable(what.verbose),
     })?;
-    print(&format!("table: {}\n", outcome.table.display()))?;
+    let folder = CampaignFolder(&out);
+    let evidence = Evidence::read(&out, false)?;
+    write_whole(&folder.analysis(), evidence.text().as_bytes())?;
+    write_whole(&folder.report(), evidence.page().as_bytes())?;
+    print(&format!(
+        "table: {}\nreport: {}\n",
+        outcome.table.display(),
+        folder.report().display()
+    ))?;
+    if let Some((table, path)) = against {
+        let place = path.display().to_string();
+        let same = evidence.table.check_against(&table, &place)?;
+        print(&format!(
+            "{same} runs are those of {place}, digit by digit\n"
+        ))?;
+    }
     match outcome.failed {
         0 => Ok(()),
         failed => Err(Error::Failed {

@@ -201,7 +201,7 @@ pub fn parabola(data: &[Datum]) -> Result<Fit, Refusal> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::synthetic::{assert_spread, exact, noisy, normal, spread};
+    use super::super::synthetic::{assert_spread, exact, noisy, normal, spread, unscaled};
     use super::*;
 
     fn data() -> Vec<Datum> {
@@ -253,16 +253,7 @@ mod tests {
     #[test]
     fn numbers_scatter_as_their_errors_say() {
         assert_spread(200, |seed| {
-            let fit = line(&noisy(&data(), 1.0, seed)).unwrap();
-            let factor = fit.scale * fit.scale;
-            let covariance = fit
-                .covariance
-                .iter()
-                .map(|r| r.iter().map(|c| c / factor).collect());
-            (
-                fit.parameters.iter().map(|p| p.value).collect(),
-                covariance.collect(),
-            )
+            unscaled(&line(&noisy(&data(), 1.0, seed)).unwrap())
         });
         // Points that scatter three times as far as their errors say: scaled errors are right.
         let many = exact(

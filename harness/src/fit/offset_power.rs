@@ -215,7 +215,7 @@ pub fn angle_law(data: &[Datum]) -> Result<Fit, Refusal> {
 
 #[cfg(test)]
 pub(super) mod tests {
-    use super::super::synthetic::{assert_spread, exact, noisy, spread};
+    use super::super::synthetic::{assert_spread, exact, noisy, spread, unscaled};
     use super::*;
 
     pub fn drags(n: usize, part: f64) -> Vec<Datum> {
@@ -255,16 +255,7 @@ pub(super) mod tests {
     fn numbers_scatter_as_their_errors_say() {
         let data = drags(30, 0.01);
         assert_spread(200, |seed| {
-            let fit = offset_power(&noisy(&data, 1.0, seed)).unwrap();
-            let factor = fit.scale * fit.scale;
-            let covariance = fit
-                .covariance
-                .iter()
-                .map(|r| r.iter().map(|c| c / factor).collect());
-            (
-                fit.parameters.iter().map(|p| p.value).collect(),
-                covariance.collect(),
-            )
+            unscaled(&offset_power(&noisy(&data, 1.0, seed)).unwrap())
         });
     }
 
@@ -282,16 +273,7 @@ pub(super) mod tests {
             ("Y3", "Y1 Fr^Y2 + pi/Y3")
         );
         assert_spread(200, |seed| {
-            let fit = angle_law(&noisy(&data, 1.0, seed)).unwrap();
-            let factor = fit.scale * fit.scale;
-            let covariance = fit
-                .covariance
-                .iter()
-                .map(|r| r.iter().map(|c| c / factor).collect());
-            (
-                fit.parameters.iter().map(|p| p.value).collect(),
-                covariance.collect(),
-            )
+            unscaled(&angle_law(&noisy(&data, 1.0, seed)).unwrap())
         });
         let zero = exact(
             &spread(0.05, 10.0, 24),

@@ -62,7 +62,7 @@ pub fn power(data: &[Datum], what: &str) -> Result<Fit, Refusal> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::synthetic::{assert_spread, exact, noisy, spread};
+    use super::super::synthetic::{assert_spread, exact, noisy, spread, unscaled};
     use super::*;
 
     fn data() -> Vec<Datum> {
@@ -92,16 +92,7 @@ mod tests {
     #[test]
     fn numbers_scatter_as_their_errors_say() {
         assert_spread(200, |seed| {
-            let fit = power(&noisy(&data(), 1.0, seed), "x").unwrap();
-            let factor = fit.scale * fit.scale;
-            let covariance = fit
-                .covariance
-                .iter()
-                .map(|r| r.iter().map(|c| c / factor).collect());
-            (
-                fit.parameters.iter().map(|p| p.value).collect(),
-                covariance.collect(),
-            )
+            unscaled(&power(&noisy(&data(), 1.0, seed), "x").unwrap())
         });
     }
 

@@ -41,6 +41,7 @@ use super::linear::{Solution, constant, line, parabola, solve};
 use super::offset_power::EXPONENTS;
 use super::segments::Table;
 use super::{Datum, Exact, Fit, Found, Refusal, chance, check, check_positive, distinct};
+use crate::report::short;
 
 /// The part of crossovers' intervals that hold the truth.
 pub const CONFIDENCE: f64 = 0.95;
@@ -100,6 +101,8 @@ pub struct Simpler {
 pub struct Regimes {
     /// The curve: a, (b, c), s, q, x1, x2.
     pub fit: Fit,
+    /// c of the first regime, fitted or given; none where that is flat.
+    pub exponent: Option<f64>,
     /// From the first regime to the line: x1.
     pub first: Crossover,
     /// From the line to the quadratic: x2.
@@ -108,6 +111,42 @@ pub struct Regimes {
     pub simpler: Vec<Simpler>,
     /// Whether each of them is worse beyond [`SIGNIFICANCE`].
     pub needed: bool,
+}
+
+impl Regimes {
+    /// Crossovers with their intervals in words, and whether fewer regimes would do. The numbers' own errors of
+    /// the crossovers are not told: chi-square is not smooth in them.
+    pub fn words(&self) -> String {
+        let end = |x: Option<f64>| x.map_or("open".to_string(), short);
+        let one = |c: &Crossover| format!("{} ({} to {})", short(c.at), end(c.low), end(c.high));
+        let needed = match self.needed {
+            true => "",
+            false => "; fewer regimes fit as well",
+        };
+        let (first, second) = (one(&self.first), one(&self.second));
+        format!("crossovers {first} and {second}, 95 % intervals in brackets{needed}")
+    }
+
+    /// The curve at x.
+    pub fn value(&self, x: f64) -> f64 {
+        let curve = Curve {
+            joints: [self.first.at, self.second.at],
+            exponent: self.exponent,
+            fitted: false,
+        };
+        let point = Datum {
+            x,
+            y: 0.0,
+            error: 1.0,
+        };
+        let columns = curve.columns(&[point]);
+        let numbers = self.fit.parameters.iter();
+        columns
+            .iter()
+            .zip(numbers)
+            .map(|(c, p)| c[0] * p.value)
+            .sum()
+    }
 }
 
 /// Each regime fitted alone, without regard to the others.
@@ -317,6 +356,7 @@ pub fn regimes(data: &[Datum], first: First) -> Result<Regimes, Refusal> {
         second: search.interval(1, x2, most),
         needed: simpler.iter().all(|s| s.probability < SIGNIFICANCE),
         simpler,
+        exponent: curve.exponent,
         fit,
     })
 }

@@ -1,6 +1,6 @@
 //! Crossovers of synthetic drags.
 
-use super::super::synthetic::{assert_spread, exact, noisy, spread};
+use super::super::synthetic::{assert_spread, exact, noisy, spread, unscaled};
 use super::*;
 
 fn curve(first: First, slope: f64, x: f64) -> f64 {
@@ -55,6 +55,10 @@ fn exact_points_give_back_their_regimes() {
             (found.fit.parameter("x1").unwrap().value, 60 - numbers)
         );
         assert!(found.needed && found.simpler.len() == 6);
+        for x in [0.2, 0.9, 2.0, 4.9, 8.0] {
+            let truth = curve(first, 130.0, x);
+            assert!((found.value(x) / truth - 1.0).abs() < 1e-10, "{x}");
+        }
     }
 }
 
@@ -138,16 +142,7 @@ fn intervals_hold_the_truth_where_the_exponent_is_fitted() {
 fn numbers_scatter_as_their_errors_say() {
     let data = drags(First::Flat, 130.0, 1280, 0.05);
     assert_spread(200, |seed| {
-        let fit = regimes(&noisy(&data, 1.0, seed), First::Flat).unwrap().fit;
-        let factor = fit.scale * fit.scale;
-        let covariance = fit
-            .covariance
-            .iter()
-            .map(|r| r.iter().map(|c| c / factor).collect());
-        (
-            fit.parameters.iter().map(|p| p.value).collect(),
-            covariance.collect(),
-        )
+        unscaled(&regimes(&noisy(&data, 1.0, seed), First::Flat).unwrap().fit)
     });
 }
 

@@ -1,6 +1,6 @@
 //! Points with known truth and noise for the tests of the fits.
 
-use super::Datum;
+use super::{Datum, Fit};
 use crate::random::{Purpose, uniforms};
 
 /// A normal number of mean 0 and variance 1, by Box and Muller's method.
@@ -87,4 +87,15 @@ fn noise_is_normal() {
     );
     let beyond = rows.iter().filter(|r| r[0].abs() > 1.959_964).count();
     assert!((150..250).contains(&beyond), "{beyond}");
+}
+
+/// The numbers of a fit, and their covariance as the points' errors alone have it.
+pub fn unscaled(fit: &Fit) -> (Vec<f64>, Vec<Vec<f64>>) {
+    let factor = fit.scale * fit.scale;
+    let rows = fit.covariance.iter();
+    (
+        fit.parameters.iter().map(|p| p.value).collect(),
+        rows.map(|r| r.iter().map(|c| c / factor).collect())
+            .collect(),
+    )
 }

@@ -3,7 +3,7 @@
 use plotters::prelude::*;
 
 use super::plot::{
-    BAND, INK, THIN, axis, chart, dashes, draw_marker, drawable, error_bar, mesh, padded, svg,
+    BAND, INK, THIN, axis, bar, chart, dashes, draw_marker, drawable, mesh, padded, svg,
 };
 use super::text::{number, typeset};
 use crate::series::SeriesRow;
@@ -181,7 +181,7 @@ pub(super) fn froude(runs: &[RunSummary], beds: &[&str], units: &Units) -> Optio
         for run in &runs {
             let at = (run.froude, run.drag.mean);
             if let Some(e) = error(run) {
-                chart.draw_series(error_bar(at, e, x.hi * 0.008))?;
+                chart.draw_series(bar(at.0, at.1 - e, at.1 + e, &x))?;
             }
             let shape = beds.iter().position(|b| *b == run.bed).unwrap_or(0);
             draw_marker(&mut chart, at, shape)?;

@@ -129,12 +129,12 @@ fn in_words(summary: &Summary, groups: &[Group]) -> String {
     let found = claims::statements(summary);
     let of = |verdict: Verdict| found.iter().filter(|s| s.verdict == verdict).count();
     format!(
-        "<p class=\"lead\">{text} Of {} statements about it, {} agree, {} differ and {} are \
-         unresolved.</p>\n",
+        "<p class=\"lead\">{text} Of {} statements about it, {} agree, {} disagree and {} are \
+         not resolved.</p>\n",
         found.len(),
         of(Verdict::Agrees),
-        of(Verdict::Differs),
-        of(Verdict::Unresolved)
+        of(Verdict::Disagrees),
+        of(Verdict::NotResolved)
     )
 }
 

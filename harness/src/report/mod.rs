@@ -5,6 +5,7 @@
 
 mod around;
 mod arrow;
+mod campaign;
 mod chart;
 mod course;
 mod flow;
@@ -19,6 +20,7 @@ mod statements;
 mod table;
 mod text;
 
+pub use campaign::{Shown, campaign_page};
 pub use course::Course;
 pub use flow::{FlowGrain, FlowPicture};
 pub use flowing::flowing_page;

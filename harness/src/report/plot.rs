@@ -29,6 +29,63 @@ pub(super) struct Axis {
     pub hi: f64,
     /// Values of the ticks and their labels.
     pub ticks: Vec<(f64, String)>,
+    /// Whether equal steps along it are equal ratios; its ends are above zero then.
+    log: bool,
+}
+
+impl Axis {
+    /// How far along it a value is: 0 where it begins, 1 where it ends.
+    fn part(&self, value: f64) -> f64 {
+        match self.log {
+            true => libm::log(value / self.lo) / libm::log(self.hi / self.lo),
+            false => (value - self.lo) / (self.hi - self.lo),
+        }
+    }
+
+    /// The value so far along it.
+    pub(super) fn at(&self, part: f64) -> f64 {
+        match self.log {
+            true => self.lo * libm::pow(self.hi / self.lo, part),
+            false => self.lo + part * (self.hi - self.lo),
+        }
+    }
+}
+
+/// An axis of ratios with room beyond both values, which are above zero, and ticks at round numbers.
+pub(super) fn log_axis(low: f64, high: f64) -> Axis {
+    let good = |x: f64| x > 1e-100 && drawable(x);
+    let (low, high) = if good(low) && good(high) && low <= high {
+        (low, high)
+    } else {
+        (1.0, 10.0)
+    };
+    // A range of nothing would have no ratio.
+    let room = libm::pow(high / low, 0.06).max(1.06);
+    let (lo, hi) = (low / room, high * room);
+    let decades = libm::log10(hi / lo);
+    let digits: &[u32] = match decades {
+        ..=1.3 => &[1, 2, 3, 4, 5, 7],
+        ..=3.0 => &[1, 3],
+        _ => &[1],
+    };
+    let first = libm::floor(libm::log10(lo)) as i32;
+    let last = libm::ceil(libm::log10(hi)) as i32;
+    let tick = |(power, digit): (i32, u32)| {
+        let value: f64 = format!("{digit}e{power}").parse().unwrap_or(f64::NAN);
+        (value, number(value))
+    };
+    let all = (first..=last).flat_map(|power| digits.iter().map(move |digit| (power, *digit)));
+    let inside = |(x, _): &(f64, String)| (lo..=hi).contains(x);
+    let mut ticks: Vec<_> = all.map(tick).filter(inside).collect();
+    if ticks.len() < 3 {
+        ticks = axis(lo, hi, 4).ticks;
+    }
+    Axis {
+        lo,
+        hi,
+        ticks,
+        log: true,
+    }
 }
 
 /// An axis from `lo` to `hi` with about `count` ticks at multiples of 1, 2 or 5 times a power of
@@ -62,7 +119,12 @@ pub(super) fn axis(lo: f64, hi: f64, count: usize) -> Axis {
         .map(|k| k as f64 * step)
         .map(|x| (x, label(x)))
         .collect();
-    Axis { lo, hi, ticks }
+    Axis {
+        lo,
+        hi,
+        ticks,
+        log: false,
+    }
 }
 
 impl Ranged for Axis {
@@ -70,8 +132,7 @@ impl Ranged for Axis {
     type ValueType = f64;
 
     fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
-        let part = (value - self.lo) / (self.hi - self.lo);
-        limit.0 + (part * f64::from(limit.1 - limit.0)).round() as i32
+        limit.0 + (self.part(*value) * f64::from(limit.1 - limit.0)).round() as i32
     }
 
     fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
@@ -166,15 +227,11 @@ pub(super) fn dashes(x: f64, y: &Axis) -> Vec<PathElement<(f64, f64)>> {
     (0..47).step_by(2).map(dash).collect()
 }
 
-/// A bar of one standard error each way with caps.
-pub(super) fn error_bar(at: (f64, f64), error: f64, cap: f64) -> Vec<PathElement<(f64, f64)>> {
-    bar(at.0, at.1 - error, at.1 + error, cap)
-}
-
-/// An upright bar with caps.
-pub(super) fn bar(x: f64, low: f64, high: f64, cap: f64) -> Vec<PathElement<(f64, f64)>> {
+/// An upright bar with caps, over an axis.
+pub(super) fn bar(x: f64, low: f64, high: f64, axis: &Axis) -> Vec<PathElement<(f64, f64)>> {
     let line = |from, to| PathElement::new([from, to], INK.stroke_width(5));
-    let across = |y| line((x - cap, y), (x + cap, y));
+    let cap = |side: f64| axis.at(axis.part(x) + side * 0.008);
+    let across = |y| line((cap(-1.0), y), (cap(1.0), y));
     vec![line((x, low), (x, high)), across(low), across(high)]
 }
 
@@ -227,6 +284,25 @@ pub(super) fn marker(shape: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn equal_ratios_are_equally_long_on_an_axis_of_ratios() {
+        let axis = log_axis(0.1, 10.0);
+        assert!(axis.lo < 0.1 && axis.hi > 10.0);
+        let labels: Vec<&str> = axis.ticks.iter().map(|t| t.1.as_str()).collect();
+        assert_eq!(labels, ["0.1", "0.3", "1", "3", "10"]);
+        let whole = (0, 1000);
+        let places: Vec<i32> = [0.1, 1.0, 10.0]
+            .iter()
+            .map(|x| axis.map(x, whole))
+            .collect();
+        assert_eq!(places[1], 500);
+        assert_eq!(places[2] - places[1], places[1] - places[0]);
+        assert!((axis.at(axis.part(3.0)) - 3.0).abs() < 1e-12);
+        let one = log_axis(5.0, 5.0);
+        assert!(one.lo < 5.0 && one.hi > 5.0);
+        assert_eq!(log_axis(-1.0, 0.0).ticks, log_axis(1.0, 10.0).ticks);
+    }
 
     #[test]
     fn ticks_are_round_numbers() {

@@ -2,7 +2,9 @@
 
 use plotters::prelude::*;
 
-use super::plot::{Axis, INK, THIN, axis, bar, chart, draw_marker, drawable, mesh, padded, svg};
+use super::plot::{
+    Axis, INK, THIN, axis, bar, chart, draw_marker, drawable, log_axis, mesh, padded, svg,
+};
 
 /// A point of a chart.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,6 +44,8 @@ pub(super) enum Range {
     FromZero,
     /// Only where values are.
     Tight,
+    /// Only where values are, which are above zero; equal steps are equal ratios.
+    Ratios,
 }
 
 impl Range {
@@ -56,11 +60,13 @@ impl Range {
                 let half = if half > least { half } else { least };
                 axis(middle - half, middle + half, 6)
             }
+            Range::Ratios => log_axis(low, high),
         }
     }
 }
 
-/// Draws lines and over them marks; what is no number is left out. `None` where no mark is left.
+/// Draws lines and over them marks; what is no number is left out, and what is not above zero on an axis of
+/// ratios. `None` where no mark is left.
 pub(super) fn scatter(
     title: &str,
     labels: &[String; 2],
@@ -68,10 +74,11 @@ pub(super) fn scatter(
     lines: &[Line],
     ranges: [Range; 2],
 ) -> Option<String> {
-    let fits = |at: &(f64, f64)| drawable(at.0) && drawable(at.1);
+    let shown = |x: f64, range: Range| drawable(x) && (range != Range::Ratios || x > 0.0);
+    let fits = |at: &(f64, f64)| shown(at.0, ranges[0]) && shown(at.1, ranges[1]);
     let marks: Vec<&Mark> = marks
         .iter()
-        .filter(|m| fits(&m.at) && fits(&m.bar))
+        .filter(|m| fits(&m.at) && drawable(m.bar.0) && drawable(m.bar.1))
         .collect();
     let first = marks.first()?;
     let corners = lines
@@ -82,7 +89,8 @@ pub(super) fn scatter(
     all.extend(
         marks
             .iter()
-            .flat_map(|m| [(m.at.0, m.bar.0), (m.at.0, m.bar.1), m.at]),
+            .flat_map(|m| [(m.at.0, m.bar.0), (m.at.0, m.bar.1), m.at])
+            .filter(|p| fits(p)),
     );
     let ends = |of: fn(&(f64, f64)) -> f64| {
         all.iter()
@@ -109,8 +117,10 @@ pub(super) fn scatter(
         }
         for mark in &marks {
             let (low, high) = mark.bar;
+            // On an axis of ratios a bar that reaches zero reaches the edge.
+            let low = if low < y.lo { y.lo } else { low };
             if low < high {
-                chart.draw_series(bar(mark.at.0, low, high, (x.hi - x.lo) * 0.008))?;
+                chart.draw_series(bar(mark.at.0, low, high, &x))?;
             }
             draw_marker(&mut chart, mark.at, mark.shape)?;
         }
@@ -135,6 +145,21 @@ mod tests {
             ..both[1]
         };
         assert_ne!(draw(&[barred]), draw(&both[1..]));
+    }
+
+    #[test]
+    fn an_axis_of_ratios_takes_bars_that_reach_zero_but_no_point_there() {
+        let labels = ["x".to_owned(), "y".to_owned()];
+        let draw = |marks: &[Mark]| scatter("t", &labels, marks, &[], [Range::Ratios; 2]);
+        assert!(draw(&[Mark::bare((0.0, 1.0), 0)]).is_none());
+        assert!(draw(&[Mark::bare((1.0, -1.0), 0)]).is_none());
+        let barred = Mark {
+            at: (1.0, 2.0),
+            bar: (-1.0, 3.0),
+            shape: 0,
+        };
+        let svg = draw(&[barred]).unwrap();
+        assert!(!svg.contains("NaN") && !svg.contains("inf"));
     }
 
     #[test]

@@ -28,18 +28,21 @@ pub(super) fn section(summary: &Summary) -> String {
     )
 }
 
+/// A verdict, in bold where there is one.
+pub(super) fn verdict_cell(verdict: Verdict) -> String {
+    match verdict {
+        Verdict::NotResolved => verdict.words().to_owned(),
+        _ => format!("<b>{}</b>", verdict.words()),
+    }
+}
+
 fn row(statement: &Statement) -> String {
     format!(
-        "<tr><th scope=\"row\"><b>{}</b><small>{}</small></th><td class=\"{}\">{}</td><td>{}</td>\
+        "<tr><th scope=\"row\"><b>{}</b><small>{}</small></th><td>{}</td><td>{}</td>\
          <td>{}</td></tr>\n",
         prose(&statement.subject),
         prose(&statement.expected),
-        statement.verdict.word(),
-        match statement.verdict {
-            Verdict::Agrees => "<b>agrees</b>",
-            Verdict::Differs => "<b>differs</b>",
-            Verdict::Unresolved => "unresolved",
-        },
+        verdict_cell(statement.verdict),
         prose(&statement.measured),
         prose(&statement.reason),
     )

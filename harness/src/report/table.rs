@@ -4,11 +4,9 @@ use super::text::{count, digest, escape, exact, number_with_error, plus_minus, s
 use crate::audit::EnergyRow;
 use crate::blocks::Mean;
 use crate::claims;
+use crate::plug::Plug;
 use crate::summary::{BedSummary, RunSummary};
 use crate::units::Units;
-
-/// Plug ratio from which the page points at it.
-const PLUG: f64 = 0.1;
 
 /// Rows of a table under the names of its columns.
 pub(super) struct Table<'a, T> {
@@ -350,25 +348,26 @@ fn energy_rows(t: &mut Table<RunSummary>, runs: &[RunSummary], unit: &str) {
     });
 }
 
-/// A remark where the drag is a good part of the weight above, in words.
+/// A remark where the drag is more of the weight above than friction holds, in words.
 pub(super) fn plug_remark(runs: &[RunSummary]) -> String {
-    // Base and lid carry a bed that flows, and its far grains tell how well.
-    let most = runs
+    let moved = runs
         .iter()
-        .filter(|r| r.flow.is_none())
-        .map(|r| r.plug_ratio)
-        .filter(|ratio| ratio.is_finite())
-        .fold(0.0, |a, b| if b > a { b } else { a });
-    if most <= PLUG {
+        .filter(|r| matches!(r.plug, Plug::Drifts | Plug::Slides));
+    let Some(most) = moved.max_by(|a, b| a.plug_ratio.total_cmp(&b.plug_ratio)) else {
         return String::new();
-    }
+    };
+    let what = match most.plug {
+        Plug::Slides => {
+            "slides along, and the drag is the box&rsquo;s as much as the intruder&rsquo;s"
+        }
+        _ => "drifts along by up to a fifth of the speed, and the drag may be too small",
+    };
     format!(
         "<p class=\"remark\"><b>Plug ratio.</b> The drag reaches {} of the weight of the bed above \
-         the intruder. In a periodic box nothing but friction holds that part of the bed back, and \
-         the larger the ratio, the more of it slides along with the intruder and the smaller the \
-         drag. A wider box lowers the ratio; for numbers to quote, see that a wider box gives the \
-         same drag.</p>\n",
-        short(most)
+         the intruder. In a periodic box nothing but friction holds that part of the bed back: at this \
+         ratio and friction it {what}. A wider box lowers the ratio; for numbers to quote, see that a \
+         wider box gives the same drag.</p>\n",
+        short(most.plug_ratio)
     )
 }
 
@@ -379,12 +378,14 @@ mod tests {
 
     #[test]
     fn a_drag_that_moves_the_layers_above_is_remarked_on() {
-        let remark = |ratio| {
+        let remark = |plug| {
             let mut run = run(1.5);
-            run.plug_ratio = ratio;
+            run.plug_ratio = 0.2;
+            run.plug = plug;
             plug_remark(&[run])
         };
-        assert_eq!(remark(0.09), "");
-        assert!(remark(0.2).contains("The drag reaches 0.2 of the weight"));
+        assert_eq!(remark(Plug::Sound), "");
+        assert!(remark(Plug::Drifts).contains("The drag reaches 0.2 of the weight"));
+        assert!(remark(Plug::Slides).contains("slides along"));
     }
 }

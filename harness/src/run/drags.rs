@@ -14,6 +14,7 @@ use crate::drag::Dragging;
 use crate::error::{Error, Result};
 use crate::files::{bits, packed_name, text_file, write_whole};
 use crate::folder::Folder;
+use crate::plug::Plug;
 use crate::progress::Progress;
 use crate::scenario::{RunPlan, Scenario};
 use crate::series::series_text;
@@ -303,6 +304,14 @@ fn tell(scenario: &Scenario, run: &RunSummary, how: &str, seconds: f64, progress
         report::short(run.drag.standard_error),
         scenario.units().force,
     ));
+    if run.plug == Plug::Slides {
+        progress.warn(&format!(
+            "{}: the drag is {} of the weight of the bed above the intruder, more than friction holds: the bed \
+             slides along, and the drag is the box's as much as the intruder's; make bed.box wider",
+            run.name,
+            report::short(run.plug_ratio)
+        ));
+    }
     if let Some(flow) = &run.flow {
         progress.line(&format!(
             "{}: drag/(rho g h D L) {:.2} +- {:.2}, lift {:.1} +- {:.1} buoyancies, far bed at {:.3} of \

@@ -164,7 +164,7 @@ pub(super) fn summarise(
         plug_ratio: ratio,
         plug: match scenario.flows() {
             true => Plug::Sound,
-            false => plug::judge(scenario.law.mu(), ratio),
+            false => plug::judge(scenario.law.mu(), ratio, around.drift.map(|d| d.mean)),
         },
         flow: means
             .flow

@@ -16,7 +16,7 @@ pub use keys::{
 pub use plan::{BedPlan, LidPlan, PACKING_GUESS, RunPlan};
 pub use rig::{BULK_FRICTION, DRAG_COEFFICIENT};
 
-use crate::error::{Error, Result, teach};
+use crate::error::{Error, Result, teach, wrong_toml};
 use keys::kumar_law;
 
 /// Names and texts of the scenarios that ship with the program.
@@ -84,11 +84,7 @@ fn unknown_name(name: &str) -> Error {
 /// # Errors
 /// As [`load`].
 pub fn parse(text: &str, place: &str, sets: &[String], folder: &Path) -> Result<Scenario> {
-    let from_file = |e: toml::de::Error| {
-        let line = e.span().map(|s| 1 + text[..s.start].matches('\n').count());
-        let place = line.map_or(place.to_string(), |line| format!("{place}:{line}"));
-        Error::input(place, teach(e.message()))
-    };
+    let from_file = |e: toml::de::Error| wrong_toml(place, text, &e);
     let alone = toml::from_str::<Scenario>(text);
     let mut table: toml::Table = toml::from_str(text).map_err(from_file)?;
     for set in sets {

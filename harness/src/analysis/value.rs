@@ -1,0 +1,65 @@
+//! Numbers with standard errors, and what is made of several.
+
+use serde::{Deserialize, Serialize};
+
+use crate::fit::Parameter;
+
+/// A number with its standard error.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Value {
+    /// The number.
+    pub value: f64,
+    /// Its standard error.
+    pub error: f64,
+}
+
+impl From<&Parameter> for Value {
+    fn from(fitted: &Parameter) -> Self {
+        Value::new(fitted.value, fitted.error)
+    }
+}
+
+impl Value {
+    /// Both.
+    pub fn new(value: f64, error: f64) -> Self {
+        Self { value, error }
+    }
+
+    /// The error over the number.
+    pub fn relative(&self) -> f64 {
+        (self.error / self.value).abs()
+    }
+
+    /// This over another, independent of it.
+    pub fn over(self, other: Value) -> Value {
+        let value = self.value / other.value;
+        Value::new(value, value.abs() * both(self.relative(), other.relative()))
+    }
+
+    /// This less another, independent of it.
+    pub fn less(self, other: Value) -> Value {
+        Value::new(self.value - other.value, both(self.error, other.error))
+    }
+
+    /// Mean weighted by the errors, which alone make its own; `None` of none.
+    pub fn mean(values: impl Iterator<Item = Value>) -> Option<Value> {
+        let (mut weights, mut sum) = (0.0, 0.0);
+        for v in values {
+            weights += v.weight();
+            sum += v.weight() * v.value;
+        }
+        let mean = Value::new(sum / weights, 1.0 / weights.sqrt());
+        (weights > 0.0 && mean.value.is_finite()).then_some(mean)
+    }
+
+    /// What it weighs in a mean.
+    pub fn weight(&self) -> f64 {
+        1.0 / (self.error * self.error)
+    }
+}
+
+/// Two independent errors together.
+fn both(a: f64, b: f64) -> f64 {
+    (a * a + b * b).sqrt()
+}

@@ -1,0 +1,119 @@
+//! Charts of the drag against the Froude number (Kumar 2018, Figs. 5, 10 and 16).
+
+use super::super::scatter::{Line, Range};
+use super::super::text::escape;
+use super::figure::{Figure, SHAPES, Series, section, straight, traced};
+use super::{Shown, intruder, material};
+use crate::analysis::{Analysis, Curve, Finding, Material, Method, Pooled, Speeds, Yield};
+
+type Of<'a> = (&'a Curve, &'a Speeds, &'a Yield);
+
+/// Curves of one material.
+pub(super) fn of(analysis: &Analysis, wanted: Material) -> Vec<Of<'_>> {
+    let all = analysis
+        .curves
+        .iter()
+        .zip(&analysis.speeds)
+        .zip(&analysis.yields);
+    all.map(|((curve, speeds), own)| (curve, speeds, own))
+        .filter(|(curve, ..)| curve.material == wanted)
+        .collect()
+}
+
+/// The least and largest Froude number.
+fn ends(curve: &Curve) -> [f64; 2] {
+    let at = |p: Option<&crate::analysis::Point>| p.map_or(1.0, |p| p.froude);
+    [at(curve.points.first()), at(curve.points.last())]
+}
+
+pub(super) fn figures(shown: &Shown) -> String {
+    let own = |pooled: &Pooled| {
+        let curves = of(shown.analysis, pooled.material);
+        // No more curves in a chart than there are markers.
+        let some = curves
+            .chunks(SHAPES)
+            .map(|some| each(shown, pooled.material, some));
+        some.collect::<String>() + &together(shown, pooled)
+    };
+    let all: String = shown.analysis.pooled.iter().map(own).collect();
+    section(
+        "Drag against Froude number",
+        "<p>Bars are one standard error each way; axes are logarithmic.</p>\n",
+        &all,
+        "There is no drag to show.",
+    )
+}
+
+/// The drags of some intruders in one material.
+fn each(shown: &Shown, own: Material, curves: &[Of]) -> String {
+    let series: Vec<Series> = curves
+        .iter()
+        .map(|(curve, ..)| {
+            let points = curve.points.iter().map(|p| (p.froude, p.drag));
+            Series::new(intruder(curve), points)
+        })
+        .collect();
+    let line = |(curve, speeds, own): &Of| -> Option<Line> {
+        let [from, to] = ends(curve);
+        if let Finding::Found(regimes) = &speeds.regimes
+            && regimes.needed
+        {
+            return Some(traced(from, to, |x| regimes.value(x), false));
+        }
+        let force = own.force.found()?.value;
+        let flat = own.method == Method::Plateau && from < 1.0;
+        flat.then(|| straight(from, 1.0, |_| force, false))
+    };
+    let lines: Vec<Line> = curves.iter().filter_map(line).collect();
+    let caption = format!(
+        "<b>{}</b>. Lines: three regimes where the points tell them from fewer, elsewhere the plateau up \
+         to Fr&nbsp;=&nbsp;1.",
+        escape(&material(&own))
+    );
+    Figure {
+        title: &format!("Drag against Froude number, {}", material(&own)),
+        labels: ["Froude number Fr", &shown.label("drag F", "drag")],
+        ranges: [Range::Ratios; 2],
+        series: &series,
+        lines: &lines,
+        caption: &caption,
+    }
+    .html()
+}
+
+/// The same over their yield forces.
+fn together(shown: &Shown, pooled: &Pooled) -> String {
+    let curves = of(shown.analysis, pooled.material);
+    let series: Vec<Series> = curves
+        .iter()
+        .filter_map(|(curve, _, own)| {
+            let force = *own.force.found()?;
+            let points = curve.points.iter().map(|p| (p.froude, p.drag.over(force)));
+            Some(Series::new(intruder(curve), points))
+        })
+        .collect();
+    let (mut lines, mut words) = (Vec::new(), String::new());
+    match &pooled.regimes {
+        Finding::Found(regimes) => {
+            let froude = || series.iter().flat_map(|s| s.points.iter().map(|p| p.0));
+            let least = froude().fold(f64::INFINITY, f64::min);
+            let most = froude().fold(0.0, f64::max);
+            lines.push(traced(least, most, |x| regimes.value(x), true));
+            words.push_str(&format!("Thick line: three regimes; {}.", regimes.words()));
+        }
+        Finding::Refused(why) => words.push_str(&format!("No regimes: {}.", escape(&why.0))),
+    }
+    let caption = format!(
+        "<b>{}</b>, every drag over the yield force of its intruder. {words}",
+        escape(&material(&pooled.material))
+    );
+    Figure {
+        title: &format!("Drag over yield force, {}", material(&pooled.material)),
+        labels: ["Froude number Fr", "drag over yield force F/F_Y"],
+        ranges: [Range::Ratios; 2],
+        series: &series,
+        lines: &lines,
+        caption: &caption,
+    }
+    .html()
+}

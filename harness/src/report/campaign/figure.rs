@@ -1,0 +1,135 @@
+//! A chart of several series with its key and its words.
+
+use super::super::plot::marker;
+use super::super::scatter::{Line, Mark, Range, scatter};
+use super::super::text::escape;
+use crate::analysis::Value;
+
+/// Points with one marker.
+pub(super) struct Series {
+    /// What the key calls them, plain text.
+    pub name: String,
+    /// Where they are.
+    pub points: Vec<(f64, Value)>,
+}
+
+impl Series {
+    pub(super) fn new(name: String, points: impl IntoIterator<Item = (f64, Value)>) -> Self {
+        Self {
+            name,
+            points: points.into_iter().collect(),
+        }
+    }
+}
+
+/// What a figure is.
+pub(super) struct Figure<'a> {
+    /// Its name for those who do not see it.
+    pub title: &'a str,
+    /// Of the axes, plain text.
+    pub labels: [&'a str; 2],
+    /// Its axes.
+    pub ranges: [Range; 2],
+    /// What is in it.
+    pub series: &'a [Series],
+    /// And through it.
+    pub lines: &'a [Line],
+    /// What is below it, HTML.
+    pub caption: &'a str,
+}
+
+/// How many markers differ from one another.
+pub(super) const SHAPES: usize = 8;
+
+impl Figure<'_> {
+    /// As HTML; nothing where nothing is to be drawn.
+    pub(super) fn html(&self) -> String {
+        let mark = |(k, series): (usize, &Series)| -> Vec<Mark> {
+            let one = |(x, v): &(f64, Value)| Mark {
+                at: (*x, v.value),
+                bar: (v.value - v.error, v.value + v.error),
+                shape: k % SHAPES,
+            };
+            series.points.iter().map(one).collect()
+        };
+        let marks: Vec<Mark> = self.series.iter().enumerate().flat_map(mark).collect();
+        let labels = self.labels.map(str::to_owned);
+        let Some(svg) = scatter(self.title, &labels, &marks, self.lines, self.ranges) else {
+            return String::new();
+        };
+        let there =
+            |(_, series): &(usize, &Series)| !series.name.is_empty() && !series.points.is_empty();
+        let key = |(k, series): (usize, &Series)| {
+            let marker = marker(k % SHAPES);
+            format!("<span>{marker}{}</span>", escape(&series.name))
+        };
+        let keys: String = self
+            .series
+            .iter()
+            .enumerate()
+            .filter(there)
+            .map(key)
+            .collect();
+        let keys = match keys.is_empty() {
+            true => keys,
+            false => format!("<div class=\"legend\">{keys}</div>"),
+        };
+        format!(
+            "<figure>{keys}{svg}<figcaption>{}</figcaption></figure>\n",
+            self.caption
+        )
+    }
+}
+
+/// Points of a curve from one x to another, in equal ratios.
+pub(super) fn traced(from: f64, to: f64, of: impl Fn(f64) -> f64, heavy: bool) -> Line {
+    const POINTS: usize = 80;
+    let at = |k: usize| from * libm::pow(to / from, k as f64 / POINTS as f64);
+    let points = (0..=POINTS).map(at).map(|x| (x, of(x))).collect();
+    Line { points, heavy }
+}
+
+/// A straight line between two x.
+pub(super) fn straight(from: f64, to: f64, of: impl Fn(f64) -> f64, heavy: bool) -> Line {
+    Line {
+        points: vec![(from, of(from)), (to, of(to))],
+        heavy,
+    }
+}
+
+/// A section with figures, or a sentence where there is none.
+pub(super) fn section(title: &str, words: &str, figures: &str, none: &str) -> String {
+    let body = match figures.is_empty() {
+        true => format!("<p class=\"none\">{none}</p>\n"),
+        false => format!("{words}<div class=\"grid\">\n{figures}</div>\n"),
+    };
+    format!("<section>\n<h2>{title}</h2>\n{body}</section>\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn series_without_points_have_no_key_and_nothing_is_no_figure() {
+        let value = Value::new(2.0, 0.1);
+        let draw = |series: &[Series]| {
+            Figure {
+                title: "t",
+                labels: ["x", "y"],
+                ranges: [Range::FromZero; 2],
+                series,
+                lines: &[],
+                caption: "words",
+            }
+            .html()
+        };
+        assert_eq!(draw(&[Series::new("a".into(), [])]), "");
+        let both = [
+            Series::new("a < b".into(), [(1.0, value)]),
+            Series::new("none".into(), []),
+        ];
+        let html = draw(&both);
+        assert!(html.contains("a &lt; b</span>") && !html.contains("none</span>"));
+    }
+}

@@ -1,0 +1,254 @@
+//! Charts of yield forces and how they scale (Kumar 2018, Figs. 11 to 15 and 17 to 20).
+
+use super::super::scatter::{Line, Range};
+use super::super::text::{escape, short};
+use super::drags::of;
+use super::figure::{Figure, Series, section, straight};
+use super::{Shown, grains, intruder, material, words_of};
+use crate::analysis::{Collapse, Curve, Exponent, Finding, Level, Scaling, Stiffness, Value, near};
+
+pub(super) fn figures(shown: &Shown) -> String {
+    let mut all = friction(shown);
+    for own in &shown.analysis.scaling {
+        all += &sizes(shown, own);
+        all += &depths(shown, own);
+        all += &collapse(shown, own, &own.by_size, true);
+        all += &collapse(shown, own, &own.by_depth, false);
+    }
+    let groups = shown.analysis.stiffness.iter();
+    all += &groups.map(stiffness).collect::<String>();
+    section(
+        "Yield force",
+        "<p>The drag in the limit of no speed. With friction it is the mean of the plateau; without, it is \
+         extrapolated from the slow runs, unless there are runs as slow as the paper&rsquo;s.</p>\n",
+        &all,
+        "No yield force was found.",
+    )
+}
+
+/// Yield force against the friction coefficient, where there are several.
+fn friction(shown: &Shown) -> String {
+    let analysis = shown.analysis;
+    let mut series: Vec<(String, Vec<(f64, Value)>)> = Vec::new();
+    for (curve, own) in analysis.curves.iter().zip(&analysis.yields) {
+        let Some(force) = own.force.found() else {
+            continue;
+        };
+        let name = format!(
+            "D = {}, h = {} asked, {}",
+            short(curve.diameter),
+            short(curve.depth_asked),
+            grains(&curve.material)
+        );
+        let point = (curve.material.mu, *force);
+        match series.iter_mut().find(|s| s.0 == name) {
+            Some(own) => own.1.push(point),
+            None => series.push((name, vec![point])),
+        }
+    }
+    let several = series
+        .into_iter()
+        .filter(|s| s.1.iter().any(|p| p.0 != s.1[0].0));
+    let series: Vec<Series> = several
+        .map(|(name, points)| Series::new(name, points))
+        .collect();
+    Figure {
+        title: "Yield force against friction",
+        labels: ["friction coefficient \u{3bc}", &shown.label("yield force F_Y", "drag")],
+        ranges: [Range::FromZero; 2],
+        series: &series,
+        lines: &[],
+        caption: "Yield force against the friction coefficient of the grains; depths are as settled, and differ.",
+    }
+    .html()
+}
+
+/// Curves of a scaling with their yield forces.
+fn known<'a>(shown: &'a Shown, own: &Scaling) -> Vec<(&'a Curve, Value)> {
+    let all = of(shown.analysis, own.material).into_iter();
+    all.filter_map(|(curve, _, own)| Some((curve, *own.force.found()?)))
+        .collect()
+}
+
+/// A power through yield forces, and it in words.
+fn power(found: &Exponent, x: &[f64]) -> (Option<Line>, String) {
+    let from = x.iter().copied().fold(f64::INFINITY, f64::min);
+    let to = x.iter().copied().fold(0.0, f64::max);
+    let line = found.fit.found().and_then(|fit| {
+        let (a, p) = (fit.parameter("A")?.value, fit.parameter("p")?.value);
+        (from < to).then(|| straight(from, to, |x| a * libm::pow(x, p), false))
+    });
+    (line, words_of(&found.fit))
+}
+
+fn sizes(shown: &Shown, own: &Scaling) -> String {
+    let known = known(shown, own);
+    let (mut series, mut lines, mut words) = (Vec::new(), Vec::new(), Vec::new());
+    for found in &own.phi {
+        let there = known.iter().filter(|(c, _)| near(c.depth_asked, found.at));
+        let brought = |c: &Curve, force: Value| c.brought_to(found.at, own.brought_by, force);
+        let points: Vec<(f64, Value)> = there
+            .map(|(c, force)| (c.effective_diameter(), brought(c, *force)))
+            .collect();
+        let x: Vec<f64> = points.iter().map(|p| p.0).collect();
+        if x.len() > 1 {
+            let (line, told) = power(found, &x);
+            lines.extend(line);
+            words.push(format!("at h = {}: {told}", short(found.at)));
+            series.push(Series::new(format!("h = {}", short(found.at)), points));
+        }
+    }
+    let caption = format!(
+        "<b>{}</b>, yield force against D + d, brought to the depth asked for by h<sup>{}</sup>; \
+         f (D + d)<sup>&phi;</sup> with A = f and p = &phi;, {}.",
+        escape(&material(&own.material)),
+        short(own.brought_by),
+        words.join("; ")
+    );
+    Figure {
+        title: &format!("Yield force against size, {}", material(&own.material)),
+        labels: [
+            &shown.label("D + d", "diameter"),
+            &shown.label("yield force F_Y", "drag"),
+        ],
+        ranges: [Range::Ratios; 2],
+        series: &series,
+        lines: &lines,
+        caption: &caption,
+    }
+    .html()
+}
+
+fn depths(shown: &Shown, own: &Scaling) -> String {
+    let known = known(shown, own);
+    let (mut series, mut lines, mut words) = (Vec::new(), Vec::new(), Vec::new());
+    for found in &own.alpha {
+        let there = known.iter().filter(|(c, _)| near(c.diameter, found.at));
+        let points: Vec<(f64, Value)> = there.map(|(c, f)| (c.depth, *f)).collect();
+        let x: Vec<f64> = points.iter().map(|p| p.0).collect();
+        if x.len() > 1 {
+            let (line, told) = power(found, &x);
+            lines.extend(line);
+            words.push(format!("at D = {}: {told}", short(found.at)));
+            series.push(Series::new(format!("D = {}", short(found.at)), points));
+        }
+    }
+    let mean = match &own.alpha_mean {
+        Finding::Found(mean) => format!(
+            "; &alpha;, mean over speeds: {}",
+            super::super::text::number_with_error(mean.value, mean.error)
+        ),
+        Finding::Refused(_) => String::new(),
+    };
+    let caption = format!(
+        "<b>{}</b>, yield force against depth, g h<sup>&alpha;</sup> with A = g and p = &alpha;, {}{mean}.",
+        escape(&material(&own.material)),
+        words.join("; ")
+    );
+    Figure {
+        title: &format!("Yield force against depth, {}", material(&own.material)),
+        labels: [
+            &shown.label("depth h", "depth"),
+            &shown.label("yield force F_Y", "drag"),
+        ],
+        ranges: [Range::Ratios; 2],
+        series: &series,
+        lines: &lines,
+        caption: &caption,
+    }
+    .html()
+}
+
+/// Drags over (D + d)^phi h^alpha.
+fn collapse(shown: &Shown, own: &Scaling, found: &Finding<Collapse>, by_size: bool) -> String {
+    let Some(collapse) = found.found() else {
+        return String::new();
+    };
+    let curves = of(shown.analysis, own.material);
+    let group = |c: &Curve| if by_size { c.depth_asked } else { c.diameter };
+    // Only what is compared: curves that have a partner.
+    let partner = |c: &Curve| {
+        let same = curves.iter().filter(|(o, ..)| near(group(o), group(c)));
+        same.count() > 1
+    };
+    let series: Vec<Series> = curves
+        .iter()
+        .filter(|(c, ..)| partner(c))
+        .map(|(c, ..)| {
+            let scale = c.scale(collapse.exponents);
+            let over = |p: &crate::analysis::Point| {
+                (
+                    p.froude,
+                    Value::new(p.drag.value / scale, p.drag.error / scale),
+                )
+            };
+            Series::new(intruder(c), c.points.iter().map(over))
+        })
+        .collect();
+    let (what, label) = match by_size {
+        true => ("sizes", "F/((D + d)^\u{3c6} h^\u{3b1})"),
+        false => ("depths", "F/h^\u{3b1}"),
+    };
+    let [phi, alpha] = collapse.exponents.map(short);
+    let exponents = match by_size {
+        true => format!("&phi; = {phi}, &alpha; = {alpha}"),
+        false => format!("&alpha; = {alpha}"),
+    };
+    let caption = format!(
+        "<b>{}</b>, collapse of {what} with {exponents}: at equal Froude numbers they are {} % off their mean, \
+         root mean square, where errors alone would make it {} %.",
+        escape(&material(&own.material)),
+        short(100.0 * collapse.spread),
+        short(100.0 * collapse.expected)
+    );
+    Figure {
+        title: &format!("Collapse of {what}, {}", material(&own.material)),
+        labels: ["Froude number Fr", label],
+        ranges: [Range::Ratios; 2],
+        series: &series,
+        lines: &[],
+        caption: &caption,
+    }
+    .html()
+}
+
+/// Yield force and fast drag, both over the first's, against stiffness or damping.
+fn stiffness(group: &Stiffness) -> String {
+    let (label, at): (&str, fn(&Level) -> f64) = match group.what.as_str() {
+        "kn" => ("stiffness K_n", |l| l.kn),
+        _ => ("damping \u{3b3}_n", |l| l.gamma_n),
+    };
+    let Some(first) = group.levels.first() else {
+        return String::new();
+    };
+    // The first over itself is one, without an error.
+    let over = |l: &Level| match at(l) == at(first) {
+        true => Value::new(1.0, 0.0),
+        false => l.slow.over(first.slow),
+    };
+    let slow = group.levels.iter().map(|l| (at(l), over(l)));
+    let fast = group.levels.iter().filter_map(|l| Some((at(l), l.fast?)));
+    let series = [
+        Series::new("yield force".into(), slow),
+        Series::new("drag from Fr = 5 on".into(), fast),
+    ];
+    let with = match group.what.as_str() {
+        "kn" => "at equal &gamma;<sub>n</sub>/K<sub>n</sub><sup>0.6</sup>",
+        _ => "at equal K<sub>n</sub>",
+    };
+    let caption = format!(
+        "D = {}, h near {}, &mu; = {}: both over those of the least, {with}.",
+        short(group.diameter),
+        short(group.depth_asked),
+        group.mu
+    );
+    Figure {
+        title: &format!("Drag against {label}"),
+        labels: [label, "over that of the least"],
+        ranges: [Range::Ratios, Range::FromZero],
+        series: &series,
+        lines: &[],
+        caption: &caption,
+    }
+    .html()
+}

@@ -1,0 +1,199 @@
+//! The campaigns on Kumar 2018: `kumar-small`, half an hour on two cores, and `kumar-middle`, three hours.
+//! What their tables say is made again here, and of the small one two drags are done again.
+//!
+//! `golden/README.md` says how the files are made.
+
+use bitgrain::analysis::{self, words};
+use bitgrain::campaign;
+use bitgrain::campaign::table::Table;
+use bitgrain::claims::evidence::Evidence;
+use bitgrain::files::write_text;
+use bitgrain_tests::{golden, output, unpacked};
+use serde_json::Value;
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
+
+/// Campaigns whose tables are here.
+const TABLES: [&str; 1] = ["kumar-small"];
+
+/// Those of them that are not done to the end.
+const PARTIAL: [&str; 0] = [];
+
+/// Two drags of one bed that are done again, the first from halfway: their files, all of the member.
+const MEMBER: &str = "mu0.5-D2-h8";
+const FILES: [(&str, &str); 3] = [
+    ("bed.safetensors.gz", "beds/bed.safetensors"),
+    ("bed.chain.csv.gz", "beds/bed.chain.csv"),
+    (
+        "run-5.half.safetensors.gz",
+        "runs/run-5/checkpoints/000000005834.safetensors",
+    ),
+];
+
+fn evidence(campaign: &str) -> Evidence {
+    Evidence::read(&golden(campaign).join("results.csv.gz"), false).unwrap()
+}
+
+/// From its settled bed, and from a state halfway, each drag gives its row of the table digit for digit.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "ten seconds in release, minutes in debug")]
+fn rows_done_again_are_those_of_the_table() {
+    let folder = tempfile::tempdir().unwrap();
+    let member = folder.path().join("out/members").join(MEMBER);
+    for (packed, name) in FILES {
+        let path = member.join(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, unpacked(&format!("kumar-small/{packed}"))).unwrap();
+    }
+    let table = golden("kumar-small/results.csv.gz");
+    let rows = [5, 9].map(|k| format!("{MEMBER}/run-{k}"));
+    // The campaign's own file is the folder's claim, and comes first.
+    let plan = campaign::load("kumar-small", &[]).unwrap();
+    let text = format!("# {}\n{}", bitgrain::files::bits(), plan.text());
+    std::fs::write(folder.path().join("out/campaign.toml"), text).unwrap();
+    let args = [
+        "sweep",
+        "kumar-small",
+        "--out",
+        "out",
+        "--only",
+        &rows[0],
+        "--only",
+        &rows[1],
+        "--against",
+        table.to_str().unwrap(),
+        "-v",
+    ];
+    let out = output(PROGRAM, folder.path(), &args);
+    let lines = String::from_utf8_lossy(&out.stderr).into_owned();
+    assert_eq!(out.status.code(), Some(0), "{lines}");
+    for how in [
+        "run-5: Fr 2, drag",
+        "(resumed,",
+        "run-9: Fr 10, drag",
+        "(dragged,",
+    ] {
+        assert!(lines.contains(how), "{how}: {lines}");
+    }
+    let said = String::from_utf8_lossy(&out.stdout).into_owned();
+    assert!(said.contains("2 runs are those of"), "{said}");
+}
+
+/// A table has a row for each run of its campaign as that is now, in its order.
+#[test]
+fn tables_are_those_of_the_shipped_campaigns() {
+    for name in TABLES {
+        let table = Table::read(&golden(name).join("results.csv.gz")).unwrap();
+        let plan = campaign::load(name, &[]).unwrap();
+        let mut row = 0;
+        for member in &plan.members {
+            for run in member.scenario.runs() {
+                if table.text(row, "member") != member.name || table.text(row, "run") != run.name {
+                    // What of a campaign is not done yet has no row.
+                    assert!(PARTIAL.contains(&name), "{}/{}", member.name, run.name);
+                    continue;
+                }
+                let near = |column: &str, want: f64| {
+                    let got = table.real(row, column).unwrap();
+                    assert_eq!(got, want, "{}/{}: {column}", member.name, run.name);
+                };
+                near("speed", run.speed);
+                near("steps", run.steps as f64);
+                near("mu", member.scenario.law.mu());
+                near("dt", member.scenario.drag.dt);
+                assert_eq!(table.text(row, "digest").len(), 64);
+                row += 1;
+            }
+        }
+        assert_eq!(row, table.len(), "{name}");
+    }
+}
+
+/// Numbers of two trees agree: to the bit here, to 1e-9 where another mathematical library is behind statrs.
+fn same(now: &Value, then: &Value, place: &str) {
+    match (now, then) {
+        (Value::Number(a), Value::Number(b)) => {
+            let (a, b) = (a.as_f64().unwrap(), b.as_f64().unwrap());
+            let most = if cfg!(target_arch = "x86_64") {
+                0.0
+            } else {
+                1e-9
+            };
+            assert!(
+                (a - b).abs() <= most * b.abs(),
+                "{place}: {a} instead of {b}"
+            );
+        }
+        (Value::Array(a), Value::Array(b)) => {
+            assert_eq!(a.len(), b.len(), "{place}");
+            for (k, (a, b)) in a.iter().zip(b).enumerate() {
+                same(a, b, &format!("{place}[{k}]"));
+            }
+        }
+        (Value::Object(a), Value::Object(b)) => {
+            let names = |map: &serde_json::Map<String, Value>| -> Vec<String> {
+                map.keys().cloned().collect()
+            };
+            assert_eq!(names(a), names(b), "{place}");
+            for (name, value) in a {
+                same(value, &b[name], &format!("{place}.{name}"));
+            }
+        }
+        _ => assert_eq!(now, then, "{place}"),
+    }
+}
+
+/// Every fitted number, with errors, covariance and residuals, comes out of the table again; what it comes to
+/// is there to read.
+#[test]
+fn tables_say_what_they_said() {
+    for name in TABLES {
+        let evidence = evidence(name);
+        let now = analysis::text(&evidence.analysis);
+        if std::env::var("INSTA_UPDATE").as_deref() == Ok("always") {
+            write_text(&golden(name).join("analysis.json"), &now, true).unwrap();
+        }
+        let then = unpacked(&format!("{name}/analysis.json.gz"));
+        let tree = |text: &[u8]| serde_json::from_slice(text).unwrap();
+        same(&tree(now.as_bytes()), &tree(&then), name);
+        let mut settings = insta::Settings::clone_current();
+        settings.set_snapshot_path(golden(name));
+        settings.set_prepend_module_to_snapshot(false);
+        settings.set_omit_expression(true);
+        settings.bind(|| insta::assert_snapshot!("analysis", words(&evidence.analysis)));
+    }
+}
+
+/// The page shows every section, draws no number that is none, and is of a size to be opened.
+#[test]
+fn tables_have_a_page() {
+    for name in TABLES {
+        let page = evidence(name).page();
+        assert!(page.len() < 5_000_000, "{}", page.len());
+        for heading in [
+            "Drag against Froude number",
+            "Round the intruder",
+            "Yield force",
+            "Does the bed above hold?",
+            "Beside the paper",
+            "Every fit",
+            "The runs",
+        ] {
+            assert!(
+                page.contains(&format!("<h2>{heading}</h2>")),
+                "{name}: {heading}"
+            );
+        }
+        assert!(!page.contains("NaN") && !page.contains("inf\""), "{name}");
+        assert!(page.matches("<svg class=\"chart\"").count() > 15, "{name}");
+        let table = Table::read(&golden(name).join("results.csv.gz")).unwrap();
+        for row in 0..table.len() {
+            let name = format!(
+                "{}/{}</th>",
+                table.text(row, "member"),
+                table.text(row, "run")
+            );
+            assert_eq!(page.matches(&name).count(), 1, "{name}");
+        }
+    }
+}
