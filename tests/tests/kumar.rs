@@ -1,4 +1,4 @@
-//! The campaigns on Kumar 2018: `kumar-small`, half an hour on two cores, and `kumar-middle`, three hours.
+//! The campaigns on Kumar 2018: `kumar-small`, under forty minutes on two cores, and `kumar-middle`, three hours.
 //! What their tables say is made again here, and of the small one two drags are done again.
 //!
 //! `golden/README.md` says how the files are made.

@@ -125,7 +125,10 @@ pub(super) fn mean(all: &[(Value, String)], none: &str) -> Found {
     let scale = if scatter > 1.0 { scatter.sqrt() } else { 1.0 };
     Ok((
         value(mean.value, scale * mean.error),
-        format!("mean of {} curves", all.len()),
+        match all {
+            [(_, only)] => only.clone(),
+            _ => format!("mean of {} curves", all.len()),
+        },
     ))
 }
 

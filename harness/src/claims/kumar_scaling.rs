@@ -86,7 +86,11 @@ fn exponent(list: &[Exponent], what: &str) -> Found {
             Finding::Refused(refusal) => why = refusal.to_string(),
         }
     }
-    mean(&all, &why).map(|(v, _)| (v, format!("mean of {} fits of {what}", all.len())))
+    let of = |n: usize| match n {
+        1 => format!("one fit of {what}"),
+        n => format!("mean of {n} fits of {what}"),
+    };
+    mean(&all, &why).map(|(v, _)| (v, of(all.len())))
 }
 
 /// An exponent from the slow drags at equal Froude numbers, where the yield forces give none.
