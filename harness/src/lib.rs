@@ -8,9 +8,10 @@
 //!   would take, [`run`] the pipeline, [`folder`] the run directory;
 //! * [`bed`] pours and settles grains ([`random`], [`order`]), keeps beds for the next run and takes
 //!   those of others; [`checkpoint`] saves a state;
-//! * [`drag`] pulls the intruder or carries the bed past it; [`flow`], [`observe`], [`audit`], [`series`],
-//!   [`histogram`], [`blocks`] and [`summary`] hold what was measured, in [`units`]; [`claims`] what the
-//!   runs say together, beside the paper; [`fit`] draws curves through points;
+//! * [`drag`] pulls the intruder or carries the bed past it; [`flow`], [`observe`], [`surroundings`], [`plug`],
+//!   [`audit`], [`series`], [`histogram`], [`blocks`] and [`summary`] hold what was measured, in [`units`];
+//! * [`campaign`] runs a scenario over the values of its grids into one table, [`analysis`] is what such a table
+//!   says ([`fit`] draws curves through points), [`claims`] what it comes to beside the papers;
 //! * [`export`] and [`lammps`] write fields that others read, [`report`] draws the page from what
 //!   [`present`] finds in the run directory; [`compare`] says where two states first differ.
 //!

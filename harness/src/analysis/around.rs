@@ -8,9 +8,6 @@ use crate::fit::linear::{constant, line};
 use crate::fit::offset_power::angle_law;
 use crate::fit::{Datum, Fit};
 
-/// Least D/d of an intruder with contacts enough for a law: the paper's smallest scatters too.
-pub const LEAST_DIAMETER: f64 = 2.0;
-
 /// One reading of the contact angle.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -71,21 +68,13 @@ type Reading = fn(&Point) -> Option<Value>;
 
 /// Points of all curves with intruders wide enough, and the diameter of each.
 fn data(curves: &[(&Curve, &Yield)], of: Reading) -> (Vec<Datum>, Vec<f64>) {
-    let wide = curves
-        .iter()
-        .filter(|(c, _)| c.diameter >= LEAST_DIAMETER * c.mean_diameter);
+    let wide = curves.iter().filter(|(c, _)| c.is_wide());
     let mut all: Vec<(Datum, f64)> = Vec::new();
     for (curve, _) in wide {
         for p in &curve.points {
-            let Some(v) = of(p).filter(|v| v.error > 0.0) else {
-                continue;
-            };
-            let datum = Datum {
-                x: p.froude,
-                y: v.value,
-                error: v.error,
-            };
-            all.push((datum, curve.diameter));
+            if let Some(v) = of(p).filter(|v| v.error > 0.0) {
+                all.push((v.at(p.froude), curve.diameter));
+            }
         }
     }
     all.into_iter().unzip()

@@ -7,6 +7,9 @@ use crate::campaign::columns::MOST_CONTACTS;
 use crate::campaign::table::Table;
 use crate::plug::Plug;
 
+/// Least D/d of an intruder with contacts enough for a law: the paper's smallest scatters too.
+const LEAST_DIAMETER: f64 = 2.0;
+
 /// What grains are made of.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -75,6 +78,11 @@ impl Curve {
     /// Effective diameter D + d.
     pub fn effective_diameter(&self) -> f64 {
         self.diameter + self.mean_diameter
+    }
+
+    /// Whether its intruder has contacts enough for a law of what goes on round it.
+    pub fn is_wide(&self) -> bool {
+        self.diameter >= LEAST_DIAMETER * self.mean_diameter
     }
 
     /// What a force at its depth would be at another, if it grew with a power of the depth.

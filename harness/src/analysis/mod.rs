@@ -16,7 +16,7 @@ mod value;
 mod words;
 mod yields;
 
-pub use around::{Around, Contacts, Floating, LEAST_DIAMETER, Offset};
+pub use around::{Around, Contacts, Floating, Offset};
 pub use curves::{Curve, Material, Point};
 pub use exponents::Scaled;
 pub(crate) use exponents::near;

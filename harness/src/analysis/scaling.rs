@@ -169,47 +169,43 @@ fn plain_mean(values: &[Value]) -> Finding<Value> {
 }
 
 fn phi(curves: &[Pair], alpha: f64) -> Vec<Exponent> {
-    let depths = distinct(curves.iter().map(|(c, _)| c.depth_asked));
-    let at = |depth: f64| {
-        let own = curves.iter().filter(|(c, _)| near(c.depth_asked, depth));
-        let data: Vec<Datum> = own
-            .filter_map(|(c, y)| {
-                let force = c.brought_to(depth, alpha, *y.force.found()?);
-                Some(Datum {
-                    x: c.effective_diameter(),
-                    y: force.value,
-                    error: force.error,
-                })
-            })
-            .collect();
-        Exponent {
-            at: depth,
-            fit: power(&data, "D + d").into(),
-        }
-    };
-    depths.into_iter().map(at).collect()
+    exponents(
+        curves,
+        "D + d",
+        |c| c.depth_asked,
+        |depth, c, force| {
+            let force = c.brought_to(depth, alpha, force);
+            force.at(c.effective_diameter())
+        },
+    )
 }
 
 fn alpha(curves: &[Pair]) -> Vec<Exponent> {
-    let diameters = distinct(curves.iter().map(|(c, _)| c.diameter));
-    let at = |diameter: f64| {
-        let own = curves.iter().filter(|(c, _)| near(c.diameter, diameter));
+    exponents(
+        curves,
+        "depths h",
+        |c| c.diameter,
+        |_, c, force| force.at(c.depth),
+    )
+}
+
+/// An exponent of the yield force for each group of curves that have one `key`; `what` it is an exponent of.
+fn exponents(
+    curves: &[Pair],
+    what: &str,
+    key: fn(&Curve) -> f64,
+    datum: impl Fn(f64, &Curve, Value) -> Datum,
+) -> Vec<Exponent> {
+    let one = |at: f64| {
+        let own = curves.iter().filter(|(c, _)| near(key(c), at));
         let data: Vec<Datum> = own
-            .filter_map(|(c, y)| {
-                let force = y.force.found()?;
-                Some(Datum {
-                    x: c.depth,
-                    y: force.value,
-                    error: force.error,
-                })
-            })
+            .filter_map(|(c, y)| Some(datum(at, c, *y.force.found()?)))
             .collect();
-        Exponent {
-            at: diameter,
-            fit: power(&data, "depths h").into(),
-        }
+        let fit = power(&data, what).into();
+        Exponent { at, fit }
     };
-    diameters.into_iter().map(at).collect()
+    let kinds = distinct(curves.iter().map(|(c, _)| key(c)));
+    kinds.into_iter().map(one).collect()
 }
 
 fn alpha_at_speed(curves: &[Pair]) -> Vec<AtSpeed> {
@@ -226,13 +222,7 @@ fn alpha_at_speed(curves: &[Pair]) -> Vec<AtSpeed> {
         for speed in distinct(own.iter().flat_map(|c| c.points.iter().map(|p| p.speed))) {
             let at = |c: &&Curve| -> Vec<Datum> {
                 let points = c.points.iter().filter(|p| near(p.speed, speed));
-                points
-                    .map(|p| Datum {
-                        x: c.depth,
-                        y: p.drag.value,
-                        error: p.drag.error,
-                    })
-                    .collect()
+                points.map(|p| p.drag.at(c.depth)).collect()
             };
             let data: Vec<Datum> = own.iter().flat_map(at).collect();
             if distinct(data.iter().map(|d| d.x)).len() > 2 {
@@ -312,9 +302,7 @@ fn collapse(
             let at = |c: &&Curve| -> Vec<Value> {
                 let scale = c.scale(exponents);
                 let points = c.points.iter().filter(|p: &&Point| near(p.froude, froude));
-                points
-                    .map(|p| Value::new(p.drag.value / scale, p.drag.error / scale))
-                    .collect()
+                points.map(|p| p.drag.divided(scale)).collect()
             };
             let values: Vec<Value> = own.iter().flat_map(at).collect();
             if own.iter().filter(|c| !at(c).is_empty()).count() > 1 {

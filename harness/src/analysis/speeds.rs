@@ -55,15 +55,6 @@ pub struct Pooled {
     pub third: Finding<Fit>,
 }
 
-fn data(curve: &Curve) -> Vec<Datum> {
-    let point = |p: &super::Point| Datum {
-        x: p.froude,
-        y: p.drag.value,
-        error: p.drag.error,
-    };
-    curve.points.iter().map(point).collect()
-}
-
 fn first_of(mu: f64) -> First {
     if mu >= PLATEAU_MU {
         First::Flat
@@ -74,7 +65,7 @@ fn first_of(mu: f64) -> First {
 
 /// Regimes of one curve.
 pub(super) fn speeds(curve: &Curve) -> Speeds {
-    let data = data(curve);
+    let data: Vec<Datum> = curve.points.iter().map(|p| p.drag.at(p.froude)).collect();
     let [x1, x2] = CROSSOVERS;
     let frictional = curve.material.mu >= PLATEAU_MU;
     let slow: Vec<Datum> = data
@@ -112,14 +103,7 @@ pub(super) fn pooled(material: Material, curves: &[(&Curve, &Yield)]) -> Pooled 
         let Some(&force) = own.force.found() else {
             continue;
         };
-        all.extend(curve.points.iter().map(|p| {
-            let over = p.drag.over(force);
-            Datum {
-                x: p.froude,
-                y: over.value,
-                error: over.error,
-            }
-        }));
+        all.extend(curve.points.iter().map(|p| p.drag.over(force).at(p.froude)));
     }
     all.sort_by(|a, b| a.x.total_cmp(&b.x));
     let [x1, x2] = CROSSOVERS;

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::fit::Parameter;
+use crate::fit::{Datum, Parameter};
 
 /// A number with its standard error.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -29,6 +29,17 @@ impl Value {
     /// The error over the number.
     pub fn relative(&self) -> f64 {
         (self.error / self.value).abs()
+    }
+
+    /// Both over a number that is known.
+    pub fn divided(self, by: f64) -> Value {
+        Value::new(self.value / by, self.error / by)
+    }
+
+    /// As a point to be fitted.
+    pub fn at(self, x: f64) -> Datum {
+        let (y, error) = (self.value, self.error);
+        Datum { x, y, error }
     }
 
     /// This over another, independent of it.

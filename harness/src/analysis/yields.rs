@@ -43,12 +43,7 @@ pub struct Yield {
 /// Points below a Froude number.
 fn below(curve: &Curve, froude: f64) -> Vec<Datum> {
     let slow = curve.points.iter().filter(|p| p.froude <= froude);
-    slow.map(|p| Datum {
-        x: p.froude,
-        y: p.drag.value,
-        error: p.drag.error,
-    })
-    .collect()
+    slow.map(|p| p.drag.at(p.froude)).collect()
 }
 
 /// The yield force of a curve, by the best method that its runs allow.

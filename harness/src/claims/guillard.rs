@@ -34,16 +34,12 @@ pub fn measure(id: &str, summary: &Summary) -> Option<Found> {
         "drag-gradient" => ratio(&pairs(group), 1.0, |p| p.drag_over_pressure),
         "lift-saturates" => deepest_over_next(group),
         "lift-thirty" | "lift-thin" => lift(group),
-        "lift-simulation" => lift(group).map(|(v, note)| (scaled(v, EXPERIMENT), note)),
+        "lift-simulation" => lift(group).map(|(v, note)| (v.divided(EXPERIMENT), note)),
         "no-lift" => no_lift(group),
         "steady" => halves(summary),
         _ => return None,
     };
     Some(found.and_then(|found| steady(group, found)))
-}
-
-fn scaled(value: Value, by: f64) -> Value {
-    Value::new(value.value / by, value.error / by)
 }
 
 /// Nothing counts that rests on a bed that slips, or on too little travel.

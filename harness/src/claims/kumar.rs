@@ -13,10 +13,6 @@ pub(super) const MU: f64 = 0.5;
 /// Normal quantile of 97.5 %: a 95 % interval is so many standard errors each way.
 const WIDE: f64 = 1.96;
 
-pub(super) fn value(value: f64, error: f64) -> Value {
-    Value::new(value, error)
-}
-
 pub(super) fn parameter(fit: &Fit, name: &str) -> Result<Value, String> {
     let found = fit.parameter(name).map(Value::from);
     found.ok_or_else(|| format!("the fit has no {name}"))
@@ -124,7 +120,7 @@ pub(super) fn mean(all: &[(Value, String)], none: &str) -> Found {
         all.iter().map(|(v, _)| square(v)).sum::<f64>() / (all.len() as f64 - 1.0).max(1.0);
     let scale = if scatter > 1.0 { scatter.sqrt() } else { 1.0 };
     Ok((
-        value(mean.value, scale * mean.error),
+        Value::new(mean.value, scale * mean.error),
         match all {
             [(_, only)] => only.clone(),
             _ => format!("mean of {} curves", all.len()),
@@ -191,7 +187,7 @@ fn speeds(id: &str, of: &Of) -> Option<Found> {
 /// A crossover whose interval is closed, as a number with an error.
 fn at(crossover: &Crossover) -> Option<Value> {
     let (low, high) = (crossover.low?, crossover.high?);
-    Some(value(crossover.at, (high - low) / (2.0 * WIDE)))
+    Some(Value::new(crossover.at, (high - low) / (2.0 * WIDE)))
 }
 
 fn crossover(of: &Of, mu: f64, which: fn(&crate::fit::regimes::Regimes) -> Crossover) -> Found {
@@ -230,7 +226,10 @@ fn curves_apart(of: &Of) -> Found {
                 continue;
             };
             let ratio = x.over(all_curves);
-            all.push((value((ratio.value - 1.0).abs(), ratio.error), name(curve)));
+            all.push((
+                Value::new((ratio.value - 1.0).abs(), ratio.error),
+                name(curve),
+            ));
         }
     }
     farthest(
@@ -262,7 +261,7 @@ fn quadratic(of: &Of) -> Vec<(Value, String)> {
             c.error / short,
         ];
         let error = by.iter().map(|e| e * e).sum::<f64>().sqrt();
-        Some((value(ratio, error), name(curve)))
+        Some((Value::new(ratio, error), name(curve)))
     })
     .collect()
 }
@@ -284,7 +283,10 @@ fn around(id: &str, of: &Of) -> Option<Found> {
             let slope = -pi / (y3.value * y3.value);
             let c = &fit.covariance;
             let variance = c[0][0] + slope * slope * c[2][2] + 2.0 * slope * c[0][2];
-            Ok((value(y1.value + pi / y3.value, variance.sqrt()), fit.line()))
+            Ok((
+                Value::new(y1.value + pi / y3.value, variance.sqrt()),
+                fit.line(),
+            ))
         })(),
         "angle-ten" => (|| {
             let fit = found(&of.around(MU)?.contacts.at_ten)?;
@@ -294,7 +296,7 @@ fn around(id: &str, of: &Of) -> Option<Found> {
         "angle-size" => of.around(MU).and_then(|a| {
             let offset = |o: &crate::analysis::Offset| {
                 (
-                    value(o.residual.value.abs(), o.residual.error),
+                    Value::new(o.residual.value.abs(), o.residual.error),
                     format!("D = {}", o.diameter),
                 )
             };
@@ -308,7 +310,7 @@ fn around(id: &str, of: &Of) -> Option<Found> {
             let fit = found(&around.kappa)?;
             let five = parameter(fit, "a")?.value + 5.0 * parameter(fit, "b")?.value;
             let offset = |o: &crate::analysis::Offset| {
-                let residual = value(o.residual.value.abs() / five, o.residual.error / five);
+                let residual = Value::new(o.residual.value.abs(), o.residual.error).divided(five);
                 (residual, format!("D = {}", o.diameter))
             };
             farthest(

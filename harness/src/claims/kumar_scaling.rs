@@ -1,6 +1,6 @@
 //! What a campaign's analysis says of the claims about yield forces and how they scale.
 
-use super::kumar::{Found, MU, Of, farthest, found, least, mean, name, parameter, value};
+use super::kumar::{Found, MU, Of, farthest, found, least, mean, name, parameter};
 use crate::analysis::{
     Collapse, Curve, Exponent, Finding, Scaling, Speeds, Stiffness, Value, Yield,
 };
@@ -15,7 +15,7 @@ pub(super) fn yields(id: &str, of: &Of) -> Option<Found> {
                     let force = *own.force.found()?;
                     let scale =
                         curve.effective_diameter() * curve.effective_diameter() * curve.depth;
-                    return Some((value(force.value / scale, force.error / scale), name(curve)));
+                    return Some((force.divided(scale), name(curve)));
                 }
                 let fit = speeds.first.as_ref()?.found()?;
                 Some((parameter(fit, "c").ok()?, name(curve)))
@@ -30,7 +30,7 @@ pub(super) fn yields(id: &str, of: &Of) -> Option<Found> {
         "frictionless-yield" => {
             let over = |(curve, _, own): (&Curve, &Speeds, &Yield)| {
                 let force = own.force.found()?;
-                Some((value(force.value / force.error, 0.0), name(curve)))
+                Some((Value::new(force.value / force.error, 0.0), name(curve)))
             };
             least(
                 slick().filter_map(over).collect(),
@@ -67,7 +67,7 @@ fn saturation(of: &Of) -> Found {
             c.error / low,
         ];
         let error = by.iter().map(|e| e * e).sum::<f64>().sqrt();
-        Some((value(ratio, error), name(curve)))
+        Some((Value::new(ratio, error), name(curve)))
     };
     let slick = of.curves().filter(|(c, ..)| c.material.mu < 0.05);
     mean(
@@ -193,7 +193,10 @@ fn across(of: &Of, list: Exponents, what: &str) -> Found {
 
 fn apart(a: Value, b: Value, mu: f64) -> (Value, String) {
     let apart = a.less(b);
-    (value(apart.value.abs(), apart.error), format!("mu = {mu}"))
+    (
+        Value::new(apart.value.abs(), apart.error),
+        format!("mu = {mu}"),
+    )
 }
 
 pub(super) fn collapses(id: &str, of: &Of) -> Option<Found> {
@@ -209,7 +212,7 @@ pub(super) fn collapses(id: &str, of: &Of) -> Option<Found> {
             collapse.speeds.len()
         );
         (
-            value(if left > 0.0 { left.sqrt() } else { 0.0 }, error),
+            Value::new(if left > 0.0 { left.sqrt() } else { 0.0 }, error),
             note,
         )
     };
@@ -265,7 +268,7 @@ pub(super) fn stiffness(id: &str, of: &Of) -> Option<Found> {
     Some(match id {
         "fast-stiffness" => fast("kn", 1.0),
         "fast-damping" => {
-            fast("gamma_n", 1.0).map(|(v, note)| (value((v.value - 1.0).abs(), v.error), note))
+            fast("gamma_n", 1.0).map(|(v, note)| (Value::new((v.value - 1.0).abs(), v.error), note))
         }
         "slow-stiffness" => slow("kn"),
         "slow-damping" => slow("gamma_n"),

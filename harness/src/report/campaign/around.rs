@@ -3,9 +3,9 @@
 use super::super::scatter::{Line, Range};
 use super::super::text::{escape, short};
 use super::drags::of;
-use super::figure::{Figure, Series, section, straight, traced};
+use super::figure::{Figure, Series, add, ends, section, straight, traced};
 use super::{Shown, intruder, material, words_of};
-use crate::analysis::{Around, Curve, LEAST_DIAMETER, Point, Value};
+use crate::analysis::{Around, Curve, Point, Value};
 use crate::fit::Fit;
 use crate::plug::bounds;
 
@@ -41,18 +41,8 @@ fn points(curve: &Curve, of: Reading) -> Vec<(f64, Value)> {
 fn wide<'a>(shown: &'a Shown, around: &Around) -> Vec<&'a Curve> {
     let all = of(shown.analysis, around.material).into_iter();
     all.map(|(curve, ..)| curve)
-        .filter(|c| c.diameter >= LEAST_DIAMETER * c.mean_diameter)
+        .filter(|c| c.is_wide())
         .collect()
-}
-
-/// The least and largest x of some series.
-fn ends(series: &[Series]) -> Option<[f64; 2]> {
-    let all = || series.iter().flat_map(|s| s.points.iter().map(|p| p.0));
-    let (from, to) = (
-        all().fold(f64::INFINITY, f64::min),
-        all().fold(0.0, f64::max),
-    );
-    (from < to).then_some([from, to])
 }
 
 fn numbers(fit: &Fit) -> Vec<f64> {
@@ -64,11 +54,7 @@ fn angles(shown: &Shown, around: &Around) -> String {
     let mut series: Vec<Series> = Vec::new();
     for curve in &curves {
         let name = format!("D = {}", short(curve.diameter));
-        let all = points(curve, |p| p.angle);
-        match series.iter_mut().find(|s| s.name == name) {
-            Some(own) => own.points.extend(all),
-            None => series.push(Series::new(name, all)),
-        }
+        add(&mut series, name, points(curve, |p| p.angle));
     }
     series.truncate(OPEN);
     series.resize_with(OPEN, || Series::new(String::new(), []));
@@ -215,14 +201,11 @@ pub(super) fn drifts(shown: &Shown) -> String {
             .points
             .iter()
             .filter_map(|p| Some((p.plug_ratio, p.drift?)));
-        match series.iter_mut().find(|s| s.name == name) {
-            Some(series) => series.points.extend(all),
-            None => {
-                series.push(Series::new(name.clone(), all));
-                let [sound, slides] = bounds(curve.material.mu).map(short);
-                held.push(format!("{sound} and {slides} at {}", escape(&name)));
-            }
+        if series.iter().all(|s| s.name != name) {
+            let [sound, slides] = bounds(curve.material.mu).map(short);
+            held.push(format!("{sound} and {slides} at {}", escape(&name)));
         }
+        add(&mut series, name, all);
     }
     let left_out = match shown.analysis.sliding {
         0 => String::new(),

@@ -2,7 +2,7 @@
 
 use super::super::scatter::{Line, Range};
 use super::super::text::escape;
-use super::figure::{Figure, SHAPES, Series, section, straight, traced};
+use super::figure::{Figure, SHAPES, Series, ends, section, straight, traced};
 use super::{Shown, intruder, material};
 use crate::analysis::{Analysis, Curve, Finding, Material, Method, Pooled, Speeds, Yield};
 
@@ -18,12 +18,6 @@ pub(super) fn of(analysis: &Analysis, wanted: Material) -> Vec<Of<'_>> {
     all.map(|((curve, speeds), own)| (curve, speeds, own))
         .filter(|(curve, ..)| curve.material == wanted)
         .collect()
-}
-
-/// The least and largest Froude number.
-fn ends(curve: &Curve) -> [f64; 2] {
-    let at = |p: Option<&crate::analysis::Point>| p.map_or(1.0, |p| p.froude);
-    [at(curve.points.first()), at(curve.points.last())]
 }
 
 pub(super) fn figures(shown: &Shown) -> String {
@@ -53,8 +47,8 @@ fn each(shown: &Shown, own: Material, curves: &[Of]) -> String {
             Series::new(intruder(curve), points)
         })
         .collect();
-    let line = |(curve, speeds, own): &Of| -> Option<Line> {
-        let [from, to] = ends(curve);
+    let line = |((_, speeds, own), series): (&Of, &Series)| -> Option<Line> {
+        let [from, to] = ends(std::slice::from_ref(series))?;
         if let Finding::Found(regimes) = &speeds.regimes
             && regimes.needed
         {
@@ -64,7 +58,7 @@ fn each(shown: &Shown, own: Material, curves: &[Of]) -> String {
         let flat = own.method == Method::Plateau && from < 1.0;
         flat.then(|| straight(from, 1.0, |_| force, false))
     };
-    let lines: Vec<Line> = curves.iter().filter_map(line).collect();
+    let lines: Vec<Line> = curves.iter().zip(&series).filter_map(line).collect();
     let caption = format!(
         "<b>{}</b>. Lines: three regimes where the points tell them from fewer, elsewhere the plateau up \
          to Fr&nbsp;=&nbsp;1.",
@@ -95,10 +89,9 @@ fn together(shown: &Shown, pooled: &Pooled) -> String {
     let (mut lines, mut words) = (Vec::new(), String::new());
     match &pooled.regimes {
         Finding::Found(regimes) => {
-            let froude = || series.iter().flat_map(|s| s.points.iter().map(|p| p.0));
-            let least = froude().fold(f64::INFINITY, f64::min);
-            let most = froude().fold(0.0, f64::max);
-            lines.push(traced(least, most, |x| regimes.value(x), true));
+            if let Some([from, to]) = ends(&series) {
+                lines.push(traced(from, to, |x| regimes.value(x), true));
+            }
             words.push_str(&format!("Thick line: three regimes; {}.", regimes.words()));
         }
         Finding::Refused(why) => words.push_str(&format!("No regimes: {}.", escape(&why.0))),

@@ -22,6 +22,26 @@ impl Series {
     }
 }
 
+/// Adds points to the series of that name, which may be a new one.
+pub(super) fn add(
+    all: &mut Vec<Series>,
+    name: String,
+    points: impl IntoIterator<Item = (f64, Value)>,
+) {
+    match all.iter_mut().find(|s| s.name == name) {
+        Some(own) => own.points.extend(points),
+        None => all.push(Series::new(name, points)),
+    }
+}
+
+/// The least and largest x of some series; `None` where a line has no room between them.
+pub(super) fn ends(series: &[Series]) -> Option<[f64; 2]> {
+    let all = || series.iter().flat_map(|s| s.points.iter().map(|p| p.0));
+    let from = all().fold(f64::INFINITY, f64::min);
+    let to = all().fold(0.0, f64::max);
+    (from < to).then_some([from, to])
+}
+
 /// What a figure is.
 pub(super) struct Figure<'a> {
     /// Its name for those who do not see it.

@@ -3,9 +3,10 @@
 use super::super::scatter::{Line, Range};
 use super::super::text::{escape, short};
 use super::drags::of;
-use super::figure::{Figure, Series, section, straight};
+use super::figure::{Figure, Series, add, ends, section, straight};
 use super::{Shown, grains, intruder, material, words_of};
 use crate::analysis::{Collapse, Curve, Exponent, Finding, Level, Scaling, Stiffness, Value, near};
+use crate::fit::Fit;
 
 pub(super) fn figures(shown: &Shown) -> String {
     let mut all = friction(shown);
@@ -29,7 +30,7 @@ pub(super) fn figures(shown: &Shown) -> String {
 /// Yield force against the friction coefficient, where there are several.
 fn friction(shown: &Shown) -> String {
     let analysis = shown.analysis;
-    let mut series: Vec<(String, Vec<(f64, Value)>)> = Vec::new();
+    let mut series = Vec::new();
     for (curve, own) in analysis.curves.iter().zip(&analysis.yields) {
         let Some(force) = own.force.found() else {
             continue;
@@ -40,18 +41,10 @@ fn friction(shown: &Shown) -> String {
             short(curve.depth_asked),
             grains(&curve.material)
         );
-        let point = (curve.material.mu, *force);
-        match series.iter_mut().find(|s| s.0 == name) {
-            Some(own) => own.1.push(point),
-            None => series.push((name, vec![point])),
-        }
+        add(&mut series, name, [(curve.material.mu, *force)]);
     }
-    let several = series
-        .into_iter()
-        .filter(|s| s.1.iter().any(|p| p.0 != s.1[0].0));
-    let series: Vec<Series> = several
-        .map(|(name, points)| Series::new(name, points))
-        .collect();
+    let several = |s: &Series| s.points.iter().any(|p| p.0 != s.points[0].0);
+    series.retain(several);
     Figure {
         title: "Yield force against friction",
         labels: ["friction coefficient \u{3bc}", &shown.label("yield force F_Y", "drag")],
@@ -70,40 +63,52 @@ fn known<'a>(shown: &'a Shown, own: &Scaling) -> Vec<(&'a Curve, Value)> {
         .collect()
 }
 
-/// A power through yield forces, and it in words.
-fn power(found: &Exponent, x: &[f64]) -> (Option<Line>, String) {
-    let from = x.iter().copied().fold(f64::INFINITY, f64::min);
-    let to = x.iter().copied().fold(0.0, f64::max);
-    let line = found.fit.found().and_then(|fit| {
-        let (a, p) = (fit.parameter("A")?.value, fit.parameter("p")?.value);
-        (from < to).then(|| straight(from, to, |x| a * libm::pow(x, p), false))
-    });
-    (line, words_of(&found.fit))
+/// Yield forces that have one depth, or one diameter, with the power through them; all such in words.
+struct Powers {
+    series: Vec<Series>,
+    lines: Vec<Line>,
+    words: String,
+}
+
+/// The powers found, where two or more of `points` are there to see; `what` the forces have in common.
+fn powers(all: &[Exponent], what: &str, points: impl Fn(&Exponent) -> Vec<(f64, Value)>) -> Powers {
+    let (mut series, mut lines, mut words) = (Vec::new(), Vec::new(), Vec::new());
+    for found in all {
+        let own = Series::new(format!("{what} = {}", short(found.at)), points(found));
+        if own.points.len() < 2 {
+            continue;
+        }
+        let line = |fit: &Fit| {
+            let (a, p) = (fit.parameter("A")?.value, fit.parameter("p")?.value);
+            let [from, to] = ends(std::slice::from_ref(&own))?;
+            Some(straight(from, to, |x| a * libm::pow(x, p), false))
+        };
+        lines.extend(found.fit.found().and_then(line));
+        words.push(format!("at {}: {}", own.name, words_of(&found.fit)));
+        series.push(own);
+    }
+    Powers {
+        series,
+        lines,
+        words: words.join("; "),
+    }
 }
 
 fn sizes(shown: &Shown, own: &Scaling) -> String {
     let known = known(shown, own);
-    let (mut series, mut lines, mut words) = (Vec::new(), Vec::new(), Vec::new());
-    for found in &own.phi {
+    let found = powers(&own.phi, "h", |found| {
         let there = known.iter().filter(|(c, _)| near(c.depth_asked, found.at));
-        let brought = |c: &Curve, force: Value| c.brought_to(found.at, own.brought_by, force);
-        let points: Vec<(f64, Value)> = there
+        let brought = |c: &Curve, force| c.brought_to(found.at, own.brought_by, force);
+        there
             .map(|(c, force)| (c.effective_diameter(), brought(c, *force)))
-            .collect();
-        let x: Vec<f64> = points.iter().map(|p| p.0).collect();
-        if x.len() > 1 {
-            let (line, told) = power(found, &x);
-            lines.extend(line);
-            words.push(format!("at h = {}: {told}", short(found.at)));
-            series.push(Series::new(format!("h = {}", short(found.at)), points));
-        }
-    }
+            .collect()
+    });
     let caption = format!(
         "<b>{}</b>, yield force against D + d, brought to the depth asked for by h<sup>{}</sup>; \
          f (D + d)<sup>&phi;</sup> with A = f and p = &phi;, {}.",
         escape(&material(&own.material)),
         short(own.brought_by),
-        words.join("; ")
+        found.words
     );
     Figure {
         title: &format!("Yield force against size, {}", material(&own.material)),
@@ -112,8 +117,8 @@ fn sizes(shown: &Shown, own: &Scaling) -> String {
             &shown.label("yield force F_Y", "drag"),
         ],
         ranges: [Range::Ratios; 2],
-        series: &series,
-        lines: &lines,
+        series: &found.series,
+        lines: &found.lines,
         caption: &caption,
     }
     .html()
@@ -121,18 +126,10 @@ fn sizes(shown: &Shown, own: &Scaling) -> String {
 
 fn depths(shown: &Shown, own: &Scaling) -> String {
     let known = known(shown, own);
-    let (mut series, mut lines, mut words) = (Vec::new(), Vec::new(), Vec::new());
-    for found in &own.alpha {
+    let found = powers(&own.alpha, "D", |found| {
         let there = known.iter().filter(|(c, _)| near(c.diameter, found.at));
-        let points: Vec<(f64, Value)> = there.map(|(c, f)| (c.depth, *f)).collect();
-        let x: Vec<f64> = points.iter().map(|p| p.0).collect();
-        if x.len() > 1 {
-            let (line, told) = power(found, &x);
-            lines.extend(line);
-            words.push(format!("at D = {}: {told}", short(found.at)));
-            series.push(Series::new(format!("D = {}", short(found.at)), points));
-        }
-    }
+        there.map(|(c, force)| (c.depth, *force)).collect()
+    });
     let mean = match &own.alpha_mean {
         Finding::Found(mean) => format!(
             "; &alpha;, mean over speeds: {}",
@@ -143,7 +140,7 @@ fn depths(shown: &Shown, own: &Scaling) -> String {
     let caption = format!(
         "<b>{}</b>, yield force against depth, g h<sup>&alpha;</sup> with A = g and p = &alpha;, {}{mean}.",
         escape(&material(&own.material)),
-        words.join("; ")
+        found.words
     );
     Figure {
         title: &format!("Yield force against depth, {}", material(&own.material)),
@@ -152,8 +149,8 @@ fn depths(shown: &Shown, own: &Scaling) -> String {
             &shown.label("yield force F_Y", "drag"),
         ],
         ranges: [Range::Ratios; 2],
-        series: &series,
-        lines: &lines,
+        series: &found.series,
+        lines: &found.lines,
         caption: &caption,
     }
     .html()
@@ -176,13 +173,8 @@ fn collapse(shown: &Shown, own: &Scaling, found: &Finding<Collapse>, by_size: bo
         .filter(|(c, ..)| partner(c))
         .map(|(c, ..)| {
             let scale = c.scale(collapse.exponents);
-            let over = |p: &crate::analysis::Point| {
-                (
-                    p.froude,
-                    Value::new(p.drag.value / scale, p.drag.error / scale),
-                )
-            };
-            Series::new(intruder(c), c.points.iter().map(over))
+            let over = c.points.iter().map(|p| (p.froude, p.drag.divided(scale)));
+            Series::new(intruder(c), over)
         })
         .collect();
     let (what, label) = match by_size {
