@@ -23,6 +23,8 @@ pub struct Note {
     pub link: String,
     /// The stage under way, as JSON: its accumulators, series and chain so far; empty for a bare state.
     pub course: String,
+    /// The sums of its fields, little-endian words; empty where there are none.
+    pub fields: Vec<u8>,
 }
 
 /// What is not an array of grains or contacts. One text under one key, so that a file's bytes do
@@ -91,6 +93,9 @@ impl Head {
 
 const KEY: &str = "bitgrain";
 
+/// The array that only states of drags with fields have.
+const FIELDS: &str = "fields";
+
 /// Writes the state of a simulation.
 ///
 /// # Errors
@@ -141,7 +146,7 @@ pub fn pack(sim: &mut Sim, note: &Note) -> Vec<u8> {
 type Array = (&'static str, (Dtype, Vec<usize>, Vec<u8>));
 
 /// Grains, contacts and the stage under way as arrays, by name.
-fn arrays(sim: &mut Sim, note: &Note) -> [Array; 12] {
+fn arrays(sim: &mut Sim, note: &Note) -> Vec<Array> {
     let (mut bodies, mut springs, mut kinds) = (Vec::new(), Vec::new(), Vec::new());
     for bond in sim.bonds() {
         let (kind, i, partner, spring) = match bond {
@@ -163,7 +168,7 @@ fn arrays(sim: &mut Sim, note: &Note) -> [Array; 12] {
     let image = sim.image.as_flattened().iter();
     let image: Vec<u8> = image.flat_map(|x| x.to_le_bytes()).collect();
     let course = note.course.clone().into_bytes();
-    [
+    let mut all = vec![
         ("bond_bodies", (Dtype::U32, vec![m, 2], words(&bodies))),
         ("bond_kind", (Dtype::U8, vec![m], kinds)),
         ("bond_spring", (Dtype::F64, vec![m, 3], reals(&springs))),
@@ -176,7 +181,14 @@ fn arrays(sim: &mut Sim, note: &Note) -> [Array; 12] {
         ("spin", rows(&sim.spin)),
         ("torque", rows(&sim.torque)),
         ("velocity", rows(&sim.velocity)),
-    ]
+    ];
+    if !note.fields.is_empty() {
+        let sums = (Dtype::U8, vec![note.fields.len()], note.fields.clone());
+        // They go by name.
+        let place = all.partition_point(|(name, _)| *name < FIELDS);
+        all.insert(place, (FIELDS, sums));
+    }
+    all
 }
 
 /// Reads a state back, ready to step on, and proves it by its digest.
@@ -310,6 +322,13 @@ fn restore(bytes: &[u8], head: &Head, name: &str) -> Result<(Sim, Note)> {
         recipe: head.recipe.clone(),
         link: head.link.clone(),
         course: arrays.course().map_err(&damaged)?,
+        fields: match file.names().contains(&FIELDS) {
+            true => arrays
+                .words::<1>(FIELDS, Dtype::U8)
+                .map_err(&damaged)?
+                .into_flattened(),
+            false => Vec::new(),
+        },
     };
     Ok((sim, note))
 }

@@ -9,6 +9,7 @@ use crate::blocks::{BlockSums, Mean};
 use crate::chain::Chain;
 use crate::checkpoint::Note;
 use crate::error::{Error, Result};
+use crate::fields::FieldsGauge;
 use crate::flow::{FlowGauge, FlowMeans};
 use crate::histogram::{Angles, Coordination};
 use crate::observe::{self, INTRUDER};
@@ -107,6 +108,9 @@ pub struct Dragging {
     gauges: Gauges,
     around: Surroundings,
     audit: Option<Audit>,
+    /// Sums of the fields, where they were asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fields: Option<FieldsGauge>,
 }
 
 impl Dragging {
@@ -141,6 +145,7 @@ impl Dragging {
             gauges: Gauges::default(),
             around: Surroundings::default(),
             audit: scenario.measure.energy.then(|| Audit::new(sim)),
+            fields: FieldsGauge::new(scenario, plan),
         })
     }
 
@@ -166,14 +171,18 @@ impl Dragging {
             let n = self.step + 1;
             let wrong = |fault| Error::run(&plan.name, n, fault);
             let looks = witness.looks_at(n);
+            let sampled = self.fields.as_ref().is_some_and(|f| f.is_due(n));
             seen.clear();
             match &mut self.audit {
                 Some(audit) => audit.step_watched(sim, |contact| seen.push(contact)),
-                None if looks => sim.step_watched(|contact| seen.push(contact)),
+                None if looks || sampled => sim.step_watched(|contact| seen.push(contact)),
                 None => sim.steps(1),
             }
             .map_err(wrong)?;
             self.measure(sim, scenario, n, n >= first, plan);
+            if let Some(fields) = self.fields.as_mut().filter(|_| sampled) {
+                fields.add(sim, &seen, n);
+            }
             self.step = n;
             if self.chain.is_due(n) || n == plan.steps {
                 let link = self.chain.add(n, &sim.digest());
@@ -240,6 +249,7 @@ impl Dragging {
             recipe: String::new(),
             link: self.chain.end().to_string(),
             course: serde_json::to_string(self).expect("what is measured is finite"),
+            fields: self.fields.as_ref().map_or(Vec::new(), FieldsGauge::array),
         }
     }
 
@@ -248,8 +258,12 @@ impl Dragging {
     /// # Errors
     /// What is wrong with the note.
     pub fn of(note: &Note) -> std::result::Result<Self, String> {
-        let read: Self = serde_json::from_str(&note.course)
+        let mut read: Self = serde_json::from_str(&note.course)
             .map_err(|e| format!("holds no drag under way: {e}"))?;
+        if let Some(fields) = read.fields.take() {
+            let whole = fields.with_array(&note.fields);
+            read.fields = Some(whole.ok_or("holds other sums of fields than its grid has")?);
+        }
         if read.chain.end() == note.link && read.record.angles.is_whole() {
             Ok(read)
         } else {

@@ -22,6 +22,12 @@ const CHECKPOINT: f64 = 290.0;
 const DATA: f64 = 300.0;
 /// Bytes of a grain in a snapshot: dump, VTK grains, VTK contacts.
 const SNAPSHOT: f64 = 1400.0;
+/// Bytes of a point of the fields in VTK image data.
+const IMAGE: f64 = 95.0;
+/// The same in a checkpoint.
+const SUMS: f64 = 104.0;
+/// Bytes of a row of the table of their plane.
+const PLANE: f64 = 210.0;
 /// Bytes of a row of the force series.
 const ROW: f64 = 260.0;
 /// Least duration of the trial, in seconds.
@@ -262,7 +268,17 @@ pub(crate) fn disk(scenario: &Scenario, runs: &[RunPlan], grains: usize, beds: u
     let rows = |run: &RunPlan| (run.steps / scenario.measure.every) as f64;
     let states = |run: &RunPlan| run.checkpoints.len() as f64 * grains * CHECKPOINT;
     let shown = |run: &RunPlan| run.snapshots.len() as f64 * grains * SNAPSHOT;
-    let drag = |run: &RunPlan| rows(run) * ROW + states(run) + shown(run);
+    let points = scenario
+        .measure
+        .fields
+        .as_ref()
+        .map_or([0; 3], |f| f.grid)
+        .map(|n| n as f64);
+    let fields = |run: &RunPlan| {
+        let whole = points[0] * points[1] * points[2];
+        whole * (IMAGE + SUMS * run.checkpoints.len() as f64) + points[0] * points[2] * PLANE
+    };
+    let drag = |run: &RunPlan| rows(run) * ROW + states(run) + shown(run) + fields(run);
     beds as f64 * bed + runs.iter().map(drag).sum::<f64>()
 }
 

@@ -9,7 +9,7 @@
 //! * [`bed`] pours and settles grains ([`random`], [`order`]), keeps beds for the next run and takes
 //!   those of others; [`checkpoint`] saves a state;
 //! * [`drag`] pulls the intruder or carries the bed past it; [`flow`], [`observe`], [`surroundings`], [`plug`],
-//!   [`audit`], [`series`], [`histogram`], [`blocks`] and [`summary`] hold what was measured, in [`units`];
+//!   [`fields`], [`audit`], [`series`], [`histogram`], [`blocks`] and [`summary`] hold what was measured, in [`units`];
 //! * [`campaign`] runs a scenario over the values of its grids into one table, [`analysis`] is what such a table
 //!   says ([`fit`] draws curves through points), [`claims`] what it comes to beside the papers;
 //! * [`export`] and [`lammps`] write fields that others read, [`report`] draws the page from what
@@ -39,6 +39,7 @@ pub mod compare;
 pub mod drag;
 pub mod error;
 pub mod export;
+pub mod fields;
 pub mod files;
 pub mod fit;
 pub mod flow;

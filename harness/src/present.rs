@@ -7,16 +7,19 @@ use bitgrain_kernel::Shape;
 use crate::checkpoint;
 use crate::error::{Error, Result};
 use crate::export::{FROZEN_TYPE, OBSTACLE_TYPE};
+use crate::fields::Hole;
+use crate::fields::grid::Grid;
+use crate::fields::read::plane;
 use crate::files::{packed_name, write_whole};
 use crate::flow::{parse_flow, parse_profile};
 use crate::folder::Folder;
 use crate::lammps::{Atom, read_dump};
 use crate::observe::INTRUDER;
-use crate::report::{self, BedPicture, Course, FlowGrain, FlowPicture, PictureGrain};
-use crate::scenario::{Moves, RunPlan};
+use crate::report::{self, BedPicture, Course, FieldPicture, FlowGrain, FlowPicture, PictureGrain};
+use crate::scenario::{Moves, RunPlan, Shape as ShapeAsked};
 use crate::series::{SeriesRow, read_series};
 use crate::sim::Role;
-use crate::summary::{BedSummary, RunSummary, read_summary};
+use crate::summary::{BedSummary, RunSummary, Summary, read_summary};
 
 /// Writes the report of a run directory from the files in it.
 ///
@@ -46,7 +49,14 @@ pub fn write_report(folder: &Folder<'_>) -> Result<()> {
     let page = if whole.runs.iter().any(|run| run.flow.is_some()) {
         let courses = whole.runs.iter().map(|run| course(folder, run));
         let courses: Vec<Course> = courses.collect::<Result<_>>()?;
-        report::flowing_page(&whole, &text, &series, &pictures, &flows, &courses)
+        let maps = whole
+            .runs
+            .iter()
+            .zip(&plans)
+            .map(|(run, plan)| map(folder, &whole, run, plan));
+        let maps: Vec<Option<FieldPicture>> = maps.collect::<Result<_>>()?;
+        let maps: Vec<FieldPicture> = maps.into_iter().flatten().collect();
+        report::flowing_page(&whole, &text, &series, &pictures, &flows, &courses, &maps)
     } else {
         report::page(&whole, &text, &series, &pictures, &flows)
     };
@@ -116,6 +126,48 @@ fn course(folder: &Folder<'_>, run: &RunSummary) -> Result<Course> {
     let (path, text) = read("profile.csv")?;
     let profile = parse_profile(&text).map_err(damaged(path))?;
     Ok(Course { rows, profile })
+}
+
+/// The mean fields of a run; `None` where they were not asked for.
+fn map(
+    folder: &Folder<'_>,
+    whole: &Summary,
+    run: &RunSummary,
+    plan: &RunPlan,
+) -> Result<Option<FieldPicture>> {
+    let inputs = &whole.inputs;
+    let Some(asked) = &inputs.measure.fields else {
+        return Ok(None);
+    };
+    let grid = Grid {
+        counts: asked.grid,
+        size: inputs.bed.size,
+    };
+    let path = folder.of_run(&run.name, "plane.csv");
+    let text = std::fs::read_to_string(&path).map_err(|e| Error::read(&path, &e))?;
+    let fields = plane(&text, grid).map_err(|line| {
+        let problem =
+            "is no row of the plane's table; is the file cut off? The same run writes it anew";
+        Error::input(format!("{}:{line}", path.display()), problem)
+    })?;
+    let bed = &inputs.beds()[plan.bed];
+    let surface = whole
+        .beds
+        .iter()
+        .find(|b| b.name == run.bed)
+        .map_or(0.0, |b| b.surface);
+    Ok(Some(FieldPicture {
+        run: run.name.clone(),
+        fields,
+        hole: Hole {
+            height: bed.center[2],
+            radius: 0.5 * bed.diameter,
+            cylinder: inputs.intruder.shape == ShapeAsked::Cylinder,
+        },
+        window: inputs.fields_window(),
+        surface,
+        far: -inputs.drag.moves.forward() * run.speed,
+    }))
 }
 
 /// The snapshot nearest to half way, where the intruder has not yet come to its own wake; `None` of a

@@ -7,6 +7,8 @@ use serde::{Deserialize, Serialize};
 use crate::audit::EnergyRow;
 use crate::blocks::Mean;
 use crate::error::{Error, Result};
+use crate::fields::Load;
+use crate::folder::Folder;
 use crate::plug::Plug;
 use crate::scenario::Scenario;
 use crate::units::Units;
@@ -230,6 +232,13 @@ pub struct Flow {
     pub drag_halves: [f64; 2],
     /// Lift over buoyancy over them.
     pub lift_halves: [f64; 2],
+    /// Stress on the cylinder by angle, mean over the samples of the fields, where these were asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub load: Option<Load>,
+    /// How far the bed is disturbed above the intruder's centre and below it, over D^2: the integral of the
+    /// speed relative to the far grains at the same height, over that of the motion.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub disturbance: Option<[f64; 2]>,
 }
 
 /// One drag with all that belongs to it: `summary.json` of its own folder.
@@ -259,4 +268,68 @@ pub struct RunRecord {
 pub fn read_summary(path: &Path) -> Result<Summary> {
     let text = std::fs::read_to_string(path).map_err(|e| Error::read(path, &e))?;
     serde_json::from_str(&text).map_err(|e| Error::input(path.display().to_string(), e.to_string()))
+}
+
+/// The summary of a run directory, and what it was read from: `summary.json`, or where a run has not come to its
+/// end those of the drags that have.
+///
+/// # Errors
+/// [`Error::Input`] where there is none, or one is not a summary.
+pub fn read_folder(folder: &Folder) -> Result<(String, Summary)> {
+    let whole = folder.summary();
+    let runs = folder.0.join("runs");
+    if whole.exists() || !runs.is_dir() {
+        let text = std::fs::read_to_string(&whole).map_err(|e| Error::read(&whole, &e))?;
+        return Ok((text, read_summary(&whole)?));
+    }
+    let entries = std::fs::read_dir(&runs).map_err(|e| Error::read(&runs, &e))?;
+    let mut names: Vec<String> = entries
+        .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
+        .filter(|name| folder.of_run(name, "summary.json").exists())
+        .collect();
+    names.sort_unstable();
+    let mut records = Vec::new();
+    for name in names {
+        let path = folder.of_run(&name, "summary.json");
+        let text = std::fs::read_to_string(&path).map_err(|e| Error::read(&path, &e))?;
+        let wrong = |problem: String| Error::input(path.display().to_string(), problem);
+        let record: RunRecord = serde_json::from_str(&text).map_err(|e| wrong(e.to_string()))?;
+        records.push((text, record));
+    }
+    let Some((_, first)) = records.first() else {
+        let problem = "holds no drag that has come to its end";
+        return Err(Error::input(folder.0.display().to_string(), problem));
+    };
+    let (inputs, mut summary) = (first.inputs.clone(), first.whole());
+    let order = inputs.runs();
+    records.sort_by_key(|(_, record)| order.iter().position(|plan| plan.name == record.run.name));
+    let mut text = String::new();
+    for (own, record) in records {
+        if record.inputs != inputs {
+            let problem = "holds drags of several scenarios";
+            return Err(Error::input(folder.0.display().to_string(), problem));
+        }
+        if summary.beds.iter().all(|bed| bed.name != record.bed.name) {
+            summary.beds.push(record.bed);
+        }
+        summary.runs.push(record.run);
+        text.push_str(&own);
+    }
+    Ok((text, summary))
+}
+
+impl RunRecord {
+    /// The summary of its scenario, without beds and drags.
+    fn whole(&self) -> Summary {
+        Summary {
+            version: self.version.clone(),
+            bits_version: self.bits_version,
+            scenario: self.inputs.name.clone(),
+            units: self.units.clone(),
+            inputs: self.inputs.clone(),
+            standard_error_method: self.standard_error_method.clone(),
+            beds: Vec::new(),
+            runs: Vec::new(),
+        }
+    }
 }

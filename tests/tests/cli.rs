@@ -87,7 +87,7 @@ fn wrong_rigs_are_refused() {
     let file = folder.path().join("rig.toml");
     let (thick, high) = ("\ndiameter = 0.0015", "\nheight = 0.008");
     let (deep, far) = ("effective_depth = [0.01, 0.03]", "distance = 0.012");
-    let si = "units = \"si\"";
+    let (si, rows) = ("units = \"si\"", "every = 100");
     let edits = [
         (thick, "\ndiameter = 0.05"),
         (thick, "\ndiameter = 0.002"),
@@ -121,6 +121,13 @@ fn wrong_rigs_are_refused() {
         ("\"in_turn\"", "\"in_layers\""),
         ("\"both\"", "\"none\""),
         ("\"both\"", "false"),
+        (rows, "every = 100\nfields = { window = 0.004 }"),
+        (rows, "every = 100\nfields = { window = 0.0 }"),
+        (rows, "every = 100\nfields = { grid = [0, 3, 120] }"),
+        (rows, "every = 100\nfields = { grid = [2000, 2000, 2] }"),
+        (rows, "every = 100\nfields = { every = 0 }"),
+        (rows, "every = 100\nfields = { every = 2000 }"),
+        (rows, "every = 100\nfields = { windows = 0.001 }"),
     ];
     let mut text = String::new();
     for (from, to) in edits {

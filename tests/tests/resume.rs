@@ -373,6 +373,7 @@ fn every_flipped_bit_and_every_truncation_is_seen() {
         recipe: "a recipe".into(),
         link: "a link".into(),
         course: "{\"step\": 20}".into(),
+        fields: vec![1, 2, 3],
     };
     let whole = checkpoint::pack(&mut sim, &note);
     let (mut again, read) = checkpoint::unpack(&whole, "state").unwrap();

@@ -13,7 +13,7 @@ use bitgrain::observe::weight_and_support;
 use bitgrain::progress::Progress;
 use bitgrain::scenario::{self, Scenario};
 use bitgrain::sim::{Sim, sphere_mass};
-use bitgrain::summary::{BedSummary, Rig, RunSummary, Summary, read_summary};
+use bitgrain::summary::{BedSummary, Rig, RunSummary, Summary, read_folder, read_summary};
 use bitgrain::{checkpoint, present, run};
 use bitgrain_tests::{RIG, golden, output, results};
 
@@ -65,6 +65,48 @@ impl Made {
     fn text(&self, file: &str) -> &str {
         std::str::from_utf8(&self.files[file]).unwrap()
     }
+}
+
+/// A drag that is asked for alone has its bed and nothing else made; the whole run goes on from there to the same
+/// files.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours beds: seconds in release")]
+fn a_drag_done_alone_is_that_of_the_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let (out, beds) = (folder.path().join("out"), folder.path().join("beds"));
+    let only = ["bed-3-run-1".to_string()];
+    let alone = |only: &[String]| {
+        let progress = Progress::new(false);
+        run::run_in(run::Setting {
+            scenario: &short(),
+            folder: &Folder(&out),
+            library: &Library::new(&beds),
+            threads: 2,
+            save: Default::default(),
+            only,
+            progress: &progress,
+        })
+    };
+    assert_eq!(alone(&only).unwrap(), None);
+    let made = results(&out);
+    assert!(made.contains_key("runs/bed-3-run-1/summary.json"));
+    assert!(!made.contains_key("summary.json") && !made.contains_key("beds/bed-2.safetensors"));
+    for (name, bytes) in &made {
+        assert!(bytes == &MADE.files[name], "{name}");
+    }
+    // What is done can be looked at before the rest is.
+    let so_far = read_folder(&Folder(&out)).unwrap().1;
+    assert_eq!([so_far.beds.len(), so_far.runs.len()], [1, 1]);
+    assert_eq!(so_far.runs[0], MADE.whole.runs[2]);
+    assert_eq!(so_far.beds[0], MADE.whole.beds[2]);
+    let report = alone(&[]).unwrap();
+    std::fs::remove_file(out.join("summary.json")).unwrap();
+    assert_eq!(read_folder(&Folder(&out)).unwrap().1, MADE.whole);
+    alone(&[]).unwrap();
+    assert_eq!(report, Some(out.join("report.html")));
+    assert!(results(&out) == MADE.files);
+    let unknown = alone(&["run-9".to_string()]).unwrap_err().to_string();
+    assert!(unknown.contains("bed-3-run-1"), "{unknown}");
 }
 
 fn of(bed: &BedSummary) -> &Rig {

@@ -36,6 +36,11 @@ impl Value {
         Value::new(self.value / by, self.error / by)
     }
 
+    /// Both times a number that is known.
+    pub fn times(self, by: f64) -> Value {
+        Value::new(self.value * by, self.error * by.abs())
+    }
+
     /// As a point to be fitted.
     pub fn at(self, x: f64) -> Datum {
         let (y, error) = (self.value, self.error);

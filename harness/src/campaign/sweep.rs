@@ -150,6 +150,7 @@ impl Under<'_> {
             // Stages are side by side already, each on its share of the threads.
             threads: 1,
             save: self.what.save,
+            only: &[],
             progress,
         }
     }
@@ -280,7 +281,8 @@ impl Under<'_> {
                     let progress = self.progress(members[k]);
                     let setting = self.setting(members[k], &folder, &progress);
                     let planned = self.planned(members[k]);
-                    let made = run::beds(setting).map(|(beds, _)| beds);
+                    let all: Vec<usize> = (0..setting.scenario.beds().len()).collect();
+                    let made = run::beds(setting, &all).map(|(beds, _)| beds);
                     if let Ok(beds) = &made
                         && planned > 0
                     {

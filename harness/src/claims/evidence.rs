@@ -12,7 +12,7 @@ use crate::files::read_text;
 use crate::folder::Folder;
 use crate::report::{Shown, campaign_page};
 use crate::scenario::source::hash;
-use crate::summary::{Summary, read_summary};
+use crate::summary::{Summary, read_folder, read_summary};
 
 /// Name of what is measured on no run, but computed.
 pub const DIRECT: &str = "direct";
@@ -34,8 +34,8 @@ pub struct Evidence {
 }
 
 impl Evidence {
-    /// Reads a campaign's folder, a run's folder or summary, or a table, which is named after its folder. Runs
-    /// whose bed slid along as a plug are left out unless `plugs`.
+    /// Reads a campaign's folder, a run's folder (of what is done, where it has not come to its end) or summary, or a
+    /// table, which is named after its folder. Runs whose bed slid along as a plug are left out unless `plugs`.
     ///
     /// # Errors
     /// [`Error::Input`] where it is none of them.
@@ -43,10 +43,11 @@ impl Evidence {
         let campaign = CampaignFolder(from);
         let is_summary = from.extension().is_some_and(|ending| ending == "json");
         if from.is_dir() && !campaign.table().exists() {
-            return Self::of_summary(&Folder(from).summary(), plugs);
+            let (text, summary) = read_folder(&Folder(from))?;
+            return Self::of_summary(&text, summary, from, plugs);
         }
         if is_summary {
-            return Self::of_summary(from, plugs);
+            return Self::of_summary(&read_text(from)?, read_summary(from)?, from, plugs);
         }
         let beside = from.is_dir().then(|| campaign.beside()).transpose()?;
         let (path, by) = match &beside {
@@ -65,15 +66,13 @@ impl Evidence {
         })
     }
 
-    /// A run, by its summary.
-    fn of_summary(path: &Path, plugs: bool) -> Result<Self> {
-        let text = read_text(path)?;
-        let summary = read_summary(path)?;
+    /// A run, by its summary and the text that this was read from.
+    fn of_summary(text: &str, summary: Summary, path: &Path, plugs: bool) -> Result<Self> {
         let table = of_run(&summary);
         let table = Table::parse(&table, &path.display().to_string())?;
         Ok(Self {
             by: summary.scenario.clone(),
-            digest: hash(&text),
+            digest: hash(text),
             analysis: analyse(&table, plugs),
             table,
             summary: Some(summary),

@@ -2,8 +2,9 @@
 
 use super::fits::{drag_slope, plateau};
 use super::judged::{FAR_FIELD_LEAST, TRAVEL_LEAST, least};
-use super::kumar::{Found, farthest};
-use super::points::{Group, Point, Spread, groups};
+use super::kumar::{Found, farthest, mean};
+use super::load;
+use super::points::{Group, Point, Spread, Way, groups};
 use crate::analysis::Value;
 use crate::scenario::Shape;
 use crate::summary::{RunSummary, Summary};
@@ -37,7 +38,9 @@ pub fn measure(id: &str, summary: &Summary) -> Option<Found> {
         "lift-simulation" => lift(group).map(|(v, note)| (v.divided(EXPERIMENT), note)),
         "no-lift" => no_lift(group),
         "steady" => halves(summary),
-        _ => return None,
+        "zone" => zones(summary, group, true),
+        "symmetry" => zones(summary, group, false),
+        _ => load::measure(rest, &load::loads(summary, group))?,
     };
     Some(found.and_then(|found| steady(group, found)))
 }
@@ -134,6 +137,30 @@ fn no_lift(group: &Group) -> Found {
     let points: Vec<&Point> = pairs.iter().flat_map(|(a, b)| [*a, *b]).collect();
     seeds(&points)?;
     ratio(&pairs, 0.0, |p| p.lift)
+}
+
+/// How far the bed is disturbed above over below: mean over the depths under lids with a gradient, and of those
+/// without what is farthest from one.
+fn zones(summary: &Summary, group: &Group, gradient: bool) -> Found {
+    let over = |p: &&Point| {
+        let of = |&k: &usize| {
+            let [above, below] = summary.runs[k].flow.as_ref()?.disturbance?;
+            Some((above / below, 0.0))
+        };
+        let runs: Vec<(f64, f64)> = p.runs.iter().map(of).collect::<Option<_>>()?;
+        let note = format!("h~/D = {:.0}", p.effective_depth / group.diameter);
+        Some((Spread::of(&runs).into(), note))
+    };
+    let points = group.with_gradient(gradient);
+    seeds(&points)?;
+    // Without a lid the surface is near.
+    let deep: Vec<&Point> = points.into_iter().filter(|p| p.way != Way::Own).collect();
+    let all: Vec<(Value, String)> = deep.iter().filter_map(over).collect();
+    let none = "no run under a lid has fields: measure.fields asks for them";
+    match gradient {
+        true => mean(&all, none),
+        false => farthest(all, 1.0, none),
+    }
 }
 
 /// The drag's two halves of the window, which begins after 2 D: farthest from equal.

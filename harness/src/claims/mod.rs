@@ -8,6 +8,7 @@ pub mod guillard;
 mod judged;
 pub mod kumar;
 mod kumar_scaling;
+pub mod load;
 mod points;
 pub mod restitution;
 mod soundness;

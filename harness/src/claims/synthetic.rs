@@ -151,6 +151,8 @@ fn run(asked: &Asked, inputs: &Scenario, name: &str, bed: &BedSummary, speed: f6
         travel: asked.travel,
         drag_halves: [asked.drag_coefficient * off * scale; 2],
         lift_halves: [lift; 2],
+        load: None,
+        disturbance: None,
     };
     (asked.change)(&mut flow);
     let mean = |mean: f64, standard_error: f64| Mean {

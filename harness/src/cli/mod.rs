@@ -101,6 +101,10 @@ struct Run {
     /// Change a key of the scenario, as in --set law.mu=0.3; may be given several times.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
+    /// Do only this drag, as run-1 or bed-2-run-1, and its bed; may be given several times. The same command
+    /// without it does the others, and writes summary and report
+    #[arg(long, value_name = "RUN", conflicts_with = "dry_run")]
+    only: Vec<String>,
     /// Print what it would take (steps, memory, disk, time, dimensionless groups), and run nothing.
     #[arg(long)]
     dry_run: bool,
@@ -404,9 +408,16 @@ fn run_scenario(run: Run) -> Result<()> {
         library: &library,
         threads,
         save: run.save_every.unwrap_or_default(),
+        only: &run.only,
         progress: &progress,
     })?;
-    print(&format!("report: {}\n", report.display()))
+    print(&match report {
+        Some(report) => format!("report: {}\n", report.display()),
+        None => format!(
+            "done: {}; the same command without --only does the others\n",
+            run.only.join(", ")
+        ),
+    })
 }
 
 fn run_bed(bed: Bed) -> Result<()> {

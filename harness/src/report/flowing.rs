@@ -1,9 +1,10 @@
 //! The page of beds that flow past their intruder.
 
 use super::course::{self, Course};
+use super::fields::{self, FieldPicture};
 use super::text::{escape, number_with_error, short, typeset};
 use super::{BedPicture, FlowPicture, around, chart, head, inputs, numbers, picture, repeat};
-use super::{rig_table, scaling, span, statements};
+use super::{loads, rig_table, scaling, span, statements};
 use crate::claims::{self, FAR_FIELD_LEAST, Group, Verdict, drag_slope};
 use crate::scenario::{Moves, Shape};
 use crate::series::SeriesRow;
@@ -22,6 +23,7 @@ pub fn flowing_page(
     pictures: &[BedPicture],
     flows: &[FlowPicture],
     courses: &[Course],
+    maps: &[FieldPicture],
 ) -> String {
     let groups = claims::groups(summary);
     // One run of each point stands for its seeds where grains are drawn.
@@ -38,6 +40,8 @@ pub fn flowing_page(
     out.push_str(&scaling::section(summary, &groups));
     out.push_str(&course::section(summary, &groups, courses));
     out.push_str(&around::section(summary, flows, &first));
+    out.push_str(&fields::section(summary, &groups, maps));
+    out.push_str(&loads::section(summary, &groups));
     out.push_str(&statements::section(summary));
     out.push_str(&numbers(
         summary,
@@ -288,6 +292,7 @@ fn force_figures(summary: &Summary, series: &[Vec<SeriesRow>]) -> String {
 }
 
 /// What this page has beside the others.
-const STYLE: &str = "\n.statements td{min-width:14rem;max-width:24rem}\n\
+const STYLE: &str = "\nsvg.scale{width:22rem;max-width:100%;vertical-align:middle}\n\
+    \n.statements td{min-width:14rem;max-width:24rem}\n\
     .statements td:nth-child(2){min-width:6rem}\n\
     .statements .agrees{color:#12562f}.statements .differs{color:#8f1d14}\n";

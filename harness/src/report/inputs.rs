@@ -237,6 +237,21 @@ const GROUPS: [Group; 7] = [
                 Kind::Bare,
                 "steps between links of each drag&rsquo;s chain of digests",
             ),
+            (
+                "fields.grid",
+                Kind::Bare,
+                "points along x, y and z at which fields are averaged",
+            ),
+            (
+                "fields.window",
+                Kind::Length,
+                "radius of the spherical averaging windows",
+            ),
+            (
+                "fields.every",
+                Kind::Bare,
+                "steps between samples of the fields",
+            ),
         ],
     ),
 ];

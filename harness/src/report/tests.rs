@@ -230,7 +230,15 @@ fn flowing(change: impl Fn(&mut Summary)) -> String {
         profile: vec![(0.0, 1.0, 0.99), (1.0, 2.0, 0.98)],
     };
     let text = whole.inputs.to_toml();
-    flowing_page(&whole, &text, &series(0.1), &[picture], &[flow], &[course])
+    flowing_page(
+        &whole,
+        &text,
+        &series(0.1),
+        &[picture],
+        &[flow],
+        &[course],
+        &[],
+    )
 }
 
 #[test]
@@ -280,7 +288,7 @@ fn what_spoils_a_flowing_bed_is_remarked_on() {
 
 #[test]
 fn a_flowing_page_of_nothing_is_a_page() {
-    let page = |whole: &Summary| flowing_page(whole, "", &[], &[], &[], &[]);
+    let page = |whole: &Summary| flowing_page(whole, "", &[], &[], &[], &[], &[]);
     let mut whole = crate::claims::synthetic::summary(&Default::default());
     assert!(page(&whole).contains("No series of the flow."));
     for run in &mut whole.runs {

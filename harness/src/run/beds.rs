@@ -52,7 +52,7 @@ fn bare_of(plan: &BedPlan) -> BedPlan {
 }
 
 /// Where the bed below a lid is in the run directory.
-fn below(scenario: &Scenario, plan: &BedPlan) -> BedPlan {
+pub(super) fn below(scenario: &Scenario, plan: &BedPlan) -> BedPlan {
     let wanted = Recipe::new(scenario, &bare_of(plan));
     let mut bare = bare_beds(scenario).into_iter();
     let found = bare.find(|other| Recipe::new(scenario, other) == wanted);

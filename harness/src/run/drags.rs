@@ -12,6 +12,7 @@ use crate::blocks::METHOD;
 use crate::checkpoint::{self, Note};
 use crate::drag::Dragging;
 use crate::error::{Error, Result};
+use crate::fields::hole;
 use crate::files::{bits, packed_name, text_file, write_whole};
 use crate::folder::Folder;
 use crate::plug::Plug;
@@ -21,7 +22,7 @@ use crate::series::series_text;
 use crate::sim::Sim;
 use crate::summary::{BedSummary, RunRecord, RunSummary};
 use crate::witness::Witness;
-use crate::{export, flow, lammps, report};
+use crate::{export, fields, flow, lammps, report};
 
 /// One drag: where it lies and what it is.
 #[derive(Clone, Copy)]
@@ -273,7 +274,23 @@ pub fn results(
         tables.push(("flow.csv", flow::flow_text(&units, &gauge.rows)));
         tables.push(("profile.csv", gauge.profile.text()));
     }
+    if let Some(gauge) = &dragging.fields {
+        let hole = hole(sim);
+        let scales = fields::text::Scales {
+            units: &units,
+            diameter: scenario.mean_diameter(),
+            density: scenario.bed.density,
+            // Grains go by against the way that the intruder goes through them.
+            far: -scenario.drag.moves.forward() * plan.speed,
+        };
+        tables.push(("fields.vti", fields::text::vti(&gauge.points(hole), scales)));
+        let plane = fields::text::plane_text(&gauge.plane(hole), scales);
+        tables.push(("plane.csv", plane));
+    }
     let summary = summarise(scenario, plan, drag.bed, &means, dragging, sim);
+    if let Some(load) = summary.flow.as_ref().and_then(|flow| flow.load.as_ref()) {
+        tables.push(("load.csv", fields::text::load_text(load, &units)));
+    }
     Ok((tables, summary))
 }
 

@@ -29,7 +29,7 @@ use crate::progress::{Progress, Stage};
 use crate::scenario::{BedPlan, RunPlan, Scenario, UnitSystem};
 use crate::sim::Sim;
 use crate::summary::{BedSummary, RunSummary, Summary};
-use beds::{pour_bare, settle_one};
+use beds::{below, pour_bare, settle_one};
 use drags::drag_one;
 
 /// Timings and other facts of the machine, kept apart from the results.
@@ -67,6 +67,8 @@ pub struct Setting<'a> {
     pub threads: usize,
     /// How often a stage under way is saved.
     pub save: SaveEvery,
+    /// Names of the drags to do, with their beds; all where there is none.
+    pub only: &'a [String],
     /// Bars, lines and the wish to stop.
     pub progress: &'a Progress,
 }
@@ -88,11 +90,14 @@ pub fn run(
         library,
         threads,
         save: SaveEvery::default(),
+        only: &[],
         progress,
     })
+    .map(|report| report.expect("all drags were wanted"))
 }
 
-/// Runs a scenario into its folder, or what is left of it, and returns the path of its report.
+/// Runs a scenario into its folder, or what is left of it, and returns the path of its report; `None` where only
+/// some of its drags were wanted, and summary and report are left to the others.
 ///
 /// Beds come from the library or are poured and kept there, side by side and then the drags, on so many
 /// threads, several for each where there are fewer of them. Each goes on from where it was saved.
@@ -100,7 +105,7 @@ pub fn run(
 ///
 /// # Errors
 /// The first stage that went wrong, in the order of the scenario; what the others wrote stays.
-pub fn run_in(setting: Setting<'_>) -> Result<PathBuf> {
+pub fn run_in(setting: Setting<'_>) -> Result<Option<PathBuf>> {
     let Setting {
         scenario,
         folder,
@@ -110,9 +115,13 @@ pub fn run_in(setting: Setting<'_>) -> Result<PathBuf> {
         ..
     } = setting;
     let began = Instant::now();
+    let runs = wanted(setting)?;
     let _claim = claimed(setting)?;
-    let there = |plan: &BedPlan| folder.bed(&plan.name).exists();
-    if scenario.source.is_none() && !scenario.beds().iter().all(there) {
+    let plans = scenario.beds();
+    let dragged_through = |k: &usize| runs.iter().any(|run| run.bed == *k);
+    let places: Vec<usize> = (0..plans.len()).filter(dragged_through).collect();
+    let there = |k: &usize| folder.bed(&plans[*k].name).exists();
+    if scenario.source.is_none() && !places.iter().all(there) {
         // Found out now rather than after days of pouring.
         check_writable(library.folder())?;
     }
@@ -122,15 +131,15 @@ pub fn run_in(setting: Setting<'_>) -> Result<PathBuf> {
         progress.line(table.trim_end());
     }
     progress.line(&scenario.time_step_line());
-    let (beds, mut stages) = beds(setting)?;
-    let runs = scenario.runs();
+    let (beds, mut stages) = beds(setting, &places)?;
+    let bed_of = |run: &RunPlan| &beds[places.partition_point(|k| *k < run.bed)];
     let dragged = side_by_side(
         threads,
         threads,
         runs.len(),
         |k| runs[k].steps,
         |k| {
-            let done = drag(setting, &runs[k], &beds[runs[k].bed]);
+            let done = drag(setting, &runs[k], bed_of(&runs[k]));
             done.inspect_err(|error| tell_now(error, runs.len(), progress))
         },
     )?;
@@ -138,7 +147,10 @@ pub fn run_in(setting: Setting<'_>) -> Result<PathBuf> {
         dragged.into_iter().collect::<Result<_>>()?;
     let (runs, timed): (Vec<_>, Vec<_>) = dragged.into_iter().unzip();
     stages.extend(timed);
-    conclude(folder, scenario, beds, runs)?;
+    let whole = runs.len() == scenario.runs().len();
+    if whole {
+        conclude(folder, scenario, beds, runs)?;
+    }
     let performance = Performance {
         bits_version: BITS_VERSION,
         threads,
@@ -146,7 +158,28 @@ pub fn run_in(setting: Setting<'_>) -> Result<PathBuf> {
         stages,
     };
     write_json(&folder.performance(), &performance)?;
-    Ok(folder.report())
+    Ok(whole.then(|| folder.report()))
+}
+
+/// The drags that are wanted.
+///
+/// # Errors
+/// [`Error::Input`] with a name that none of them has.
+fn wanted(setting: Setting<'_>) -> Result<Vec<RunPlan>> {
+    let (all, only) = (setting.scenario.runs(), setting.only);
+    if let Some(name) = only
+        .iter()
+        .find(|name| all.iter().all(|run| run.name != **name))
+    {
+        let names: Vec<&str> = all.iter().map(|run| &run.name[..]).collect();
+        let problem = format!(
+            "`{name}` is no drag of the scenario; there are {}",
+            names.join(", ")
+        );
+        return Err(Error::input("--only", problem));
+    }
+    let wants = |run: &RunPlan| only.is_empty() || only.contains(&run.name);
+    Ok(all.into_iter().filter(wants).collect())
 }
 
 /// The folder as this process's own.
@@ -164,18 +197,27 @@ pub fn claimed(setting: Setting<'_>) -> Result<Claim> {
     Ok(claim)
 }
 
-/// The settled beds of a run, in a folder that is [`claimed`].
+/// The settled beds of a run at these places of its plans, in a folder that is [`claimed`].
 ///
 /// # Errors
 /// The first that went wrong.
-pub fn beds(setting: Setting<'_>) -> Result<(Vec<BedSummary>, Vec<StagePerformance>)> {
+pub fn beds(
+    setting: Setting<'_>,
+    places: &[usize],
+) -> Result<(Vec<BedSummary>, Vec<StagePerformance>)> {
     let Setting {
         scenario, threads, ..
     } = setting;
-    let plans = scenario.beds();
+    let all = scenario.beds();
+    let plans: Vec<&BedPlan> = places.iter().map(|&k| &all[k]).collect();
     let height = |plan: &BedPlan| plan.center[2] as u64;
     // What lies below lids first: several lids lie on one bed.
     let mut bare = bare_beds(scenario);
+    let lies_below = |bare: &BedPlan, plan: &BedPlan| match plan.lid {
+        None => bare == plan,
+        Some(_) => *bare == below(scenario, plan),
+    };
+    bare.retain(|bare| plans.iter().any(|plan| lies_below(bare, plan)));
     if plans.iter().all(|plan| plan.lid.is_none()) {
         bare.clear();
     }
@@ -191,8 +233,8 @@ pub fn beds(setting: Setting<'_>) -> Result<(Vec<BedSummary>, Vec<StagePerforman
         threads,
         threads,
         plans.len(),
-        |k| height(&plans[k]),
-        |k| settle_one(setting, &plans[k]),
+        |k| height(plans[k]),
+        |k| settle_one(setting, plans[k]),
     )?;
     let beds: Vec<(BedSummary, StagePerformance)> = beds.into_iter().collect::<Result<_>>()?;
     let (beds, timed): (Vec<_>, Vec<_>) = beds.into_iter().unzip();

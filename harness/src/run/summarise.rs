@@ -2,13 +2,18 @@
 
 use bitgrain_kernel::PARTS;
 
-use crate::drag::{Dragging, Means, Record};
+use crate::drag::{Dragging, Means};
+use crate::fields::zone::disturbance;
+use crate::fields::{Hole, hole};
 use crate::flow::FlowMeans;
 use crate::observe::{INTRUDER, pressure_at};
 use crate::plug::{self, Plug};
 use crate::scenario::{BedPlan, RunPlan, Scenario, Shape};
 use crate::sim::{Role, Sim, hex};
 use crate::summary::{BedSummary, Flow, Rig, RunSummary};
+
+/// Layers next to base and lid that do not count as the bed's, in mean diameters.
+const EDGE: f64 = 2.0;
 
 /// What a settled bed that flows has besides.
 pub(super) fn rig(scenario: &Scenario, plan: &BedPlan, bed: &BedSummary, sim: &Sim) -> Rig {
@@ -56,8 +61,10 @@ fn flow(
     bed: &BedSummary,
     means: &Means,
     measured: &FlowMeans,
-    record: &Record,
+    dragging: &Dragging,
+    hole: Hole,
 ) -> Option<Flow> {
+    let (record, fields) = (&dragging.record, dragging.fields.as_ref());
     let rig = bed.rig.as_ref()?;
     let bulk_density = measured.packing * scenario.bed.density;
     let effective_depth = effective_depth(scenario, rig, bed.depth, bulk_density);
@@ -102,6 +109,12 @@ fn flow(
         travel: (plan.distance - plan.discard) / d,
         drag_halves: measured.drag_halves,
         lift_halves: measured.lift_halves.map(|lift| lift / buoyancy),
+        load: fields.and_then(|f| f.load(hole, rig.length)),
+        disturbance: fields.and_then(|f| {
+            let (below, above) = (hole.height, bed.surface - hole.height);
+            let reach = if below < above { below } else { above } - EDGE * d;
+            disturbance(&f.plane(hole), hole, plan.speed, reach)
+        }),
     })
 }
 
@@ -168,7 +181,7 @@ pub(super) fn summarise(
         },
         flow: means
             .flow
-            .and_then(|m| flow(scenario, plan, bed, means, &m, &dragging.record)),
+            .and_then(|m| flow(scenario, plan, bed, means, &m, dragging, hole(sim))),
         overlap_max: dragging.record.deepest / scenario.mean_diameter(),
         energy: dragging.record.energy.last().copied(),
         chain: dragging.chain.end().to_string(),

@@ -86,8 +86,8 @@ impl Scenario {
         if self.measure.digest_every == 0 {
             return refuse("measure.digest_every", "is 0; expected at least 1 step");
         }
-        self.check_drag()?;
-        Ok(())
+        self.check_fields()?;
+        self.check_drag()
     }
 
     fn check_units(&self) -> Check {
@@ -408,6 +408,7 @@ impl Scenario {
                 );
             }
             self.check_window(&run)?;
+            self.check_fields_of(&run)?;
             if run.steps > STEPS_MAX {
                 return refuse(
                     "drag.distance",

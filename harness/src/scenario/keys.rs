@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
+use super::fields::FieldsAsked;
 use crate::law::LawSpec;
 
 /// A whole experiment: a bed poured round an intruder, and the two moved past each other.
@@ -321,6 +322,9 @@ pub struct Measure {
     /// Steps between links of each drag's chain of digests (a bed's has one every 1,000 steps).
     #[serde(default = "thousand")]
     pub digest_every: u64,
+    /// Fields of velocity and stress round the intruder, and the load on a cylinder by angle.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fields: Option<FieldsAsked>,
 }
 
 impl Default for Measure {
@@ -334,6 +338,7 @@ impl Default for Measure {
             gzip: false,
             checkpoints: four(),
             digest_every: thousand(),
+            fields: None,
         }
     }
 }

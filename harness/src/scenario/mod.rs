@@ -3,12 +3,14 @@
 use std::path::Path;
 
 mod check;
+mod fields;
 mod guard;
 mod keys;
 mod plan;
 mod rig;
 pub(crate) mod source;
 
+pub use fields::FieldsAsked;
 pub use keys::{
     Bed, Drag, Gradient, History, Intruder, Lid, Measure, Moves, Pouring, Scenario, Several, Shape,
     UnitSystem,

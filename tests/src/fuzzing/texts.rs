@@ -5,6 +5,8 @@ use std::path::Path;
 use bitgrain::audit::{energy_text, parse_energy};
 use bitgrain::case;
 use bitgrain::chain::Chain;
+use bitgrain::fields::grid::Grid;
+use bitgrain::fields::read::plane;
 use bitgrain::flow::{flow_text, parse_flow, parse_profile};
 use bitgrain::lammps::{Atom, DataFile, data_text, dump_text, parse_atoms, parse_data, parse_dump};
 use bitgrain::scenario::{self, Measure};
@@ -63,9 +65,9 @@ pub fn scenario(data: &[u8]) -> bool {
     true
 }
 
-/// A table of a run's folder, the force series, the flow series, the energy series, the profile or the chain
-/// of digests: read, every number is
-/// finite, and the two series give the same rows when they are written and read again.
+/// A table of a run's folder, the force series, the flow series, the energy series, the profile, the plane's
+/// fields or the chain of digests: read, every number is finite, and the two series give the same rows when they
+/// are written and read again.
 pub fn series(data: &[u8]) -> bool {
     let Ok(text) = std::str::from_utf8(data) else {
         return false;
@@ -100,6 +102,16 @@ pub fn series(data: &[u8]) -> bool {
         };
         assert!(layers.iter().all(finite), "{layers:?}");
         sound |= !layers.is_empty();
+    }
+    let grid = Grid {
+        counts: [2, 1, 2],
+        size: [1.0; 3],
+    };
+    if let Ok(fields) = plane(text, grid) {
+        assert_eq!([fields.points.len(), fields.flags.len()], [4, 4]);
+        let text = format!("{:?}", fields.points);
+        assert!(!text.contains("NaN") && !text.contains("inf"), "{text}");
+        sound = true;
     }
     sound
 }

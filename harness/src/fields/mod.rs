@@ -1,0 +1,20 @@
+//! Continuous fields of a bed that flows past its intruder, by coarse-graining, and the load on a cylinder
+//! (Guillard 2014, sections III C and IV and appendix A).
+//!
+//! [`FieldsGauge`] sums samples of a drag as it goes; [`plane`](plane::plane) and [`Load`] are what the sums
+//! come to, [`text`] their files and [`read`] those files again.
+
+pub mod gauge;
+pub mod grid;
+pub mod load;
+pub mod plane;
+pub mod read;
+pub mod streamlines;
+pub mod sums;
+pub mod text;
+pub mod window;
+pub mod zone;
+
+pub use gauge::{FieldsGauge, hole};
+pub use load::Load;
+pub use plane::{Fields, Flag, Hole, Point};

@@ -1,0 +1,109 @@
+//! Fields that a scenario asks for.
+
+use serde::{Deserialize, Serialize};
+
+use super::check::{Check, positive, refuse};
+use super::{RunPlan, Scenario};
+use crate::fields::load::PARTS;
+use crate::report::short;
+
+/// Travel between samples where nothing is said, in mean diameters.
+const EVERY: f64 = 0.1;
+
+/// Most points of a grid: 13 numbers each, in memory and in every checkpoint.
+const POINTS_MAX: usize = 4_000_000;
+
+/// Fewest samples in each of the parts of the window that errors come from.
+const SAMPLES_MIN: u64 = 2;
+
+/// Continuous fields by coarse-graining, averaged over the steady state (Guillard 2014, appendix A).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FieldsAsked {
+    /// Points along x, y and z, the paper's by default; each in the middle of its cell of `bed.box`.
+    #[serde(default = "paper")]
+    pub grid: [usize; 3],
+    /// Radius R of the averaging window about each point [default: the mean diameter].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub window: Option<f64>,
+    /// Steps between samples [default: those of a tenth of a mean diameter of travel].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub every: Option<u64>,
+}
+
+fn paper() -> [usize; 3] {
+    [120, 3, 120]
+}
+
+impl Scenario {
+    /// Radius of the averaging windows.
+    pub fn fields_window(&self) -> f64 {
+        let asked = self.measure.fields.as_ref().and_then(|f| f.window);
+        asked.unwrap_or(self.mean_diameter())
+    }
+
+    /// Steps between samples of the fields at this speed.
+    pub fn fields_every(&self, speed: f64) -> u64 {
+        let asked = self.measure.fields.as_ref().and_then(|f| f.every);
+        let own = EVERY * self.mean_diameter() / (speed * self.drag.dt);
+        asked.unwrap_or(own.round() as u64).max(1)
+    }
+
+    /// A grid or a window that gives no fields.
+    pub(super) fn check_fields(&self) -> Check {
+        let Some(asked) = &self.measure.fields else {
+            return Ok(());
+        };
+        let points = asked.grid.iter().try_fold(1usize, |n, k| n.checked_mul(*k));
+        if !points.is_some_and(|n| (1..=POINTS_MAX).contains(&n)) {
+            return refuse(
+                "measure.fields.grid",
+                format!(
+                    "is {:?}; expected one point or more along each axis, and at most {POINTS_MAX} in all",
+                    asked.grid
+                ),
+            );
+        }
+        if asked.every == Some(0) {
+            return refuse("measure.fields.every", "is 0; expected at least 1 step");
+        }
+        let window = self.fields_window();
+        positive("measure.fields.window", window)?;
+        for (axis, length) in ["x", "y"].iter().zip(self.bed.size) {
+            let most = 0.5 * (length - self.bed.diameters[1]);
+            if window > most {
+                return refuse(
+                    "measure.fields.window",
+                    format!(
+                        "is {window}, larger than the box: a window and a grain beside it must fit into its \
+                         {length} along {axis}; give {} or less",
+                        short(most)
+                    ),
+                );
+            }
+        }
+        Ok(())
+    }
+
+    /// A drag with too few samples.
+    pub(super) fn check_fields_of(&self, run: &RunPlan) -> Check {
+        if self.measure.fields.is_none() {
+            return Ok(());
+        }
+        let averaged = run.steps + 1 - run.first_averaged(self.drag.dt);
+        let every = self.fields_every(run.speed);
+        let samples = averaged / every;
+        let least = SAMPLES_MIN * PARTS as u64;
+        if samples < least {
+            return refuse(
+                "measure.fields.every",
+                format!(
+                    "of {every} steps leaves {samples} samples in the averaging window of {}; expected at least \
+                     {least}: sample more often, or make drag.distance longer",
+                    run.name
+                ),
+            );
+        }
+        Ok(())
+    }
+}

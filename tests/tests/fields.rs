@@ -1,0 +1,250 @@
+//! Fields and loads of whole drags: what they must be whatever the grains do, and whatever else is done
+//! meanwhile.
+
+use std::path::Path;
+
+use bitgrain::bed::library::Library;
+use bitgrain::drag::Dragging;
+use bitgrain::fields::{FieldsGauge, Flag, hole, read};
+use bitgrain::progress::{Progress, Stage};
+use bitgrain::scenario::{self, RunPlan, Scenario};
+use bitgrain::sim::Sim;
+use bitgrain::summary::{Summary, read_summary};
+use bitgrain::threads::on_threads;
+use bitgrain::{bed, checkpoint, present, run};
+use bitgrain_tests::{RIG, SMALL, Shown, output, results};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
+
+fn parsed(text: &str, sets: &[&str]) -> Scenario {
+    let sets: Vec<String> = sets.iter().map(|s| s.to_string()).collect();
+    scenario::parse(text, "fields", &sets, Path::new("")).unwrap()
+}
+
+/// The rig over a short way under its heavier lid, with these fields; three quarters of a second.
+fn rig(fields: &str) -> Scenario {
+    let text = format!("{RIG}\n[measure.fields]\n{fields}\n");
+    let sets = [
+        "lid.effective_depth=0.03",
+        "lid.pressure_gradient=\"with\"",
+        "drag.distance=0.006",
+        "measure.every=40",
+    ];
+    parsed(&text, &sets)
+}
+
+fn run_into(scenario: &Scenario, out: &Path, beds: &Path, threads: usize) -> Summary {
+    let library = Library::new(beds);
+    run::run(scenario, out, &library, threads, &Progress::new(false)).unwrap();
+    read_summary(&out.join("summary.json")).unwrap()
+}
+
+/// Sampled at every step, the load is the force on the cylinder: normal and tangential parts together come to
+/// the mean drag and lift, which other code sums in another order. Fields change no state.
+#[test]
+fn loads_are_the_forces() {
+    let folder = tempfile::tempdir().unwrap();
+    let beds = folder.path().join("beds");
+    let whole = run_into(
+        &rig("grid = [9, 1, 8]\nevery = 1"),
+        &folder.path().join("with"),
+        &beds,
+        2,
+    );
+    let (run, rig_of) = (&whole.runs[0], whole.beds[0].rig.as_ref().unwrap());
+    let load = run.flow.as_ref().unwrap().load.as_ref().unwrap();
+    let area = rig_of.diameter * rig_of.length;
+    for (force, mean) in load
+        .forces()
+        .into_iter()
+        .zip([run.drag.mean, run.lift.mean])
+    {
+        assert!((force * area / mean - 1.0).abs() < 1e-9, "{force} {mean}");
+    }
+    // What the front bears is pressure, several times the bed's; behind there is next to none.
+    let pressure = run.flow.as_ref().unwrap().pressure;
+    let behind = load.normal_near(std::f64::consts::PI, 0.5);
+    assert!(load.normal_near(0.0, 0.3) > 3.0 * pressure);
+    assert!(behind >= 0.0 && behind < pressure, "{behind} {pressure}");
+    let mut without = rig("");
+    without.measure.fields = None;
+    let bare = run_into(&without, &folder.path().join("without"), &beds, 2);
+    assert_eq!(bare.runs[0].digest, run.digest);
+    assert_eq!(bare.runs[0].drag, run.drag);
+    assert!(bare.runs[0].flow.as_ref().unwrap().load.is_none());
+}
+
+/// A drag that is saved and taken up again in the middle of the window, on other threads, ends with the same
+/// files; so does one that is sampled while others look on.
+#[test]
+fn a_drag_in_two_parts_has_the_fields_of_one() {
+    let mut scenario = rig("grid = [20, 2, 12]\nevery = 150");
+    scenario.lid = None;
+    let plan = &scenario.runs()[0];
+    let go =
+        |sim: &mut Sim, dragging: &mut Dragging, witness: &mut dyn FnMut(u64), looks: &[u64]| {
+            let mut witness = Shown(looks, |n, _: &mut Sim| witness(n));
+            let stage = Stage::silent();
+            dragging
+                .go_on(sim, &scenario, plan, &stage, &mut witness)
+                .unwrap();
+        };
+    let begun = || {
+        let mut sim = bed::pour(&scenario, &scenario.beds()[0], &mut Stage::silent()).unwrap();
+        let dragging = Dragging::begin(&mut sim, &scenario, plan, "").unwrap();
+        (sim, dragging)
+    };
+    let (mut sim, mut whole) = begun();
+    go(&mut sim, &mut whole, &mut |_| (), &[]);
+    let (mut sim, mut part) = begun();
+    let half = plan.first_averaged(sim.dt) + 1000;
+    let mut saved = Until(half, None);
+    part.go_on(&mut sim, &scenario, plan, &Stage::silent(), &mut saved)
+        .unwrap();
+    let (mut again, note) = checkpoint::unpack(&saved.1.unwrap(), "half").unwrap();
+    let mut dragging = Dragging::of(&note).unwrap();
+    assert_eq!(dragging.step, half);
+    assert!(dragging.fields.as_ref().unwrap().samples() > 0);
+    on_threads(3, || {
+        let looks: Vec<u64> = (half..plan.steps).step_by(7).collect();
+        let mut seen = 0;
+        go(&mut again, &mut dragging, &mut |_| seen += 1, &looks);
+        assert!(seen > 100);
+    })
+    .unwrap();
+    let sums = |d: &Dragging| d.fields.as_ref().unwrap().array();
+    assert!(sums(&whole) == sums(&dragging));
+    assert_eq!(whole.note().course, dragging.note().course);
+    // Sums of another grid, or cut off, are refused.
+    let mut wrong = note;
+    wrong.fields.pop();
+    assert!(Dragging::of(&wrong).unwrap_err().contains("sums of fields"));
+}
+
+/// Keeps the state at a step, and goes no further.
+struct Until(u64, Option<Vec<u8>>);
+
+impl bitgrain::witness::Witness for Until {
+    fn pause(
+        &mut self,
+        step: u64,
+        sim: &mut Sim,
+        note: &dyn Fn() -> checkpoint::Note,
+    ) -> bitgrain::error::Result<()> {
+        if step == self.0 {
+            self.1 = Some(checkpoint::pack(sim, &note()));
+        }
+        Ok(())
+    }
+
+    fn ends(&self) -> u64 {
+        self.0
+    }
+}
+
+/// A resting bed carries its weight: sigma_zz = rho g (z_s - z), with the bed's own density, and its surface where
+/// that falls to half. (The median of the highest tops is a third of a diameter above it.)
+#[test]
+fn a_resting_bed_carries_its_weight() {
+    let sets = [
+        "bed.box=[10.0, 8.0, 24.0]",
+        "bed.grains=1500",
+        "intruder.diameter=1.0",
+        "intruder.height=2.5",
+        "bed.settled=1e-7",
+    ];
+    let text = format!("{SMALL}\n[measure.fields]\ngrid = [20, 16, 96]\nevery = 1\n");
+    let scenario = parsed(&text, &sets);
+    let mut sim = bed::pour(&scenario, &scenario.beds()[0], &mut Stage::silent()).unwrap();
+    let plan = RunPlan {
+        discard: 0.0,
+        ..scenario.runs()[0].clone()
+    };
+    let mut gauge = FieldsGauge::new(&scenario, &plan).unwrap();
+    let mut contacts = Vec::new();
+    sim.step_watched(|contact| contacts.push(contact)).unwrap();
+    gauge.add(&sim, &contacts, plan.first_averaged(sim.dt));
+    let fields = gauge.points(hole(&sim));
+    let [nx, ny, _] = fields.grid.counts;
+    let layer = |kz: usize, of: fn(&bitgrain::fields::Point) -> f64| {
+        let points = (0..nx * ny).map(|k| of(&fields.points[kz * nx * ny + k]));
+        points.sum::<f64>() / (nx * ny) as f64
+    };
+    let solid = |kz: usize| layer(kz, |p| p.packing_fraction);
+    let top = (0..96)
+        .rev()
+        .find(|kz| solid(*kz) > 0.5 * solid(32))
+        .unwrap();
+    let surface = fields.grid.at(2, top);
+    let heights: Vec<usize> = (0..96)
+        .filter(|kz| (5.0..surface - 4.0).contains(&fields.grid.at(2, *kz)))
+        .collect();
+    assert!(heights.len() > 10, "{surface}");
+    let mean = |of: fn(&bitgrain::fields::Point) -> f64| {
+        heights.iter().map(|k| layer(*k, of)).sum::<f64>() / heights.len() as f64
+    };
+    let density = mean(|p| p.packing_fraction);
+    let depth = heights
+        .iter()
+        .map(|k| surface - fields.grid.at(2, *k))
+        .sum::<f64>();
+    let weight = density * depth / heights.len() as f64;
+    let stress = mean(|p| p.stress[2][2]);
+    println!(
+        "{stress} {weight} {density} {surface} {}",
+        bitgrain::observe::surface_height(&sim, 1.0)
+    );
+    assert!((stress / weight - 1.0).abs() < 0.02, "{stress} {weight}");
+    // It grows by rho g a length, the same at half the height as below.
+    let (low, high) = (heights[0], heights[heights.len() - 1]);
+    let rise = layer(low, |p| p.stress[2][2]) - layer(high, |p| p.stress[2][2]);
+    let fall = density * (fields.grid.at(2, high) - fields.grid.at(2, low));
+    assert!((rise / fall - 1.0).abs() < 0.1, "{rise} {fall}");
+    // Nothing pushes along x on the whole, so that no shear stress is left.
+    assert!(mean(|p| p.stress[2][0]).abs() < 0.05 * stress);
+    // Above the bed no grain came by.
+    assert_eq!(fields.flags[fields.flags.len() - 1], Flag::Empty);
+}
+
+/// The files of a run: tables that are read again, an image, the page with its pictures; `verify` makes the
+/// tables again.
+#[test]
+fn a_run_leaves_its_fields() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let mut scenario = rig("grid = [54, 2, 32]\nevery = 100");
+    scenario.lid.as_mut().unwrap().pressure_gradient = scenario::Gradient::Both;
+    let whole = run_into(&scenario, &out, &folder.path().join("beds"), 2);
+    present::write_report(&bitgrain::folder::Folder(&out)).unwrap();
+    let files = results(&out);
+    let text = |name: &str| String::from_utf8(files[name].clone()).unwrap();
+    for run in &whole.runs {
+        let of = |file: &str| text(&format!("runs/{}/{file}", run.name));
+        let grid = bitgrain::fields::grid::Grid {
+            counts: [54, 2, 32],
+            size: scenario.bed.size,
+        };
+        let plane = read::plane(&of("plane.csv"), grid).unwrap();
+        let count = |flag: Flag| plane.flags.iter().filter(|f| **f == flag).count();
+        assert!(count(Flag::Whole) > 500 && count(Flag::Cut) > 10 && count(Flag::Empty) > 10);
+        // Far grains go by at the speed of the base.
+        let far = plane.at(0, 14).unwrap().velocity[0];
+        assert!((far / run.speed - 1.0).abs() < 0.3, "{far}");
+        assert_eq!(of("load.csv").lines().count(), 2 + 64);
+        assert!(of("fields.vti").contains("<ImageData WholeExtent=\"0 53 0 1 0 31\""));
+        assert!(run.flow.as_ref().unwrap().disturbance.is_some());
+    }
+    let page = text("report.html");
+    assert!(!page.contains("NaN"), "no number that is none is drawn");
+    for words in ["Fields round the intruder", "Load on the cylinder"] {
+        assert!(page.contains(&format!("<h2>{words}</h2>")), "{words}");
+    }
+    let said = output(PROGRAM, folder.path(), &["verify", "out"]);
+    let lines = String::from_utf8_lossy(&said.stdout).into_owned();
+    assert_eq!(
+        said.status.code(),
+        Some(0),
+        "{lines}{}",
+        String::from_utf8_lossy(&said.stderr)
+    );
+}
