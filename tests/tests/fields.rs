@@ -5,9 +5,10 @@ use std::path::Path;
 
 use bitgrain::bed::library::Library;
 use bitgrain::drag::Dragging;
+use bitgrain::fields::load::Sum;
 use bitgrain::fields::{FieldsGauge, Flag, hole, read};
 use bitgrain::progress::{Progress, Stage};
-use bitgrain::scenario::{self, RunPlan, Scenario};
+use bitgrain::scenario::{self, Moves, RunPlan, Scenario};
 use bitgrain::sim::Sim;
 use bitgrain::summary::{Summary, read_summary};
 use bitgrain::threads::on_threads;
@@ -42,30 +43,45 @@ fn run_into(scenario: &Scenario, out: &Path, beds: &Path, threads: usize) -> Sum
 /// Sampled at every step, the load is the force on the cylinder: normal and tangential parts together come to
 /// the mean drag and lift, which other code sums in another order. Fields change no state.
 #[test]
+#[cfg_attr(debug_assertions, ignore = "pours beds: seconds in release")]
 fn loads_are_the_forces() {
     let folder = tempfile::tempdir().unwrap();
     let beds = folder.path().join("beds");
-    let whole = run_into(
-        &rig("grid = [9, 1, 8]\nevery = 1"),
-        &folder.path().join("with"),
-        &beds,
-        2,
-    );
-    let (run, rig_of) = (&whole.runs[0], whole.beds[0].rig.as_ref().unwrap());
-    let load = run.flow.as_ref().unwrap().load.as_ref().unwrap();
-    let area = rig_of.diameter * rig_of.length;
-    for (force, mean) in load
-        .forces()
-        .into_iter()
-        .zip([run.drag.mean, run.lift.mean])
-    {
-        assert!((force * area / mean - 1.0).abs() < 1e-9, "{force} {mean}");
+    let asked = "grid = [9, 1, 8]\nevery = 1";
+    let mut whole = None;
+    for moves in [Moves::Intruder, Moves::Bed] {
+        let mut scenario = rig(asked);
+        scenario.drag.moves = moves;
+        let out = folder.path().join(format!("{moves:?}"));
+        let made = run_into(&scenario, &out, &beds, 2);
+        let (run, rig_of) = (&made.runs[0], made.beds[0].rig.as_ref().unwrap());
+        let flow = run.flow.as_ref().unwrap();
+        let load = flow.load.as_ref().unwrap();
+        let area = rig_of.diameter * rig_of.length;
+        for (force, mean) in load
+            .forces()
+            .into_iter()
+            .zip([run.drag.mean, run.lift.mean])
+        {
+            assert!((force * area / mean - 1.0).abs() < 1e-9, "{force} {mean}");
+        }
+        // The eight parts have as many steps to one or two in three hundred and seventy-five.
+        let drag = load.mean(|sum| sum.drag).0 * area;
+        assert!((drag / run.drag.mean - 1.0).abs() < 2e-3, "{drag}");
+        // What the front bears is pressure, several times the bed's; behind there is next to none. Were an angle of
+        // the wrong sign, the normal forces would be taken for tangential ones.
+        let behind = load.normal_near(std::f64::consts::PI, 0.5);
+        assert!(
+            load.normal_near(0.0, 0.3) > 3.0 * flow.pressure,
+            "{moves:?}"
+        );
+        assert!(behind >= 0.0 && behind < flow.pressure, "{behind}");
+        let tangential = load.mean(Sum::tangential_part).0;
+        assert!((0.01..0.3).contains(&tangential), "{tangential}");
+        whole = Some(made);
     }
-    // What the front bears is pressure, several times the bed's; behind there is next to none.
-    let pressure = run.flow.as_ref().unwrap().pressure;
-    let behind = load.normal_near(std::f64::consts::PI, 0.5);
-    assert!(load.normal_near(0.0, 0.3) > 3.0 * pressure);
-    assert!(behind >= 0.0 && behind < pressure, "{behind} {pressure}");
+    let whole = whole.unwrap();
+    let run = &whole.runs[0];
     let mut without = rig("");
     without.measure.fields = None;
     let bare = run_into(&without, &folder.path().join("without"), &beds, 2);
@@ -77,6 +93,7 @@ fn loads_are_the_forces() {
 /// A drag that is saved and taken up again in the middle of the window, on other threads, ends with the same
 /// files; so does one that is sampled while others look on.
 #[test]
+#[cfg_attr(debug_assertions, ignore = "pours beds: seconds in release")]
 fn a_drag_in_two_parts_has_the_fields_of_one() {
     let mut scenario = rig("grid = [20, 2, 12]\nevery = 150");
     scenario.lid = None;
@@ -145,6 +162,7 @@ impl bitgrain::witness::Witness for Until {
 /// A resting bed carries its weight: sigma_zz = rho g (z_s - z), with the bed's own density, and its surface where
 /// that falls to half. (The median of the highest tops is a third of a diameter above it.)
 #[test]
+#[cfg_attr(debug_assertions, ignore = "pours beds: seconds in release")]
 fn a_resting_bed_carries_its_weight() {
     let sets = [
         "bed.box=[10.0, 8.0, 24.0]",
@@ -209,6 +227,7 @@ fn a_resting_bed_carries_its_weight() {
 /// The files of a run: tables that are read again, an image, the page with its pictures; `verify` makes the
 /// tables again.
 #[test]
+#[cfg_attr(debug_assertions, ignore = "pours beds: seconds in release")]
 fn a_run_leaves_its_fields() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");

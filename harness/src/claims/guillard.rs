@@ -2,7 +2,7 @@
 
 use super::fits::{drag_slope, plateau};
 use super::judged::{FAR_FIELD_LEAST, TRAVEL_LEAST, least};
-use super::kumar::{Found, farthest, mean};
+use super::kumar::{Found, farthest};
 use super::load;
 use super::points::{Group, Point, Spread, Way, groups};
 use crate::analysis::Value;
@@ -140,27 +140,49 @@ fn no_lift(group: &Group) -> Found {
 }
 
 /// How far the bed is disturbed above over below: mean over the depths under lids with a gradient, and of those
-/// without what is farthest from one.
+/// without what is farthest from one. Few seeds tell little of their spread: it is taken over all depths.
 fn zones(summary: &Summary, group: &Group, gradient: bool) -> Found {
-    let over = |p: &&Point| {
-        let of = |&k: &usize| {
-            let [above, below] = summary.runs[k].flow.as_ref()?.disturbance?;
-            Some((above / below, 0.0))
-        };
-        let runs: Vec<(f64, f64)> = p.runs.iter().map(of).collect::<Option<_>>()?;
-        let note = format!("h~/D = {:.0}", p.effective_depth / group.diameter);
-        Some((Spread::of(&runs).into(), note))
-    };
-    let points = group.with_gradient(gradient);
-    seeds(&points)?;
     // Without a lid the surface is near.
-    let deep: Vec<&Point> = points.into_iter().filter(|p| p.way != Way::Own).collect();
-    let all: Vec<(Value, String)> = deep.iter().filter_map(over).collect();
-    let none = "no run under a lid has fields: measure.fields asks for them";
-    match gradient {
-        true => mean(&all, none),
-        false => farthest(all, 1.0, none),
+    let points = group.with_gradient(gradient);
+    let deep = points.into_iter().filter(|p| p.way != Way::Own);
+    let of = |p: &Point| -> Option<Vec<f64>> {
+        let over = |&k: &usize| {
+            let [above, below] = summary.runs[k].flow.as_ref()?.disturbance?;
+            Some(above / below)
+        };
+        p.runs.iter().map(over).collect()
+    };
+    let all: Vec<(&Point, Vec<f64>)> = deep.filter_map(|p| Some((p, of(p)?))).collect();
+    if all.is_empty() {
+        return Err("no run under a lid has fields: measure.fields asks for them".into());
     }
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let free: usize = all.iter().map(|(_, runs)| runs.len() - 1).sum();
+    if free == 0 {
+        return Err(format!(
+            "the zone is told from {SEEDS} seeds or more; there is 1"
+        ));
+    }
+    let off = |runs: &Vec<f64>| {
+        runs.iter()
+            .map(|x| (x - mean(runs)) * (x - mean(runs)))
+            .sum::<f64>()
+    };
+    let deviation = (all.iter().map(|(_, runs)| off(runs)).sum::<f64>() / free as f64).sqrt();
+    let value = |(p, runs): &(&Point, Vec<f64>)| {
+        let error = deviation / (runs.len() as f64).sqrt();
+        let note = format!("h~/D = {:.0}", p.effective_depth / group.diameter);
+        (Value::new(mean(runs), error), note)
+    };
+    let values: Vec<(Value, String)> = all.iter().map(value).collect();
+    if !gradient {
+        return farthest(values, 1.0, "");
+    }
+    let own: Vec<(f64, f64)> = values.iter().map(|(v, _)| (v.value, v.error)).collect();
+    Ok((
+        Spread::of(&own).into(),
+        format!("mean of {} effective depths", own.len()),
+    ))
 }
 
 /// The drag's two halves of the window, which begins after 2 D: farthest from equal.

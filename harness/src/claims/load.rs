@@ -1,14 +1,35 @@
 //! What runs say together of the load on the cylinder (Guillard 2014, section IV and appendix B).
 
-use super::kumar::{Found, farthest, mean};
+use super::judged::least;
+use super::kumar::Found;
 use super::points::{Group, Point, Spread};
 use crate::analysis::Value;
-use crate::fields::load::{Load, POINTS, WIDTH, drag_coefficient, odd, simple_lift, theta};
+use crate::fields::load::{Load, POINTS, Sum, WIDTH, odd, theta};
 use crate::fit::linear::line;
 use crate::fit::{Datum, Fit};
-use crate::summary::{Flow, Summary};
+use crate::summary::Summary;
 
-/// The load of the runs of a point, mean over its seeds; every curve by angle, as [`theta`] has it.
+/// Effective depth over D from which the surface is far (Guillard 2014, section III B).
+const DEEP: f64 = 16.0;
+/// Least error of a stress over the largest of its curve: where hardly a grain touches, eight parts say nothing of
+/// one.
+const LEAST_ERROR: f64 = 0.05;
+/// A difference is told from none from so many errors on.
+const TOLD: f64 = 4.0;
+/// Fewest seeds of every depth whose lift is told.
+const SEEDS: usize = 2;
+
+/// The load of one run over the pressure there: the vertical stress at the cylinder's axis, as the drag is compared.
+#[derive(Clone, Debug, PartialEq)]
+struct RunLoad {
+    seed: u64,
+    /// That pressure over rho g D.
+    depth: f64,
+    normal: Vec<Value>,
+}
+
+/// The load of the runs of a point, mean over its seeds; every curve by angle, as [`theta`] has it, over the
+/// pressure P_0 at the cylinder's axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PointLoad {
     /// Effective depth over D, mean over the seeds.
@@ -17,16 +38,19 @@ pub struct PointLoad {
     pub asked: f64,
     /// Whether the bed has weight below the lid.
     pub gradient: bool,
-    /// Normal stress over the pressure P_0 = rho g h~.
+    runs: Vec<RunLoad>,
+    /// Normal stress.
     pub normal: Vec<Value>,
-    /// Tangential stress over the same.
+    /// Tangential stress.
     pub tangential: Vec<Value>,
-    /// The force that the tangential stress makes over the whole.
+    /// The force that no contact's normal one makes, over the whole.
     pub tangential_part: Value,
-    /// What eq. 4 would make of it: lift over buoyancy.
+    /// What eq. 4 would make of the load: lift over buoyancy.
     pub simple_lift: Value,
-    /// Drag over P_0 D L that the normal stress makes.
+    /// Drag over P_0 D L of the normal forces.
     pub drag: Value,
+    /// Their lift over the same.
+    pub normal_lift: Value,
     /// Mean lift over buoyancy, of all steps.
     pub lift: Value,
 }
@@ -40,59 +64,66 @@ pub fn loads(summary: &Summary, group: &Group) -> Vec<PointLoad> {
 }
 
 fn point_load(summary: &Summary, group: &Group, point: &Point) -> Option<PointLoad> {
+    let inputs = &summary.inputs;
+    let area = inputs.bed.size[0] * inputs.bed.size[1];
     let runs = point.runs.iter().map(|&k| {
-        let flow = summary.runs[k].flow.as_ref()?;
-        Some((flow, flow.load.as_ref()?))
+        let run = &summary.runs[k];
+        let flow = run.flow.as_ref()?;
+        let seed = inputs.beds().iter().find(|plan| plan.name == run.bed)?.seed;
+        // Above the axis the weight, and half of what the lift adds below it.
+        let pressure = flow.pressure_measured + 0.5 * run.lift.mean / area;
+        let depth = pressure / (flow.bulk_density * inputs.gravity * group.diameter);
+        Some((seed, pressure, depth, flow.load.as_ref()?))
     });
-    let runs: Vec<(&Flow, &Load)> = runs.collect::<Option<_>>()?;
-    let curve = |of: fn(&Load) -> (&[f64], &[f64])| -> Vec<Value> {
-        let at = |m: usize| {
-            let values = runs.iter().map(|(flow, load)| {
-                let (stress, error) = of(load);
-                (stress[m] / flow.pressure, error[m] / flow.pressure)
-            });
-            Spread::of(&values.collect::<Vec<_>>()).into()
-        };
-        (0..POINTS).map(at).collect()
+    let runs: Vec<(u64, f64, f64, &Load)> = runs.collect::<Option<_>>()?;
+    let curve = |k: usize, of: fn(&Load) -> (&[f64], &[f64])| -> Vec<Value> {
+        let (_, pressure, _, load) = runs[k];
+        let (stress, error) = of(load);
+        let floor = LEAST_ERROR * error.iter().fold(0.0, |a, e| if *e > a { *e } else { a });
+        let own = stress.iter().zip(error);
+        own.map(|(s, e)| Value::new(*s, if *e > floor { *e } else { floor }).divided(pressure))
+            .collect()
     };
-    // Errors of neighbouring angles go together: at worst they all do.
-    let integral = |of: fn(&[f64]) -> f64, weight: fn(f64) -> f64| -> Value {
-        let values = runs.iter().map(|(flow, load)| {
-            let s: Vec<f64> = load.normal.iter().map(|s| s / flow.pressure).collect();
-            let own = load.normal_error.iter().enumerate();
-            let own: Vec<f64> = own
-                .map(|(m, e)| e / flow.pressure * weight(theta(m)).abs())
-                .collect();
-            (of(&s), own.iter().sum::<f64>() / POINTS as f64)
-        });
-        Spread::of(&values.collect::<Vec<_>>()).into()
+    let mean = |of: fn(&Load) -> (&[f64], &[f64])| -> Vec<Value> {
+        let all: Vec<Vec<Value>> = (0..runs.len()).map(|k| curve(k, of)).collect();
+        over_seeds(&all)
     };
-    let parts: Vec<(f64, f64)> = runs
-        .iter()
-        .map(|(_, load)| (load.tangential_part(), part_error(load)))
-        .collect();
+    let number = |of: &dyn Fn(&Sum, f64) -> f64| -> Value {
+        let own = runs
+            .iter()
+            .map(|(_, pressure, _, load)| load.mean(|sum| of(sum, *pressure)));
+        Spread::of(&own.collect::<Vec<_>>()).into()
+    };
+    let single = |k: usize| RunLoad {
+        seed: runs[k].0,
+        depth: runs[k].2,
+        normal: curve(k, |l| (&l.normal, &l.normal_error)),
+    };
     Some(PointLoad {
         depth: point.effective_depth / group.diameter,
         asked: point.asked / group.diameter,
         gradient: point.way.has_gradient(),
-        normal: curve(|l| (&l.normal, &l.normal_error)),
-        tangential: curve(|l| (&l.tangential, &l.tangential_error)),
-        tangential_part: Spread::of(&parts).into(),
-        simple_lift: integral(simple_lift, |t| 2.0 * libm::sin(t) * libm::sin(t)),
-        drag: integral(drag_coefficient, |t| std::f64::consts::PI * libm::cos(t)),
+        runs: (0..runs.len()).map(single).collect(),
+        normal: mean(|l| (&l.normal, &l.normal_error)),
+        tangential: mean(|l| (&l.tangential, &l.tangential_error)),
+        tangential_part: number(&|sum, _| sum.tangential_part()),
+        simple_lift: number(&|sum, p| 2.0 / std::f64::consts::PI * sum.sine_square / p),
+        drag: number(&|sum, p| sum.normal_drag / p),
+        normal_lift: number(&|sum, p| sum.normal_lift / p),
         lift: point.lift.into(),
     })
 }
 
-/// Standard error of the part of the force that is the tangential stress's, that of the force left aside.
-fn part_error(load: &Load) -> f64 {
-    let squares = load.tangential_error.iter().map(|e| e * e).sum::<f64>();
-    let [drag, lift] = load.forces();
-    let force = (drag * drag + lift * lift).sqrt();
-    (squares * shared()).sqrt() * std::f64::consts::PI / POINTS as f64 / force
+/// Curves of several seeds as one: of each angle the mean.
+fn over_seeds(curves: &[Vec<Value>]) -> Vec<Value> {
+    let at = |m: usize| {
+        let values = curves.iter().map(|c| (c[m].value, c[m].error));
+        Spread::of(&values.collect::<Vec<_>>()).into()
+    };
+    (0..POINTS).map(at).collect()
 }
 
-/// Loads with and without a gradient at one effective depth.
+/// Loads with and without a gradient at one effective depth, as it was asked for.
 pub fn pairs(loads: &[PointLoad]) -> Vec<(&PointLoad, &PointLoad)> {
     let (with, without): (Vec<_>, Vec<_>) = loads.iter().partition(|l| l.gradient);
     let near = |a: &PointLoad, b: &PointLoad| (a.asked / b.asked - 1.0).abs() <= super::SAME_DEPTH;
@@ -101,17 +132,35 @@ pub fn pairs(loads: &[PointLoad]) -> Vec<(&PointLoad, &PointLoad)> {
     with.filter_map(|a| Some((a, partner(a)?))).collect()
 }
 
-/// `(sigma_n - sigma_n without gradient)/(rho g D)` by angle (Guillard 2014, Fig. 12).
+/// `(sigma_n - sigma_n without gradient)/(rho g D)` by angle (Guillard 2014, Fig. 12), the stress without gradient
+/// brought to the pressure of the one with it, in proportion. Runs of one seed share a bed: they are compared seed
+/// by seed where there are such.
 pub fn difference(pair: &(&PointLoad, &PointLoad)) -> Vec<Value> {
     let (with, without) = pair;
-    let less = |(a, b): (&Value, &Value)| a.times(with.depth).less(b.times(without.depth));
-    with.normal.iter().zip(&without.normal).map(less).collect()
+    let less = |a: &[Value], b: &[Value], depth: f64| -> Vec<Value> {
+        let each = a.iter().zip(b).map(|(a, b)| a.less(*b).times(depth));
+        each.collect()
+    };
+    let own = |run: &RunLoad| {
+        let other = without.runs.iter().find(|other| other.seed == run.seed)?;
+        Some(less(&run.normal, &other.normal, run.depth))
+    };
+    let curves: Vec<Vec<Value>> = with.runs.iter().filter_map(own).collect();
+    match curves.is_empty() {
+        true => less(&with.normal, &without.normal, with.depth),
+        false => over_seeds(&curves),
+    }
 }
 
 /// The odd part of a load with gradient, over rho g D: a second estimate of what [`difference`] has of one.
-pub fn odd_part(load: &PointLoad) -> Vec<f64> {
+pub fn odd_part(load: &PointLoad) -> Vec<Value> {
     let stress: Vec<f64> = load.normal.iter().map(|v| v.value * load.depth).collect();
-    odd(&stress)
+    let both = |m: usize| {
+        let [a, b] = [m, POINTS - 1 - m].map(|m| load.normal[m].error * load.depth);
+        0.5 * (a * a + b * b).sqrt()
+    };
+    let all = odd(&stress).into_iter().enumerate();
+    all.map(|(m, x)| Value::new(x, both(m))).collect()
 }
 
 /// What eq. 4 says of that difference, from a load without gradient: `s sin(theta)/2`.
@@ -121,18 +170,16 @@ pub fn equation_4(without: &PointLoad) -> Vec<f64> {
         .collect()
 }
 
-/// Appendix B: at each angle the normal stress with a gradient over rho g D as a line in h~/D. Its slope `b` is
-/// the part in proportion to the pressure, its intercept `a` that in proportion to the gradient. `None` with
-/// fewer than three depths.
-pub fn split(loads: &[PointLoad]) -> Option<Vec<Fit>> {
-    let with: Vec<&PointLoad> = loads.iter().filter(|l| l.gradient).collect();
+/// Appendix B: at each angle the normal stress with a gradient over rho g D as a line in h~/D, of depths from 16 D on.
+/// Its slope `b` is the part in proportion to the pressure, its intercept `a` that in proportion to the gradient.
+///
+/// # Errors
+/// What is missing, or why a line is refused.
+pub fn split(loads: &[PointLoad]) -> Result<Vec<Fit>, String> {
+    let deep = deep(loads)?;
     let at = |m: usize| {
-        let data: Vec<Datum> = with
-            .iter()
-            .map(|l| l.normal[m].times(l.depth).at(l.depth))
-            .filter(|d| d.error > 0.0)
-            .collect();
-        line(&data).ok().filter(|_| data.len() > 2)
+        let own = deep.iter().map(|l| l.normal[m].times(l.depth).at(l.depth));
+        line(&own.collect::<Vec<Datum>>()).map_err(|why| format!("theta = {:.2}: {why}", theta(m)))
     };
     (0..POINTS).map(at).collect()
 }
@@ -140,36 +187,57 @@ pub fn split(loads: &[PointLoad]) -> Option<Vec<Fit>> {
 /// The measurement of a claim about loads; `None` where this is none.
 pub(super) fn measure(id: &str, loads: &[PointLoad]) -> Option<Found> {
     let without = || loads.iter().filter(|l| !l.gradient);
-    let note = |l: &PointLoad| format!("h~/D = {:.0}", l.depth);
-    let all = |of: &dyn Fn(&PointLoad) -> Value| -> Vec<(Value, String)> {
-        without().map(|l| (of(l), note(l))).collect()
+    let all = |of: &dyn Fn(&PointLoad) -> Value| -> Found {
+        let values: Vec<(f64, f64)> = without().map(of).map(|v| (v.value, v.error)).collect();
+        match values.len() {
+            0 => Err(
+                "no run without a pressure gradient has a load: measure.fields asks for them"
+                    .into(),
+            ),
+            n => Ok((
+                Spread::of(&values).into(),
+                format!("mean of {n} effective depths"),
+            )),
+        }
     };
-    let none = "no run without a pressure gradient has a load: measure.fields asks for them";
     Some(match id {
-        "front" => mean(&all(&|l| near(l, 0)), none),
-        "rear" => mean(&all(&|l| near(l, POINTS / 2)), none),
-        "equation-4" => mean(&all(&|l| l.simple_lift), none),
+        "front" => all(&|l| near(l, 0)),
+        "rear" => all(&|l| near(l, POINTS / 2)),
+        "equation-4" => all(&|l| l.simple_lift),
         "tangential" => {
             let parts = loads.iter().map(|l| (l.tangential_part, note(l)));
-            farthest(parts.collect(), 0.0, "no run has a load")
+            let most = parts.reduce(|a, b| if b.0.value > a.0.value { b } else { a });
+            most.ok_or_else(|| "no run has a load: measure.fields asks for them".into())
         }
         "stress-pressure" => apart(&without().collect::<Vec<_>>()),
         "collapse" => collapse(&pairs(loads)),
-        "tenfold" => {
-            let pairs = pairs(loads);
-            let deepest = pairs
-                .into_iter()
-                .reduce(|a, b| if b.0.depth > a.0.depth { b } else { a });
-            let over = deepest.map(|(a, b)| (a.lift.over(b.simple_lift), note(a)));
-            over.ok_or_else(|| NO_PAIR.to_string())
-        }
+        "tenfold" => tenfold(loads),
         "split" => lift_of_slope(loads),
         _ => return None,
     })
 }
 
-const NO_PAIR: &str =
-    "no two runs with loads, with and without a pressure gradient, have one effective depth";
+fn note(load: &PointLoad) -> String {
+    format!("h~/D = {:.0}", load.depth)
+}
+
+/// Lift of the deepest pair over what eq. 4 makes of its load without gradient.
+fn tenfold(loads: &[PointLoad]) -> Found {
+    let pairs = pairs(loads);
+    let deepest = pairs
+        .into_iter()
+        .reduce(|a, b| if b.0.depth > a.0.depth { b } else { a });
+    let none =
+        "no two runs with loads, with and without a pressure gradient, have one effective depth";
+    let (with, without) = deepest.ok_or(none)?;
+    if with.runs.len() < SEEDS {
+        return Err(format!(
+            "a lift is told from {SEEDS} seeds or more; there are {}",
+            with.runs.len()
+        ));
+    }
+    Ok((with.lift.over(without.simple_lift), note(with)))
+}
 
 /// Mean of the two points on either side of an angle.
 fn near(load: &PointLoad, m: usize) -> Value {
@@ -180,46 +248,31 @@ fn near(load: &PointLoad, m: usize) -> Value {
 
 /// Largest difference between depths at any angle, beyond two errors of it, over the largest stress.
 fn apart(loads: &[&PointLoad]) -> Found {
-    let mut largest: Option<(f64, f64, String)> = None;
+    let mut largest: Option<(Value, String)> = None;
     for (k, a) in loads.iter().enumerate() {
         for b in &loads[..k] {
             for m in 0..POINTS {
                 let off = a.normal[m].less(b.normal[m]);
-                let beyond = off.value.abs() - 2.0 * off.error;
-                if largest.as_ref().is_none_or(|(most, ..)| beyond > *most) {
-                    let note = format!(
-                        "h~/D = {:.0} against {:.0} at theta = {:.2}",
-                        a.depth,
-                        b.depth,
-                        theta(m)
-                    );
-                    largest = Some((beyond, off.error, note));
+                let beyond = Value::new(off.value.abs() - 2.0 * off.error, off.error);
+                if largest
+                    .as_ref()
+                    .is_none_or(|(most, _)| beyond.value > most.value)
+                {
+                    let note =
+                        format!("{} against {} at theta = {:.2}", note(a), note(b), theta(m));
+                    largest = Some((beyond, note));
                 }
             }
         }
     }
-    let (beyond, error, note) =
-        largest.ok_or("one effective depth alone has a load without gradient")?;
-    let peak = loads
-        .iter()
-        .flat_map(|l| &l.normal)
-        .fold(0.0, |a, v| if v.value > a { v.value } else { a });
-    let beyond = if beyond > 0.0 { beyond } else { 0.0 };
-    Ok((Value::new(beyond, error).divided(peak), note))
-}
-
-/// How many angles are independent of each other: a contact counts within some widths of the Gaussian.
-fn independent() -> f64 {
-    libm::sqrt(std::f64::consts::PI) / WIDTH
-}
-
-/// How many neighbouring points count as one.
-fn shared() -> f64 {
-    POINTS as f64 / independent()
+    let (most, note) = largest.ok_or("one effective depth alone has a load without gradient")?;
+    let peak = loads.iter().flat_map(|l| &l.normal).map(|v| -v.value);
+    let beyond = if most.value > 0.0 { most.value } else { 0.0 };
+    Ok((Value::new(beyond, most.error).divided(-least(peak)), note))
 }
 
 /// Spread over depths of the differences, root mean square over the angles and beyond their errors, over the
-/// largest mean difference.
+/// largest mean difference. Refused where that is not told from none: then noise alone would make the spread.
 fn collapse(pairs: &[(&PointLoad, &PointLoad)]) -> Found {
     let curves: Vec<Vec<Value>> = pairs.iter().map(difference).collect();
     let n = curves.len() as f64;
@@ -229,92 +282,123 @@ fn collapse(pairs: &[(&PointLoad, &PointLoad)]) -> Found {
                 .into(),
         );
     }
-    let (mut seen, mut known, mut peak) = (0.0, 0.0, 0.0);
+    let (mut seen, mut known, mut fourth) = (0.0, 0.0, 0.0);
+    let mut peak = Value::new(0.0, 1.0);
     for m in 0..POINTS {
         let at: Vec<Value> = curves.iter().map(|c| c[m]).collect();
         let mean = at.iter().map(|v| v.value).sum::<f64>() / n;
-        let squares: f64 = at.iter().map(|v| (v.value - mean) * (v.value - mean)).sum();
-        seen += squares / (n - 1.0) / POINTS as f64;
-        known += at.iter().map(|v| v.error * v.error).sum::<f64>() / n / POINTS as f64;
-        peak = if mean.abs() > peak { mean.abs() } else { peak };
+        let own: f64 = at.iter().map(|v| v.error * v.error).sum();
+        seen += at
+            .iter()
+            .map(|v| (v.value - mean) * (v.value - mean))
+            .sum::<f64>()
+            / (n - 1.0);
+        known += own / n;
+        fourth += at.iter().map(|v| libm::pow(v.error, 4.0)).sum::<f64>() / n;
+        if mean.abs() > peak.value {
+            peak = Value::new(mean.abs(), own.sqrt() / n);
+        }
     }
-    let left = if seen > known { seen - known } else { 0.0 };
-    // A variance from so many numbers is known to that part.
-    let noise = known * (2.0 / ((n - 1.0) * independent())).sqrt();
-    let spread = left.sqrt();
-    let error = if spread > 0.0 {
-        0.5 * noise / spread
-    } else {
-        noise.sqrt()
-    };
-    let most = noise.sqrt();
-    let error = if error > most { most } else { error };
-    let note = format!(
-        "{} effective depths, largest difference {peak:.0} rho g D",
+    let told = format!(
+        "largest difference {:.0} +- {:.0} rho g D over {} effective depths",
+        peak.value,
+        peak.error,
         curves.len()
     );
-    Ok((Value::new(spread, error).divided(peak), note))
+    if peak.value < TOLD * peak.error {
+        return Err(format!("{told}, which is not told from none"));
+    }
+    // Numbers of unequal variance count as fewer, and neighbouring angles as one.
+    let counted = known * known / fourth / POINTS as f64 * SQUARES * (n - 1.0);
+    let points = POINTS as f64;
+    let (seen, known) = (seen / points, known / points);
+    let left = if seen > known { seen - known } else { 0.0 };
+    let noise = ((2.0 * known * known + 4.0 * known * left) / counted).sqrt();
+    let spread = left.sqrt();
+    // The error of a root, but for one near zero.
+    let (slope, most) = (0.5 * noise / spread, noise.sqrt());
+    let error = if slope < most { slope } else { most };
+    Ok((Value::new(spread, error).divided(peak.value), told))
 }
 
-/// Lift over drag of the part of the stress that goes with the pressure: appendix B has it symmetric.
+/// How many angles are independent of each other in a mean of squares: the Gaussian's own correlation, squared, is
+/// that much long.
+const SQUARES: f64 = 2.506_628_274_631 / WIDTH;
+
+/// Lift over drag of the part of the normal forces that goes with the pressure: appendix B has it symmetric.
 fn lift_of_slope(loads: &[PointLoad]) -> Found {
-    let fits = split(loads)
-        .ok_or("splitting a load takes three effective depths with a pressure gradient")?;
-    let slopes: Vec<Value> = fits
-        .iter()
-        .filter_map(|f| f.parameter("b").map(Value::from))
-        .collect();
-    let sum = |w: fn(f64) -> f64| {
-        let each = slopes.iter().enumerate();
-        each.map(|(m, s)| s.value * w(theta(m))).sum::<f64>()
+    let deep = deep(loads)?;
+    let slope = |of: fn(&PointLoad) -> Value| -> Result<Value, String> {
+        let own = deep.iter().map(|l| of(l).times(l.depth).at(l.depth));
+        let fit = line(&own.collect::<Vec<Datum>>()).map_err(|why| why.to_string())?;
+        Ok(fit
+            .parameter("b")
+            .map(Value::from)
+            .expect("a line has a slope"))
     };
-    let drag = sum(libm::cos);
-    let squares = slopes.iter().enumerate().map(|(m, s)| {
-        let part = s.error * libm::sin(theta(m));
-        part * part
-    });
-    let error = (squares.sum::<f64>() * shared()).sqrt();
-    let depths = loads.iter().filter(|l| l.gradient).count();
+    let (lift, drag) = (slope(|l| l.normal_lift)?, slope(|l| l.drag)?);
     Ok((
-        Value::new(sum(libm::sin), error).divided(drag),
-        format!("lines through {depths} effective depths at each angle"),
+        Value::new(lift.value, lift.error).divided(drag.value),
+        format!(
+            "lines through {} effective depths of {DEEP} D or more",
+            deep.len()
+        ),
     ))
+}
+
+/// Loads with a gradient from 16 D on, to a twentieth.
+fn deep(loads: &[PointLoad]) -> Result<Vec<&PointLoad>, String> {
+    let far = |l: &&PointLoad| l.gradient && l.asked > (1.0 - super::SAME_DEPTH) * DEEP;
+    let deep: Vec<&PointLoad> = loads.iter().filter(far).collect();
+    match deep.len() {
+        3.. => Ok(deep),
+        _ => Err(format!(
+            "splitting a load takes three effective depths of {DEEP} D or more with a pressure gradient"
+        )),
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fields::load::{drag_coefficient, simple_lift, weights};
+    use crate::fit::synthetic::normal;
 
     /// A load of the form that appendix B has: `P_0 15 cos(theta)` in front and a part `rho g D 20 sin(theta)`
     /// there with a gradient.
     fn load(depth: f64, gradient: bool, off: f64) -> PointLoad {
         let at = |m: usize| {
-            let front = libm::cos(theta(m));
-            let front = if front > 0.0 { front } else { 0.0 };
-            let asymmetric = if gradient {
-                20.0 * front * libm::sin(theta(m)) / depth
-            } else {
-                0.0
+            let front = libm::cos(theta(m)).max(0.0);
+            let asymmetric = match gradient {
+                true => 20.0 * front * libm::sin(theta(m)) / depth,
+                false => 0.0,
             };
             Value::new((1.0 + off) * 15.0 * front + asymmetric, 0.05)
         };
         let normal: Vec<Value> = (0..POINTS).map(at).collect();
         let plain: Vec<f64> = normal.iter().map(|v| v.value).collect();
+        let lift = 0.5 * 20.0 * 2.0 / 3.0 / depth;
         PointLoad {
             depth,
             asked: depth,
             gradient,
+            runs: vec![RunLoad {
+                seed: 1,
+                depth,
+                normal: normal.clone(),
+            }],
             tangential: vec![Value::new(0.5, 0.1); POINTS],
             tangential_part: Value::new(if gradient { 0.06 } else { 0.04 }, 0.01),
             simple_lift: Value::new(simple_lift(&plain), 0.1),
             drag: Value::new(drag_coefficient(&plain), 0.1),
+            normal_lift: Value::new(if gradient { lift } else { 0.0 }, 0.1),
             lift: Value::new(30.0, 1.0),
             normal,
         }
     }
 
     fn all(off: f64) -> Vec<PointLoad> {
-        let depths = [8.0, 20.0, 35.0];
+        let depths = [16.0, 20.0, 35.0];
         let with = depths.map(|h| load(h, true, 0.0));
         let without = depths.map(|h| load(h, false, if h > 30.0 { off } else { 0.0 }));
         with.into_iter().chain(without).collect()
@@ -332,7 +416,18 @@ mod tests {
         assert!((value("equation-4", &loads).value - 3.18).abs() < 0.02);
         assert_eq!(value("tangential", &loads).value, 0.06);
         assert_eq!(value("stress-pressure", &loads).value, 0.0);
-        assert!((value("tenfold", &loads).value - 30.0 / 3.18).abs() < 0.1);
+        assert!(
+            measure("tenfold", &loads)
+                .unwrap()
+                .unwrap_err()
+                .contains("2 seeds")
+        );
+        let twice = |mut l: PointLoad| {
+            l.runs.push(l.runs[0].clone());
+            l
+        };
+        let two: Vec<PointLoad> = loads.iter().cloned().map(twice).collect();
+        assert!((value("tenfold", &two).value - 30.0 / 3.18).abs() < 0.1);
         assert!(value("collapse", &loads).value < 1e-6);
         assert!(value("split", &loads).value.abs() < 1e-9);
         assert!(measure("steady", &loads).is_none());
@@ -351,9 +446,54 @@ mod tests {
         assert!((value("collapse", &loads).value - 30.3 / 39.5).abs() < 0.01);
     }
 
+    /// A load with errors of 0.2 at every angle, and noise of that size, which neighbouring angles share.
+    fn noisy(mut load: PointLoad, seed: u64) -> PointLoad {
+        let error = 0.2;
+        let kernel = |m: usize| (0..POINTS).map(move |j| (j, weights(theta(j))[m]));
+        for m in 0..POINTS {
+            let scale = kernel(m).map(|(_, w)| w * w).sum::<f64>().sqrt();
+            let own = 100 * seed + load.depth as u64;
+            let noise = kernel(m).map(|(j, w)| w * normal(own, j)).sum::<f64>() / scale;
+            load.normal[m] = Value::new(load.normal[m].value + error * noise, error);
+        }
+        load.runs.clear();
+        load
+    }
+
+    /// Of curves that are alike but for noise that grows with the depth, the spread is none within its error; where
+    /// there is no difference at all, noise does not make one.
+    #[test]
+    fn noise_does_not_collapse() {
+        let all = |gradient: bool, seed: u64, poses: bool| -> Vec<PointLoad> {
+            let one = |depth| PointLoad {
+                gradient: poses,
+                ..noisy(load(depth, gradient, 0.0), seed)
+            };
+            [16.0, 20.0, 35.0].map(one).to_vec()
+        };
+        let (mut inside, mut sets) = (0, 0);
+        for seed in 0..60 {
+            let without = all(false, seed, false);
+            let none = [all(false, 100 + seed, true), without.clone()].concat();
+            assert!(measure("collapse", &none).unwrap().is_err(), "{seed}");
+            let loads = [all(true, 200 + seed, true), without].concat();
+            if let Ok((spread, _)) = measure("collapse", &loads).unwrap() {
+                sets += 1;
+                inside += usize::from(spread.value <= 2.0 * spread.error);
+            }
+        }
+        // Nineteen of twenty would be so by chance alone.
+        assert!(sets > 30 && inside * 10 >= sets * 9, "{inside} of {sets}");
+    }
+
     #[test]
     fn differences_and_splits_are_the_parts_of_the_model() {
-        let loads = all(0.0);
+        let mut loads = all(0.0);
+        // What is deeper by a part has more of the symmetric part, which is no difference.
+        loads[1] = PointLoad {
+            asked: 20.0,
+            ..load(20.6, true, 0.0)
+        };
         let pairs = pairs(&loads);
         assert_eq!(pairs.len(), 3);
         let fits = split(&loads).unwrap();
@@ -362,7 +502,7 @@ mod tests {
             let front = if front > 0.0 { front } else { 0.0 };
             let own = 20.0 * front * libm::sin(theta(m));
             assert!((difference(&pairs[1])[m].value - own).abs() < 1e-9);
-            assert!((odd_part(pairs[0].0)[m] - own).abs() < 1e-9);
+            assert!((odd_part(pairs[0].0)[m].value - own).abs() < 1e-9);
             assert!((fit.parameter("a").unwrap().value - own).abs() < 1e-9);
             assert!((fit.parameter("b").unwrap().value - 15.0 * front).abs() < 1e-9);
             let simple = equation_4(pairs[0].1)[m];

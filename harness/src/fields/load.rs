@@ -38,6 +38,34 @@ pub struct LoadSums {
     samples: [u64; PARTS],
     /// And the sums of the forces, along the flow and up, point by point.
     force: Vec<Vec<[f64; 2]>>,
+    /// The sums of the forces themselves, not shared out.
+    whole: [Sum; PARTS],
+}
+
+/// Sums over contacts with a cylinder, each at its own angle. Divided by the number of samples, and by `L D`,
+/// these are stresses.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sum {
+    /// Force along the flow.
+    pub drag: f64,
+    /// Force up.
+    pub lift: f64,
+    /// The same by normal forces alone.
+    pub normal_drag: f64,
+    /// And up.
+    pub normal_lift: f64,
+    /// Normal force times `sin^2 theta`: of it eq. 4 makes a lift.
+    pub sine_square: f64,
+}
+
+impl Sum {
+    /// The length of the force that is no contact's normal one, over that of the whole.
+    pub fn tangential_part(&self) -> f64 {
+        let length = |x: f64, z: f64| (x * x + z * z).sqrt();
+        let rest = length(self.drag - self.normal_drag, self.lift - self.normal_lift);
+        rest / length(self.drag, self.lift)
+    }
 }
 
 impl Default for LoadSums {
@@ -45,6 +73,7 @@ impl Default for LoadSums {
         Self {
             samples: [0; PARTS],
             force: vec![vec![[0.0; 2]; POINTS]; PARTS],
+            whole: [Sum::default(); PARTS],
         }
     }
 }
@@ -59,6 +88,14 @@ impl LoadSums {
     pub fn add(&mut self, part: usize, contacts: &[(f64, [f64; 2])]) {
         self.samples[part] += 1;
         for (angle, force) in contacts {
+            let (sin, cos) = (libm::sin(*angle), libm::cos(*angle));
+            let normal = force[0] * cos + force[1] * sin;
+            let whole = &mut self.whole[part];
+            whole.drag += force[0];
+            whole.lift += force[1];
+            whole.normal_drag += normal * cos;
+            whole.normal_lift += normal * sin;
+            whole.sine_square += normal * (sin * sin);
             for (sum, weight) in self.force[part].iter_mut().zip(weights(*angle)) {
                 sum[0] += weight * force[0];
                 sum[1] += weight * force[1];
@@ -93,6 +130,19 @@ impl LoadSums {
             load.tangential.push(whole(&tangential));
             load.tangential_error.push(error(&parts(&tangential)));
         }
+        let each = self.whole.iter().zip(self.samples);
+        load.parts = each
+            .map(|(sum, n)| {
+                let over = |x: f64| x / (n as f64 * length * diameter);
+                Sum {
+                    drag: over(sum.drag),
+                    lift: over(sum.lift),
+                    normal_drag: over(sum.normal_drag),
+                    normal_lift: over(sum.normal_lift),
+                    sine_square: over(sum.sine_square),
+                }
+            })
+            .collect();
         Some(load)
     }
 }
@@ -113,10 +163,13 @@ pub struct Load {
     pub normal: Vec<f64>,
     /// Its standard error, from eight parts of the window.
     pub normal_error: Vec<f64>,
-    /// In the plane x, z, along growing angle times -1: positive where it pushes as the flow goes round.
+    /// In the plane x, z, along growing angle: with the flow below, against it above.
     pub tangential: Vec<f64>,
     /// Its standard error.
     pub tangential_error: Vec<f64>,
+    /// Forces over `L D`, mean over each of the eight parts, from contacts at their own angles: what is shared out
+    /// over angles turns a fiftieth of a normal force into a tangential one.
+    pub parts: Vec<Sum>,
 }
 
 impl Load {
@@ -143,12 +196,13 @@ impl Load {
         [libm::cos, libm::sin].map(|w| Self::half_integral(&self.normal, w))
     }
 
-    /// Part of the force, drag or lift taken together, that is the tangential stress's: the length of what it
-    /// comes to over that of the whole.
-    pub fn tangential_part(&self) -> f64 {
-        let length = |[x, z]: [f64; 2]| (x * x + z * z).sqrt();
-        let (whole, normal) = (self.forces(), self.normal_forces());
-        length([whole[0] - normal[0], whole[1] - normal[1]]) / length(whole)
+    /// What `of` gives for the whole window, mean over its parts, and its standard error from them.
+    pub fn mean(&self, of: impl Fn(&Sum) -> f64) -> (f64, f64) {
+        let values: Vec<f64> = self.parts.iter().map(of).collect();
+        (
+            values.iter().sum::<f64>() / values.len() as f64,
+            error(&values),
+        )
     }
 
     /// Mean of the normal stress over points whose angle from `angle` is within `half`.
@@ -240,6 +294,12 @@ mod tests {
             assert!((forces[a] * d * l - mean).abs() < 1e-12 * mean.abs().max(1.0));
         }
         assert!(load.normal_error.iter().all(|e| *e >= 0.0));
+        // The contacts themselves say so too: parts are of unequal length, each is its own mean.
+        let last = &load.parts[PARTS - 1];
+        let own: f64 = (0..PARTS)
+            .map(|k| 3.1 + libm::sin((7 * (PARTS - 1) + k) as f64))
+            .sum();
+        assert!((last.drag * d * l - own / PARTS as f64).abs() < 1e-12);
         assert!(sums.is_whole());
         // A part of the window without a sample has no mean.
         let mut half = LoadSums::default();
@@ -268,7 +328,12 @@ mod tests {
         let grazing = only(quarter, [1.0, 0.0]);
         near(grazing.normal_forces(), [0.0, 0.0]);
         near(grazing.forces(), [1.0, 0.0]);
-        assert!(grazing.tangential_part() > 0.979);
+        let part = |load: &Load| load.mean(Sum::tangential_part).0;
+        assert!((part(&grazing) - 1.0).abs() < 1e-12 && part(&front) < 1e-12);
+        assert!(part(&only(2.5, [-libm::cos(2.5), -libm::sin(2.5)])) < 1e-12);
+        let bottom = only(quarter, [0.0, 1.0]);
+        assert!((bottom.mean(|s| s.sine_square).0 - 1.0).abs() < 1e-12);
+        assert!(front.mean(|s| s.sine_square).0 < 1e-12);
         assert!(grazing.tangential[POINTS / 4] > 0.0);
     }
 

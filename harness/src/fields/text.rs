@@ -87,6 +87,8 @@ pub fn vti(fields: &Fields, scales: Scales) -> String {
     ];
     format!(
         "<?xml version=\"1.0\"?>\n<!-- lengths in {}, velocities in {}, stresses in {} over length^2; {} -->\n\
+         <!-- from the intruder's centre, z from the floor; velocity in the intruder's frame; compression is \
+         positive; what is marked by vtkGhostType 2 (or flag 2) holds no data, whatever stands there -->\n\
          <VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n\
          <ImageData WholeExtent=\"{extent}\" Origin=\"{}\" Spacing=\"{}\">\n<Piece Extent=\"{extent}\">\n\
          <PointData Scalars=\"pressure\" Vectors=\"velocity\" Tensors=\"stress\">\n{}</PointData>\n</Piece>\n\
@@ -118,7 +120,7 @@ pub fn plane_text(fields: &Fields, scales: Scales) -> String {
     let mut out = format!(
         "# x from the intruder's centre, z from the floor, in {}; velocities in the intruder's frame, \
          far_velocity_x in that of the far grains, in {}; stresses in {} over length^2, compression positive; \
-         flag 0 whole, 1 cut by the intruder, 2 no data; {}\n{PLANE_COLUMNS}\n",
+         flag 0 whole, 1 window cut by the intruder or the floor, 2 no data; {}\n{PLANE_COLUMNS}\n",
         scales.units.length,
         scales.units.speed,
         scales.units.force,
@@ -165,7 +167,7 @@ pub fn plane_text(fields: &Fields, scales: Scales) -> String {
 pub fn load_text(load: &Load, units: &Units) -> String {
     let mut out = format!(
         "# theta in radians, 0 at the front, 0 to pi/2 in the bottom front quarter; stresses in {} over length^2, \
-         normal ones positive in compression; {}\n{LOAD_COLUMNS}\n",
+         normal ones positive in compression, tangential ones along growing theta; {}\n{LOAD_COLUMNS}\n",
         units.force,
         bits()
     );

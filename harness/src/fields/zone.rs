@@ -7,24 +7,20 @@ const NEAR: f64 = 0.25;
 
 /// `integral |v - v_far|/V dA` above the intruder's centre and below it, over its diameter squared: V is the
 /// speed of the motion, v_far the mean velocity of the far field at the same height, and both areas reach to
-/// `reach` from the centre. `None` where nothing is known of one of them.
+/// `reach` from the centre. The same of the far field, which is what noise makes of it, is taken off. `None` where
+/// nothing is known of one of them.
 pub fn disturbance(fields: &Fields, hole: Hole, speed: f64, reach: f64) -> Option<[f64; 2]> {
     let [nx, _, nz] = fields.grid.counts;
     let [step_x, _, step_z] = fields.grid.step();
     let near = |kx: &usize| fields.grid.at(0, *kx).abs() < NEAR * fields.grid.size[0];
-    let mut areas = [0.0; 2];
-    let mut rows = [0; 2];
+    let (mut areas, mut heights) = ([0.0; 2], [0.0; 2]);
     for kz in 0..nz {
-        let off = fields.grid.at(2, kz) - hole.height;
-        if off.abs() > reach {
-            continue;
-        }
         let row = |inside: bool| {
             let all = (0..nx).filter(move |kx| near(kx) == inside);
             all.filter_map(move |kx| fields.at(kx, kz))
         };
-        let far = row(false).count() as f64;
-        if far == 0.0 {
+        let [close, far] = [true, false].map(|inside| row(inside).count() as f64);
+        if close == 0.0 || far == 0.0 {
             continue;
         }
         let mean = [0, 1, 2].map(|a| row(false).map(|p| p.velocity[a]).sum::<f64>() / far);
@@ -32,12 +28,20 @@ pub fn disturbance(fields: &Fields, hole: Hole, speed: f64, reach: f64) -> Optio
             let off = [0, 1, 2].map(|a| p.velocity[a] - mean[a]);
             (off[0] * off[0] + off[1] * off[1] + off[2] * off[2]).sqrt()
         };
-        let side = usize::from(off < 0.0);
-        areas[side] += row(true).map(apart).sum::<f64>() * step_x * step_z;
-        rows[side] += 1;
+        let sum = |inside: bool| row(inside).map(apart).sum::<f64>();
+        let own = (sum(true) - sum(false) * close / far) * step_x;
+        // Of a cell across the centre each side gets its part.
+        let z = fields.grid.at(2, kz) - hole.height;
+        for (side, [low, high]) in [[0.0, reach], [-reach, 0.0]].into_iter().enumerate() {
+            let part = (z + 0.5 * step_z).min(high) - (z - 0.5 * step_z).max(low);
+            if part > 0.0 {
+                areas[side] += own * part;
+                heights[side] += part;
+            }
+        }
     }
     let square = 4.0 * hole.radius * hole.radius;
-    (rows[0] > 0 && rows[1] > 0).then(|| areas.map(|area| area / (speed * square)))
+    (heights[0] > 0.0 && heights[1] > 0.0).then(|| areas.map(|area| area / (speed * square)))
 }
 
 #[cfg(test)]
@@ -76,7 +80,18 @@ mod tests {
         };
         let areas = disturbance(&fields, hole, 1.0, 5.0).unwrap();
         assert_eq!(areas, [8.0 * 3.0 / 4.0, 4.0 * 3.0 / 4.0]);
-        // No nearer edge than asked for counts on one side alone.
+        // A cell that the centre cuts is shared out; this grid has cells of half a unit.
+        let off = Hole {
+            height: 10.1,
+            ..hole
+        };
+        let shared = disturbance(&fields, off, 1.0, 5.0).unwrap();
+        let want = [8.0 * 2.9 / 4.0, (8.0 * 0.1 + 4.0 * 3.0) / 4.0];
+        assert!(
+            (0..2).all(|k| (shared[k] - want[k]).abs() < 1e-12),
+            "{shared:?}"
+        );
+        // No farther than asked for counts.
         assert_eq!(disturbance(&fields, hole, 1.0, 1.0).unwrap(), [2.0, 1.0]);
         for k in 0..1600 {
             if place(k)[1] < 0.0 {

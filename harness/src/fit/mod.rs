@@ -20,7 +20,7 @@ pub mod power;
 pub mod regimes;
 mod segments;
 #[cfg(test)]
-mod synthetic;
+pub(crate) mod synthetic;
 
 use serde::{Deserialize, Serialize};
 use std::fmt;

@@ -249,11 +249,7 @@ fn differences(loads: &[PointLoad], name: &str) -> String {
     let mut out = figure(svg, &keys, &caption);
     let (mut points, mut lines, mut keys) = (Vec::new(), Vec::new(), Vec::new());
     for (k, load) in loads.iter().filter(|l| l.gradient).enumerate() {
-        let values: Vec<Value> = odd_part(load)
-            .into_iter()
-            .zip(&load.normal)
-            .map(|(odd, v)| Value::new(odd, v.error * load.depth / 2.0_f64.sqrt()))
-            .collect();
+        let values = odd_part(load);
         points.extend(marks(&values, k));
         lines.push(line(mean(&values), true));
         keys.push((k, depth(load)));
@@ -278,7 +274,7 @@ fn differences(loads: &[PointLoad], name: &str) -> String {
 
 /// The part that goes with the pressure and that which goes with its gradient (appendix B).
 fn parts(loads: &[PointLoad], name: &str) -> String {
-    let Some(fits) = split(loads) else {
+    let Ok(fits) = split(loads) else {
         return String::new();
     };
     let of = |parameter: &str| -> Vec<Value> {
