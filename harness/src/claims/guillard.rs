@@ -3,7 +3,8 @@
 use super::fits::{drag_slope, plateau};
 use super::judged::{FAR_FIELD_LEAST, TRAVEL_LEAST, least};
 use super::kumar::{Found, farthest};
-use super::load;
+use super::load::loads;
+use super::load_claims::measure as measure_loads;
 use super::points::{Group, Point, Spread, Way, groups};
 use crate::analysis::Value;
 use crate::scenario::Shape;
@@ -40,7 +41,7 @@ pub fn measure(id: &str, summary: &Summary) -> Option<Found> {
         "steady" => halves(summary),
         "zone" => zones(summary, group, true),
         "symmetry" => zones(summary, group, false),
-        _ => load::measure(rest, &load::loads(summary, group))?,
+        _ => measure_loads(rest, &loads(summary, group))?,
     };
     Some(found.and_then(|found| steady(group, found)))
 }

@@ -1,31 +1,25 @@
 //! What runs say together of the load on the cylinder (Guillard 2014, section IV and appendix B).
 
-use super::judged::least;
-use super::kumar::Found;
 use super::points::{Group, Point, Spread};
 use crate::analysis::Value;
-use crate::fields::load::{Load, POINTS, Sum, WIDTH, odd, theta};
+use crate::fields::load::{Load, POINTS, Sum, odd, theta};
 use crate::fit::linear::line;
 use crate::fit::{Datum, Fit};
 use crate::summary::Summary;
 
 /// Effective depth over D from which the surface is far (Guillard 2014, section III B).
-const DEEP: f64 = 16.0;
+pub(super) const DEEP: f64 = 16.0;
 /// Least error of a stress over the largest of its curve: where hardly a grain touches, eight parts say nothing of
 /// one.
 const LEAST_ERROR: f64 = 0.05;
-/// A difference is told from none from so many errors on.
-const TOLD: f64 = 4.0;
-/// Fewest seeds of every depth whose lift is told.
-const SEEDS: usize = 2;
 
 /// The load of one run over the pressure there: the vertical stress at the cylinder's axis, as the drag is compared.
 #[derive(Clone, Debug, PartialEq)]
-struct RunLoad {
-    seed: u64,
+pub(super) struct RunLoad {
+    pub seed: u64,
     /// That pressure over rho g D.
-    depth: f64,
-    normal: Vec<Value>,
+    pub depth: f64,
+    pub normal: Vec<Value>,
 }
 
 /// The load of the runs of a point, mean over its seeds; every curve by angle, as [`theta`] has it, over the
@@ -38,7 +32,7 @@ pub struct PointLoad {
     pub asked: f64,
     /// Whether the bed has weight below the lid.
     pub gradient: bool,
-    runs: Vec<RunLoad>,
+    pub(super) runs: Vec<RunLoad>,
     /// Normal stress.
     pub normal: Vec<Value>,
     /// Tangential stress.
@@ -184,170 +178,8 @@ pub fn split(loads: &[PointLoad]) -> Result<Vec<Fit>, String> {
     (0..POINTS).map(at).collect()
 }
 
-/// The measurement of a claim about loads; `None` where this is none.
-pub(super) fn measure(id: &str, loads: &[PointLoad]) -> Option<Found> {
-    let without = || loads.iter().filter(|l| !l.gradient);
-    let all = |of: &dyn Fn(&PointLoad) -> Value| -> Found {
-        let values: Vec<(f64, f64)> = without().map(of).map(|v| (v.value, v.error)).collect();
-        match values.len() {
-            0 => Err(
-                "no run without a pressure gradient has a load: measure.fields asks for them"
-                    .into(),
-            ),
-            n => Ok((
-                Spread::of(&values).into(),
-                format!("mean of {n} effective depths"),
-            )),
-        }
-    };
-    Some(match id {
-        "front" => all(&|l| near(l, 0)),
-        "rear" => all(&|l| near(l, POINTS / 2)),
-        "equation-4" => all(&|l| l.simple_lift),
-        "tangential" => {
-            let parts = loads.iter().map(|l| (l.tangential_part, note(l)));
-            let most = parts.reduce(|a, b| if b.0.value > a.0.value { b } else { a });
-            most.ok_or_else(|| "no run has a load: measure.fields asks for them".into())
-        }
-        "stress-pressure" => apart(&without().collect::<Vec<_>>()),
-        "collapse" => collapse(&pairs(loads)),
-        "tenfold" => tenfold(loads),
-        "split" => lift_of_slope(loads),
-        _ => return None,
-    })
-}
-
-fn note(load: &PointLoad) -> String {
-    format!("h~/D = {:.0}", load.depth)
-}
-
-/// Lift of the deepest pair over what eq. 4 makes of its load without gradient.
-fn tenfold(loads: &[PointLoad]) -> Found {
-    let pairs = pairs(loads);
-    let deepest = pairs
-        .into_iter()
-        .reduce(|a, b| if b.0.depth > a.0.depth { b } else { a });
-    let none =
-        "no two runs with loads, with and without a pressure gradient, have one effective depth";
-    let (with, without) = deepest.ok_or(none)?;
-    if with.runs.len() < SEEDS {
-        return Err(format!(
-            "a lift is told from {SEEDS} seeds or more; there are {}",
-            with.runs.len()
-        ));
-    }
-    Ok((with.lift.over(without.simple_lift), note(with)))
-}
-
-/// Mean of the two points on either side of an angle.
-fn near(load: &PointLoad, m: usize) -> Value {
-    let (a, b) = (load.normal[(m + POINTS - 1) % POINTS], load.normal[m]);
-    // They share nearly all of their contacts.
-    Value::new(0.5 * (a.value + b.value), 0.5 * (a.error + b.error))
-}
-
-/// Largest difference between depths at any angle, beyond two errors of it, over the largest stress.
-fn apart(loads: &[&PointLoad]) -> Found {
-    let mut largest: Option<(Value, String)> = None;
-    for (k, a) in loads.iter().enumerate() {
-        for b in &loads[..k] {
-            for m in 0..POINTS {
-                let off = a.normal[m].less(b.normal[m]);
-                let beyond = Value::new(off.value.abs() - 2.0 * off.error, off.error);
-                if largest
-                    .as_ref()
-                    .is_none_or(|(most, _)| beyond.value > most.value)
-                {
-                    let note =
-                        format!("{} against {} at theta = {:.2}", note(a), note(b), theta(m));
-                    largest = Some((beyond, note));
-                }
-            }
-        }
-    }
-    let (most, note) = largest.ok_or("one effective depth alone has a load without gradient")?;
-    let peak = loads.iter().flat_map(|l| &l.normal).map(|v| -v.value);
-    let beyond = if most.value > 0.0 { most.value } else { 0.0 };
-    Ok((Value::new(beyond, most.error).divided(-least(peak)), note))
-}
-
-/// Spread over depths of the differences, root mean square over the angles and beyond their errors, over the
-/// largest mean difference. Refused where that is not told from none: then noise alone would make the spread.
-fn collapse(pairs: &[(&PointLoad, &PointLoad)]) -> Found {
-    let curves: Vec<Vec<Value>> = pairs.iter().map(difference).collect();
-    let n = curves.len() as f64;
-    if curves.len() < 2 {
-        return Err(
-            "a collapse takes two effective depths or more with loads with and without gradient"
-                .into(),
-        );
-    }
-    let (mut seen, mut known, mut fourth) = (0.0, 0.0, 0.0);
-    let mut peak = Value::new(0.0, 1.0);
-    for m in 0..POINTS {
-        let at: Vec<Value> = curves.iter().map(|c| c[m]).collect();
-        let mean = at.iter().map(|v| v.value).sum::<f64>() / n;
-        let own: f64 = at.iter().map(|v| v.error * v.error).sum();
-        seen += at
-            .iter()
-            .map(|v| (v.value - mean) * (v.value - mean))
-            .sum::<f64>()
-            / (n - 1.0);
-        known += own / n;
-        fourth += at.iter().map(|v| libm::pow(v.error, 4.0)).sum::<f64>() / n;
-        if mean.abs() > peak.value {
-            peak = Value::new(mean.abs(), own.sqrt() / n);
-        }
-    }
-    let told = format!(
-        "largest difference {:.0} +- {:.0} rho g D over {} effective depths",
-        peak.value,
-        peak.error,
-        curves.len()
-    );
-    if peak.value < TOLD * peak.error {
-        return Err(format!("{told}, which is not told from none"));
-    }
-    // Numbers of unequal variance count as fewer, and neighbouring angles as one.
-    let counted = known * known / fourth / POINTS as f64 * SQUARES * (n - 1.0);
-    let points = POINTS as f64;
-    let (seen, known) = (seen / points, known / points);
-    let left = if seen > known { seen - known } else { 0.0 };
-    let noise = ((2.0 * known * known + 4.0 * known * left) / counted).sqrt();
-    let spread = left.sqrt();
-    // The error of a root, but for one near zero.
-    let (slope, most) = (0.5 * noise / spread, noise.sqrt());
-    let error = if slope < most { slope } else { most };
-    Ok((Value::new(spread, error).divided(peak.value), told))
-}
-
-/// How many angles are independent of each other in a mean of squares: the Gaussian's own correlation, squared, is
-/// that much long.
-const SQUARES: f64 = 2.506_628_274_631 / WIDTH;
-
-/// Lift over drag of the part of the normal forces that goes with the pressure: appendix B has it symmetric.
-fn lift_of_slope(loads: &[PointLoad]) -> Found {
-    let deep = deep(loads)?;
-    let slope = |of: fn(&PointLoad) -> Value| -> Result<Value, String> {
-        let own = deep.iter().map(|l| of(l).times(l.depth).at(l.depth));
-        let fit = line(&own.collect::<Vec<Datum>>()).map_err(|why| why.to_string())?;
-        Ok(fit
-            .parameter("b")
-            .map(Value::from)
-            .expect("a line has a slope"))
-    };
-    let (lift, drag) = (slope(|l| l.normal_lift)?, slope(|l| l.drag)?);
-    Ok((
-        Value::new(lift.value, lift.error).divided(drag.value),
-        format!(
-            "lines through {} effective depths of {DEEP} D or more",
-            deep.len()
-        ),
-    ))
-}
-
 /// Loads with a gradient from 16 D on, to a twentieth.
-fn deep(loads: &[PointLoad]) -> Result<Vec<&PointLoad>, String> {
+pub(super) fn deep(loads: &[PointLoad]) -> Result<Vec<&PointLoad>, String> {
     let far = |l: &&PointLoad| l.gradient && l.asked > (1.0 - super::SAME_DEPTH) * DEEP;
     let deep: Vec<&PointLoad> = loads.iter().filter(far).collect();
     match deep.len() {
@@ -355,167 +187,5 @@ fn deep(loads: &[PointLoad]) -> Result<Vec<&PointLoad>, String> {
         _ => Err(format!(
             "splitting a load takes three effective depths of {DEEP} D or more with a pressure gradient"
         )),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::fields::load::{drag_coefficient, simple_lift, weights};
-    use crate::fit::synthetic::normal;
-
-    /// A load of the form that appendix B has: `P_0 15 cos(theta)` in front and a part `rho g D 20 sin(theta)`
-    /// there with a gradient.
-    fn load(depth: f64, gradient: bool, off: f64) -> PointLoad {
-        let at = |m: usize| {
-            let front = libm::cos(theta(m)).max(0.0);
-            let asymmetric = match gradient {
-                true => 20.0 * front * libm::sin(theta(m)) / depth,
-                false => 0.0,
-            };
-            Value::new((1.0 + off) * 15.0 * front + asymmetric, 0.05)
-        };
-        let normal: Vec<Value> = (0..POINTS).map(at).collect();
-        let plain: Vec<f64> = normal.iter().map(|v| v.value).collect();
-        let lift = 0.5 * 20.0 * 2.0 / 3.0 / depth;
-        PointLoad {
-            depth,
-            asked: depth,
-            gradient,
-            runs: vec![RunLoad {
-                seed: 1,
-                depth,
-                normal: normal.clone(),
-            }],
-            tangential: vec![Value::new(0.5, 0.1); POINTS],
-            tangential_part: Value::new(if gradient { 0.06 } else { 0.04 }, 0.01),
-            simple_lift: Value::new(simple_lift(&plain), 0.1),
-            drag: Value::new(drag_coefficient(&plain), 0.1),
-            normal_lift: Value::new(if gradient { lift } else { 0.0 }, 0.1),
-            lift: Value::new(30.0, 1.0),
-            normal,
-        }
-    }
-
-    fn all(off: f64) -> Vec<PointLoad> {
-        let depths = [16.0, 20.0, 35.0];
-        let with = depths.map(|h| load(h, true, 0.0));
-        let without = depths.map(|h| load(h, false, if h > 30.0 { off } else { 0.0 }));
-        with.into_iter().chain(without).collect()
-    }
-
-    fn value(id: &str, loads: &[PointLoad]) -> Value {
-        measure(id, loads).unwrap().unwrap().0
-    }
-
-    #[test]
-    fn claims_are_read_off_the_model() {
-        let loads = all(0.0);
-        assert!((value("front", &loads).value - 15.0).abs() < 0.05);
-        assert!(value("rear", &loads).value.abs() < 1e-9);
-        assert!((value("equation-4", &loads).value - 3.18).abs() < 0.02);
-        assert_eq!(value("tangential", &loads).value, 0.06);
-        assert_eq!(value("stress-pressure", &loads).value, 0.0);
-        assert!(
-            measure("tenfold", &loads)
-                .unwrap()
-                .unwrap_err()
-                .contains("2 seeds")
-        );
-        let twice = |mut l: PointLoad| {
-            l.runs.push(l.runs[0].clone());
-            l
-        };
-        let two: Vec<PointLoad> = loads.iter().cloned().map(twice).collect();
-        assert!((value("tenfold", &two).value - 30.0 / 3.18).abs() < 0.1);
-        assert!(value("collapse", &loads).value < 1e-6);
-        assert!(value("split", &loads).value.abs() < 1e-9);
-        assert!(measure("steady", &loads).is_none());
-    }
-
-    #[test]
-    fn stress_that_does_not_go_with_the_pressure_is_seen() {
-        let loads = all(0.2);
-        let apart = value("stress-pressure", &loads);
-        // A fifth less two errors of a difference.
-        assert!(
-            (apart.value - (3.0 - 2.0 * 0.05 * 2.0_f64.sqrt()) / 18.0).abs() < 0.01,
-            "{apart:?}"
-        );
-        // One of three lies 105 cos off: 60.6 cos of deviation, 30.3 over the turn, of a largest mean of 39.5.
-        assert!((value("collapse", &loads).value - 30.3 / 39.5).abs() < 0.01);
-    }
-
-    /// A load with errors of 0.2 at every angle, and noise of that size, which neighbouring angles share.
-    fn noisy(mut load: PointLoad, seed: u64) -> PointLoad {
-        let error = 0.2;
-        let kernel = |m: usize| (0..POINTS).map(move |j| (j, weights(theta(j))[m]));
-        for m in 0..POINTS {
-            let scale = kernel(m).map(|(_, w)| w * w).sum::<f64>().sqrt();
-            let own = 100 * seed + load.depth as u64;
-            let noise = kernel(m).map(|(j, w)| w * normal(own, j)).sum::<f64>() / scale;
-            load.normal[m] = Value::new(load.normal[m].value + error * noise, error);
-        }
-        load.runs.clear();
-        load
-    }
-
-    /// Of curves that are alike but for noise that grows with the depth, the spread is none within its error; where
-    /// there is no difference at all, noise does not make one.
-    #[test]
-    fn noise_does_not_collapse() {
-        let all = |gradient: bool, seed: u64, poses: bool| -> Vec<PointLoad> {
-            let one = |depth| PointLoad {
-                gradient: poses,
-                ..noisy(load(depth, gradient, 0.0), seed)
-            };
-            [16.0, 20.0, 35.0].map(one).to_vec()
-        };
-        let (mut inside, mut sets) = (0, 0);
-        for seed in 0..60 {
-            let without = all(false, seed, false);
-            let none = [all(false, 100 + seed, true), without.clone()].concat();
-            assert!(measure("collapse", &none).unwrap().is_err(), "{seed}");
-            let loads = [all(true, 200 + seed, true), without].concat();
-            if let Ok((spread, _)) = measure("collapse", &loads).unwrap() {
-                sets += 1;
-                inside += usize::from(spread.value <= 2.0 * spread.error);
-            }
-        }
-        // Nineteen of twenty would be so by chance alone.
-        assert!(sets > 30 && inside * 10 >= sets * 9, "{inside} of {sets}");
-    }
-
-    #[test]
-    fn differences_and_splits_are_the_parts_of_the_model() {
-        let mut loads = all(0.0);
-        // What is deeper by a part has more of the symmetric part, which is no difference.
-        loads[1] = PointLoad {
-            asked: 20.0,
-            ..load(20.6, true, 0.0)
-        };
-        let pairs = pairs(&loads);
-        assert_eq!(pairs.len(), 3);
-        let fits = split(&loads).unwrap();
-        for (m, fit) in fits.iter().enumerate() {
-            let front = libm::cos(theta(m));
-            let front = if front > 0.0 { front } else { 0.0 };
-            let own = 20.0 * front * libm::sin(theta(m));
-            assert!((difference(&pairs[1])[m].value - own).abs() < 1e-9);
-            assert!((odd_part(pairs[0].0)[m].value - own).abs() < 1e-9);
-            assert!((fit.parameter("a").unwrap().value - own).abs() < 1e-9);
-            assert!((fit.parameter("b").unwrap().value - 15.0 * front).abs() < 1e-9);
-            let simple = equation_4(pairs[0].1)[m];
-            assert!((simple - 7.5 * front * libm::sin(theta(m))).abs() < 1e-9);
-        }
-    }
-
-    #[test]
-    fn what_is_missing_is_said() {
-        let why = |id: &str, loads: &[PointLoad]| measure(id, loads).unwrap().unwrap_err();
-        assert!(why("front", &[]).contains("measure.fields"));
-        assert!(why("collapse", &all(0.0)[..1]).contains("two effective depths"));
-        assert!(why("split", &all(0.0)[..2]).contains("three effective depths"));
-        assert!(why("tenfold", &all(0.0)[..3]).contains("no two runs"));
     }
 }

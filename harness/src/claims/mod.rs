@@ -9,6 +9,7 @@ mod judged;
 pub mod kumar;
 mod kumar_scaling;
 pub mod load;
+mod load_claims;
 mod points;
 pub mod restitution;
 mod soundness;
