@@ -9,7 +9,11 @@ use bitgrain_tests::{golden, printed};
 const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
 
 /// Goldens that the book's measurements come from.
-const GOLDENS: [&str; 2] = ["guillard-small/summary.json", "kumar-small/results.csv.gz"];
+const GOLDENS: [&str; 3] = [
+    "guillard-small/summary.json",
+    "kumar-small/results.csv.gz",
+    "kumar-middle/results.csv.gz",
+];
 
 fn book() -> (Book, String) {
     let text = std::fs::read_to_string(golden("claims.toml")).unwrap();

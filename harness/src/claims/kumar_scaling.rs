@@ -30,7 +30,8 @@ pub(super) fn yields(id: &str, of: &Of) -> Option<Found> {
         "frictionless-yield" => {
             let over = |(curve, _, own): (&Curve, &Speeds, &Yield)| {
                 let force = own.force.found()?;
-                Some((Value::new(force.value / force.error, 0.0), name(curve)))
+                // So many errors, known to one.
+                Some((Value::new(force.value / force.error, 1.0), name(curve)))
             };
             least(
                 slick().filter_map(over).collect(),

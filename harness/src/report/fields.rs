@@ -80,8 +80,8 @@ pub(super) fn section(summary: &Summary, groups: &[Group], pictures: &[FieldPict
          along y, without a pressure gradient at the left and with one at the right where there are both; one \
          scale for both. V is the speed of the motion, P<sub>0</sub> the pressure &rho;gh\u{303}. Inside the dashed \
          circle the intruder fills a part of the windows, and the pressure is too low. Dashed line: free surface of \
-         the settled bed. One of the seeds of each kind; <code>fields.vti</code> in the folder of each run is for ParaView, \
-         <code>plane.csv</code> has what is drawn here.</p>\n{body}</section>\n"
+         the settled bed. One of the seeds of each kind; <code>fields.vti</code> in the folder of each run is for \
+         ParaView, <code>plane.csv</code> has what is drawn here.</p>\n{body}</section>\n"
     )
 }
 
