@@ -141,7 +141,10 @@ fn cost(scenario: &Scenario, work: &Work, threads: usize, speed: f64, out: &mut 
     let drags = dragged.iter().sum::<u64>();
     out.add("steps in all", format!("{steps} (drags {drags})"));
     let at_once = threads.min(runs.len());
-    out.add("memory", bytes(MEMORY * (grains * at_once) as f64));
+    // Sums of fields, and twice as much where a state is saved.
+    let sums = 3.0 * SUMS * points(scenario).iter().product::<f64>();
+    let memory = (MEMORY * grains as f64 + sums) * at_once as f64;
+    out.add("memory", bytes(memory));
     out.add("disk", bytes(disk(scenario, &runs, grains, beds.len())));
     let million = 1e-6 * speed;
     out.add(
@@ -261,6 +264,12 @@ pub(crate) fn side_by_side(jobs: &[u64], threads: usize) -> u64 {
     load.into_iter().max().unwrap_or(0)
 }
 
+/// Points of the fields along each axis; none where there are no fields.
+fn points(scenario: &Scenario) -> [f64; 3] {
+    let asked = scenario.measure.fields.as_ref();
+    asked.map_or([0; 3], |fields| fields.grid).map(|n| n as f64)
+}
+
 pub(crate) fn disk(scenario: &Scenario, runs: &[RunPlan], grains: usize, beds: usize) -> f64 {
     let grains = grains as f64;
     // Twice: in the library and in the run directory.
@@ -268,12 +277,7 @@ pub(crate) fn disk(scenario: &Scenario, runs: &[RunPlan], grains: usize, beds: u
     let rows = |run: &RunPlan| (run.steps / scenario.measure.every) as f64;
     let states = |run: &RunPlan| run.checkpoints.len() as f64 * grains * CHECKPOINT;
     let shown = |run: &RunPlan| run.snapshots.len() as f64 * grains * SNAPSHOT;
-    let points = scenario
-        .measure
-        .fields
-        .as_ref()
-        .map_or([0; 3], |f| f.grid)
-        .map(|n| n as f64);
+    let points = points(scenario);
     let fields = |run: &RunPlan| {
         let whole = points[0] * points[1] * points[2];
         whole * (IMAGE + SUMS * run.checkpoints.len() as f64) + points[0] * points[2] * PLANE

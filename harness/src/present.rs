@@ -19,14 +19,15 @@ use crate::report::{self, BedPicture, Course, FieldPicture, FlowGrain, FlowPictu
 use crate::scenario::{Moves, RunPlan, Shape as ShapeAsked};
 use crate::series::{SeriesRow, read_series};
 use crate::sim::Role;
-use crate::summary::{BedSummary, RunSummary, Summary, read_summary};
+use crate::summary::{BedSummary, RunSummary, Summary, read_folder};
 
-/// Writes the report of a run directory from the files in it.
+/// Writes the report of a run directory from the files in it: of what is done, where the run has not come to its
+/// end.
 ///
 /// # Errors
 /// [`Error::Input`] where one of them is missing or damaged, [`Error::Write`].
 pub fn write_report(folder: &Folder<'_>) -> Result<()> {
-    let whole = read_summary(&folder.summary())?;
+    let (_, whole) = read_folder(folder)?;
     let text = std::fs::read_to_string(folder.scenario())
         .map_err(|e| Error::read(&folder.scenario(), &e))?;
     let series = whole
@@ -37,22 +38,21 @@ pub fn write_report(folder: &Folder<'_>) -> Result<()> {
     let moves = whole.inputs.drag.moves;
     let stills = whole.beds.iter().map(|bed| still(folder, bed, moves));
     let stills: Vec<Still> = stills.collect::<Result<_>>()?;
-    let (plans, packed) = (whole.inputs.runs(), whole.inputs.measure.gzip);
-    let flows = whole
-        .runs
-        .iter()
-        .zip(&plans)
-        .map(|(run, plan)| flow(folder, run, plan, &stills[plan.bed], packed));
+    let packed = whole.inputs.measure.gzip;
+    let planned = plans(&whole)?;
+    let flows = planned.iter().map(|(run, plan)| {
+        let mut beds = stills.iter().filter(|still| still.picture.name == run.bed);
+        let still = beds.next().ok_or_else(|| unplanned(&run.bed))?;
+        flow(folder, run, plan, still, packed)
+    });
     let flows: Vec<Option<FlowPicture>> = flows.collect::<Result<_>>()?;
     let flows: Vec<FlowPicture> = flows.into_iter().flatten().collect();
     let pictures: Vec<BedPicture> = stills.into_iter().map(|still| still.picture).collect();
     let page = if whole.runs.iter().any(|run| run.flow.is_some()) {
         let courses = whole.runs.iter().map(|run| course(folder, run));
         let courses: Vec<Course> = courses.collect::<Result<_>>()?;
-        let maps = whole
-            .runs
+        let maps = planned
             .iter()
-            .zip(&plans)
             .map(|(run, plan)| map(folder, &whole, run, plan));
         let maps: Vec<Option<FieldPicture>> = maps.collect::<Result<_>>()?;
         let maps: Vec<FieldPicture> = maps.into_iter().flatten().collect();
@@ -61,6 +61,22 @@ pub fn write_report(folder: &Folder<'_>) -> Result<()> {
         report::page(&whole, &text, &series, &pictures, &flows)
     };
     write_whole(&folder.report(), page.as_bytes())
+}
+
+/// The drags of a summary with their plans.
+fn plans(whole: &Summary) -> Result<Vec<(&RunSummary, RunPlan)>> {
+    let plans = whole.inputs.runs();
+    let plan = |run: &RunSummary| plans.iter().find(|plan| plan.name == run.name).cloned();
+    let each = whole.runs.iter();
+    each.map(|run| Ok((run, plan(run).ok_or_else(|| unplanned(&run.name))?)))
+        .collect()
+}
+
+fn unplanned(name: &str) -> Error {
+    Error::input(
+        name,
+        "is not of the scenario beside it; was summary.json changed?",
+    )
 }
 
 /// A settled bed: its picture, and which of its grains are the lid's, which no dump says.

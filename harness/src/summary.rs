@@ -297,7 +297,7 @@ pub fn read_folder(folder: &Folder) -> Result<(String, Summary)> {
         records.push((text, record));
     }
     let Some((_, first)) = records.first() else {
-        let problem = "holds no drag that has come to its end";
+        let problem = "holds no drag that has come to its end: go on with `bitgrain run --resume`";
         return Err(Error::input(folder.0.display().to_string(), problem));
     };
     let (inputs, mut summary) = (first.inputs.clone(), first.whole());
@@ -306,7 +306,7 @@ pub fn read_folder(folder: &Folder) -> Result<(String, Summary)> {
     let mut text = String::new();
     for (own, record) in records {
         if record.inputs != inputs {
-            let problem = "holds drags of several scenarios";
+            let problem = "holds drags of several scenarios: put back those of one";
             return Err(Error::input(folder.0.display().to_string(), problem));
         }
         if summary.beds.iter().all(|bed| bed.name != record.bed.name) {

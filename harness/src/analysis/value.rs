@@ -33,7 +33,7 @@ impl Value {
 
     /// Both over a number that is known.
     pub fn divided(self, by: f64) -> Value {
-        Value::new(self.value / by, self.error / by)
+        Value::new(self.value / by, self.error / by.abs())
     }
 
     /// Both times a number that is known.

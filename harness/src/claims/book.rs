@@ -45,7 +45,7 @@ pub struct Claim {
     /// Numbers of a table of the paper, row by row.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub rows: Vec<Vec<f64>>,
-    /// What was last measured, once for each that measured it; the last one counts.
+    /// What was last measured, once for each that measured it; of those that have a number the last one counts.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub measured: Vec<Measured>,
 }
@@ -200,9 +200,10 @@ impl Claim {
         }
     }
 
-    /// Whether the last measurement agrees.
+    /// Whether the last measurement that has a number agrees.
     pub fn verdict(&self) -> Verdict {
-        let last = self.measured.last();
+        let mut numbers = self.measured.iter().filter(|m| m.value.is_some());
+        let last = numbers.next_back();
         last.map_or(Verdict::NotResolved, |measured| self.agreement(measured))
     }
 }
@@ -287,6 +288,15 @@ mod tests {
         assert_eq!(verdict(both, 0.5, 0.1), Agrees);
         assert_eq!(verdict(both, 1.5, 0.1), Disagrees);
         assert_eq!(verdict(both, 0.95, 0.1), NotResolved);
+        // Runs that cannot carry a number do not take back what others measured.
+        let mut claim = claim(one);
+        let value = |value| Ok((Value::new(value, 0.05), String::new()));
+        claim.measured = [value(1.5), value(1.0), Err("too few".to_string())]
+            .map(|found| Measured::new("x", "", found))
+            .to_vec();
+        assert_eq!(claim.verdict(), Agrees);
+        claim.measured.clear();
+        assert_eq!(claim.verdict(), NotResolved);
     }
 
     #[test]

@@ -98,6 +98,13 @@ impl Evidence {
         })
     }
 
+    /// How much of a run is done, where it has not come to its end.
+    fn part(&self) -> Option<String> {
+        let summary = self.summary.as_ref()?;
+        let (done, planned) = (summary.runs.len(), summary.inputs.runs().len());
+        (done < planned).then(|| format!("{done} of {planned} drags"))
+    }
+
     /// Measures what it can of a book's claims and puts it there; of claims that name others as what tests
     /// them nothing, unless this is none of those that ship.
     pub fn record(&self, book: &mut Book) {
@@ -117,6 +124,12 @@ impl Evidence {
                 _ => kumar::measure(&claim.id, &self.analysis),
             };
             if let Some(found) = found {
+                let found = match self.part() {
+                    Some(part) => found
+                        .map(|(v, note)| (v, format!("{part}: {note}")))
+                        .map_err(|why| format!("{part}: {why}")),
+                    None => found,
+                };
                 all.push((
                     claim.id.clone(),
                     Measured::new(&self.by, &self.digest, found),

@@ -5,6 +5,11 @@ use super::points::{Group, Point};
 /// Depths that differ by less than this part are one depth: what seeds and packing make of it.
 pub const SAME_DEPTH: f64 = 0.05;
 
+/// Whether two depths are one.
+pub fn same_depth(a: f64, b: f64) -> bool {
+    (a / b - 1.0).abs() <= SAME_DEPTH
+}
+
 /// A straight line through the origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slope {

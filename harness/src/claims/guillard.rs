@@ -1,6 +1,6 @@
 //! What the runs of flowing beds say of each claim of Guillard 2014.
 
-use super::fits::{drag_slope, plateau};
+use super::fits::{drag_slope, plateau, same_depth};
 use super::judged::{FAR_FIELD_LEAST, TRAVEL_LEAST, least};
 use super::kumar::{Found, farthest};
 use super::load::loads;
@@ -17,9 +17,9 @@ const NEAR: f64 = 0.05;
 /// Lift over buoyancy of the experiment below D/d = 5, as far as the text names it (Guillard 2014, Fig. 5).
 const EXPERIMENT: f64 = 60.0;
 /// Effective depth over D from which a lift counts as saturated without a plateau to tell it.
-const DEEP: f64 = 16.0;
+pub(super) const DEEP: f64 = 16.0;
 /// Fewest seeds of every point whose lift is told.
-const SEEDS: usize = 2;
+pub(super) const SEEDS: usize = 2;
 
 /// The measurement of a claim of Guillard 2014; `None` where this paper has no such claim, or nothing here
 /// measures it.
@@ -70,7 +70,7 @@ fn drag(group: &Group) -> Found {
 /// Points with and without a gradient at one effective depth.
 fn pairs(group: &Group) -> Vec<(&Point, &Point)> {
     let with = group.with_gradient(true);
-    let same = |a: &Point, b: &Point| (a.asked / b.asked - 1.0).abs() <= super::SAME_DEPTH;
+    let same = |a: &Point, b: &Point| same_depth(a.asked, b.asked);
     let partner = |b: &&'_ Point| with.iter().find(|a| same(a, b)).copied();
     let without = group.with_gradient(false).into_iter();
     without.filter_map(|b| Some((partner(&b)?, b))).collect()
@@ -146,14 +146,25 @@ fn zones(summary: &Summary, group: &Group, gradient: bool) -> Found {
     // Without a lid the surface is near.
     let points = group.with_gradient(gradient);
     let deep = points.into_iter().filter(|p| p.way != Way::Own);
-    let of = |p: &Point| -> Option<Vec<f64>> {
-        let over = |&k: &usize| {
-            let [above, below] = summary.runs[k].flow.as_ref()?.disturbance?;
-            Some(above / below)
-        };
-        p.runs.iter().map(over).collect()
-    };
-    let all: Vec<(&Point, Vec<f64>)> = deep.filter_map(|p| Some((p, of(p)?))).collect();
+    let mut all: Vec<(&Point, Vec<f64>)> = Vec::new();
+    for point in deep {
+        let mut ratios = Vec::new();
+        for run in point.runs.iter().map(|&k| &summary.runs[k]) {
+            let Some([above, below]) = run.flow.as_ref().and_then(|flow| flow.disturbance) else {
+                continue;
+            };
+            if above <= 0.0 || below <= 0.0 {
+                let name = &run.name;
+                return Err(format!(
+                    "{name}: the zone is not told from the noise of the far field"
+                ));
+            }
+            ratios.push(above / below);
+        }
+        if !ratios.is_empty() {
+            all.push((point, ratios));
+        }
+    }
     if all.is_empty() {
         return Err("no run under a lid has fields: measure.fields asks for them".into());
     }
@@ -197,4 +208,91 @@ fn halves(summary: &Summary) -> Found {
     };
     let all = summary.runs.iter().filter_map(one).collect();
     farthest(all, 1.0, "no bed flowed")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::synthetic::{self, Asked};
+    use super::*;
+    use crate::fields::load::{Load, POINTS, Sum, theta};
+    use crate::summary::Flow;
+
+    /// Fields of the form that the paper has: 15 P_0 cos(theta) in front, a disturbed zone of 3 above and 2 below
+    /// with a gradient.
+    fn with_fields(flow: &mut Flow) {
+        let p = flow.pressure_measured;
+        let front = |m: usize| 15.0 * p * libm::cos(theta(m)).max(0.0);
+        let part = Sum {
+            drag: 11.0 * p,
+            lift: 0.0,
+            normal_drag: 10.45 * p,
+            normal_lift: 0.0,
+            sine_square: 5.0 * p,
+        };
+        flow.load = Some(Load {
+            normal: (0..POINTS).map(front).collect(),
+            normal_error: vec![0.1 * p; POINTS],
+            tangential: vec![0.5 * p; POINTS],
+            tangential_error: vec![0.1 * p; POINTS],
+            parts: vec![part; 8],
+        });
+        flow.disturbance = Some(if flow.pressure_gradient {
+            [3.0, 2.0]
+        } else {
+            [2.1, 2.0]
+        });
+    }
+
+    fn found(id: &str, change: fn(&mut Flow), seeds: u64) -> Found {
+        let asked = Asked {
+            change,
+            seeds,
+            ..Asked::default()
+        };
+        measure(id, &synthetic::summary(&asked)).unwrap()
+    }
+
+    #[test]
+    fn fields_of_runs_are_measured() {
+        let value = |id: &str| found(id, with_fields, 2).unwrap().0;
+        // The axis bears half of the lift besides the weight: a hundredth.
+        assert!((value("guillard-front").value / 15.0 - 1.0).abs() < 0.01);
+        assert!(
+            (value("guillard-equation-4").value / (10.0 / std::f64::consts::PI) - 1.0).abs() < 0.01
+        );
+        assert!((value("guillard-tangential").value - 0.05).abs() < 1e-12);
+        assert!((value("guillard-zone").value - 1.5).abs() < 1e-12);
+        assert!((value("guillard-symmetry").value - 1.05).abs() < 1e-12);
+    }
+
+    #[test]
+    fn zones_have_the_spread_of_their_seeds() {
+        // The deepest differs from the others, and is the farthest from one.
+        let wide = |flow: &mut Flow| {
+            let deep = flow.effective_depth > 0.15;
+            flow.disturbance = Some([if deep { 2.4 } else { 2.0 }, 2.0]);
+        };
+        let (value, note) = found("guillard-symmetry", wide, 2).unwrap();
+        assert_eq!(
+            (value.value, value.error, &note[..]),
+            (1.2, 0.0, "h~/D = 32")
+        );
+        // The lift of a synthetic run tells its seed apart.
+        let seeds = |flow: &mut Flow| {
+            let more =
+                flow.lift_over_buoyancy > 30.0 || (0.1..20.0).contains(&flow.lift_over_buoyancy);
+            flow.disturbance = Some([if more { 2.2 } else { 1.8 }, 2.0]);
+        };
+        let (value, _) = found("guillard-zone", seeds, 2).unwrap();
+        assert!(value.error > 0.0, "{value:?}");
+    }
+
+    #[test]
+    fn zones_that_cannot_be_told_are_refused() {
+        let why = |change: fn(&mut Flow), seeds| found("guillard-zone", change, seeds).unwrap_err();
+        assert!(why(|_| (), 2).contains("measure.fields"));
+        assert!(why(with_fields, 1).contains("2 seeds"));
+        let noise = |flow: &mut Flow| flow.disturbance = Some([-0.2, -0.1]);
+        assert!(why(noise, 2).contains("noise"));
+    }
 }

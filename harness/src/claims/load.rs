@@ -1,14 +1,14 @@
 //! What runs say together of the load on the cylinder (Guillard 2014, section IV and appendix B).
 
-use super::points::{Group, Point, Spread};
+use super::fits::same_depth;
+use super::guillard::DEEP;
+use super::points::{Group, Point, Spread, axis_stress};
 use crate::analysis::Value;
 use crate::fields::load::{Load, POINTS, Sum, odd, theta};
 use crate::fit::linear::line;
 use crate::fit::{Datum, Fit};
 use crate::summary::Summary;
 
-/// Effective depth over D from which the surface is far (Guillard 2014, section III B).
-pub(super) const DEEP: f64 = 16.0;
 /// Least error of a stress over the largest of its curve: where hardly a grain touches, eight parts say nothing of
 /// one.
 const LEAST_ERROR: f64 = 0.05;
@@ -18,7 +18,7 @@ const LEAST_ERROR: f64 = 0.05;
 pub(super) struct RunLoad {
     pub seed: u64,
     /// That pressure over rho g D.
-    pub depth: f64,
+    pub pressure: f64,
     pub normal: Vec<Value>,
 }
 
@@ -28,6 +28,8 @@ pub(super) struct RunLoad {
 pub struct PointLoad {
     /// Effective depth over D, mean over the seeds.
     pub depth: f64,
+    /// P_0 over rho g D, mean over the seeds: nearly the same.
+    pub pressure: f64,
     /// The one that the plan asks for, over D.
     pub asked: f64,
     /// Whether the bed has weight below the lid.
@@ -64,10 +66,9 @@ fn point_load(summary: &Summary, group: &Group, point: &Point) -> Option<PointLo
         let run = &summary.runs[k];
         let flow = run.flow.as_ref()?;
         let seed = inputs.beds().iter().find(|plan| plan.name == run.bed)?.seed;
-        // Above the axis the weight, and half of what the lift adds below it.
-        let pressure = flow.pressure_measured + 0.5 * run.lift.mean / area;
-        let depth = pressure / (flow.bulk_density * inputs.gravity * group.diameter);
-        Some((seed, pressure, depth, flow.load.as_ref()?))
+        let pressure = axis_stress(run, flow, area);
+        let over = pressure / (flow.bulk_density * inputs.gravity * group.diameter);
+        Some((seed, pressure, over, flow.load.as_ref()?))
     });
     let runs: Vec<(u64, f64, f64, &Load)> = runs.collect::<Option<_>>()?;
     let curve = |k: usize, of: fn(&Load) -> (&[f64], &[f64])| -> Vec<Value> {
@@ -90,10 +91,12 @@ fn point_load(summary: &Summary, group: &Group, point: &Point) -> Option<PointLo
     };
     let single = |k: usize| RunLoad {
         seed: runs[k].0,
-        depth: runs[k].2,
+        pressure: runs[k].2,
         normal: curve(k, |l| (&l.normal, &l.normal_error)),
     };
+    let pressure = runs.iter().map(|run| run.2).sum::<f64>() / runs.len() as f64;
     Some(PointLoad {
+        pressure,
         depth: point.effective_depth / group.diameter,
         asked: point.asked / group.diameter,
         gradient: point.way.has_gradient(),
@@ -120,8 +123,10 @@ fn over_seeds(curves: &[Vec<Value>]) -> Vec<Value> {
 /// Loads with and without a gradient at one effective depth, as it was asked for.
 pub fn pairs(loads: &[PointLoad]) -> Vec<(&PointLoad, &PointLoad)> {
     let (with, without): (Vec<_>, Vec<_>) = loads.iter().partition(|l| l.gradient);
-    let near = |a: &PointLoad, b: &PointLoad| (a.asked / b.asked - 1.0).abs() <= super::SAME_DEPTH;
-    let partner = |a: &'_ PointLoad| without.iter().copied().find(|b| near(a, b));
+    let partner = |a: &'_ PointLoad| {
+        let mut near = without.iter().copied();
+        near.find(|b| same_depth(a.asked, b.asked))
+    };
     let with = with.into_iter();
     with.filter_map(|a| Some((a, partner(a)?))).collect()
 }
@@ -131,26 +136,30 @@ pub fn pairs(loads: &[PointLoad]) -> Vec<(&PointLoad, &PointLoad)> {
 /// by seed where there are such.
 pub fn difference(pair: &(&PointLoad, &PointLoad)) -> Vec<Value> {
     let (with, without) = pair;
-    let less = |a: &[Value], b: &[Value], depth: f64| -> Vec<Value> {
-        let each = a.iter().zip(b).map(|(a, b)| a.less(*b).times(depth));
+    let less = |a: &[Value], b: &[Value], pressure: f64| -> Vec<Value> {
+        let each = a.iter().zip(b).map(|(a, b)| a.less(*b).times(pressure));
         each.collect()
     };
     let own = |run: &RunLoad| {
         let other = without.runs.iter().find(|other| other.seed == run.seed)?;
-        Some(less(&run.normal, &other.normal, run.depth))
+        Some(less(&run.normal, &other.normal, run.pressure))
     };
     let curves: Vec<Vec<Value>> = with.runs.iter().filter_map(own).collect();
     match curves.is_empty() {
-        true => less(&with.normal, &without.normal, with.depth),
+        true => less(&with.normal, &without.normal, with.pressure),
         false => over_seeds(&curves),
     }
 }
 
 /// The odd part of a load with gradient, over rho g D: a second estimate of what [`difference`] has of one.
 pub fn odd_part(load: &PointLoad) -> Vec<Value> {
-    let stress: Vec<f64> = load.normal.iter().map(|v| v.value * load.depth).collect();
+    let stress: Vec<f64> = load
+        .normal
+        .iter()
+        .map(|v| v.value * load.pressure)
+        .collect();
     let both = |m: usize| {
-        let [a, b] = [m, POINTS - 1 - m].map(|m| load.normal[m].error * load.depth);
+        let [a, b] = [m, POINTS - 1 - m].map(|m| load.normal[m].error * load.pressure);
         0.5 * (a * a + b * b).sqrt()
     };
     let all = odd(&stress).into_iter().enumerate();
@@ -164,7 +173,8 @@ pub fn equation_4(without: &PointLoad) -> Vec<f64> {
         .collect()
 }
 
-/// Appendix B: at each angle the normal stress with a gradient over rho g D as a line in h~/D, of depths from 16 D on.
+/// Appendix B: at each angle the normal stress with a gradient over rho g D as a line in P_0 over the same, of depths
+/// from 16 D on.
 /// Its slope `b` is the part in proportion to the pressure, its intercept `a` that in proportion to the gradient.
 ///
 /// # Errors
@@ -172,7 +182,9 @@ pub fn equation_4(without: &PointLoad) -> Vec<f64> {
 pub fn split(loads: &[PointLoad]) -> Result<Vec<Fit>, String> {
     let deep = deep(loads)?;
     let at = |m: usize| {
-        let own = deep.iter().map(|l| l.normal[m].times(l.depth).at(l.depth));
+        let own = deep
+            .iter()
+            .map(|l| l.normal[m].times(l.pressure).at(l.pressure));
         line(&own.collect::<Vec<Datum>>()).map_err(|why| format!("theta = {:.2}: {why}", theta(m)))
     };
     (0..POINTS).map(at).collect()

@@ -1,8 +1,8 @@
 //! What loads say of each claim of Guillard 2014, section IV and appendix B.
 
-use super::judged::least;
+use super::guillard::{DEEP, SEEDS};
 use super::kumar::Found;
-use super::load::{DEEP, PointLoad, deep, difference, pairs};
+use super::load::{PointLoad, deep, difference, pairs};
 use super::points::Spread;
 use crate::analysis::Value;
 use crate::fields::load::{POINTS, WIDTH, theta};
@@ -11,8 +11,6 @@ use crate::fit::linear::line;
 
 /// A difference is told from none from so many errors on.
 const TOLD: f64 = 5.0;
-/// Fewest seeds of every depth whose lift is told.
-const SEEDS: usize = 2;
 
 /// The measurement of a claim about loads; `None` where this is none.
 pub(super) fn measure(id: &str, loads: &[PointLoad]) -> Option<Found> {
@@ -88,17 +86,18 @@ fn apart(loads: &[&PointLoad]) -> Found {
                     .as_ref()
                     .is_none_or(|(most, _)| beyond.value > most.value)
                 {
-                    let note =
+                    let place =
                         format!("{} against {} at theta = {:.2}", note(a), note(b), theta(m));
-                    largest = Some((beyond, note));
+                    largest = Some((beyond, place));
                 }
             }
         }
     }
-    let (most, note) = largest.ok_or("one effective depth alone has a load without gradient")?;
-    let peak = loads.iter().flat_map(|l| &l.normal).map(|v| -v.value);
+    let (most, place) = largest.ok_or("one effective depth alone has a load without gradient")?;
+    let all = loads.iter().flat_map(|l| &l.normal);
+    let peak = all.fold(0.0, |a, v| if v.value > a { v.value } else { a });
     let beyond = if most.value > 0.0 { most.value } else { 0.0 };
-    Ok((Value::new(beyond, most.error).divided(-least(peak)), note))
+    Ok((Value::new(beyond, most.error).divided(peak), place))
 }
 
 /// Spread over depths of the differences, root mean square over the angles and beyond their errors, over the
@@ -153,13 +152,15 @@ fn collapse(pairs: &[(&PointLoad, &PointLoad)]) -> Found {
 
 /// How many angles are independent of each other in a mean of squares: the Gaussian's own correlation, squared, is
 /// that much long.
-const SQUARES: f64 = 2.506_628_274_631 / WIDTH;
+const SQUARES: f64 = ROOT_TWO_PI / WIDTH;
+/// sqrt(2 pi).
+const ROOT_TWO_PI: f64 = 2.506_628_274_631;
 
 /// Lift over drag of the part of the normal forces that goes with the pressure: appendix B has it symmetric.
 fn lift_of_slope(loads: &[PointLoad]) -> Found {
     let deep = deep(loads)?;
     let slope = |of: fn(&PointLoad) -> Value| -> Result<Value, String> {
-        let own = deep.iter().map(|l| of(l).times(l.depth).at(l.depth));
+        let own = deep.iter().map(|l| of(l).times(l.pressure).at(l.pressure));
         let fit = line(&own.collect::<Vec<Datum>>()).map_err(|why| why.to_string())?;
         Ok(fit
             .parameter("b")
@@ -168,7 +169,7 @@ fn lift_of_slope(loads: &[PointLoad]) -> Found {
     };
     let (lift, drag) = (slope(|l| l.normal_lift)?, slope(|l| l.drag)?);
     Ok((
-        Value::new(lift.value, lift.error).divided(drag.value),
+        lift.over(drag),
         format!(
             "lines through {} effective depths of {DEEP} D or more",
             deep.len()
@@ -199,11 +200,12 @@ mod tests {
         let lift = 0.5 * 20.0 * 2.0 / 3.0 / depth;
         PointLoad {
             depth,
+            pressure: depth,
             asked: depth,
             gradient,
             runs: vec![RunLoad {
                 seed: 1,
-                depth,
+                pressure: depth,
                 normal: normal.clone(),
             }],
             tangential: vec![Value::new(0.5, 0.1); POINTS],

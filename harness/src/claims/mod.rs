@@ -20,6 +20,7 @@ mod verdict;
 
 pub use fits::{
     LiftCoefficient, Plateau, SAME_DEPTH, Slope, depths, drag_slope, lift_coefficient, plateau,
+    same_depth,
 };
 pub use judged::{FAR_FIELD_LEAST, TRAVEL_LEAST};
 pub use points::{Group, Point, Spread, Way, groups};

@@ -208,6 +208,12 @@ pub fn groups(summary: &Summary) -> Vec<Group> {
     groups.into_iter().map(whole).collect()
 }
 
+/// Vertical stress at the cylinder's axis in a box of this area: the weight above it, which is the stress just above
+/// the cylinder, and half of what the lift adds below it.
+pub(super) fn axis_stress(run: &RunSummary, flow: &Flow, area: f64) -> f64 {
+    flow.pressure_measured + 0.5 * run.lift.mean / area
+}
+
 /// The runs of a point in a box of this area.
 fn point(way: Way, asked: Option<f64>, area: f64, passages: &[Passage]) -> Point {
     let n = passages.len() as f64;
@@ -220,7 +226,7 @@ fn point(way: Way, asked: Option<f64>, area: f64, passages: &[Passage]) -> Point
         let over = |p: &Passage| scaled(&p.run.drag, scale(p) * p.rig.diameter * p.rig.length);
         Spread::of(&passages.iter().map(over).collect::<Vec<_>>())
     };
-    let stress = |p: &Passage| p.flow.pressure_measured + 0.5 * p.run.lift.mean / area;
+    let stress = |p: &Passage| axis_stress(p.run, p.flow, area);
     let lift = |p: &Passage| (p.flow.lift_over_buoyancy, p.flow.lift_over_buoyancy_error);
     let effective_depth = mean(|f| f.effective_depth);
     Point {

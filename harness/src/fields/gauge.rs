@@ -17,8 +17,8 @@ use crate::sim::Sim;
 pub struct FieldsGauge {
     /// Steps between samples.
     every: u64,
-    /// First and last step of the averaging window.
-    window: [u64; 2],
+    /// First and last step that are averaged.
+    steps: [u64; 2],
     /// 1 where the intruder moves along +x, -1 where the bed does.
     forward: f64,
     sums: Sums,
@@ -35,7 +35,7 @@ impl FieldsGauge {
         };
         Some(Self {
             every: scenario.fields_every(plan.speed),
-            window: [plan.first_averaged(scenario.drag.dt), plan.steps],
+            steps: [plan.first_averaged(scenario.drag.dt), plan.steps],
             forward: scenario.drag.moves.forward(),
             sums: Sums::new(grid, scenario.fields_window()),
             load: LoadSums::default(),
@@ -44,7 +44,7 @@ impl FieldsGauge {
 
     /// Whether the state and the contacts after this step are a sample.
     pub fn is_due(&self, n: u64) -> bool {
-        n >= self.window[0] && (n - self.window[0] + 1).is_multiple_of(self.every)
+        n >= self.steps[0] && (n - self.steps[0] + 1).is_multiple_of(self.every)
     }
 
     /// Adds a sample: the state after step `n` and all its touching contacts.
@@ -99,7 +99,7 @@ impl FieldsGauge {
                 (angle, [self.forward * f[0], 0.0 - f[2]])
             })
             .collect();
-        let [first, last] = self.window;
+        let [first, last] = self.steps;
         let part = (n - first) * PARTS as u64 / (last - first + 1);
         self.load.add(part as usize, &pushes);
     }

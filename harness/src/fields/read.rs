@@ -29,8 +29,11 @@ pub fn plane(text: &str, grid: Grid) -> Result<Fields, usize> {
         if line.starts_with('#') || line == PLANE_COLUMNS {
             continue;
         }
-        let (flag, point) = row(line).ok_or(k + 1)?;
-        if fields.points.len() == grid.points() {
+        let place = fields.points.len();
+        let ([x, z], flag, point) = row(line).ok_or(k + 1)?;
+        let (kx, kz) = (place % grid.counts[0], place / grid.counts[0]);
+        // Another grid has its points elsewhere.
+        if place == grid.points() || [x, z] != [grid.at(0, kx), grid.at(2, kz)].map(|p| p as f32) {
             return Err(k + 1);
         }
         fields.flags.push(flag);
@@ -42,13 +45,12 @@ pub fn plane(text: &str, grid: Grid) -> Result<Fields, usize> {
     }
 }
 
-fn row(line: &str) -> Option<(Flag, Point)> {
+fn row(line: &str) -> Option<([f32; 2], Flag, Point)> {
     let cells: Vec<&str> = line.split(',').collect();
     if cells.len() != PLANE_COLUMNS.split(',').count() {
         return None;
     }
-    finite(cells[0])?;
-    finite(cells[1])?;
+    let place = [finite(cells[0])? as f32, finite(cells[1])? as f32];
     let flag = Flag::of(cells[2].parse().ok()?)?;
     let mut numbers = [0.0; OWN];
     if flag != Flag::Empty {
@@ -62,5 +64,5 @@ fn row(line: &str) -> Option<(Flag, Point)> {
         velocity: [numbers[4], numbers[5], numbers[6]],
         stress: [[s[0], s[1], s[2]], [s[3], s[4], s[5]], [s[6], s[7], s[8]]],
     };
-    Some((flag, point))
+    Some((place, flag, point))
 }

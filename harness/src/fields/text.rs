@@ -268,6 +268,11 @@ mod tests {
         let cut = lines[..lines.len() - 1].join("\n");
         assert_eq!(read::plane(&cut, grid), Err(8));
         assert_eq!(read::plane(&format!("{text}{}\n", lines[7]), grid), Err(9));
+        let turned = Grid {
+            counts: [2, 1, 3],
+            ..grid
+        };
+        assert_eq!(read::plane(&text, turned), Err(3));
     }
 
     /// The words that VTK needs, and bytes that are those of the numbers.

@@ -41,7 +41,9 @@ pub fn disturbance(fields: &Fields, hole: Hole, speed: f64, reach: f64) -> Optio
         }
     }
     let square = 4.0 * hole.radius * hole.radius;
-    (heights[0] > 0.0 && heights[1] > 0.0).then(|| areas.map(|area| area / (speed * square)))
+    // To equal distances, or they cannot be compared.
+    let whole = |height: f64| reach > 0.0 && height > (1.0 - 1e-9) * reach;
+    (whole(heights[0]) && whole(heights[1])).then(|| areas.map(|area| area / (speed * square)))
 }
 
 #[cfg(test)]

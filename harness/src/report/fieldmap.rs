@@ -2,7 +2,8 @@
 
 use super::picture::{INK, Scale, open, push, ticks};
 use super::text::short;
-use crate::fields::{Fields, Hole};
+use crate::fields::Hole;
+use crate::fields::grid::Grid;
 
 /// Matplotlib's viridis at twelve steps: equal steps look equally far apart, to the colour-blind and in grey too.
 const RAMP: [&str; 12] = [
@@ -20,8 +21,8 @@ const REACHED: f64 = 0.995;
 pub(super) struct Map<'a> {
     /// Its name for those who do not see it.
     pub title: &'a str,
-    /// Of whatever is asked for by number.
-    pub fields: &'a Fields,
+    /// Where the points are.
+    pub grid: Grid,
     /// The intruder.
     pub hole: Hole,
     /// Radius of the averaging windows.
@@ -129,7 +130,7 @@ pub(super) fn map(map: &Map) -> Option<String> {
 
 /// Cells by colour: one path for each, of rectangles that hold as many neighbours as are alike.
 fn bands(out: &mut String, map: &Map, scale: &Scale) {
-    let grid = map.fields.grid;
+    let grid = map.grid;
     let [nx, _, nz] = grid.counts;
     let d = 2.0 * map.hole.radius;
     let step = grid.step();
@@ -211,27 +212,15 @@ pub(super) fn key(name: &str, most: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fields::grid::Grid;
-    use crate::fields::{Flag, Point};
 
     fn drawn(values: &[Option<f64>], lines: &[Vec<[f64; 2]>]) -> String {
         let grid = Grid {
             counts: [20, 1, 20],
             size: [10.0, 1.0, 10.0],
         };
-        let point = Point {
-            packing_fraction: 0.6,
-            velocity: [1.0, 0.0, 0.0],
-            stress: [[0.0; 3]; 3],
-        };
-        let fields = Fields {
-            grid,
-            flags: vec![Flag::Whole; 400],
-            points: vec![point; 400],
-        };
         map(&Map {
             title: "a < b",
-            fields: &fields,
+            grid,
             hole: Hole {
                 height: 5.0,
                 radius: 0.5,

@@ -4,7 +4,7 @@
 use super::fieldmap::{Map, key, map, top};
 use super::flowing::depth_words;
 use super::text::escape;
-use crate::claims::Group;
+use crate::claims::{Group, same_depth};
 use crate::fields::streamlines::streamline;
 use crate::fields::{Fields, Flag, Hole, Point};
 use crate::summary::{RunSummary, Summary};
@@ -41,7 +41,7 @@ type Quantity = (
 );
 
 const QUANTITIES: [Quantity; 3] = [
-    ("pressure over P\u{2080}", false, |_, run, point| {
+    ("pressure over \u{3c1}gh\u{303}", false, |_, run, point| {
         let pressure = run.flow.as_ref().map_or(f64::NAN, |flow| flow.pressure);
         point.pressure() / pressure
     }),
@@ -78,39 +78,43 @@ pub(super) fn section(summary: &Summary, groups: &[Group], pictures: &[FieldPict
     format!(
         "<section>\n<h2>Fields round the intruder</h2>\n<p>Means over the steady state in spherical windows, and \
          along y, without a pressure gradient at the left and with one at the right where there are both; one \
-         scale for both. V is the speed of the motion, P<sub>0</sub> the pressure &rho;gh\u{303}. Inside the dashed \
+         scale for both. V is the speed of the motion. Inside the dashed \
          circle the intruder fills a part of the windows, and the pressure is too low. Dashed line: free surface of \
          the settled bed. One of the seeds of each kind; <code>fields.vti</code> in the folder of each run is for \
          ParaView, <code>plane.csv</code> has what is drawn here.</p>\n{body}</section>\n"
     )
 }
 
-/// Pictures that are shown side by side: of each effective depth the first seed's, without and with a gradient.
+/// Pictures that are shown side by side: of each cylinder and effective depth the first seed's, without and with a gradient.
 fn rows<'a>(
     summary: &'a Summary,
     groups: &[Group],
     pictures: &'a [FieldPicture],
 ) -> Vec<Vec<(&'a RunSummary, &'a FieldPicture)>> {
-    let mut rows: Vec<(f64, Vec<(&RunSummary, &FieldPicture)>)> = Vec::new();
+    let mut all = Vec::new();
     for group in groups {
+        let mut rows: Vec<(f64, Vec<(&RunSummary, &FieldPicture)>)> = Vec::new();
         let points = [false, true].map(|gradient| group.with_gradient(gradient));
         for point in points.into_iter().flatten() {
-            let shown = point.runs.iter().filter_map(|&k| {
+            let mut shown = point.runs.iter().filter_map(|&k| {
                 let run = &summary.runs[k];
                 Some((run, pictures.iter().find(|p| p.run == run.name)?))
             });
-            let Some(first) = shown.take(1).next() else {
+            let Some(first) = shown.next() else {
                 continue;
             };
-            let near = |depth: f64| (depth / point.asked - 1.0).abs() < crate::claims::SAME_DEPTH;
-            match rows.iter_mut().find(|(depth, _)| near(*depth)) {
+            match rows
+                .iter_mut()
+                .find(|(depth, _)| same_depth(*depth, point.asked))
+            {
                 Some((_, row)) => row.push(first),
                 None => rows.push((point.asked, vec![first])),
             }
         }
+        rows.sort_by(|a, b| a.0.total_cmp(&b.0));
+        all.extend(rows.into_iter().map(|(_, row)| row));
     }
-    rows.sort_by(|a, b| a.0.total_cmp(&b.0));
-    rows.into_iter().map(|(_, row)| row).collect()
+    all
 }
 
 /// One quantity of a row of pictures, to one scale.
@@ -141,7 +145,7 @@ fn figures(
         };
         let drawn = map(&Map {
             title: &format!("{}, {}", name, run.name),
-            fields: &picture.fields,
+            grid: picture.fields.grid,
             hole: picture.hole,
             window: picture.window,
             values,

@@ -157,6 +157,14 @@ fn remarks(summary: &Summary) -> String {
             "<p class=\"remark\"><b>{title}.</b> {words}</p>\n"
         ));
     };
+    let planned = summary.inputs.runs().len();
+    if summary.runs.len() < planned {
+        let done = summary.runs.len();
+        add(
+            "A part",
+            format!("{done} of {planned} drags are done; all that is said here is of these."),
+        );
+    }
     let names = |fits: &dyn Fn(&Flow) -> bool| -> String {
         let runs = passages(summary).filter(|(_, f)| fits(f));
         let names: Vec<String> = runs.map(|(run, _)| escape(&run.name)).collect();
