@@ -85,7 +85,8 @@ pub(super) fn section(summary: &Summary, groups: &[Group], pictures: &[FieldPict
     )
 }
 
-/// Pictures that are shown side by side: of each cylinder and effective depth the first seed's, without and with a gradient.
+/// Pictures that are shown side by side: of each cylinder and effective depth the first seed's, without and with a
+/// gradient.
 fn rows<'a>(
     summary: &'a Summary,
     groups: &[Group],

@@ -46,9 +46,10 @@ pub(super) fn section(summary: &Summary, groups: &[Group]) -> String {
     format!(
         "<section>\n<h2>Load on the cylinder</h2>\n<p>Stress by angle &theta;: 0 is the front, where grains come \
          from, and 0 to &pi;/2 the bottom front quarter. P<sub>0</sub> is the vertical stress at \
-         the axis: the weight above over the area of the box, and half of what the lift adds below. Forces of single \
-         contacts are shared out with a standard deviation of 8&deg;. Means over seeds. <code>load.csv</code> in the folder of each run has the \
-         numbers.</p>\n<div class=\"grid\">\n{figures}</div>\n</section>\n"
+         the axis: the weight above over the area of the box, and half of what the lift adds below. Forces of \
+         single contacts are shared out with a standard deviation of 8&deg;. Means over seeds. \
+         <code>load.csv</code> in the folder of each run has the numbers.</p>\n\
+         <div class=\"grid\">\n{figures}</div>\n</section>\n"
     )
 }
 
