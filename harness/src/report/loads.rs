@@ -5,7 +5,7 @@ use super::picture::{INK, push};
 use super::plot::{axis, marker};
 use super::scaling::subject;
 use super::scatter::{Line, Mark, Range, scatter};
-use super::text::{number_with_error, short};
+use super::text::{escape, number_with_error, short};
 use crate::analysis::Value;
 use crate::claims::Group;
 use crate::claims::load::{PointLoad, difference, equation_4, loads, odd_part, pairs, split};
@@ -22,20 +22,19 @@ pub(super) fn section(summary: &Summary, groups: &[Group]) -> String {
     let mut figures = String::new();
     for group in groups {
         let loads = loads(summary, group);
-        let name = subject(group, summary);
-        for load in loads.iter().filter(|l| l.gradient) {
-            let pairs = pairs(&loads);
-            let partner = pairs
-                .iter()
-                .find(|(a, _)| a.depth == load.depth)
-                .map(|(_, b)| *b);
-            figures.push_str(&stresses(load, partner, &name));
+        if loads.is_empty() {
+            continue;
         }
-        // Those without a partner.
-        let lone =
-            |l: &&PointLoad| !l.gradient && !pairs(&loads).iter().any(|(_, b)| b.depth == l.depth);
-        for load in loads.iter().filter(lone) {
-            figures.push_str(&stresses(load, None, &name));
+        let (pairs, name) = (pairs(&loads), subject(group, summary));
+        for load in &loads {
+            let mut pairs = pairs.iter();
+            let pair = pairs.find(|(a, b)| load == *a || load == *b);
+            match (load.gradient, pair) {
+                (true, pair) => figures.push_str(&stresses(load, pair.map(|p| p.1), &name)),
+                (false, None) => figures.push_str(&stresses(load, None, &name)),
+                // Drawn beside its partner.
+                (false, Some(_)) => (),
+            }
         }
         figures.push_str(&differences(&loads, &name));
         figures.push_str(&parts(&loads, &name));
@@ -221,63 +220,81 @@ fn polar(loads: &[&PointLoad], name: &str) -> String {
     )
 }
 
+/// Curves with markers, each with its key, and light lines to compare them with.
+struct Curves<'a> {
+    title: &'a str,
+    label: &'a str,
+    own: Vec<(String, Vec<Value>)>,
+    light: Vec<Vec<f64>>,
+    caption: String,
+}
+
+impl Curves<'_> {
+    fn html(self) -> String {
+        let (mut points, mut keys) = (Vec::new(), Vec::new());
+        let mut lines: Vec<Line> = Vec::new();
+        lines.extend(
+            self.light
+                .into_iter()
+                .map(|own| line(curve(own.into_iter()), false)),
+        );
+        for (k, (name, values)) in self.own.into_iter().enumerate() {
+            points.extend(marks(&values, k));
+            lines.push(line(mean(&values), true));
+            if !name.is_empty() {
+                keys.push((k, name));
+            }
+        }
+        let labels = [THETA.to_owned(), self.label.to_owned()];
+        let ranges = [Range::Tight, Range::FromZero];
+        let svg = scatter(self.title, &labels, &points, &lines, ranges);
+        figure(svg, &keys, &self.caption)
+    }
+}
+
+fn plain(values: &[Value]) -> Vec<f64> {
+    values.iter().map(|v| v.value).collect()
+}
+
 /// What a gradient adds, at all depths (Fig. 12).
 fn differences(loads: &[PointLoad], name: &str) -> String {
     let pairs = pairs(loads);
-    let (mut points, mut lines, mut keys) = (Vec::new(), Vec::new(), Vec::new());
-    for (k, pair) in pairs.iter().enumerate() {
-        let values = difference(pair);
-        points.extend(marks(&values, k));
-        lines.push(line(mean(&values), true));
-        keys.push((k, depth(pair.0)));
-    }
-    if let Some((_, without)) = pairs.last() {
-        lines.push(line(curve(equation_4(without).into_iter()), false));
-    }
-    let svg = scatter(
-        "What a pressure gradient adds to the normal stress",
-        &[
-            THETA.to_owned(),
-            "(\u{3c3}\u{2099} \u{2212} \u{3c3}\u{2099} without)/(\u{3c1} g D)".to_owned(),
-        ],
-        &points,
-        &lines,
-        [Range::Tight, Range::FromZero],
-    );
-    let caption = format!(
-        "{name}. What a pressure gradient adds to the normal stress, over &rho;gD. Light line: what eq. 4 makes of \
-         the stress without a gradient and the local hydrostatic pressure."
-    );
-    let mut out = figure(svg, &keys, &caption);
-    let (mut points, mut lines, mut keys) = (Vec::new(), Vec::new(), Vec::new());
-    for (k, load) in loads.iter().filter(|l| l.gradient).enumerate() {
-        let values = odd_part(load);
-        points.extend(marks(&values, k));
-        lines.push(line(mean(&values), true));
-        keys.push((k, depth(load)));
-    }
-    let svg = scatter(
-        "Odd part of the normal stress with a gradient",
-        &[
-            THETA.to_owned(),
-            "[\u{3c3}\u{2099}(\u{3b8}) \u{2212} \u{3c3}\u{2099}(\u{2212}\u{3b8})]/(2 \u{3c1} g D)"
-                .to_owned(),
-        ],
-        &points,
-        &lines,
-        [Range::Tight, Range::FromZero],
-    );
-    let caption = format!(
-        "{name}. The odd part of the normal stress with a gradient, over &rho;gD: a second estimate."
-    );
-    out.push_str(&figure(svg, &keys, &caption));
-    out
+    let added = Curves {
+        title: "What a pressure gradient adds to the normal stress",
+        label: "(\u{3c3}\u{2099} \u{2212} \u{3c3}\u{2099} without)/(\u{3c1} g D)",
+        own: pairs
+            .iter()
+            .map(|pair| (depth(pair.0), difference(pair)))
+            .collect(),
+        light: pairs
+            .last()
+            .map(|(_, without)| equation_4(without))
+            .into_iter()
+            .collect(),
+        caption: format!(
+            "{name}. What a pressure gradient adds to the normal stress, over &rho;gD. Light line: what eq. 4 \
+             makes of the stress without a gradient and the local hydrostatic pressure."
+        ),
+    };
+    let with = loads.iter().filter(|l| l.gradient);
+    let odd = Curves {
+        title: "Odd part of the normal stress with a gradient",
+        label: "[\u{3c3}\u{2099}(\u{3b8}) \u{2212} \u{3c3}\u{2099}(\u{2212}\u{3b8})]/(2 \u{3c1} g D)",
+        own: with.map(|load| (depth(load), odd_part(load))).collect(),
+        light: Vec::new(),
+        caption: format!(
+            "{name}. The odd part of the normal stress with a gradient, over &rho;gD: a second estimate."
+        ),
+    };
+    added.html() + &odd.html()
 }
 
-/// The part that goes with the pressure and that which goes with its gradient (appendix B).
+/// The part that goes with the pressure and that which goes with its gradient (appendix B), or why it cannot be
+/// told.
 fn parts(loads: &[PointLoad], name: &str) -> String {
-    let Ok(fits) = split(loads) else {
-        return String::new();
+    let fits = match split(loads) {
+        Ok(fits) => fits,
+        Err(why) => return format!("<p class=\"none\">Appendix B: {}.</p>\n", escape(&why)),
     };
     let of = |parameter: &str| -> Vec<Value> {
         let values = fits
@@ -286,46 +303,28 @@ fn parts(loads: &[PointLoad], name: &str) -> String {
         values.collect()
     };
     let without = loads.iter().filter(|l| !l.gradient);
-    let light = without.map(|l| line(mean(&l.normal), false));
-    let slope = of("b");
-    let mut lines: Vec<Line> = light.collect();
-    lines.push(line(mean(&slope), true));
-    let svg = scatter(
-        "Part of the normal stress in proportion to the pressure",
-        &[
-            THETA.to_owned(),
-            "part of \u{3c3}\u{2099} with P\u{2080}".to_owned(),
-        ],
-        &marks(&slope, 0),
-        &lines,
-        [Range::Tight, Range::FromZero],
-    );
-    let caption = format!(
-        "{name}. Slope of the normal stress against P<sub>0</sub> at each angle, with a gradient (appendix B of \
-         Guillard 2014). Light lines: normal stress over P<sub>0</sub> without a gradient."
-    );
-    let mut out = figure(svg, &[], &caption);
-    let intercept = of("a");
-    let light = pairs(loads)
-        .iter()
-        .map(|pair| line(mean(&difference(pair)), false))
-        .collect::<Vec<_>>();
-    let mut lines = light;
-    lines.push(line(mean(&intercept), true));
-    let svg = scatter(
-        "Part of the normal stress in proportion to the gradient",
-        &[
-            THETA.to_owned(),
-            "part of \u{3c3}\u{2099} with \u{3c1} g D".to_owned(),
-        ],
-        &marks(&intercept, 0),
-        &lines,
-        [Range::Tight, Range::FromZero],
-    );
-    let caption = format!(
-        "{name}. Intercept of the same lines over &rho;gD. Light lines: differences with and without a gradient, as \
-         above. Both parts come from the runs with a gradient alone."
-    );
-    out.push_str(&figure(svg, &[], &caption));
-    out
+    let slope = Curves {
+        title: "Part of the normal stress in proportion to the pressure",
+        label: "part of \u{3c3}\u{2099} with P\u{2080}",
+        own: vec![(String::new(), of("b"))],
+        light: without.map(|l| plain(&l.normal)).collect(),
+        caption: format!(
+            "{name}. Slope of the normal stress against P<sub>0</sub> at each angle, with a gradient (appendix B of \
+             Guillard 2014). Light lines: normal stress over P<sub>0</sub> without a gradient."
+        ),
+    };
+    let intercept = Curves {
+        title: "Part of the normal stress in proportion to the gradient",
+        label: "part of \u{3c3}\u{2099} with \u{3c1} g D",
+        own: vec![(String::new(), of("a"))],
+        light: pairs(loads)
+            .iter()
+            .map(|pair| plain(&difference(pair)))
+            .collect(),
+        caption: format!(
+            "{name}. Intercept of the same lines over &rho;gD. Light lines: differences with and without a \
+             gradient, as above. Both parts come from the runs with a gradient alone."
+        ),
+    };
+    slope.html() + &intercept.html()
 }
