@@ -9,8 +9,9 @@ use bitgrain_tests::{golden, printed};
 const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
 
 /// Goldens that the book's measurements come from.
-const GOLDENS: [&str; 3] = [
+const GOLDENS: [&str; 4] = [
     "guillard-small/summary.json",
+    "guillard-medium",
     "kumar-small/results.csv.gz",
     "kumar-middle/results.csv.gz",
 ];
