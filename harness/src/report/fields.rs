@@ -138,8 +138,13 @@ fn figures(
         return String::new();
     };
     let mut out = String::new();
+    // One window for all, so that one length is one length.
+    let farther = |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|k| a[k].max(b[k]));
+    let reach = row
+        .iter()
+        .map(|(_, picture)| reach(picture))
+        .fold([0.0; 3], farther);
     for (k, ((run, picture), values)) in row.iter().zip(&values).enumerate() {
-        let reach = reach(picture);
         let lines = match lines {
             true => streamlines(picture, reach),
             false => Vec::new(),
