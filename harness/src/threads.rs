@@ -1,6 +1,7 @@
 //! Threads: how many there are, how grains are shared among them, and what keeps them at work. Any
 //! cut into ranges gives the bits of one range, so nothing here can change a result.
 
+use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use bitgrain_kernel::check_arithmetic;
@@ -56,6 +57,10 @@ pub(crate) fn awake<T: Send>(job: impl FnOnce() -> T + Send) -> T {
     rayon::scope(|scope| {
         let done = &done;
         scope.spawn_broadcast(move |_, context| {
+            // Who waits here for a part of its own part would keep the job from its end by looking on.
+            if PARTS.get() > 0 {
+                return;
+            }
             let mut idle = 0u32;
             // The thread of the job comes here only when the job is over.
             while Some(context.index()) != here && !done.load(Ordering::Acquire) {
@@ -73,6 +78,27 @@ pub(crate) fn awake<T: Send>(job: impl FnOnce() -> T + Send) -> T {
         let _done = Done(done);
         job()
     })
+}
+
+thread_local! {
+    /// Joins under way on this thread, one within the other.
+    static PARTS: Cell<u32> = const { Cell::new(0) };
+}
+
+/// A join under way on this thread, also where it panics.
+struct Part;
+
+impl Part {
+    fn begin() -> Self {
+        PARTS.set(PARTS.get() + 1);
+        Self
+    }
+}
+
+impl Drop for Part {
+    fn drop(&mut self) {
+        PARTS.set(PARTS.get() - 1);
+    }
 }
 
 /// Looks without success after which a thread offers its core to others.
@@ -123,6 +149,7 @@ pub(crate) fn each<P: Split, T: Send>(
     };
     let (left, right) = piece.split((cut - begin) as usize);
     let (before, after) = (&cuts[..middle], &cuts[middle + 1..]);
+    let _part = Part::begin();
     let (left, right) = rayon::join(
         || each(left, begin, before, work, join),
         || each(right, cut, after, work, join),
