@@ -156,3 +156,71 @@ pub(crate) fn each<P: Split, T: Send>(
     );
     join(left, right)
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc;
+    use std::thread;
+    use std::time::Duration;
+
+    use super::*;
+
+    /// A stretch of this many grains.
+    struct Stretch(usize);
+
+    impl Split for Stretch {
+        fn split(self, grains: usize) -> (Self, Self) {
+            (Self(grains), Self(self.0 - grains))
+        }
+    }
+
+    fn wait_for(event: &AtomicBool) {
+        while !event.load(Ordering::Acquire) {
+            thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    /// Of three threads the second has begun a part in two halves when the first begins a job, which ends
+    /// when the part has ended; the third does the other half. The second, which waits for the third, finds
+    /// that it is to look on until the job has ended.
+    fn a_part_begun_before_looking_on() {
+        let [begun, job_begun, other_begun, ended] = [const { AtomicBool::new(false) }; 4];
+        let half = |stretch: Stretch| {
+            if stretch.0 == 1 {
+                begun.store(true, Ordering::Release);
+                wait_for(&job_begun);
+                wait_for(&other_begun);
+            } else {
+                other_begun.store(true, Ordering::Release);
+                // Until the second thread has looked for something else to do.
+                thread::sleep(Duration::from_millis(200));
+            }
+            stretch.0
+        };
+        rayon::scope(|scope| {
+            scope.spawn(|_| {
+                let grains = each(Stretch(3), 0, &[1], &half, &|left, right| left + right);
+                assert_eq!(grains, 3);
+                ended.store(true, Ordering::Release);
+            });
+            wait_for(&begun);
+            awake(|| {
+                job_begun.store(true, Ordering::Release);
+                wait_for(&ended);
+            });
+        });
+    }
+
+    #[test]
+    fn no_thread_waits_for_itself() {
+        let (over, is_over) = mpsc::channel();
+        // On a thread of its own, for one that hangs cannot be stopped.
+        thread::spawn(move || {
+            let done = on_threads(3, a_part_begun_before_looking_on);
+            over.send(done.is_ok()).expect("the test waits for it");
+        });
+        // It takes a fifth of a second where nothing hangs.
+        let is_over = is_over.recv_timeout(Duration::from_secs(60));
+        assert_eq!(is_over, Ok(true), "a thread waits for itself");
+    }
+}
