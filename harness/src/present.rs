@@ -7,16 +7,15 @@ use bitgrain_kernel::Shape;
 use crate::checkpoint;
 use crate::error::{Error, Result};
 use crate::export::{FROZEN_TYPE, OBSTACLE_TYPE};
-use crate::fields::Hole;
-use crate::fields::grid::Grid;
 use crate::fields::read::plane;
+use crate::fields::{Hole, hole};
 use crate::files::{packed_name, write_whole};
 use crate::flow::{parse_flow, parse_profile};
 use crate::folder::Folder;
 use crate::lammps::{Atom, read_dump};
 use crate::observe::INTRUDER;
 use crate::report::{self, BedPicture, Course, FieldPicture, FlowGrain, FlowPicture, PictureGrain};
-use crate::scenario::{Moves, RunPlan, Shape as ShapeAsked};
+use crate::scenario::{Moves, RunPlan, Scenario};
 use crate::series::{SeriesRow, read_series};
 use crate::sim::Role;
 use crate::summary::{BedSummary, RunSummary, Summary, read_folder};
@@ -40,22 +39,26 @@ pub fn write_report(folder: &Folder<'_>) -> Result<()> {
     let stills: Vec<Still> = stills.collect::<Result<_>>()?;
     let packed = whole.inputs.measure.gzip;
     let planned = plans(&whole)?;
-    let flows = planned.iter().map(|(run, plan)| {
-        let mut beds = stills.iter().filter(|still| still.picture.name == run.bed);
-        let still = beds.next().ok_or_else(|| unplanned(&run.bed))?;
-        flow(folder, run, plan, still, packed)
-    });
+    let still_of = |run: &RunSummary| {
+        let mut beds = stills.iter();
+        let found = beds.find(|still| still.picture.name == run.bed);
+        found.ok_or_else(|| unplanned(&run.bed))
+    };
+    let flows = planned
+        .iter()
+        .map(|(run, plan)| flow(folder, run, plan, still_of(run)?, packed));
     let flows: Vec<Option<FlowPicture>> = flows.collect::<Result<_>>()?;
     let flows: Vec<FlowPicture> = flows.into_iter().flatten().collect();
+    let maps = whole
+        .runs
+        .iter()
+        .map(|run| map(folder, &whole.inputs, run, still_of(run)?));
+    let maps: Vec<Option<FieldPicture>> = maps.collect::<Result<_>>()?;
+    let maps: Vec<FieldPicture> = maps.into_iter().flatten().collect();
     let pictures: Vec<BedPicture> = stills.into_iter().map(|still| still.picture).collect();
     let page = if whole.runs.iter().any(|run| run.flow.is_some()) {
         let courses = whole.runs.iter().map(|run| course(folder, run));
         let courses: Vec<Course> = courses.collect::<Result<_>>()?;
-        let maps = planned
-            .iter()
-            .map(|(run, plan)| map(folder, &whole, run, plan));
-        let maps: Vec<Option<FieldPicture>> = maps.collect::<Result<_>>()?;
-        let maps: Vec<FieldPicture> = maps.into_iter().flatten().collect();
         report::flowing_page(&whole, &text, &series, &pictures, &flows, &courses, &maps)
     } else {
         report::page(&whole, &text, &series, &pictures, &flows)
@@ -79,9 +82,10 @@ fn unplanned(name: &str) -> Error {
     )
 }
 
-/// A settled bed: its picture, and which of its grains are the lid's, which no dump says.
+/// A settled bed: its picture, its intruder, and which of its grains are the lid's, which no dump says.
 struct Still {
     picture: BedPicture,
+    hole: Hole,
     lid: BTreeSet<u32>,
 }
 
@@ -104,6 +108,7 @@ fn still(folder: &Folder<'_>, bed: &BedSummary, moves: Moves) -> Result<Still> {
     };
     let lid = (0..sim.count()).filter(|&i| sim.role(i) == Role::Lid);
     Ok(Still {
+        hole: hole(&sim),
         lid: lid.map(|i| sim.id[i]).collect(),
         picture: BedPicture {
             name: bed.name.clone(),
@@ -147,17 +152,12 @@ fn course(folder: &Folder<'_>, run: &RunSummary) -> Result<Course> {
 /// The mean fields of a run; `None` where they were not asked for.
 fn map(
     folder: &Folder<'_>,
-    whole: &Summary,
+    inputs: &Scenario,
     run: &RunSummary,
-    plan: &RunPlan,
+    still: &Still,
 ) -> Result<Option<FieldPicture>> {
-    let inputs = &whole.inputs;
-    let Some(asked) = &inputs.measure.fields else {
+    let Some(grid) = inputs.fields_grid() else {
         return Ok(None);
-    };
-    let grid = Grid {
-        counts: asked.grid,
-        size: inputs.bed.size,
     };
     let path = folder.of_run(&run.name, "plane.csv");
     let text = std::fs::read_to_string(&path).map_err(|e| Error::read(&path, &e))?;
@@ -166,23 +166,13 @@ fn map(
             "is no row of the plane's table; is the file cut off? The same run writes it anew";
         Error::input(format!("{}:{line}", path.display()), problem)
     })?;
-    let bed = &inputs.beds()[plan.bed];
-    let surface = whole
-        .beds
-        .iter()
-        .find(|b| b.name == run.bed)
-        .map_or(0.0, |b| b.surface);
     Ok(Some(FieldPicture {
         run: run.name.clone(),
         fields,
-        hole: Hole {
-            height: bed.center[2],
-            radius: 0.5 * bed.diameter,
-            cylinder: inputs.intruder.shape == ShapeAsked::Cylinder,
-        },
+        hole: still.hole,
         window: inputs.fields_window(),
-        surface,
-        far: -inputs.drag.moves.forward() * run.speed,
+        surface: still.picture.surface,
+        far: inputs.far_velocity(run.speed),
     }))
 }
 

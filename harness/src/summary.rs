@@ -8,6 +8,7 @@ use crate::audit::EnergyRow;
 use crate::blocks::Mean;
 use crate::error::{Error, Result};
 use crate::fields::Load;
+use crate::files::read_text;
 use crate::folder::Folder;
 use crate::plug::Plug;
 use crate::scenario::Scenario;
@@ -266,8 +267,18 @@ pub struct RunRecord {
 /// # Errors
 /// [`Error::Input`] where it is missing or not a summary.
 pub fn read_summary(path: &Path) -> Result<Summary> {
-    let text = std::fs::read_to_string(path).map_err(|e| Error::read(path, &e))?;
-    serde_json::from_str(&text).map_err(|e| Error::input(path.display().to_string(), e.to_string()))
+    Ok(summary_and_text(path)?.1)
+}
+
+/// [`read_summary`], with the text it was read from.
+///
+/// # Errors
+/// As [`read_summary`].
+pub fn summary_and_text(path: &Path) -> Result<(String, Summary)> {
+    let text = read_text(path)?;
+    let summary = serde_json::from_str(&text);
+    let summary = summary.map_err(|e| Error::input(path.display().to_string(), e.to_string()))?;
+    Ok((text, summary))
 }
 
 /// The summary of a run directory, and what it was read from: `summary.json`, or where a run has not come to its
@@ -279,8 +290,7 @@ pub fn read_folder(folder: &Folder) -> Result<(String, Summary)> {
     let whole = folder.summary();
     let runs = folder.0.join("runs");
     if whole.exists() || !runs.is_dir() {
-        let text = std::fs::read_to_string(&whole).map_err(|e| Error::read(&whole, &e))?;
-        return Ok((text, read_summary(&whole)?));
+        return summary_and_text(&whole);
     }
     let entries = std::fs::read_dir(&runs).map_err(|e| Error::read(&runs, &e))?;
     let mut names: Vec<String> = entries

@@ -12,7 +12,7 @@ use crate::files::read_text;
 use crate::folder::Folder;
 use crate::report::{Shown, campaign_page};
 use crate::scenario::source::hash;
-use crate::summary::{Summary, read_folder, read_summary};
+use crate::summary::{Summary, read_folder, summary_and_text};
 
 /// Name of what is measured on no run, but computed.
 pub const DIRECT: &str = "direct";
@@ -47,7 +47,8 @@ impl Evidence {
             return Self::of_summary(&text, summary, from, plugs);
         }
         if is_summary {
-            return Self::of_summary(&read_text(from)?, read_summary(from)?, from, plugs);
+            let (text, summary) = summary_and_text(from)?;
+            return Self::of_summary(&text, summary, from, plugs);
         }
         let beside = from.is_dir().then(|| campaign.beside()).transpose()?;
         let (path, by) = match &beside {
@@ -112,6 +113,7 @@ impl Evidence {
             .claim
             .iter()
             .any(|claim| claim.tested_by.contains(&self.by));
+        let part = self.part();
         let mut all = Vec::new();
         for claim in &book.claim {
             if known && !claim.tested_by.contains(&self.by) {
@@ -124,7 +126,7 @@ impl Evidence {
                 _ => kumar::measure(&claim.id, &self.analysis),
             };
             if let Some(found) = found {
-                let found = match self.part() {
+                let found = match &part {
                     Some(part) => found
                         .map(|(v, note)| (v, format!("{part}: {note}")))
                         .map_err(|why| format!("{part}: {why}")),

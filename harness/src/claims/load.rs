@@ -65,7 +65,8 @@ fn point_load(summary: &Summary, group: &Group, point: &Point) -> Option<PointLo
     let runs = point.runs.iter().map(|&k| {
         let run = &summary.runs[k];
         let flow = run.flow.as_ref()?;
-        let seed = inputs.beds().iter().find(|plan| plan.name == run.bed)?.seed;
+        let bed = summary.beds.iter().find(|bed| bed.name == run.bed)?;
+        let seed = bed.rig.as_ref()?.seed;
         let pressure = axis_stress(run, flow, area);
         let over = pressure / (flow.bulk_density * inputs.gravity * group.diameter);
         Some((seed, pressure, over, flow.load.as_ref()?))
@@ -74,7 +75,7 @@ fn point_load(summary: &Summary, group: &Group, point: &Point) -> Option<PointLo
     let curve = |k: usize, of: fn(&Load) -> (&[f64], &[f64])| -> Vec<Value> {
         let (_, pressure, _, load) = runs[k];
         let (stress, error) = of(load);
-        let floor = LEAST_ERROR * error.iter().fold(0.0, |a, e| if *e > a { *e } else { a });
+        let floor = LEAST_ERROR * most(error.iter().copied());
         let own = stress.iter().zip(error);
         own.map(|(s, e)| Value::new(*s, if *e > floor { *e } else { floor }).divided(pressure))
             .collect()
@@ -104,11 +105,22 @@ fn point_load(summary: &Summary, group: &Group, point: &Point) -> Option<PointLo
         normal: mean(|l| (&l.normal, &l.normal_error)),
         tangential: mean(|l| (&l.tangential, &l.tangential_error)),
         tangential_part: number(&|sum, _| sum.tangential_part()),
-        simple_lift: number(&|sum, p| 2.0 / std::f64::consts::PI * sum.sine_square / p),
+        simple_lift: number(&|sum, p| sum.simple_lift() / p),
         drag: number(&|sum, p| sum.normal_drag / p),
         normal_lift: number(&|sum, p| sum.normal_lift / p),
         lift: point.lift.into(),
     })
+}
+
+/// The largest of the values, at least 0.
+fn most(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(0.0, |a, x| if x > a { x } else { a })
+}
+
+/// The largest normal stress of all.
+pub fn highest(loads: &[&PointLoad]) -> f64 {
+    let all = loads.iter().flat_map(|l| &l.normal);
+    most(all.map(|v| v.value))
 }
 
 /// Curves of several seeds as one: of each angle the mean.

@@ -2,7 +2,7 @@
 
 use super::guillard::{DEEP, SEEDS};
 use super::kumar::Found;
-use super::load::{PointLoad, deep, difference, pairs};
+use super::load::{PointLoad, deep, difference, highest, pairs};
 use super::points::Spread;
 use crate::analysis::Value;
 use crate::fields::load::{POINTS, WIDTH, theta};
@@ -94,8 +94,7 @@ fn apart(loads: &[&PointLoad]) -> Found {
         }
     }
     let (most, place) = largest.ok_or("one effective depth alone has a load without gradient")?;
-    let all = loads.iter().flat_map(|l| &l.normal);
-    let peak = all.fold(0.0, |a, v| if v.value > a { v.value } else { a });
+    let peak = highest(loads);
     let beyond = if most.value > 0.0 { most.value } else { 0.0 };
     Ok((Value::new(beyond, most.error).divided(peak), place))
 }

@@ -3,7 +3,6 @@
 use bitgrain_kernel::{Partner, Pushed, Shape};
 use serde::{Deserialize, Serialize};
 
-use super::grid::Grid;
 use super::load::{Load, LoadSums, PARTS};
 use super::plane::{Fields, Hole, plane, points};
 use super::sums::{Ball, Branch, NUMBERS, Sums};
@@ -28,11 +27,7 @@ pub struct FieldsGauge {
 impl FieldsGauge {
     /// A gauge for a bed that is about to move; `None` where the scenario asks for no fields.
     pub fn new(scenario: &Scenario, plan: &RunPlan) -> Option<Self> {
-        let asked = scenario.measure.fields.as_ref()?;
-        let grid = Grid {
-            counts: asked.grid,
-            size: scenario.bed.size,
-        };
+        let grid = scenario.fields_grid()?;
         Some(Self {
             every: scenario.fields_every(plan.speed),
             steps: [plan.first_averaged(scenario.drag.dt), plan.steps],

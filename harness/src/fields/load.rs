@@ -8,6 +8,8 @@ use serde::{Deserialize, Serialize};
 pub const POINTS: usize = 64;
 /// Standard deviation of the Gaussian that shares a force out among them, in radians: the paper's 8 degrees.
 pub const WIDTH: f64 = 8.0 / 180.0 * std::f64::consts::PI;
+/// Of `(1/2) integral s sin^2 theta d theta`, which is a force over `L D`, eq. 4 makes a lift over buoyancy.
+const SIMPLE: f64 = 2.0 / std::f64::consts::PI;
 /// Equal parts of the averaging window, from which errors come.
 pub const PARTS: usize = 8;
 
@@ -65,6 +67,11 @@ impl Sum {
         let length = |x: f64, z: f64| (x * x + z * z).sqrt();
         let rest = length(self.drag - self.normal_drag, self.lift - self.normal_lift);
         rest / length(self.drag, self.lift)
+    }
+
+    /// What eq. 4 makes of these normal forces: over the pressure, lift over buoyancy.
+    pub fn simple_lift(&self) -> f64 {
+        SIMPLE * self.sine_square
     }
 }
 
@@ -191,11 +198,6 @@ impl Load {
         ]
     }
 
-    /// The same of the normal part alone.
-    pub fn normal_forces(&self) -> [f64; 2] {
-        [libm::cos, libm::sin].map(|w| Self::half_integral(&self.normal, w))
-    }
-
     /// What `of` gives for the whole window, mean over its parts, and its standard error from them.
     pub fn mean(&self, of: impl Fn(&Sum) -> f64) -> (f64, f64) {
         let values: Vec<f64> = self.parts.iter().map(of).collect();
@@ -220,7 +222,7 @@ impl Load {
 /// Lift over buoyancy that eq. 4 makes of a stress without gradient, `s` over the pressure P_0:
 /// `(1/pi) integral s sin^2 theta d theta`.
 pub fn simple_lift(s: &[f64]) -> f64 {
-    2.0 / std::f64::consts::PI * Load::half_integral(s, |t| libm::sin(t) * libm::sin(t))
+    SIMPLE * Load::half_integral(s, |t| libm::sin(t) * libm::sin(t))
 }
 
 /// Drag over `P_0 D L` of the same: `(1/2) integral s cos theta d theta`.
@@ -307,6 +309,11 @@ mod tests {
         assert_eq!(half.load(d, l), None);
     }
 
+    /// Drag and lift over `L D` that the normal stresses alone come to.
+    fn normal_forces(load: &Load) -> [f64; 2] {
+        [libm::cos, libm::sin].map(|w| Load::half_integral(&load.normal, w))
+    }
+
     /// A push straight on the front is all drag and all normal, one on the bottom lift; one along the surface
     /// is tangential.
     #[test]
@@ -323,10 +330,10 @@ mod tests {
         let near = |got: [f64; 2], want: [f64; 2]| {
             assert!((0..2).all(|a| (got[a] - want[a]).abs() < 0.021), "{got:?}");
         };
-        near(front.normal_forces(), [1.0, 0.0]);
-        near(only(quarter, [0.0, 1.0]).normal_forces(), [0.0, 1.0]);
+        near(normal_forces(&front), [1.0, 0.0]);
+        near(normal_forces(&only(quarter, [0.0, 1.0])), [0.0, 1.0]);
         let grazing = only(quarter, [1.0, 0.0]);
-        near(grazing.normal_forces(), [0.0, 0.0]);
+        near(normal_forces(&grazing), [0.0, 0.0]);
         near(grazing.forces(), [1.0, 0.0]);
         let part = |load: &Load| load.mean(Sum::tangential_part).0;
         assert!((part(&grazing) - 1.0).abs() < 1e-12 && part(&front) < 1e-12);

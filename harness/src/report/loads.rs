@@ -8,7 +8,9 @@ use super::scatter::{Line, Mark, Range, scatter};
 use super::text::{escape, number_with_error, short};
 use crate::analysis::Value;
 use crate::claims::Group;
-use crate::claims::load::{PointLoad, difference, equation_4, loads, odd_part, pairs, split};
+use crate::claims::load::{
+    PointLoad, difference, equation_4, highest, loads, odd_part, pairs, split,
+};
 use crate::fields::load::{POINTS, theta};
 use crate::summary::Summary;
 
@@ -149,10 +151,7 @@ fn stresses(load: &PointLoad, partner: Option<&PointLoad>, name: &str) -> String
 /// The normal stress drawn outward from the cylinder.
 fn polar(loads: &[&PointLoad], name: &str) -> String {
     let (size, own) = POLAR;
-    let most = loads
-        .iter()
-        .flat_map(|l| &l.normal)
-        .fold(0.0, |a, v| if v.value > a { v.value } else { a });
+    let most = highest(loads);
     if most <= 0.0 {
         return String::new();
     }

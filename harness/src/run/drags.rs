@@ -280,8 +280,7 @@ pub fn results(
             units: &units,
             diameter: scenario.mean_diameter(),
             density: scenario.bed.density,
-            // Grains go by against the way that the intruder goes through them.
-            far: -scenario.drag.moves.forward() * plan.speed,
+            far: scenario.far_velocity(plan.speed),
         };
         tables.push(("fields.vti", fields::text::vti(&gauge.points(hole), scales)));
         let plane = fields::text::plane_text(&gauge.plane(hole), scales);

@@ -212,15 +212,10 @@ pub fn beds(
     let plans: Vec<&BedPlan> = places.iter().map(|&k| &all[k]).collect();
     let height = |plan: &BedPlan| plan.center[2] as u64;
     // What lies below lids first: several lids lie on one bed.
+    let lids = plans.iter().filter(|plan| plan.lid.is_some());
+    let wanted: Vec<BedPlan> = lids.map(|plan| below(scenario, plan)).collect();
     let mut bare = bare_beds(scenario);
-    let lies_below = |bare: &BedPlan, plan: &BedPlan| match plan.lid {
-        None => bare == plan,
-        Some(_) => *bare == below(scenario, plan),
-    };
-    bare.retain(|bare| plans.iter().any(|plan| lies_below(bare, plan)));
-    if plans.iter().all(|plan| plan.lid.is_none()) {
-        bare.clear();
-    }
+    bare.retain(|bare| wanted.contains(bare));
     let poured = side_by_side(
         threads,
         threads,

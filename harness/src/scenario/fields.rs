@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::check::{Check, positive, refuse};
 use super::{RunPlan, Scenario};
+use crate::fields::grid::Grid;
 use crate::fields::load::PARTS;
 use crate::report::short;
 
@@ -36,6 +37,20 @@ fn paper() -> [usize; 3] {
 }
 
 impl Scenario {
+    /// Points of the fields; `None` where none are asked for.
+    pub fn fields_grid(&self) -> Option<Grid> {
+        self.measure.fields.as_ref().map(|asked| Grid {
+            counts: asked.grid,
+            size: self.bed.size,
+        })
+    }
+
+    /// Velocity along x of the far grains in the intruder's frame: they go by against the way that it goes
+    /// through them.
+    pub fn far_velocity(&self, speed: f64) -> f64 {
+        -self.drag.moves.forward() * speed
+    }
+
     /// Radius of the averaging windows.
     pub fn fields_window(&self) -> f64 {
         let asked = self.measure.fields.as_ref().and_then(|f| f.window);
