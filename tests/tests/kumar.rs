@@ -16,22 +16,18 @@ const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
 /// Campaigns whose tables are here.
 const TABLES: [&str; 2] = ["kumar-small", "kumar-middle"];
 
-/// Two drags of one bed that are done again, the first from halfway: their files, all of the member.
+/// Two drags of one bed that are done again: its files, all of the member.
 const MEMBER: &str = "mu0.5-D2-h8";
-const FILES: [(&str, &str); 3] = [
+const FILES: [(&str, &str); 2] = [
     ("bed.safetensors.gz", "beds/bed.safetensors"),
     ("bed.chain.csv.gz", "beds/bed.chain.csv"),
-    (
-        "run-5.half.safetensors.gz",
-        "runs/run-5/checkpoints/000000005834.safetensors",
-    ),
 ];
 
 fn evidence(campaign: &str) -> Evidence {
     Evidence::read(&golden(campaign).join("results.csv.gz"), false).unwrap()
 }
 
-/// From its settled bed, and from a state halfway, each drag gives its row of the table digit for digit.
+/// From its settled bed each drag gives its row of the table digit for digit.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "ten seconds in release, minutes in debug")]
 fn rows_done_again_are_those_of_the_table() {
@@ -64,12 +60,7 @@ fn rows_done_again_are_those_of_the_table() {
     let out = output(PROGRAM, folder.path(), &args);
     let lines = String::from_utf8_lossy(&out.stderr).into_owned();
     assert_eq!(out.status.code(), Some(0), "{lines}");
-    for how in [
-        "run-5: Fr 2, drag",
-        "(resumed,",
-        "run-9: Fr 10, drag",
-        "(dragged,",
-    ] {
+    for how in ["run-5: Fr 2, drag", "run-9: Fr 10, drag"] {
         assert!(lines.contains(how), "{how}: {lines}");
     }
     let said = String::from_utf8_lossy(&out.stdout).into_owned();
