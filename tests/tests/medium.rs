@@ -25,11 +25,15 @@ const LINKS: u64 = 5_000;
 const PIECE: (&str, &str) = ("bed-9-run-1", "bed-9-run-1.safetensors.gz");
 
 /// Fields that are kept: of the first seed, at each effective depth, with a pressure gradient and without.
-const FIELDS: [&str; 4] = [
+const FIELDS: [&str; 8] = [
+    "bed-1-run-1.csv.gz",
+    "bed-5-run-1.csv.gz",
     "bed-9-run-1.csv.gz",
     "bed-13-run-1.csv.gz",
     "bed-17-run-1.csv.gz",
     "bed-21-run-1.csv.gz",
+    "bed-25-run-1.csv.gz",
+    "bed-29-run-1.csv.gz",
 ];
 
 fn shipped() -> Scenario {

@@ -41,7 +41,8 @@ impl Evidence {
     /// [`Error::Input`] where it is none of them.
     pub fn read(from: &Path, plugs: bool) -> Result<Self> {
         let campaign = CampaignFolder(from);
-        let is_summary = from.extension().is_some_and(|ending| ending == "json");
+        let name = from.to_string_lossy();
+        let is_summary = name.ends_with(".json") || name.ends_with(".json.gz");
         if from.is_dir() && !campaign.table().exists() {
             let (text, summary) = read_folder(&Folder(from))?;
             return Self::of_summary(&text, summary, from, plugs);

@@ -11,7 +11,7 @@ use crate::summary::RunSummary;
 use crate::units::Units;
 
 /// Points of all curves of a page together: a page of many runs stays small.
-const POINTS: usize = 60_000;
+const POINTS: usize = 40_000;
 
 /// One point of a force curve.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -117,8 +117,10 @@ pub(super) fn map(map: &Map) -> Option<String> {
     if surface > top {
         push(
             &mut out,
+            // White between the dashes: seen on the darkest colour too.
             format_args!(
-                "<path d=\"M{left:.1} {surface:.1}H{right:.1}\" stroke=\"{INK}\" stroke-width=\"1.6\" \
+                "<path d=\"M{left:.1} {surface:.1}H{right:.1}\" stroke=\"#fff\" stroke-width=\"1.6\"/>\
+                 <path d=\"M{left:.1} {surface:.1}H{right:.1}\" stroke=\"{INK}\" stroke-width=\"1.6\" \
                  stroke-dasharray=\"7 5\"/>"
             ),
         );
