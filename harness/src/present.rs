@@ -149,14 +149,14 @@ fn course(folder: &Folder<'_>, run: &RunSummary) -> Result<Course> {
     Ok(Course { rows, profile })
 }
 
-/// The mean fields of a run; `None` where they were not asked for.
+/// The mean fields of a run; `None` where they were not asked for, or where the bed is at rest and no page shows them.
 fn map(
     folder: &Folder<'_>,
     inputs: &Scenario,
     run: &RunSummary,
     still: &Still,
 ) -> Result<Option<FieldPicture>> {
-    let Some(grid) = inputs.fields_grid() else {
+    let (Some(grid), Some(_)) = (inputs.fields_grid(), &run.flow) else {
         return Ok(None);
     };
     let path = folder.of_run(&run.name, "plane.csv");

@@ -301,7 +301,7 @@ pub fn read_folder(folder: &Folder) -> Result<(String, Summary)> {
     let mut records = Vec::new();
     for name in names {
         let path = folder.of_run(&name, "summary.json");
-        let text = std::fs::read_to_string(&path).map_err(|e| Error::read(&path, &e))?;
+        let text = read_text(&path)?;
         let wrong = |problem: String| Error::input(path.display().to_string(), problem);
         let record: RunRecord = serde_json::from_str(&text).map_err(|e| wrong(e.to_string()))?;
         records.push((text, record));

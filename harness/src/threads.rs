@@ -192,6 +192,7 @@ mod tests {
                 wait_for(&other_begun);
             } else {
                 other_begun.store(true, Ordering::Release);
+                wait_for(&job_begun);
                 // Until the second thread has looked for something else to do.
                 thread::sleep(Duration::from_millis(200));
             }
@@ -200,8 +201,8 @@ mod tests {
         rayon::scope(|scope| {
             scope.spawn(|_| {
                 let grains = each(Stretch(3), 0, &[1], &half, &|left, right| left + right);
-                assert_eq!(grains, 3);
                 ended.store(true, Ordering::Release);
+                assert_eq!(grains, 3);
             });
             wait_for(&begun);
             awake(|| {

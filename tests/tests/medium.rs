@@ -5,14 +5,13 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use bitgrain::checkpoint::{self, Note};
+use bitgrain::checkpoint;
 use bitgrain::drag::Dragging;
-use bitgrain::error::Result;
 use bitgrain::fields::text::load_text;
 use bitgrain::folder::Folder;
 use bitgrain::progress::Stage;
 use bitgrain::scenario::{self, Scenario};
-use bitgrain::sim::{Sim, hex};
+use bitgrain::sim::hex;
 use bitgrain::summary::{RunSummary, Summary, read_folder};
 use bitgrain::witness::Witness;
 use bitgrain_tests::{golden, unpacked};
@@ -21,7 +20,8 @@ use sha2::{Digest, Sha256};
 /// Steps between the links that are kept of a chain.
 const LINKS: u64 = 5_000;
 
-/// The drag of which a piece is done again, by the state it begins with: just before the window of the means.
+/// The drag of which a piece is done again, and the state that this begins with: just before the first sample of
+/// the fields.
 const PIECE: (&str, &str) = ("bed-9-run-1", "bed-9-run-1.safetensors.gz");
 
 /// Fields that are kept: of the first seed, at each effective depth, with a pressure gradient and without.
@@ -74,13 +74,13 @@ fn drags_are_those_of_the_shipped_scenario() {
             assert_eq!(links[&(run.name.clone(), step)].len(), 64);
         }
         assert_eq!(links[&(run.name.clone(), run.steps)], run.chain);
-        assert_eq!(run.digest.len(), 64);
     }
     let steps: u64 = whole.runs.iter().map(|run| run.steps / LINKS + 1).sum();
     assert_eq!(links.len() as u64, steps);
 }
 
-/// Of every file of every drag there is a hash; that of the load is the one of the load in the summary.
+/// Of every table of every drag and of its image of the fields there is a hash; that of the load is the one of the
+/// load in the summary.
 #[test]
 fn files_have_hashes() {
     let text = text("files.sha256");
@@ -121,17 +121,13 @@ fn files_have_hashes() {
 struct Until(u64);
 
 impl Witness for Until {
-    fn pause(&mut self, _: u64, _: &mut Sim, _: &dyn Fn() -> Note) -> Result<()> {
-        Ok(())
-    }
-
     fn ends(&self) -> u64 {
         self.0
     }
 }
 
-/// From a state just before the window of the means a drag goes on to the same links, and sums its fields to the
-/// same bits as when it was first done.
+/// From a state of its own a drag goes on to the link that the whole drag had there. The sums of fields and load,
+/// of which no link tells, are those that this test had when it was written.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "ten seconds in release")]
 fn a_piece_done_again_gives_the_same_links_and_sums() {
@@ -157,12 +153,15 @@ fn a_piece_done_again_gives_the_same_links_and_sums() {
         )
         .unwrap();
     assert_eq!(dragging.chain.end(), links[&(plan.name, end)]);
-    let fields = dragging.fields.unwrap();
+    let fields = dragging.fields.as_ref().unwrap();
     let said = format!(
-        "step {end}\nlink {}\nsamples {}\nsums {}\n",
+        "step {}\nlink {}\nsamples {}\nsums of fields {}\nsums of load {}\n",
+        dragging.step,
         dragging.chain.end(),
         fields.samples(),
-        blake3::hash(&fields.array())
+        blake3::hash(&fields.array()),
+        // All but the sums of the fields.
+        blake3::hash(serde_json::to_string(&fields).unwrap().as_bytes())
     );
     let mut settings = insta::Settings::clone_current();
     settings.set_snapshot_path(golden("guillard-medium"));
@@ -171,49 +170,87 @@ fn a_piece_done_again_gives_the_same_links_and_sums() {
     settings.bind(|| insta::assert_snapshot!("piece", said));
 }
 
-/// Of a point of the plane: where it is, packing fraction and velocity along x; none where nothing is known.
-type Row = ([f64; 2], Option<[f64; 2]>);
+/// A point of the plane: its place, and packing fraction, velocity along x and z, pressure and shear stress; none
+/// where nothing is known.
+type Row = ([f32; 2], Option<[f64; 5]>);
 
 fn plane(file: &str) -> Vec<Row> {
     let text = text(&format!("fields/{file}"));
     let row = |line: &str| {
         let cells: Vec<&str> = line.split(',').collect();
         let real = |k: usize| cells[k].parse::<f64>().unwrap();
-        let known = (cells[2] != "2").then(|| [real(3), real(4)]);
-        ([real(0), real(1)], known)
+        let known = (cells[2] != "2").then(|| [3, 4, 5, 6, 7].map(real));
+        (
+            [cells[0].parse().unwrap(), cells[1].parse().unwrap()],
+            known,
+        )
     };
     text.lines().skip(1).map(row).collect()
 }
 
-/// Grains that come in go out: through every plane across the flow passes the same volume, to the half per cent by
-/// which the bed is heaped up while it flows. Far from the cylinder it goes at the speed that displacements give;
-/// base and lid, which go at that of the motion, make up to half a per cent of difference.
+/// What fields must be whatever the grains do. Grains that come in go out: through every plane across the flow
+/// passes the same volume, but for half a per cent that is missing where points inside the cylinder are blank. The
+/// bed sinks as it grows denser by a fortieth on its way of 27 D: by a hundredth of the speed at most. Far from the
+/// cylinder it goes at the speed that displacements give, but for base and lid, which go at that of the motion. The
+/// pressure at the height of the axis is in the mean the weight above; that stresses are as large along x and y as
+/// along z holds to a twentieth. Shear stresses are those of friction, below 0.38 of the pressure where grains flow.
 #[test]
 fn fields_keep_the_grains() {
     let (scenario, whole) = (shipped(), whole());
-    let [nx, _, nz] = scenario.measure.fields.as_ref().unwrap().grid;
+    let grid = scenario.fields_grid().unwrap();
+    let [nx, _, nz] = grid.counts;
     for file in FIELDS {
         let run = whole.runs.iter().find(|run| file.starts_with(&run.name));
         let run: &RunSummary = run.unwrap();
+        let flow = run.flow.as_ref().unwrap();
         let rows = plane(file);
         assert_eq!(rows.len(), nx * nz);
-        let sum = |kx: usize, of: fn([f64; 2]) -> f64| -> f64 {
-            let column = (0..nz).filter_map(|kz| rows[kz * nx + kx].1);
-            column.map(of).sum()
-        };
-        let flux = |kx: usize| sum(kx, |[solid, speed]| solid * speed);
-        let mean = (0..nx).map(flux).sum::<f64>() / nx as f64;
-        for kx in 0..nx {
-            let off = flux(kx) / mean - 1.0;
-            assert!(off.abs() < 0.01, "{file}: x = {}: {off}", rows[kx].0[0]);
+        let axis = scenario.beds()[0].center[2];
+        for (k, (place, known)) in rows.iter().enumerate() {
+            let [x, z] = [grid.at(0, k % nx), grid.at(2, k / nx)];
+            assert_eq!(*place, [x as f32, z as f32]);
+            let inside = x.hypot(z - axis) < 0.5 * run.diameter;
+            assert!(!(inside && known.is_some()), "{file}: {x} {z}");
         }
-        let edge = || (0..nx).filter(|kx| rows[*kx].0[0].abs() > 0.4 * scenario.bed.size[0]);
-        let solid: f64 = edge().map(|kx| sum(kx, |[solid, _]| solid)).sum();
-        let far = edge().map(flux).sum::<f64>() / solid / run.speed;
-        let measured = run.flow.as_ref().unwrap().far_field;
-        assert!(
-            (far / measured - 1.0).abs() < 0.01,
-            "{file}: {far} and {measured}"
-        );
+        let mean = |row: &dyn Fn(usize) -> bool,
+                    column: &dyn Fn(usize) -> bool,
+                    of: fn([f64; 5]) -> f64| {
+            let all = (0..nx * nz).filter(|k| row(k / nx) && column(k % nx));
+            let known: Vec<f64> = all.filter_map(|k| rows[k].1).map(of).collect();
+            (known.iter().sum::<f64>(), known.len() as f64)
+        };
+        let every = |_: usize| true;
+        let flux = |kx: usize| mean(&every, &|k| k == kx, |[solid, vx, ..]| solid * vx).0;
+        let whole_flux = (0..nx).map(flux).sum::<f64>();
+        for kx in 0..nx {
+            let off = flux(kx) * nx as f64 / whole_flux - 1.0;
+            assert!(off.abs() < 0.01, "{file}: x = {}: {off}", grid.at(0, kx));
+        }
+        let height = |kz: usize| grid.at(2, kz);
+        let sinking = |kz: usize| {
+            let (up, points) = mean(&|k| k == kz, &every, |[solid, _, vz, ..]| solid * vz);
+            -up / points / flow.packing_fraction / run.speed
+        };
+        for kz in (0..nz).filter(|k| height(*k) < 2.0 * axis) {
+            assert!(
+                (-0.005..0.02).contains(&sinking(kz)),
+                "{file}: {}: {}",
+                height(kz),
+                sinking(kz)
+            );
+        }
+        let edge = |kx: usize| grid.at(0, kx).abs() > 0.4 * grid.size[0];
+        let (far, _) = mean(&every, &edge, |[solid, vx, ..]| solid * vx);
+        let (solid, _) = mean(&every, &edge, |[solid, ..]| solid);
+        let far = far / solid / run.speed / flow.far_field;
+        assert!((far - 1.0).abs() < 0.01, "{file}: {far}");
+        let at_axis = |kz: usize| (height(kz) - axis).abs() < 0.51 * grid.step()[2];
+        let (pressure, points) = mean(&at_axis, &every, |[.., pressure, _]| pressure);
+        let weight = pressure / points / flow.pressure_measured;
+        assert!((0.94..1.02).contains(&weight), "{file}: {weight}");
+        let inside = |kz: usize| (0.3 * axis..1.7 * axis).contains(&height(kz));
+        let (ratio, points) = mean(&inside, &every, |[.., pressure, shear]| shear / pressure);
+        let ratio = ratio / points;
+        assert!((0.2..0.38).contains(&ratio), "{file}: {ratio}");
     }
 }

@@ -41,8 +41,7 @@ impl Evidence {
     /// [`Error::Input`] where it is none of them.
     pub fn read(from: &Path, plugs: bool) -> Result<Self> {
         let campaign = CampaignFolder(from);
-        let name = from.to_string_lossy();
-        let is_summary = name.ends_with(".json") || name.ends_with(".json.gz");
+        let is_summary = from.extension().is_some_and(|ending| ending == "json");
         if from.is_dir() && !campaign.table().exists() {
             let (text, summary) = read_folder(&Folder(from))?;
             return Self::of_summary(&text, summary, from, plugs);

@@ -63,9 +63,9 @@ pub(super) fn both(a: f64, b: f64) -> f64 {
     (a * a + b * b).sqrt()
 }
 
-/// How many depths the points have that are not the same to [`SAME_DEPTH`].
+/// How many depths were asked for that are not the same to [`SAME_DEPTH`]: what comes of one differs a little.
 pub fn depths(points: &[&Point]) -> usize {
-    let mut all: Vec<f64> = points.iter().map(|p| p.effective_depth).collect();
+    let mut all: Vec<f64> = points.iter().map(|p| p.asked).collect();
     all.sort_by(f64::total_cmp);
     let (mut count, mut last) = (0, 0.0);
     for depth in all {

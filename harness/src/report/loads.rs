@@ -168,7 +168,7 @@ fn polar(loads: &[&PointLoad], name: &str) -> String {
         "<svg class=\"slice\" viewBox=\"0 0 {size} {size}\" role=\"img\" aria-label=\"Normal stress round the \
          cylinder\" font-family=\"sans-serif\" font-size=\"15\"><title>Normal stress round the cylinder</title>"
     );
-    for (value, label) in axis(0.0, most, 3).ticks {
+    for (value, label) in axis(0.0, most, 4).ticks {
         if value > 0.0 {
             let r = own + factor * value;
             push(
