@@ -266,8 +266,8 @@ pub(crate) fn side_by_side(jobs: &[u64], threads: usize) -> u64 {
 
 /// Points of the fields along each axis; none where there are no fields.
 fn points(scenario: &Scenario) -> [f64; 3] {
-    let asked = scenario.measure.fields.as_ref();
-    asked.map_or([0; 3], |fields| fields.grid).map(|n| n as f64)
+    let grid = scenario.fields_grid();
+    grid.map_or([0; 3], |grid| grid.counts).map(|n| n as f64)
 }
 
 pub(crate) fn disk(scenario: &Scenario, runs: &[RunPlan], grains: usize, beds: usize) -> f64 {

@@ -212,15 +212,16 @@ fn fields_keep_the_grains() {
             let inside = x.hypot(z - axis) < 0.5 * run.diameter;
             assert!(!(inside && known.is_some()), "{file}: {x} {z}");
         }
-        let mean = |row: &dyn Fn(usize) -> bool,
-                    column: &dyn Fn(usize) -> bool,
-                    of: fn([f64; 5]) -> f64| {
+        // A sum over known points, and how many these are.
+        let sum = |row: &dyn Fn(usize) -> bool,
+                   column: &dyn Fn(usize) -> bool,
+                   of: fn([f64; 5]) -> f64| {
             let all = (0..nx * nz).filter(|k| row(k / nx) && column(k % nx));
             let known: Vec<f64> = all.filter_map(|k| rows[k].1).map(of).collect();
             (known.iter().sum::<f64>(), known.len() as f64)
         };
         let every = |_: usize| true;
-        let flux = |kx: usize| mean(&every, &|k| k == kx, |[solid, vx, ..]| solid * vx).0;
+        let flux = |kx: usize| sum(&every, &|k| k == kx, |[solid, vx, ..]| solid * vx).0;
         let whole_flux = (0..nx).map(flux).sum::<f64>();
         for kx in 0..nx {
             let off = flux(kx) * nx as f64 / whole_flux - 1.0;
@@ -228,7 +229,7 @@ fn fields_keep_the_grains() {
         }
         let height = |kz: usize| grid.at(2, kz);
         let sinking = |kz: usize| {
-            let (up, points) = mean(&|k| k == kz, &every, |[solid, _, vz, ..]| solid * vz);
+            let (up, points) = sum(&|k| k == kz, &every, |[solid, _, vz, ..]| solid * vz);
             -up / points / flow.packing_fraction / run.speed
         };
         for kz in (0..nz).filter(|k| height(*k) < 2.0 * axis) {
@@ -240,16 +241,16 @@ fn fields_keep_the_grains() {
             );
         }
         let edge = |kx: usize| grid.at(0, kx).abs() > 0.4 * grid.size[0];
-        let (far, _) = mean(&every, &edge, |[solid, vx, ..]| solid * vx);
-        let (solid, _) = mean(&every, &edge, |[solid, ..]| solid);
+        let (far, _) = sum(&every, &edge, |[solid, vx, ..]| solid * vx);
+        let (solid, _) = sum(&every, &edge, |[solid, ..]| solid);
         let far = far / solid / run.speed / flow.far_field;
         assert!((far - 1.0).abs() < 0.01, "{file}: {far}");
         let at_axis = |kz: usize| (height(kz) - axis).abs() < 0.51 * grid.step()[2];
-        let (pressure, points) = mean(&at_axis, &every, |[.., pressure, _]| pressure);
+        let (pressure, points) = sum(&at_axis, &every, |[.., pressure, _]| pressure);
         let weight = pressure / points / flow.pressure_measured;
         assert!((0.94..1.02).contains(&weight), "{file}: {weight}");
         let inside = |kz: usize| (0.3 * axis..1.7 * axis).contains(&height(kz));
-        let (ratio, points) = mean(&inside, &every, |[.., pressure, shear]| shear / pressure);
+        let (ratio, points) = sum(&inside, &every, |[.., pressure, shear]| shear / pressure);
         let ratio = ratio / points;
         assert!((0.2..0.38).contains(&ratio), "{file}: {ratio}");
     }
