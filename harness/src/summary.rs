@@ -267,18 +267,16 @@ pub struct RunRecord {
 /// # Errors
 /// [`Error::Input`] where it is missing or not a summary.
 pub fn read_summary(path: &Path) -> Result<Summary> {
-    Ok(summary_and_text(path)?.1)
+    parse_summary(&read_text(path)?, path)
 }
 
-/// [`read_summary`], with the text it was read from.
+/// The summary that `text`, read from `path`, says.
 ///
 /// # Errors
-/// As [`read_summary`].
-pub fn summary_and_text(path: &Path) -> Result<(String, Summary)> {
-    let text = read_text(path)?;
-    let summary = serde_json::from_str(&text);
-    let summary = summary.map_err(|e| Error::input(path.display().to_string(), e.to_string()))?;
-    Ok((text, summary))
+/// [`Error::Input`] where it is none.
+pub fn parse_summary(text: &str, path: &Path) -> Result<Summary> {
+    let summary = serde_json::from_str(text);
+    summary.map_err(|e| Error::input(path.display().to_string(), e.to_string()))
 }
 
 /// The summary of a run directory, and what it was read from: `summary.json`, or where a run has not come to its
@@ -290,7 +288,9 @@ pub fn read_folder(folder: &Folder) -> Result<(String, Summary)> {
     let whole = folder.summary();
     let runs = folder.0.join("runs");
     if whole.exists() || !runs.is_dir() {
-        return summary_and_text(&whole);
+        let text = read_text(&whole)?;
+        let summary = parse_summary(&text, &whole)?;
+        return Ok((text, summary));
     }
     let entries = std::fs::read_dir(&runs).map_err(|e| Error::read(&runs, &e))?;
     let mut names: Vec<String> = entries

@@ -50,7 +50,12 @@ impl Value {
     /// This over another, independent of it.
     pub fn over(self, other: Value) -> Value {
         let value = self.value / other.value;
-        Value::new(value, value.abs() * both(self.relative(), other.relative()))
+        // Nothing has no relative error.
+        let error = match self.value == 0.0 {
+            true => self.error / other.value.abs(),
+            false => value.abs() * both(self.relative(), other.relative()),
+        };
+        Value::new(value, error)
     }
 
     /// This less another, independent of it.
@@ -78,4 +83,19 @@ impl Value {
 /// Two independent errors together.
 fn both(a: f64, b: f64) -> f64 {
     (a * a + b * b).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Errors of quotients are those of both, in proportion; that of nothing over something is its own.
+    #[test]
+    fn quotients_have_the_errors_of_both() {
+        let two = Value::new(-2.0, 0.2);
+        assert_eq!(Value::new(0.0, 0.5).over(two), Value::new(-0.0, 0.25));
+        let over = Value::new(6.0, 0.3).over(two);
+        assert_eq!(over.value, -3.0);
+        assert!((over.error - 3.0 * 0.05_f64.hypot(0.1)).abs() < 1e-15);
+    }
 }

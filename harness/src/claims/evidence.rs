@@ -12,7 +12,7 @@ use crate::files::read_text;
 use crate::folder::Folder;
 use crate::report::{Shown, campaign_page};
 use crate::scenario::source::hash;
-use crate::summary::{Summary, read_folder, summary_and_text};
+use crate::summary::{Summary, parse_summary, read_folder};
 
 /// Name of what is measured on no run, but computed.
 pub const DIRECT: &str = "direct";
@@ -35,27 +35,32 @@ pub struct Evidence {
 
 impl Evidence {
     /// Reads a campaign's folder, a run's folder (of what is done, where it has not come to its end) or summary, or a
-    /// table, which is named after its folder. Runs whose bed slid along as a plug are left out unless `plugs`.
+    /// table, which is named after its folder; summary and table may be packed by gzip. Runs whose bed slid along as
+    /// a plug are left out unless `plugs`.
     ///
     /// # Errors
     /// [`Error::Input`] where it is none of them.
     pub fn read(from: &Path, plugs: bool) -> Result<Self> {
         let campaign = CampaignFolder(from);
-        let is_summary = from.extension().is_some_and(|ending| ending == "json");
         if from.is_dir() && !campaign.table().exists() {
             let (text, summary) = read_folder(&Folder(from))?;
             return Self::of_summary(&text, summary, from, plugs);
         }
-        if is_summary {
-            let (text, summary) = summary_and_text(from)?;
-            return Self::of_summary(&text, summary, from, plugs);
-        }
         let beside = from.is_dir().then(|| campaign.beside()).transpose()?;
-        let (path, by) = match &beside {
-            Some(beside) => (campaign.table(), beside.name.clone()),
-            None => (from.to_path_buf(), name_of_folder(from)?),
+        let path = match &beside {
+            Some(_) => campaign.table(),
+            None => from.to_path_buf(),
         };
         let text = read_text(&path)?;
+        // A summary is JSON, which no table begins like.
+        if text.starts_with('{') {
+            let summary = parse_summary(&text, &path)?;
+            return Self::of_summary(&text, summary, &path, plugs);
+        }
+        let by = match &beside {
+            Some(beside) => beside.name.clone(),
+            None => name_of_folder(from)?,
+        };
         let table = Table::parse(&text, &path.display().to_string())?;
         Ok(Self {
             by,

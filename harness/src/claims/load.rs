@@ -202,10 +202,15 @@ pub fn split(loads: &[PointLoad]) -> Result<Vec<Fit>, String> {
     (0..POINTS).map(at).collect()
 }
 
-/// Loads with a gradient from 16 D on, to a twentieth.
+/// Whether a load is from 16 D on, to a twentieth.
+pub(super) fn is_deep(load: &PointLoad) -> bool {
+    load.asked > (1.0 - super::SAME_DEPTH) * DEEP
+}
+
+/// Loads with a gradient that are.
 pub(super) fn deep(loads: &[PointLoad]) -> Result<Vec<&PointLoad>, String> {
-    let far = |l: &&PointLoad| l.gradient && l.asked > (1.0 - super::SAME_DEPTH) * DEEP;
-    let deep: Vec<&PointLoad> = loads.iter().filter(far).collect();
+    let with = loads.iter().filter(|l| l.gradient);
+    let deep: Vec<&PointLoad> = with.filter(|l| is_deep(l)).collect();
     match deep.len() {
         3.. => Ok(deep),
         _ => Err(format!(

@@ -1,8 +1,8 @@
 //! What loads say of each claim of Guillard 2014, section IV and appendix B.
 
 use super::guillard::{DEEP, SEEDS};
-use super::kumar::Found;
-use super::load::{PointLoad, deep, difference, highest, pairs};
+use super::kumar::{Found, farthest};
+use super::load::{PointLoad, deep, difference, equation_4, highest, is_deep, odd_part, pairs};
 use super::points::Spread;
 use crate::analysis::Value;
 use crate::fields::load::{POINTS, WIDTH, theta};
@@ -11,6 +11,8 @@ use crate::fit::linear::line;
 
 /// A difference is told from none from so many errors on.
 const TOLD: f64 = 5.0;
+
+const NO_LOAD: &str = "no run has a load: measure.fields asks for them";
 
 /// The measurement of a claim about loads; `None` where this is none.
 pub(super) fn measure(id: &str, loads: &[PointLoad]) -> Option<Found> {
@@ -34,11 +36,15 @@ pub(super) fn measure(id: &str, loads: &[PointLoad]) -> Option<Found> {
         "equation-4" => all(&|l| l.simple_lift),
         "tangential" => {
             let parts = loads.iter().map(|l| (l.tangential_part, note(l)));
-            let most = parts.reduce(|a, b| if b.0.value > a.0.value { b } else { a });
-            most.ok_or_else(|| "no run has a load: measure.fields asks for them".into())
+            farthest(parts.collect(), 0.0, NO_LOAD)
         }
         "stress-pressure" => apart(&without().collect::<Vec<_>>()),
-        "collapse" => collapse(&pairs(loads)),
+        "tangential-stress" => {
+            let ratios = loads.iter().map(|l| (largest_tangential(l), note(l)));
+            farthest(ratios.collect(), 0.0, NO_LOAD)
+        }
+        "collapse" => collapse(&deep_pairs(loads)),
+        "asymmetric" => over_equation_4(&deep_pairs(loads)),
         "tenfold" => tenfold(loads),
         "split" => lift_of_slope(loads),
         _ => return None,
@@ -99,18 +105,32 @@ fn apart(loads: &[&PointLoad]) -> Found {
     Ok((Value::new(beyond, most.error).divided(peak), place))
 }
 
-/// Spread over depths of the differences, root mean square over the angles and beyond their errors, over the
-/// largest mean difference. Refused where that is not told from none: then noise alone would make the spread.
+/// Loads with and without a gradient at the effective depths where appendix B holds.
+fn deep_pairs(loads: &[PointLoad]) -> Vec<(&PointLoad, &PointLoad)> {
+    let all = pairs(loads).into_iter();
+    all.filter(|(with, _)| is_deep(with)).collect()
+}
+
+/// The largest tangential stress over the largest normal one.
+fn largest_tangential(load: &PointLoad) -> Value {
+    let all = load.tangential.iter();
+    let most = all.reduce(|a, b| if b.value.abs() > a.value.abs() { b } else { a });
+    most.map_or(Value::new(0.0, 0.0), |v| {
+        Value::new(v.value.abs(), v.error).divided(highest(&[load]))
+    })
+}
+
+/// Spread over depths of the differences beyond their errors, over the mean of them all, both as root mean squares
+/// over the angles. Refused where the mean is not told from none: then noise alone would make the spread.
 fn collapse(pairs: &[(&PointLoad, &PointLoad)]) -> Found {
     let curves: Vec<Vec<Value>> = pairs.iter().map(difference).collect();
     let n = curves.len() as f64;
     if curves.len() < 2 {
-        return Err(
-            "a collapse takes two effective depths or more with loads with and without gradient"
-                .into(),
-        );
+        return Err(format!(
+            "a collapse takes two effective depths of {DEEP} D or more with loads with and without gradient"
+        ));
     }
-    let (mut seen, mut known, mut fourth) = (0.0, 0.0, 0.0);
+    let (mut seen, mut known, mut fourth, mut square) = (0.0, 0.0, 0.0, 0.0);
     let mut peak = Value::new(0.0, 1.0);
     for m in 0..POINTS {
         let at: Vec<Value> = curves.iter().map(|c| c[m]).collect();
@@ -123,32 +143,79 @@ fn collapse(pairs: &[(&PointLoad, &PointLoad)]) -> Found {
             / (n - 1.0);
         known += own / n;
         fourth += at.iter().map(|v| libm::pow(v.error, 4.0)).sum::<f64>() / n;
+        square += mean * mean - own / (n * n);
         if mean.abs() > peak.value {
             peak = Value::new(mean.abs(), own.sqrt() / n);
         }
     }
     let told = format!(
-        "largest difference {:.0} +- {:.0} rho g D over {} effective depths",
+        "largest difference {:.0} +- {:.0} rho g D over {} effective depths of {DEEP} D or more",
         peak.value,
         peak.error,
         curves.len()
     );
-    if peak.value < TOLD * peak.error {
+    if peak.value < TOLD * peak.error || square <= 0.0 {
         return Err(format!("{told}, which is not told from none"));
     }
     // Numbers of unequal variance count as fewer, and neighbouring angles as one.
-    let counted = known * known / fourth / POINTS as f64 * SQUARES * (n - 1.0);
+    let angles = known * known / fourth / POINTS as f64 * SQUARES;
     let points = POINTS as f64;
-    let (seen, known) = (seen / points, known / points);
+    let (seen, known, square) = (seen / points, known / points, square / points);
     let left = if seen > known { seen - known } else { 0.0 };
-    let noise = ((2.0 * known * known + 4.0 * known * left) / counted).sqrt();
+    // Error of a mean of squares of numbers with this variance of noise, of so many.
+    let noise = |known: f64, left: f64, count: f64| {
+        ((2.0 * known * known + 4.0 * known * left) / count).sqrt()
+    };
+    let own = noise(known, left, angles * (n - 1.0));
     let spread = left.sqrt();
     // The error of a root, but for one near zero.
-    let (slope, most) = (0.5 * noise / spread, noise.sqrt());
+    let (slope, most) = (0.5 * own / spread, own.sqrt());
     let error = if slope < most { slope } else { most };
-    Ok((Value::new(spread, error).divided(peak.value), told))
+    let mean = square.sqrt();
+    let mean = Value::new(mean, 0.5 * noise(known / n, square, angles) / mean);
+    Ok((Value::new(spread, error).over(mean), told))
 }
 
+/// How much of eq. 4's curve the differences hold, as least squares have it: mean over the depths; the odd parts of
+/// the loads with a gradient are a second estimate.
+fn over_equation_4(pairs: &[(&PointLoad, &PointLoad)]) -> Found {
+    if pairs.is_empty() {
+        return Err(format!(
+            "no two runs with loads, with and without a pressure gradient, have one effective depth of {DEEP} D \
+             or more"
+        ));
+    }
+    let mean = |of: &dyn Fn(&(&PointLoad, &PointLoad)) -> Vec<Value>| -> Value {
+        let all = pairs.iter().map(|pair| {
+            let v = share(&of(pair), &equation_4(pair.1));
+            (v.value, v.error)
+        });
+        Spread::of(&all.collect::<Vec<_>>()).into()
+    };
+    let odd = mean(&|pair| odd_part(pair.0));
+    let note = format!(
+        "mean of {} effective depths; {:.1} +- {:.1} of the odd part with gradient alone",
+        pairs.len(),
+        odd.value,
+        odd.error
+    );
+    Ok((mean(&difference), note))
+}
+
+/// The factor by which `shape` is best scaled to a curve.
+fn share(curve: &[Value], shape: &[f64]) -> Value {
+    let (mut both, mut noise, mut own) = (0.0, 0.0, 0.0);
+    for (v, x) in curve.iter().zip(shape) {
+        both += v.value * x;
+        noise += v.error * v.error * x * x;
+        own += x * x;
+    }
+    // Neighbouring angles go up and down as one.
+    Value::new(both, (noise * POINTS as f64 / SUMS).sqrt()).divided(own)
+}
+
+/// How many angles are independent of each other in a sum: the Gaussian's own correlation is that much long.
+const SUMS: f64 = SQUARES / std::f64::consts::SQRT_2;
 /// How many angles are independent of each other in a mean of squares: the Gaussian's own correlation, squared, is
 /// that much long.
 const SQUARES: f64 = ROOT_TWO_PI / WIDTH;
@@ -249,6 +316,15 @@ mod tests {
         let two: Vec<PointLoad> = loads.iter().cloned().map(twice).collect();
         assert!((value("tenfold", &two).value - 30.0 / 3.18).abs() < 0.1);
         assert!(value("collapse", &loads).value < 1e-6);
+        // Of 20 cos sin in front the curve of eq. 4 has 7.5 cos sin.
+        let share = value("asymmetric", &loads);
+        assert!(
+            (share.value - 20.0 / 7.5).abs() < 1e-9 && share.error < 0.3,
+            "{share:?}"
+        );
+        let (_, note) = measure("asymmetric", &loads).unwrap().unwrap();
+        assert!(note.contains("2.7 +- "), "{note}");
+        assert!((value("tangential-stress", &loads).value - 0.5 / 15.0).abs() < 1e-3);
         assert!(value("split", &loads).value.abs() < 1e-9);
         assert!(measure("steady", &loads).is_none());
     }
@@ -262,8 +338,41 @@ mod tests {
             (apart.value - (3.0 - 2.0 * 0.05 * 2.0_f64.sqrt()) / 18.0).abs() < 0.01,
             "{apart:?}"
         );
-        // One of three lies 105 cos off: 60.6 cos of deviation, 30.3 over the turn, of a largest mean of 39.5.
-        assert!((value("collapse", &loads).value - 30.3 / 39.5).abs() < 0.01);
+        // One of three lies 105 cos off: 60.6 cos of deviation, 30.3 over the turn, where the mean is 20 sin cos less
+        // 35 cos, 18.2 over the turn.
+        assert!((value("collapse", &loads).value - 30.3 / 18.2).abs() < 0.01);
+    }
+
+    /// A difference that goes with the pressure does not collapse; nor is one near the surface asked whether it does.
+    #[test]
+    fn a_part_in_proportion_to_the_pressure_is_seen() {
+        // So well known that nothing of the spread is noise.
+        let sure = |mut l: PointLoad| {
+            for v in &mut l.normal {
+                v.error = 1e-3;
+            }
+            l.runs.clear();
+            l
+        };
+        let in_proportion = |depth: f64| {
+            let mut l = load(depth, true, 0.0);
+            for m in 0..POINTS {
+                let plain = load(depth, false, 0.0).normal[m];
+                let more = l.normal[m].less(plain).value * depth / 20.0;
+                l.normal[m].value = plain.value + more;
+            }
+            sure(l)
+        };
+        let without = |depth| sure(load(depth, false, 0.0));
+        let all = |depths: &[f64]| -> Vec<PointLoad> {
+            let with = depths.iter().map(|h| in_proportion(*h));
+            with.chain(depths.iter().map(|h| without(*h))).collect()
+        };
+        // Deviation over mean of 20, 35 and 53.
+        let spread = value("collapse", &all(&[20.0, 35.0, 53.0]));
+        assert!((spread.value - 16.52 / 36.0).abs() < 0.01, "{spread:?}");
+        let near = [all(&[20.0]), all(&[8.0])].concat();
+        assert!(measure("collapse", &near).unwrap().is_err());
     }
 
     /// A load with errors of 0.05 at every angle, and noise of that size, which neighbouring angles share.
@@ -337,5 +446,7 @@ mod tests {
         assert!(why("collapse", &all(0.0)[..1]).contains("two effective depths"));
         assert!(why("split", &all(0.0)[..2]).contains("three effective depths"));
         assert!(why("tenfold", &all(0.0)[..3]).contains("no two runs"));
+        assert!(why("asymmetric", &all(0.0)[..3]).contains("no two runs"));
+        assert!(why("tangential-stress", &[]).contains("measure.fields"));
     }
 }

@@ -35,8 +35,11 @@ pub struct Scales<'a> {
 /// ParaView's mark of a point that has no value.
 const HIDDEN: u8 = 2;
 
+/// What stands there all the same: the value that NetCDF takes for none, which no reader takes for data.
+const FILL: f64 = 9.969_209_968_386_869e36;
+
 /// VTK image data (XML, little-endian): packing fraction, velocity in the intruder's frame and in that of the
-/// far grains, stress and pressure at every point, and what is known there; places are told from the
+/// far grains, stress, pressure and shear stress at every point, and what is known there; places are told from the
 /// intruder's centre, heights from the floor.
 ///
 /// Points without data are marked as VTK marks them, by `vtkGhostType` 2, and ParaView leaves them blank.
@@ -50,8 +53,7 @@ pub fn vti(fields: &Fields, scales: Scales) -> String {
         let each = known().flat_map(|(point, flag)| {
             let values = of(point);
             match flag {
-                // Behind a mark: what stands there is never read.
-                Flag::Empty => vec![0.0; values.len()],
+                Flag::Empty => vec![FILL; values.len()],
                 _ => values,
             }
         });
@@ -84,11 +86,17 @@ pub fn vti(fields: &Fields, scales: Scales) -> String {
             &reals(&|p| p.stress.as_flattened().to_vec()),
         ),
         array("pressure", "Float32", 1, &reals(&|p| vec![p.pressure()])),
+        array(
+            "shear_stress",
+            "Float32",
+            1,
+            &reals(&|p| vec![p.shear_stress()]),
+        ),
     ];
     format!(
         "<?xml version=\"1.0\"?>\n<!-- lengths in {}, velocities in {}, stresses in {} over length^2; {} -->\n\
          <!-- from the intruder's centre, z from the floor; velocity in the intruder's frame; compression is \
-         positive; what is marked by vtkGhostType 2 (or flag 2) holds no data, whatever stands there -->\n\
+         positive; what is marked by vtkGhostType 2 (or flag 2) holds no data, and the number {FILL:?} -->\n\
          <VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n\
          <ImageData WholeExtent=\"{extent}\" Origin=\"{}\" Spacing=\"{}\">\n<Piece Extent=\"{extent}\">\n\
          <PointData Scalars=\"pressure\" Vectors=\"velocity\" Tensors=\"stress\">\n{}</PointData>\n</Piece>\n\
@@ -309,5 +317,16 @@ mod tests {
         );
         assert_eq!(reals("stress").len(), 54);
         assert_eq!(reals("pressure")[..3], [2.0, 7.0 / 3.0, 8.0 / 3.0]);
+        // sqrt((1 + 0 + 1 + 2 (3/8)^2)/2) of a pressure of 2 and deviations of 1 and 3/8.
+        assert!((reals("shear_stress")[0] - 1.0_f32.hypot(0.375)).abs() < 1e-6);
+        // No number that could be one is where nothing is known.
+        for name in ["packing_fraction", "pressure", "shear_stress"] {
+            let all = reals(name);
+            assert!(
+                all.iter().enumerate().all(|(k, x)| (*x > 1e36) == (k == 4)),
+                "{all:?}"
+            );
+        }
+        assert!(reals("stress")[36..45].iter().all(|x| *x > 1e36));
     }
 }

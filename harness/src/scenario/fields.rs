@@ -84,14 +84,14 @@ impl Scenario {
         }
         let window = self.fields_window();
         positive("measure.fields.window", window)?;
-        for (axis, length) in ["x", "y"].iter().zip(self.bed.size) {
+        for (axis, length) in ["x", "y", "z"].iter().zip(self.bed.size) {
             let most = 0.5 * (length - self.bed.diameters[1]);
             if window > most {
                 return refuse(
                     "measure.fields.window",
                     format!(
-                        "is {window}, larger than the box: a window and a grain beside it must fit into its \
-                         {length} along {axis}; give {} or less",
+                        "is a radius of {window}, too large for the box: a window and a grain beside it must fit \
+                         into its {length} along {axis}; give {} or less",
                         short(most)
                     ),
                 );
@@ -100,10 +100,21 @@ impl Scenario {
         Ok(())
     }
 
-    /// A drag with too few samples.
+    /// A drag with samples before its steady state, or too few. (A cylinder's is seen to where it has no fields too.)
     pub(super) fn check_fields_of(&self, run: &RunPlan) -> Check {
         if self.measure.fields.is_none() {
             return Ok(());
+        }
+        let diameter = self.beds()[run.bed].diameter;
+        if run.discard < diameter {
+            return refuse(
+                "drag.discard",
+                format!(
+                    "is {}, before the steady state, of which fields are means and which begins after one diameter \
+                     of the intruder, {diameter}: raise it, or leave it out",
+                    run.discard
+                ),
+            );
         }
         let averaged = run.steps + 1 - run.first_averaged(self.drag.dt);
         let every = self.fields_every(run.speed);
