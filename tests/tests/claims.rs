@@ -11,7 +11,7 @@ const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
 /// Goldens that the book's measurements come from.
 const GOLDENS: [&str; 4] = [
     "guillard-small/summary.json",
-    "guillard-medium",
+    "guillard-medium/summary.json.gz",
     "kumar-small/results.csv.gz",
     "kumar-middle/results.csv.gz",
 ];

@@ -1,4 +1,4 @@
-//! The drags of `guillard-medium`, a quarter of an hour of a core each: what is kept of them belongs together, a
+//! The 32 drags of `guillard-medium`, a quarter of an hour of a core each: what is kept of them belongs together, a
 //! piece of one is done again, and their fields keep what grains keep.
 //!
 //! `golden/README.md` says how the files are made.
@@ -8,11 +8,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use bitgrain::checkpoint;
 use bitgrain::drag::Dragging;
 use bitgrain::fields::text::load_text;
-use bitgrain::folder::Folder;
 use bitgrain::progress::Stage;
 use bitgrain::scenario::{self, Scenario};
 use bitgrain::sim::hex;
-use bitgrain::summary::{RunSummary, Summary, read_folder};
+use bitgrain::summary::{RunSummary, Summary, read_summary};
 use bitgrain::witness::Witness;
 use bitgrain_tests::{golden, unpacked};
 use sha2::{Digest, Sha256};
@@ -41,7 +40,7 @@ fn shipped() -> Scenario {
 }
 
 fn whole() -> Summary {
-    read_folder(&Folder(&golden("guillard-medium"))).unwrap().1
+    read_summary(&golden("guillard-medium/summary.json.gz")).unwrap()
 }
 
 fn text(name: &str) -> String {
@@ -61,14 +60,16 @@ fn links() -> BTreeMap<(String, u64), String> {
     text.lines().map(row).collect()
 }
 
-/// Every drag is one of the scenario as it is shipped, and has all its links, of which its summary names the last.
+/// The drags are those of the scenario as it is shipped, and have all their links, of which the summary names the
+/// last.
 #[test]
 fn drags_are_those_of_the_shipped_scenario() {
     let (shipped, whole, links) = (shipped(), whole(), links());
     assert_eq!(whole.inputs, shipped);
     let plans = shipped.runs();
-    for run in &whole.runs {
-        let plan = plans.iter().find(|plan| plan.name == run.name).unwrap();
+    assert_eq!(whole.runs.len(), plans.len());
+    for (run, plan) in whole.runs.iter().zip(&plans) {
+        assert_eq!(run.name, plan.name);
         assert_eq!((run.speed, run.steps), (plan.speed, plan.steps));
         for step in (0..=run.steps).step_by(LINKS as usize) {
             assert_eq!(links[&(run.name.clone(), step)].len(), 64);
