@@ -241,8 +241,8 @@ pub fn bench(what: &Timing<'_>, progress: &Progress) -> Result<Speed> {
     let seconds = began.elapsed().as_secs_f64();
     stage.finish();
     let sim = &mut sims[0];
-    let grains = sim.count();
-    let (searches, listed, _) = sim.search_counts();
+    let digest = sim.digest().map_err(|f| Error::run(&name, steps, f))?;
+    let (grains, (searches, listed, _)) = (sim.count(), sim.search_counts());
     Ok(Speed {
         bed: name,
         grains,
@@ -259,6 +259,6 @@ pub fn bench(what: &Timing<'_>, progress: &Progress) -> Result<Speed> {
         skin: sim.skin,
         bytes_per_grain: sim.bytes() as f64 / grains as f64,
         peak_bytes_per_grain: peak_bytes().map(|peak| peak / (copies * grains) as f64),
-        digest: hex(&sim.digest().whole),
+        digest: hex(&digest.whole),
     })
 }

@@ -14,8 +14,11 @@ use serde::Deserialize;
 use crate::chain::{Chain, Link, differing};
 use crate::checkpoint;
 use crate::compare::{Difference, first_difference};
+use crate::disk;
 use crate::error::{Error, Result};
+use crate::files::{read_text, text_of};
 use crate::folder::Folder;
+use crate::manifest::{self, Manifest};
 use crate::replay::{ContactState, Digests};
 
 /// What an error calls a file of ours that has no lasting name.
@@ -145,19 +148,25 @@ impl Side {
     /// Names of the stages that have a chain: beds first.
     fn stages(&self) -> Result<Vec<String>> {
         let folder = Folder(&self.folder);
-        let names = |path: PathBuf| -> Vec<String> {
-            let items = std::fs::read_dir(path).into_iter().flatten().flatten();
-            let names = items.map(|item| item.file_name().to_string_lossy().into_owned());
-            let mut names: Vec<String> = names.collect();
+        let names = |path: PathBuf| -> Result<Vec<String>> {
+            let names = disk::list(&path)?.into_iter();
+            let mut names: Vec<String> = names.map(|(name, _)| name).collect();
             // What lies below lids comes before them, run-2 before run-10.
             names.sort_by_key(|name| (!name.contains("-bare"), name.len(), name.clone()));
-            names
+            Ok(names)
         };
-        let beds = names(self.folder.join("beds")).into_iter();
+        let beds = names(self.folder.join("beds"))?.into_iter();
         let beds = beds.filter_map(|name| name.strip_suffix(".chain.csv").map(String::from));
-        let runs = names(self.folder.join("runs"));
-        let runs = runs.into_iter().filter(|run| folder.chain(run).exists());
-        let stages: Vec<String> = beds.chain(runs).collect();
+        let runs = names(self.folder.join("runs"))?.into_iter();
+        let runs = runs.filter(|run| disk::is_there(&folder.chain(run)));
+        let mut stages: Vec<String> = beds.chain(runs).collect();
+        // What came to its end has a chain, and where that is missing it is told.
+        let ended = Manifest::of(&self.folder)?.map_or(Vec::new(), |manifest| manifest.stages);
+        for stage in ended.into_iter().filter(|stage| stage.finished) {
+            if !stages.contains(&stage.name) {
+                stages.push(stage.name);
+            }
+        }
         if stages.is_empty() {
             let problem =
                 "holds no chain of digests: it is no run directory, or its run has just begun";
@@ -169,10 +178,25 @@ impl Side {
     fn chain(&self, stage: &str) -> Result<Option<Chain>> {
         let folder = Folder(&self.folder);
         let paths = [folder.bed_chain(stage), folder.chain(stage)];
-        let Some(path) = paths.iter().find(|path| path.exists()) else {
+        let manifest = Manifest::of(&self.folder)?;
+        let listed = |path: &&PathBuf| {
+            let name = manifest::relative(&self.folder, path)?;
+            manifest.as_ref()?.entry(&name).cloned()
+        };
+        let found = paths.iter().find(|path| listed(path).is_some());
+        let found = found.or_else(|| paths.iter().find(|path| disk::is_there(path)));
+        let Some(path) = found else {
             return Ok(None);
         };
-        let text = std::fs::read_to_string(path).map_err(|e| Error::read(path, &e))?;
+        // A chain that is another run's is no record of this one.
+        let text = match listed(&path) {
+            Some(entry) => {
+                let place = path.display().to_string();
+                let bytes = entry.read(&self.folder);
+                text_of(bytes.map_err(|what| Error::input(&place, what))?, &place)?
+            }
+            None => read_text(path)?,
+        };
         Chain::parse(&text, &path.display().to_string()).map(Some)
     }
 
@@ -311,7 +335,7 @@ fn parting(sides: &[Side; 2], stage: String, step: u64, equal: Option<u64>) -> R
         contacts.push(sample.next::<Sample>()?.contacts);
         // Written before the program ends, after the line.
         let ended = sample.child.wait();
-        let bytes = match (ended, std::fs::read(&path)) {
+        let bytes = match (ended, disk::read(Path::new(&path))) {
             (Ok(status), Ok(bytes)) if status.success() => bytes,
             _ => return Err(sample.failed()),
         };

@@ -7,8 +7,8 @@ use bitgrain_kernel::{BITS_VERSION, Bond, Domain, Fault, Group, Obstacle, Row};
 use safetensors::tensor::{Dtype, SafeTensors, TensorView, serialize};
 use serde::{Deserialize, Serialize};
 
+use crate::disk::{self, write_whole};
 use crate::error::{Error, Result};
-use crate::files::write_whole;
 use crate::sim::{AnyLaw, Sim, hex};
 
 /// Version of the file's layout.
@@ -99,13 +99,16 @@ const FIELDS: &str = "fields";
 /// Writes the state of a simulation.
 ///
 /// # Errors
-/// [`Error::Write`].
+/// [`Error::Write`], and as [`pack`].
 pub fn write(path: &Path, sim: &mut Sim) -> Result<()> {
-    write_whole(path, &bytes(sim, ""))
+    write_whole(path, &bytes(sim, "")?)
 }
 
 /// The bytes of a checkpoint; `recipe` is the digest of the recipe the bed was poured by, or empty.
-pub fn bytes(sim: &mut Sim, recipe: &str) -> Vec<u8> {
+///
+/// # Errors
+/// As [`pack`].
+pub fn bytes(sim: &mut Sim, recipe: &str) -> Result<Vec<u8>> {
     let note = Note {
         recipe: recipe.to_string(),
         ..Note::default()
@@ -114,13 +117,20 @@ pub fn bytes(sim: &mut Sim, recipe: &str) -> Vec<u8> {
 }
 
 /// The bytes of a checkpoint of a state and a note.
-pub fn pack(sim: &mut Sim, note: &Note) -> Vec<u8> {
+///
+/// # Errors
+/// [`Error::Contract`] where the processor's modes were changed since the last step: what the note says may
+/// be wrong, and nothing of it is to be kept.
+pub fn pack(sim: &mut Sim, note: &Note) -> Result<Vec<u8>> {
+    let step = sim.step_count();
+    let digest = sim.digest();
+    let digest = digest.map_err(|fault| Error::run("a checkpoint", step, fault))?;
     let arrays = arrays(sim, note);
     let part = |(name, (_, _, bytes)): &Array| Part::of(name, bytes);
     let mut head = Head {
         format: FORMAT,
         bits_version: BITS_VERSION,
-        step: sim.step_count(),
+        step,
         dt: sim.dt,
         law: sim.law,
         domain: sim.domain,
@@ -128,7 +138,7 @@ pub fn pack(sim: &mut Sim, note: &Note) -> Vec<u8> {
         obstacles: sim.obstacles.clone(),
         recipe: note.recipe.clone(),
         link: note.link.clone(),
-        digest: hex(&sim.digest().whole),
+        digest: hex(&digest.whole),
         parts: arrays.iter().map(part).collect(),
         seal: String::new(),
     };
@@ -139,7 +149,7 @@ pub fn pack(sim: &mut Sim, note: &Note) -> Vec<u8> {
         (*name, view)
     });
     let metadata = HashMap::from([(KEY.to_string(), head.text())]);
-    serialize(views, Some(metadata)).expect("views match by construction")
+    Ok(serialize(views, Some(metadata)).expect("views match by construction"))
 }
 
 /// A named array: its type, shape and little-endian bytes.
@@ -205,8 +215,22 @@ pub fn read(path: &Path) -> Result<Sim> {
 /// # Errors
 /// As [`read`].
 pub fn read_noted(path: &Path) -> Result<(Sim, Note)> {
-    let bytes = std::fs::read(path).map_err(|e| Error::read(path, &e))?;
-    unpack(&bytes, &path.display().to_string())
+    unpack(&disk::read(path)?, &path.display().to_string())
+}
+
+/// What the bytes of a checkpoint hold besides the state, with their seal and digests checked; the state itself
+/// is not proved.
+///
+/// # Errors
+/// As [`read`].
+pub fn note(bytes: &[u8], name: &str) -> Result<Note> {
+    let head = head(bytes, name)?;
+    if head.bits_version != BITS_VERSION {
+        return Err(other_versions(name, [head.format, head.bits_version]));
+    }
+    let damaged = damaged(name);
+    let file = SafeTensors::deserialize(bytes).map_err(|e| damaged(e.to_string()))?;
+    Arrays { file: &file }.note(&head).map_err(damaged)
 }
 
 /// The state that the bytes of a checkpoint hold; `name` is what errors call it. Where a `recipe` is
@@ -311,25 +335,16 @@ fn restore(bytes: &[u8], head: &Head, name: &str) -> Result<(Sim, Note)> {
         Fault::Arithmetic { .. } => Error::run(name, head.step, fault),
         _ => damaged(fault.to_string()),
     })?;
-    let digest = hex(&sim.digest().whole);
+    let digest = sim.digest();
+    let digest = digest.map_err(|fault| Error::run(name, head.step, fault))?;
+    let digest = hex(&digest.whole);
     if digest != head.digest {
         return Err(damaged(format!(
             "its digest is {digest}, not {}",
             head.digest
         )));
     }
-    let note = Note {
-        recipe: head.recipe.clone(),
-        link: head.link.clone(),
-        course: arrays.course().map_err(&damaged)?,
-        fields: match file.names().contains(&FIELDS) {
-            true => arrays
-                .words::<1>(FIELDS, Dtype::U8)
-                .map_err(&damaged)?
-                .into_flattened(),
-            false => Vec::new(),
-        },
-    };
+    let note = arrays.note(head).map_err(&damaged)?;
     Ok((sim, note))
 }
 
@@ -390,6 +405,19 @@ impl Arrays<'_> {
         sim.fit_storage();
         sim.choose_skin();
         Ok(sim)
+    }
+
+    fn note(&self, head: &Head) -> std::result::Result<Note, String> {
+        let fields = match self.file.names().contains(&FIELDS) {
+            true => self.words::<1>(FIELDS, Dtype::U8)?.into_flattened(),
+            false => Vec::new(),
+        };
+        Ok(Note {
+            recipe: head.recipe.clone(),
+            link: head.link.clone(),
+            course: self.course()?,
+            fields,
+        })
     }
 
     fn course(&self) -> std::result::Result<String, String> {

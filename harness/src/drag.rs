@@ -12,6 +12,7 @@ use crate::error::{Error, Result};
 use crate::fields::FieldsGauge;
 use crate::flow::{FlowGauge, FlowMeans};
 use crate::histogram::{Angles, Coordination};
+use crate::memory::room;
 use crate::observe::{self, INTRUDER};
 use crate::progress::Stage;
 use crate::scenario::{History, Moves, RunPlan, Scenario};
@@ -22,6 +23,9 @@ use crate::witness::Witness;
 
 /// Steps between updates of the progress bar; no result depends on it.
 const SHOW: u64 = 200;
+
+/// Bytes that a point of the fields takes, in memory and twice as a checkpoint is made.
+const FIELDS: f64 = 3.0 * 13.0 * 8.0;
 
 /// Means over the averaging window.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -123,6 +127,11 @@ impl Dragging {
     /// # Errors
     /// [`Error::Run`] where the kernel refuses the motion.
     pub fn begin(sim: &mut Sim, scenario: &Scenario, plan: &RunPlan, link: &str) -> Result<Self> {
+        let points = scenario.fields_grid().map_or(0, |grid| grid.points());
+        room(
+            FIELDS * points as f64,
+            &format!("the fields of {}", plan.name),
+        )?;
         let wrong = |fault| Error::run(&plan.name, 0, fault);
         if scenario.drag.history == History::Empty {
             sim.start().map_err(wrong)?;
@@ -133,7 +142,7 @@ impl Dragging {
             .flows()
             .then(|| FlowGauge::new(sim, scenario, plan, surface));
         let mut chain = Chain::new(link.to_string(), scenario.measure.digest_every);
-        chain.add(0, &sim.digest());
+        chain.add(0, &sim.digest().map_err(wrong)?);
         Ok(Self {
             key: scenario.key(&plan.name),
             step: 0,
@@ -164,9 +173,29 @@ impl Dragging {
         stage: &Stage,
         witness: &mut impl Witness,
     ) -> Result<()> {
+        witness.begins(self.step, sim)?;
+        let at = self.step;
+        let wrong = |fault| Error::run(&plan.name, at, fault);
+        // Each step is looked at, and none is written to.
+        sim.hold().map_err(wrong)?;
+        let went = self.steps(sim, scenario, plan, stage, witness);
+        if matches!(went, Ok(()) | Err(Error::Interrupted { .. })) {
+            sim.release().map_err(wrong)?;
+        }
+        went
+    }
+
+    /// The steps of [`Dragging::go_on`].
+    fn steps(
+        &mut self,
+        sim: &mut Sim,
+        scenario: &Scenario,
+        plan: &RunPlan,
+        stage: &Stage,
+        witness: &mut impl Witness,
+    ) -> Result<()> {
         let first = plan.first_averaged(sim.dt);
         let mut seen = Vec::new();
-        witness.begins(self.step, sim)?;
         while self.step < plan.steps && self.step < witness.ends() {
             let n = self.step + 1;
             let wrong = |fault| Error::run(&plan.name, n, fault);
@@ -185,7 +214,7 @@ impl Dragging {
             }
             self.step = n;
             if self.chain.is_due(n) || n == plan.steps {
-                let link = self.chain.add(n, &sim.digest());
+                let link = self.chain.add(n, &sim.digest().map_err(wrong)?);
                 link.map_or(Ok(()), |link| witness.linked(link))?;
             }
             if looks {

@@ -28,6 +28,17 @@ pub enum Error {
         /// What does not fit.
         problem: String,
     },
+    /// A manifest that is not whole: changed or cut off since it was written.
+    #[error(
+        "{place}: not a sound manifest: {problem}; `bitgrain run --resume FOLDER`, or for a campaign `bitgrain \
+         sweep` with its --out, makes again what it vouched for"
+    )]
+    Manifest {
+        /// The file.
+        place: String,
+        /// What does not fit.
+        problem: String,
+    },
     /// A run went wrong and stopped at a step.
     #[error("{stage} stopped at step {step}: {fault}{hint}")]
     Run {
@@ -103,6 +114,17 @@ pub enum Error {
         /// What was found.
         problem: String,
     },
+    /// There is not so much memory.
+    #[error(
+        "{what}: {} of memory are wanted, more than there is; ask for less (fewer grains, points or runs side by \
+         side: --threads, --jobs), or take a larger machine", crate::forecast::bytes(*.bytes)
+    )]
+    Memory {
+        /// What it is for.
+        what: String,
+        /// How many bytes.
+        bytes: f64,
+    },
     /// A file could not be written.
     #[error("cannot write {path}: {source}; {hint}", hint = write_hint(source))]
     Write {
@@ -121,12 +143,13 @@ impl Error {
     /// written, 130 for a command that was interrupted.
     pub fn exit_status(&self) -> u8 {
         match self {
-            Error::Input { .. } | Error::Damaged { .. } => 2,
+            Error::Input { .. } | Error::Damaged { .. } | Error::Manifest { .. } => 2,
             Error::Run { .. }
             | Error::Unsettled { .. }
             | Error::Unverified { .. }
             | Error::Failed { .. }
             | Error::Parted
+            | Error::Memory { .. }
             | Error::Contract { .. } => 3,
             Error::Write { .. } | Error::Output(_) => 1,
             Error::Interrupted { .. } => 130,
@@ -203,6 +226,10 @@ fn write_hint(source: &std::io::Error) -> &'static str {
     }
 }
 
+/// What to do about lists that may not grow as long as they should.
+pub(crate) const FULL: &str = "; that is more than there is memory for, or than bodies have that do not lie in each \
+                               other: look for many in one place, or for sizes that differ by many orders";
+
 fn hint(fault: Fault) -> &'static str {
     match fault {
         Fault::ObstacleTooDeep { .. } => {
@@ -212,6 +239,7 @@ fn hint(fault: Fault) -> &'static str {
         Fault::OverlapTooDeep { .. } => {
             "; grains this deep in each other come from a bad start, too soft a contact or too long a time step"
         }
+        Fault::PairsFull { .. } | Fault::CandidatesFull { .. } | Fault::TouchesFull { .. } => FULL,
         Fault::Escaped { .. } => "; make the box higher, or see what pushed the grain out",
         Fault::TooFast { .. } | Fault::NotFinite { .. } => {
             "; look for overlaps at the start, or take a shorter time step"

@@ -1,18 +1,14 @@
-//! Files read whole, packed or plain, and written whole: beside the old one, then renamed, so that a
-//! reader never sees half a file.
+//! Texts in files, packed or plain, on top of [`crate::disk`].
 
-use std::io::{Read, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
 
 use bitgrain_kernel::BITS_VERSION;
 use flate2::Compression;
 use flate2::write::GzEncoder;
 
+use crate::disk::{all_of, read, write_whole};
 use crate::error::{Error, Result};
-
-/// Files written so far by this process.
-static WRITES: AtomicU64 = AtomicU64::new(0);
 
 /// What every file of results says somewhere: the arithmetic that it was made with.
 pub fn bits() -> String {
@@ -22,87 +18,33 @@ pub fn bits() -> String {
 /// Reads a whole file, unpacking gzip where its first bytes say so.
 ///
 /// # Errors
-/// [`Error::Input`] where it cannot be read or unpacked.
+/// [`Error::Input`] where it cannot be read or unpacked, or is larger than [`crate::disk::most`].
 pub fn read_text(path: &Path) -> Result<String> {
-    let bytes = std::fs::read(path).map_err(|e| Error::read(path, &e))?;
-    let place = || path.display().to_string();
+    text_of(read(path)?, &path.display().to_string())
+}
+
+/// The text that the bytes of a file are, unpacked where their first bytes say that they are gzip; `name`
+/// is what errors call it.
+///
+/// # Errors
+/// [`Error::Input`] where they cannot be unpacked, are too many, or are no text.
+pub fn text_of(bytes: Vec<u8>, name: &str) -> Result<String> {
     let bytes = if bytes.starts_with(&[0x1f, 0x8b]) {
-        let mut plain = Vec::new();
-        flate2::read::MultiGzDecoder::new(bytes.as_slice())
-            .read_to_end(&mut plain)
-            .map_err(|e| {
-                Error::input(place(), format!("the gzip data is damaged or cut off: {e}"))
-            })?;
-        plain
+        let place = || name.to_string();
+        let gzip = flate2::read::MultiGzDecoder::new(bytes.as_slice());
+        all_of(gzip, 0, "the gzip data is damaged or cut off", &place)?
     } else {
         bytes
     };
     String::from_utf8(bytes).map_err(|e| {
         let at = e.utf8_error().valid_up_to();
-        Error::input(
-            place(),
-            format!("byte {at} is not text (UTF-8 was expected)"),
-        )
+        let problem = format!("byte {at} is not text (UTF-8 was expected)");
+        Error::input(name, problem)
     })
 }
 
-/// Writes `bytes` to `path`, replacing what was there in one go. Folders on the way are made.
-///
-/// # Errors
-/// [`Error::Write`]; the old file is then still there.
-pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
-    let folder = path.parent().unwrap_or(Path::new("."));
-    make_folder(folder)?;
-    let name = path.file_name().unwrap_or_default();
-    // Two threads never write into one file, nor do two processes, also of two machines.
-    let (partial, created) = loop {
-        let number = WRITES.fetch_add(1, Ordering::Relaxed);
-        let mut name = name.to_os_string();
-        name.push(format!(".{}-{number}.partial", std::process::id()));
-        let partial = folder.join(name);
-        let created = std::fs::File::create_new(&partial);
-        let taken = |e: &std::io::Error| e.kind() == std::io::ErrorKind::AlreadyExists;
-        if !created.as_ref().is_err_and(taken) {
-            break (partial, created);
-        }
-    };
-    let written = created.and_then(|mut file| {
-        file.write_all(bytes)?;
-        file.sync_all()
-    });
-    written
-        .and_then(|()| std::fs::rename(&partial, path))
-        .map_err(|e| {
-            // Half a file is of no use to anyone and may be what filled the disk.
-            let _ = std::fs::remove_file(&partial);
-            Error::write(path, e)
-        })
-}
-
-/// Removes the half files that killed processes left in a folder and those below it; whatever cannot be
-/// removed stays.
-pub fn clear_partials(folder: &Path) {
-    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
-        let path = entry.path();
-        if entry.file_type().is_ok_and(|kind| kind.is_dir()) {
-            clear_partials(&path);
-        } else if path.extension().is_some_and(|ending| ending == "partial") {
-            let _ = std::fs::remove_file(path);
-        }
-    }
-}
-
-/// Writes text to `path`, or where `packed` to `path` with `.gz` at its end, packed with gzip: the same
-/// bytes every time, without a date or a name in them.
-///
-/// # Errors
-/// As [`write_whole`].
-pub fn write_text(path: &Path, text: &str, packed: bool) -> Result<()> {
-    let (path, bytes) = text_file(path, text, packed)?;
-    write_whole(&path, &bytes)
-}
-
-/// The file that [`write_text`] writes: its path and its bytes.
+/// The file that a text is kept in: its path and its bytes; where `packed` with `.gz` at its end, packed with
+/// gzip: the same bytes every time, without a date or a name in them.
 ///
 /// # Errors
 /// [`Error::Write`] where packing goes wrong.
@@ -119,28 +61,18 @@ pub fn text_file(path: &Path, text: &str, packed: bool) -> Result<(PathBuf, Vec<
     Ok((path, bytes))
 }
 
+/// Writes text to `path`, or where `packed` to the name that [`text_file`] gives it.
+///
+/// # Errors
+/// As [`write_whole`].
+pub fn write_text(path: &Path, text: &str, packed: bool) -> Result<()> {
+    let (path, bytes) = text_file(path, text, packed)?;
+    write_whole(&path, &bytes)
+}
+
 /// The path with `.gz` at its end.
 pub fn packed_name(path: &Path) -> PathBuf {
     let mut name = path.as_os_str().to_os_string();
     name.push(".gz");
     PathBuf::from(name)
-}
-
-/// Makes sure that files can be written to a folder, which is made where it is missing.
-///
-/// # Errors
-/// [`Error::Write`].
-pub fn check_writable(folder: &Path) -> Result<()> {
-    make_folder(folder)?;
-    let probe = folder.join(format!(".{}.partial", std::process::id()));
-    std::fs::write(&probe, b"").map_err(|e| Error::write(folder, e))?;
-    std::fs::remove_file(&probe).map_err(|e| Error::write(folder, e))
-}
-
-/// Makes a folder and those above it.
-///
-/// # Errors
-/// [`Error::Write`].
-pub fn make_folder(folder: &Path) -> Result<()> {
-    std::fs::create_dir_all(folder).map_err(|e| Error::write(folder, e))
 }

@@ -1,66 +1,170 @@
-//! The run directory: where everything of a run is.
+//! The run directory: where everything of a run is, and whose it is while a run is under way.
 
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
+use crate::disk::{self, Kind, make_folder};
 use crate::error::{Error, Result};
-use crate::files::{bits, clear_partials, make_folder, read_text, write_whole};
+use crate::files::{bits, read_text};
+use crate::manifest::{self, Ledger, Manifest, Of};
+use crate::progress::Progress;
 use crate::scenario::{self, Scenario};
 
 /// A run directory.
 #[derive(Clone, Copy, Debug)]
 pub struct Folder<'a>(pub &'a Path);
 
-/// A run directory that is this process's as long as this lives.
+/// What is put into a folder: by what it is known again, and which names are taken in it.
+pub(crate) struct Contents {
+    pub(crate) of: Of,
+    /// The file that says what the folder is for; its first line names the arithmetic.
+    pub(crate) marker: &'static str,
+    /// All names that may be written directly below it.
+    pub(crate) names: &'static [&'static str],
+}
+
+/// What a run directory holds.
+pub(crate) const RUN: Contents = Contents {
+    of: Of::Run,
+    marker: "scenario.toml",
+    names: &[
+        "scenario.toml",
+        manifest::NAME,
+        "beds",
+        "runs",
+        "summary.json",
+        "report.html",
+        "performance.json",
+        "analysis.json",
+    ],
+};
+
+/// A folder that is this process's as long as this lives, and its manifest.
 #[derive(Debug)]
 pub struct Claim {
-    locks: Vec<File>,
+    _locks: Vec<File>,
     /// Whether the file system could lock: else another run may be at work.
     pub sure: bool,
+    /// The manifest under way.
+    pub ledger: Ledger,
+    damage: Option<Error>,
 }
 
 impl Claim {
-    /// Takes a folder whose `file` says what it is for, and which `settle` writes or refuses.
+    /// Takes a folder for the stages of a run or campaign. `settle` checks what lies in it and writes the
+    /// marker, or refuses; before it nothing is written.
     ///
     /// # Errors
-    /// [`Error::Input`] where another process is at work in it, what `settle` returns, [`Error::Write`].
-    pub fn take(folder: &Path, file: &Path, settle: impl FnOnce() -> Result<()>) -> Result<Self> {
+    /// [`Error::Input`] where the folder is somebody else's, or another process is at work in it; what `settle`
+    /// returns; [`Error::Write`].
+    pub(crate) fn take(
+        folder: &Path,
+        contents: &Contents,
+        stages: &[String],
+        settle: impl FnOnce(&Ledger) -> Result<()>,
+    ) -> Result<Self> {
+        refuse_others(folder, contents)?;
         make_folder(folder)?;
-        let mut claim = Claim {
-            locks: Vec::new(),
-            sure: false,
-        };
+        let file = folder.join(contents.marker);
+        let (mut locks, mut sure) = (Vec::new(), false);
         // Before anything is written: what another process wrote is not to be replaced. The folder holds
         // where its file is replaced, and the file where a network file system cannot lock folders.
-        claim.lock(folder, File::open(folder))?;
-        let open = || File::options().append(true).open(file);
-        let held = claim.locks.len();
-        if file.exists() {
-            claim.lock(folder, open())?;
+        lock(folder, disk::open_folder(folder), &mut locks, &mut sure)?;
+        let held = locks.len();
+        if disk::kind(&file) == Some(Kind::File) {
+            lock(folder, disk::open_to_lock(&file), &mut locks, &mut sure)?;
         }
-        settle()?;
+        let (ledger, damage) = Ledger::open(folder, contents.of, stages)?;
+        settle(&ledger)?;
         // It may be another file now; a second lock on the same one would wait for the first.
-        claim.locks.truncate(held);
-        claim.lock(folder, open())?;
-        Ok(claim)
+        locks.truncate(held);
+        lock(folder, disk::open_to_lock(&file), &mut locks, &mut sure)?;
+        Ok(Self {
+            _locks: locks,
+            sure,
+            ledger,
+            damage,
+        })
     }
 
-    fn lock(&mut self, folder: &Path, opened: std::io::Result<File>) -> Result<()> {
-        let held = self.locks.len();
-        let locked = opened.map(|file| (file.try_lock(), file));
-        match locked {
-            Ok((Ok(()), file)) => self.locks.push(file),
-            Ok((Err(TryLockError::WouldBlock), _)) => {
-                return Err(Error::input(
-                    folder.display().to_string(),
-                    "another run is under way in it; wait for that, or choose another --out",
-                ));
-            }
-            _ => {}
+    /// Warns of what was wrong with the manifest that lay there.
+    pub fn warn_of_damage(&self, progress: &Progress) {
+        if let Some(damage) = &self.damage {
+            progress.warn(&format!(
+                "{damage}; what it vouched for counts as missing now"
+            ));
         }
-        self.sure = self.locks.len() > held;
-        Ok(())
     }
+}
+
+fn lock(
+    folder: &Path,
+    opened: std::io::Result<File>,
+    locks: &mut Vec<File>,
+    sure: &mut bool,
+) -> Result<()> {
+    *sure = false;
+    match opened.map(|file| (file.try_lock(), file)) {
+        Ok((Ok(()), file)) => {
+            locks.push(file);
+            *sure = true;
+            Ok(())
+        }
+        Ok((Err(TryLockError::WouldBlock), _)) => Err(Error::input(
+            folder.display().to_string(),
+            "another run is under way in it; wait for that, or choose another --out",
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// Refuses a folder that is not of this kind and holds a name that would be written, and one within the
+/// results of a run.
+fn refuse_others(folder: &Path, contents: &Contents) -> Result<()> {
+    let place = || folder.display().to_string();
+    let full = std::path::absolute(folder).map_err(|e| Error::read(folder, &e))?;
+    for above in full.ancestors().skip(1) {
+        let below = manifest::relative(above, &full).unwrap_or_default();
+        let within = ["beds", "runs"].iter().any(|own| {
+            below == *own
+                || below
+                    .strip_prefix(own)
+                    .is_some_and(|rest| rest.starts_with('/'))
+        });
+        if within && is_of(above, &RUN) {
+            let problem = format!(
+                "lies among the results of the run in {}; choose another --out",
+                above.display()
+            );
+            return Err(Error::input(place(), problem));
+        }
+    }
+    if is_of(folder, contents) {
+        return Ok(());
+    }
+    let taken = |name: &&&str| disk::is_there(&folder.join(name));
+    match contents.names.iter().find(taken) {
+        None => Ok(()),
+        Some(name) => {
+            let kind = contents.of.word();
+            let problem = format!(
+                "holds `{name}`, which a {kind} would write, and is no folder of a {kind}: choose another --out, \
+                 or move it away"
+            );
+            Err(Error::input(place(), problem))
+        }
+    }
+}
+
+/// Whether a folder is one of this kind, by its marker or its manifest.
+pub(crate) fn is_of(folder: &Path, contents: &Contents) -> bool {
+    let marker = folder.join(contents.marker);
+    let marked = || {
+        let text = disk::read(&marker).ok()?;
+        Some(text.starts_with(b"# BITS_VERSION "))
+    };
+    disk::kind(&marker) == Some(Kind::File) && marked() == Some(true)
+        || Manifest::of(folder).is_ok_and(|found| found.is_some_and(|one| one.of == contents.of))
 }
 
 impl Folder<'_> {
@@ -142,31 +246,6 @@ impl Folder<'_> {
         self.0.join("performance.json")
     }
 
-    /// Takes the folder for this scenario: a new one, or one that holds the same scenario. The file of
-    /// an imported bed is copied into it, so that the folder stands alone.
-    ///
-    /// # Errors
-    /// [`Error::Input`] where it holds another scenario's results or another run is at work in it,
-    /// [`Error::Write`].
-    pub fn claim(&self, scenario: &Scenario) -> Result<Claim> {
-        let inputs = self.inputs(scenario);
-        let claim = Claim::take(self.0, &self.scenario(), || {
-            self.claim_text(&format!("# {}\n{}", bits(), inputs.to_toml()))
-        })?;
-        if claim.sure {
-            // What a killed process was writing; nobody else writes here now.
-            clear_partials(self.0);
-        }
-        if let (Some(source), Some(file)) = (&scenario.source, &inputs.bed.file) {
-            let copy = self.0.join(file);
-            if copy != *source {
-                let bytes = std::fs::read(source).map_err(|e| Error::read(source, &e))?;
-                write_whole(&copy, &bytes)?;
-            }
-        }
-        Ok(claim)
-    }
-
     /// The scenario of the run that this folder holds.
     ///
     /// # Errors
@@ -174,7 +253,7 @@ impl Folder<'_> {
     pub fn saved_scenario(&self) -> Result<Scenario> {
         let path = self.scenario();
         let place = || path.display().to_string();
-        if !path.exists() {
+        if !disk::is_there(&path) {
             return Err(Error::input(
                 place(),
                 "is not there: the folder holds no run that could go on",
@@ -206,26 +285,33 @@ impl Folder<'_> {
         inputs
     }
 
-    fn has_results(&self) -> bool {
+    /// Whether anything was made in it.
+    pub fn has_results(&self) -> bool {
         let kinds = ["beds", "runs", "summary.json"];
-        kinds.iter().any(|kind| self.0.join(kind).exists())
+        kinds.iter().any(|kind| disk::is_there(&self.0.join(kind)))
     }
 
-    fn claim_text(&self, text: &str) -> Result<()> {
-        let path = self.scenario();
-        match std::fs::read_to_string(&path) {
-            // A run that ended before it had any result binds nobody.
-            Ok(old) if old != text && !self.has_results() => write_whole(&path, text.as_bytes()),
-            Ok(old) if old != text => Err(Error::input(
-                self.0.display().to_string(),
-                "holds the results of another scenario (its scenario.toml differs); choose another \
-                 --out or remove the folder",
-            )),
-            Ok(_) => Ok(()),
-            Err(e) if e.kind() == std::io::ErrorKind::NotFound => {
-                write_whole(&path, text.as_bytes())
-            }
-            Err(e) => Err(Error::write(&path, e)),
+    /// The text of `scenario.toml` of a run of this scenario.
+    pub fn scenario_text(&self, scenario: &Scenario) -> String {
+        format!("# {}\n{}", bits(), self.inputs(scenario).to_toml())
+    }
+
+    /// The folders that files of a run are written to.
+    pub fn own_folders(&self, scenario: &Scenario) -> Vec<PathBuf> {
+        let mut own = vec![
+            self.0.to_path_buf(),
+            self.0.join("beds"),
+            self.0.join("beds/imported"),
+        ];
+        for run in scenario.runs() {
+            let runs = ["forces.csv", "checkpoints/0", "snapshots/0"];
+            let files = runs.map(|file| self.of_run(&run.name, file));
+            own.extend(
+                files
+                    .iter()
+                    .filter_map(|file| file.parent().map(Path::to_path_buf)),
+            );
         }
+        own
     }
 }

@@ -15,7 +15,7 @@ use crate::report::short;
 use crate::scenario::{BedPlan, PACKING_GUESS, RunPlan, Scenario, UnitSystem};
 
 /// Bytes of memory a grain takes, from beds of 10,000 and 70,000 grains.
-const MEMORY: f64 = 510.0;
+pub(crate) const MEMORY: f64 = 510.0;
 /// Bytes of a grain in a checkpoint with its contacts.
 const CHECKPOINT: f64 = 290.0;
 /// Bytes of a grain in a data file.

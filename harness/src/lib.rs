@@ -18,7 +18,8 @@
 //! Beside the pipeline: [`case`](mod@case) and [`replay`] for the smallest unit of work, [`bench`](mod@bench)
 //! for speed, [`selftest`](mod@selftest) for the machine, [`sim`] for whoever wants a simulation in a
 //! program ([`stepping`] and [`registers`] are how it uses threads and wide instructions), [`cli`],
-//! [`shelf`] (what `bitgrain bed` prints), [`progress`], [`files`] and [`error`].
+//! [`shelf`] (what `bitgrain bed` prints), [`progress`], [`plain`] (text for a terminal), [`files`], [`json`],
+//! [`memory`] and [`error`].
 
 #![forbid(unsafe_code)]
 
@@ -36,6 +37,8 @@ pub mod claims;
 pub mod cli;
 pub mod coefficients;
 pub mod compare;
+mod crowd;
+pub mod disk;
 pub mod drag;
 pub mod error;
 pub mod export;
@@ -46,10 +49,15 @@ pub mod flow;
 pub mod folder;
 pub mod forecast;
 pub mod histogram;
+pub mod json;
 pub mod lammps;
 pub mod law;
+mod lists;
+pub mod manifest;
+pub mod memory;
 pub mod observe;
 pub mod order;
+pub mod plain;
 pub mod plug;
 pub mod present;
 pub mod progress;

@@ -24,6 +24,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::report::short;
+
 /// What the ratio says of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -81,6 +83,32 @@ pub fn judge(mu: f64, ratio: f64, drift: Option<f64>) -> Plug {
     }
 }
 
+/// What was found of a bed that slides along, in words: the ratio beyond its bound, or the drift of its layers.
+pub fn found(mu: f64, ratio: f64, drift: Option<f64>) -> String {
+    let slides = bounds(mu)[1];
+    let drift = drift.filter(|drift| drift.abs() >= DRIFTS[0]);
+    let layers = drift.map(|drift| {
+        format!(
+            "the layers above the intruder drift at {} of its speed",
+            short(drift)
+        )
+    });
+    // What is no number is beyond every bound.
+    let beyond = ratio > slides || ratio.is_nan();
+    match (beyond, layers) {
+        (false, Some(layers)) => format!("{layers} (a bed slides from {} on)", DRIFTS[1]),
+        (_, layers) => {
+            let also = layers.map_or(String::new(), |layers| format!(", and {layers}"));
+            format!(
+                "the drag is {} of the weight of the bed above the intruder, more than friction holds (up to {})\
+                 {also}",
+                short(ratio),
+                short(slides)
+            )
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -107,5 +135,24 @@ mod tests {
             assert_eq!(judge(mu, ratio, Some(drift)), verdict, "mu = {mu}, {ratio}");
         }
         assert_eq!(judge(0.5, 0.319, None), Plug::Slides);
+    }
+
+    /// A bed that slides by its drift alone is not said to be held by too little friction.
+    #[test]
+    fn what_was_found_is_told() {
+        let drift = found(0.5, 0.1, Some(0.4));
+        assert!(drift.starts_with("the layers above the intruder drift at 0.4 of its speed"));
+        assert!(
+            !drift.contains("friction") && drift.contains("0.2"),
+            "{drift}"
+        );
+        let ratio = found(0.5, 0.32, None);
+        assert!(ratio.contains("0.32 of the weight") && ratio.contains("more than friction holds"));
+        let both = found(0.5, 0.368, Some(0.25));
+        assert!(
+            both.contains("0.368 of the weight") && both.contains("drift at 0.25"),
+            "{both}"
+        );
+        assert!(found(0.5, f64::NAN, Some(0.01)).contains("more than friction holds"));
     }
 }

@@ -5,37 +5,42 @@ use std::collections::BTreeSet;
 use bitgrain_kernel::Shape;
 
 use crate::checkpoint;
+use crate::disk::write_whole;
 use crate::error::{Error, Result};
 use crate::export::{FROZEN_TYPE, OBSTACLE_TYPE};
 use crate::fields::read::plane;
 use crate::fields::{Hole, hole};
-use crate::files::{packed_name, write_whole};
+use crate::files::packed_name;
 use crate::flow::{parse_flow, parse_profile};
 use crate::folder::Folder;
-use crate::lammps::{Atom, read_dump};
+use crate::lammps::{Atom, parse_dump};
+use crate::manifest::{Of, Vouched};
 use crate::observe::INTRUDER;
 use crate::report::{self, BedPicture, Course, FieldPicture, FlowGrain, FlowPicture, PictureGrain};
 use crate::scenario::{Moves, RunPlan, Scenario};
-use crate::series::{SeriesRow, read_series};
+use crate::series::{SeriesRow, parse_series};
 use crate::sim::Role;
 use crate::summary::{BedSummary, RunSummary, Summary, read_folder};
 
 /// Writes the report of a run directory from the files in it: of what is done, where the run has not come to its
-/// end.
+/// end. Nothing is drawn that the manifest does not vouch for.
 ///
 /// # Errors
-/// [`Error::Input`] where one of them is missing or damaged, [`Error::Write`].
+/// [`Error::Input`] where one of them is missing or not as it was written, [`Error::Write`].
 pub fn write_report(folder: &Folder<'_>) -> Result<()> {
-    let (_, whole) = read_folder(folder)?;
-    let text = std::fs::read_to_string(folder.scenario())
-        .map_err(|e| Error::read(&folder.scenario(), &e))?;
-    let series = whole
-        .runs
-        .iter()
-        .map(|run| read_series(&folder.series(&run.name)));
+    let vouched = &Vouched::open(folder.0, Of::Run)?;
+    let (_, whole) = read_folder(folder, vouched)?;
+    let text = vouched.text(&folder.scenario())?;
+    let series = whole.runs.iter().map(|run| {
+        let path = folder.series(&run.name);
+        parse_series(&vouched.text(&path)?, &path.display().to_string())
+    });
     let series: Vec<Vec<SeriesRow>> = series.collect::<Result<_>>()?;
     let moves = whole.inputs.drag.moves;
-    let stills = whole.beds.iter().map(|bed| still(folder, bed, moves));
+    let stills = whole
+        .beds
+        .iter()
+        .map(|bed| still(folder, vouched, bed, moves));
     let stills: Vec<Still> = stills.collect::<Result<_>>()?;
     let packed = whole.inputs.measure.gzip;
     let planned = plans(&whole)?;
@@ -46,18 +51,18 @@ pub fn write_report(folder: &Folder<'_>) -> Result<()> {
     };
     let flows = planned
         .iter()
-        .map(|(run, plan)| flow(folder, run, plan, still_of(run)?, packed));
+        .map(|(run, plan)| flow(folder, vouched, run, plan, still_of(run)?, packed));
     let flows: Vec<Option<FlowPicture>> = flows.collect::<Result<_>>()?;
     let flows: Vec<FlowPicture> = flows.into_iter().flatten().collect();
     let maps = whole
         .runs
         .iter()
-        .map(|run| map(folder, &whole.inputs, run, still_of(run)?));
+        .map(|run| map(folder, vouched, &whole.inputs, run, still_of(run)?));
     let maps: Vec<Option<FieldPicture>> = maps.collect::<Result<_>>()?;
     let maps: Vec<FieldPicture> = maps.into_iter().flatten().collect();
     let pictures: Vec<BedPicture> = stills.into_iter().map(|still| still.picture).collect();
     let page = if whole.runs.iter().any(|run| run.flow.is_some()) {
-        let courses = whole.runs.iter().map(|run| course(folder, run));
+        let courses = whole.runs.iter().map(|run| course(folder, vouched, run));
         let courses: Vec<Course> = courses.collect::<Result<_>>()?;
         report::flowing_page(&whole, &text, &series, &pictures, &flows, &courses, &maps)
     } else {
@@ -89,8 +94,9 @@ struct Still {
     lid: BTreeSet<u32>,
 }
 
-fn still(folder: &Folder<'_>, bed: &BedSummary, moves: Moves) -> Result<Still> {
-    let sim = checkpoint::read(&folder.bed(&bed.name))?;
+fn still(folder: &Folder<'_>, vouched: &Vouched, bed: &BedSummary, moves: Moves) -> Result<Still> {
+    let path = folder.bed(&bed.name);
+    let sim = checkpoint::unpack(&vouched.read(&path)?, &path.display().to_string())?.0;
     let body = &sim.obstacles[INTRUDER as usize];
     let [x, y, z] = body.point;
     let off = |i: &usize| (sim.position[*i][1] - y).abs();
@@ -124,13 +130,13 @@ fn still(folder: &Folder<'_>, bed: &BedSummary, moves: Moves) -> Result<Still> {
 }
 
 /// The flow series and the profile of a run; empty ones of a run that has none.
-fn course(folder: &Folder<'_>, run: &RunSummary) -> Result<Course> {
+fn course(folder: &Folder<'_>, vouched: &Vouched, run: &RunSummary) -> Result<Course> {
     if run.flow.is_none() {
         return Ok(Course::default());
     }
     let read = |file: &str| {
         let path = folder.of_run(&run.name, file);
-        let text = std::fs::read_to_string(&path).map_err(|e| Error::read(&path, &e))?;
+        let text = vouched.text(&path)?;
         Ok((path.display().to_string(), text))
     };
     let damaged = |path: String| {
@@ -152,6 +158,7 @@ fn course(folder: &Folder<'_>, run: &RunSummary) -> Result<Course> {
 /// The mean fields of a run; `None` where they were not asked for, or where the bed is at rest and no page shows them.
 fn map(
     folder: &Folder<'_>,
+    vouched: &Vouched,
     inputs: &Scenario,
     run: &RunSummary,
     still: &Still,
@@ -160,7 +167,7 @@ fn map(
         return Ok(None);
     };
     let path = folder.of_run(&run.name, "plane.csv");
-    let text = std::fs::read_to_string(&path).map_err(|e| Error::read(&path, &e))?;
+    let text = vouched.text(&path)?;
     let fields = plane(&text, grid).map_err(|line| {
         let problem =
             "is no row of the plane's table; is the file cut off? The same run writes it anew";
@@ -180,6 +187,7 @@ fn map(
 /// drag without snapshots.
 fn flow(
     folder: &Folder<'_>,
+    vouched: &Vouched,
     run: &RunSummary,
     plan: &RunPlan,
     still: &Still,
@@ -196,7 +204,7 @@ fn flow(
         path = packed_name(&path);
     }
     let damaged = |what: &str| Error::input(path.display().to_string(), what);
-    let frame = read_dump(&path)?
+    let frame = parse_dump(&vouched.text(&path)?, &path.display().to_string())?
         .pop()
         .ok_or_else(|| damaged("holds no frame"))?;
     let (ball, grains): (Vec<&Atom>, Vec<&Atom>) =

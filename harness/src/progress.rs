@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 
 use crate::error::{Error, Result};
+use crate::plain::plain;
 use crate::sim::Sim;
 
 /// Time between the lines of a stage that has no bar.
@@ -116,7 +117,7 @@ impl Progress {
         if let Ok(style) = ProgressStyle::with_template(look) {
             bar.set_style(style);
         }
-        bar.set_prefix(name.to_string());
+        bar.set_prefix(plain(name));
         bar.set_position(before);
         bar.reset_eta();
         self.work.done.store(before, Ordering::Relaxed);
@@ -144,7 +145,7 @@ impl Progress {
 
     /// Begins a stage of about `steps` steps.
     pub fn stage(&self, name: &str, steps: u64) -> Stage {
-        let name = &format!("{}{name}", self.label);
+        let name = &plain(&format!("{}{name}", self.label));
         let bar = self.bars.add(ProgressBar::new(steps));
         let look = "{prefix:<22} {bar:20} {percent:>3}%  step {pos}  ETA {eta:<5} {msg}";
         if let Ok(style) = ProgressStyle::with_template(look) {
@@ -166,7 +167,7 @@ impl Progress {
 
     /// Prints a line that must be seen, above the bars if there are any.
     pub fn warn(&self, text: &str) {
-        let text = format!("{}{text}", self.label);
+        let text = plain(&format!("{}{text}", self.label));
         if self.bars.is_hidden() {
             let _ = writeln!(std::io::stderr(), "bitgrain: {text}");
         } else {
@@ -176,7 +177,7 @@ impl Progress {
 
     /// Prints a line above the bars.
     pub fn line(&self, text: &str) {
-        let text = format!("{}{text}", self.label);
+        let text = plain(&format!("{}{text}", self.label));
         if !self.bars.is_hidden() {
             let _ = self.bars.println(text);
         } else if self.verbose {

@@ -221,6 +221,7 @@ fn write_sample(
     out: &mut impl Write,
 ) -> Result<()> {
     let digest = sim.digest();
+    let digest = digest.map_err(|fault| Error::run("a replay", step, fault))?;
     if what.digests {
         let line = Digests {
             step,

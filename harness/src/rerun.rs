@@ -2,6 +2,7 @@
 //! place to begin from.
 
 use crate::checkpoint;
+use crate::disk;
 use crate::drag::Dragging;
 use crate::error::{Error, Result};
 use crate::folder::Folder;
@@ -102,7 +103,7 @@ impl<'a> Past<'a> {
     /// Where its checkpoint cannot be read.
     pub fn bed(&self, plan: &BedPlan) -> Result<BedSummary> {
         let (mut sim, note) = checkpoint::read_noted(&self.folder.bed(&plan.name))?;
-        Ok(surveyed(&self.scenario, plan, &mut sim, &note))
+        surveyed(&self.scenario, plan, &mut sim, &note)
     }
 
     /// A drag with its bed.
@@ -130,7 +131,7 @@ impl<'a> Past<'a> {
     pub fn kept_before(&self, plan: &RunPlan, step: u64) -> u64 {
         let kept = plan.checkpoints.iter().rev().copied();
         let mut kept = kept.filter(|&n| n <= step);
-        let is_there = |&n: &u64| self.folder.checkpoint(&plan.name, n).exists();
+        let is_there = |&n: &u64| disk::is_there(&self.folder.checkpoint(&plan.name, n));
         kept.find(is_there).unwrap_or(0)
     }
 

@@ -83,22 +83,23 @@ fn by_ranges(registers: Registers, threads: usize) -> std::result::Result<Vec<Li
                 Some(gamma) => AnyLaw::HertzHistory(reference::history(gamma)),
                 None => AnyLaw::HertzTsuji(reference::tsuji()),
             };
-            let mut tell = |sim: &mut Sim| {
+            let mut tell = |sim: &mut Sim| -> std::result::Result<(), Fault> {
                 lines.push(Line {
                     real: f64::NAME,
                     world: one.name(),
                     step: sim.step_count(),
-                    digest: sim.digest().whole,
+                    digest: sim.digest()?.whole,
                 });
+                Ok(())
             };
             if sim.step_count() == 0 {
                 sim.start()?;
-                tell(&mut sim);
+                tell(&mut sim)?;
             }
             while sim.step_count() < stage.last {
                 sim.steps(EVERY)?;
                 debug_assert_eq!(sim.ranges(), threads, "every thread has a part");
-                tell(&mut sim);
+                tell(&mut sim)?;
             }
         }
     }

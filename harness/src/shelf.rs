@@ -98,9 +98,9 @@ pub fn show(library: &Library, name: &str) -> Result<String> {
             problem,
         ));
     };
-    let data = std::fs::read(&bed.checkpoint).map_err(|e| Error::read(&bed.checkpoint, &e))?;
+    let data = crate::disk::read(&bed.checkpoint)?;
     let mut sim = checkpoint::parse(&data, &path, Some(&recipe.digest()))?;
-    let found = bed::survey(&bed.name, &recipe.measures(), &mut sim);
+    let found = bed::survey(&bed.name, &recipe.measures(), &mut sim)?;
     let length = match recipe.units {
         UnitSystem::Reduced => "d",
         UnitSystem::Si => "m",
@@ -162,8 +162,11 @@ pub fn remove(library: &Library, names: &[String], all: bool) -> Result<String> 
     beds.dedup_by(|a, b| a.name == b.name);
     let mut out = String::new();
     for bed in &beds {
-        library.remove(bed)?;
-        let _ = writeln!(out, "removed {}, {}", bed.name, disk(bed));
+        let stays = match library.remove(bed)? {
+            true => "",
+            false => "; its folder holds files of others, and stays with them",
+        };
+        let _ = writeln!(out, "removed {}, {}{stays}", bed.name, disk(bed));
     }
     let freed: u64 = beds.iter().map(|bed| bed.bytes).sum();
     let _ = writeln!(

@@ -1,14 +1,26 @@
 //! A simulation that owns its storage.
 
+mod grain;
+
+pub use grain::{Grain, Role, hex, sphere_mass};
+
 use bitgrain_kernel::law::{HertzHistory, HertzTsuji};
 use bitgrain_kernel::{
-    Bond, Candidates, Cells, Clock, Digest, Domain, Fault, Grains, Group, Obstacle, Pairs, Pushed,
-    Row, TOUCHING, World, start_watched, step_watched,
+    Bond, Candidates, Cells, Clock, Digest, Domain, Fault, Grains, Group, Obstacle, Pushed, Row,
+    TOUCHING, World, check_arithmetic, start_watched, step_watched,
 };
 use serde::{Deserialize, Serialize};
 
+use crate::crowd::deep_pair;
+use crate::lists::{Grown, List, reserve};
 use crate::stepping::Stepping;
 use crate::threads::{cut, threads};
+
+/// Most pairs, candidates and obstacle contacts for each grain, on the average: grains beside each other have ten.
+const PAIRS_MAX: usize = 256;
+
+/// And so many more: all pairs of a few hundred grains.
+const PAIRS_FREE: usize = 65_536;
 
 /// A contact law with its numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -18,46 +30,6 @@ pub enum AnyLaw {
     HertzHistory(HertzHistory<f64>),
     /// Guillard 2014, eq. A1.
     HertzTsuji(HertzTsuji<f64>),
-}
-
-/// One grain as it is put into a simulation.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Grain {
-    /// Name; names ascend in a simulation.
-    pub id: u32,
-    /// Place of its group in the simulation's table.
-    pub group: u8,
-    /// Diameter (length).
-    pub diameter: f64,
-    /// Mass density (mass / length^3).
-    pub density: f64,
-    /// Position of its centre (length), inside the box.
-    pub position: [f64; 3],
-    /// Velocity (length / time).
-    pub velocity: [f64; 3],
-    /// Spin (radians / time).
-    pub spin: [f64; 3],
-}
-
-/// What a grain does in a bed, as its group says.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Role {
-    /// It moves as it is pushed.
-    Free,
-    /// It is held or carried, whatever pushes it.
-    Base,
-    /// It is carried along x and y and moves as it is pushed along z.
-    Lid,
-}
-
-/// Mass of a sphere: density times pi/6 times the diameter cubed.
-pub fn sphere_mass(diameter: f64, density: f64) -> f64 {
-    density * (std::f64::consts::PI / 6.0 * (diameter * diameter * diameter))
-}
-
-/// Lower-case hexadecimal.
-pub fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|b| format!("{b:02x}")).collect()
 }
 
 /// A world and everything it borrows, owned.
@@ -103,47 +75,6 @@ pub struct Sim {
     cell_start: Vec<u32>,
     cell_grain: Vec<u32>,
     clock: Clock<f64>,
-}
-
-#[derive(Clone, Debug, Default)]
-struct List {
-    lower: Vec<u32>,
-    partner: Vec<u32>,
-    spring: [Vec<f64>; 3],
-    touch_grain: Vec<u32>,
-    touch_obstacle: Vec<u32>,
-    touch_spring: Vec<Row<f64>>,
-}
-
-impl List {
-    fn resize(&mut self, pairs: usize, touches: usize) {
-        self.lower.resize(pairs, 0);
-        self.partner.resize(pairs, 0);
-        for component in &mut self.spring {
-            component.resize(pairs, 0.0);
-        }
-        self.touch_grain.resize(touches, 0);
-        self.touch_obstacle.resize(touches, 0);
-        self.touch_spring.resize(touches, [0.0; 4]);
-    }
-
-    fn lend(&mut self) -> Pairs<'_, f64> {
-        Pairs {
-            lower: &mut self.lower,
-            partner: &mut self.partner,
-            spring: self.spring.each_mut().map(|s| &mut s[..]),
-            touch_grain: &mut self.touch_grain,
-            touch_obstacle: &mut self.touch_obstacle,
-            touch_spring: &mut self.touch_spring,
-        }
-    }
-
-    fn bytes(&self) -> usize {
-        let springs: usize = self.spring.iter().map(Vec::capacity).sum();
-        4 * (self.lower.capacity() + self.partner.capacity() + 2 * self.touch_grain.capacity())
-            + 8 * springs
-            + 32 * self.touch_spring.capacity()
-    }
 }
 
 impl Sim {
@@ -208,7 +139,8 @@ impl Sim {
         self.cell_start.resize(2 * n + 64, 0);
         self.cell_grain.resize(n, 0);
         self.candidate_row.resize(n + 1, 0);
-        self.reserve(3 * n + 64, 4 * n + 64, n / 8 + 64);
+        // What is too short grows later, or says that it cannot.
+        let _ = self.reserve(3 * n + 64, 4 * n + 64, n / 8 + 64);
     }
 
     /// How many grains there are.
@@ -275,7 +207,8 @@ impl Sim {
     /// never a bit. Contacts are forgotten: [`Sim::resume`] or start again.
     pub fn lend(&mut self, entries: usize) {
         for list in &mut self.lists {
-            list.resize(entries, entries);
+            list.resize(entries, entries)
+                .expect("a caller asks for what there is");
         }
         self.candidate.resize(entries, 0);
         self.cell_start.resize(entries.max(2), 0);
@@ -286,16 +219,18 @@ impl Sim {
         self.cuts.clear();
     }
 
-    fn reserve(&mut self, pairs: usize, candidates: usize, touches: usize) {
-        self.candidate
-            .resize(self.candidate.len().max(candidates), 0);
+    fn reserve(&mut self, pairs: usize, candidates: usize, touches: usize) -> Grown {
+        let candidates = self.candidate.len().max(candidates);
+        reserve(&mut self.candidate, candidates)?;
+        self.candidate.resize(candidates, 0);
         for list in &mut self.lists {
             let (p, t) = (
                 list.partner.len().max(pairs),
                 list.touch_grain.len().max(touches),
             );
-            list.resize(p, t);
+            list.resize(p, t)?;
         }
+        Ok(())
     }
 
     /// Lends everything as a world of the kernel.
@@ -333,18 +268,48 @@ impl Sim {
         }
     }
 
-    /// Runs `act`, enlarging the lists as often as it finds them full: capacity is never a result.
+    /// Runs `act`, enlarging the lists as often as it finds them full: capacity is never a result. Lists that would
+    /// be longer than bodies beside each other can make them, or than there is memory for, stay full, and that is
+    /// returned.
     fn grow_while_full(
         &mut self,
         mut act: impl FnMut(&mut Self) -> Result<(), Fault>,
     ) -> Result<(), Fault> {
+        let most = self
+            .count()
+            .saturating_mul(PAIRS_MAX)
+            .saturating_add(PAIRS_FREE);
         loop {
-            match act(self) {
-                Err(Fault::PairsFull { needed }) => self.reserve(needed + needed / 8, 0, 0),
-                Err(Fault::CandidatesFull { needed }) => self.reserve(0, needed + needed / 8, 0),
-                Err(Fault::TouchesFull { needed }) => self.reserve(0, 0, needed + needed / 8),
-                other => return other,
+            let Err(full) = act(self) else {
+                return Ok(());
+            };
+            let (needed, wanted) = match full {
+                Fault::PairsFull { needed } => (needed, [needed + needed / 8, 0, 0]),
+                Fault::CandidatesFull { needed } => (needed, [0, needed + needed / 8, 0]),
+                Fault::TouchesFull { needed } => (needed, [0, 0, needed + needed / 8]),
+                other => return Err(other),
+            };
+            if needed > most || self.reserve(wanted[0], wanted[1], wanted[2]).is_err() {
+                return Err(full);
             }
+        }
+    }
+
+    /// Refuses crowds of grains in each other, of whom all pairs would be listed first.
+    ///
+    /// # Errors
+    /// [`Fault::OverlapTooDeep`] with two of them.
+    fn check_crowds(&self) -> Result<(), Fault> {
+        let light = |i: usize| {
+            let group = self.groups.get(usize::from(self.group[i]));
+            group.is_some_and(|group| !group.heavy)
+        };
+        match deep_pair(&self.position, light) {
+            Some((i, j)) => Err(Fault::OverlapTooDeep {
+                i: self.id[i],
+                j: self.id[j],
+            }),
+            None => Ok(()),
         }
     }
 
@@ -361,6 +326,7 @@ impl Sim {
     /// # Errors
     /// As [`Sim::start`].
     pub fn start_watched(&mut self, mut watch: impl FnMut(Pushed<f64>)) -> Result<(), Fault> {
+        self.check_crowds()?;
         self.grow_while_full(|sim| match sim.law {
             AnyLaw::HertzHistory(law) => start_watched(&mut sim.world(), &law, &mut watch),
             AnyLaw::HertzTsuji(law) => start_watched(&mut sim.world(), &law, &mut watch),
@@ -383,13 +349,15 @@ impl Sim {
     /// # Errors
     /// What the kernel finds wrong with the world.
     pub fn resume(&mut self, bonds: &[Bond<f64>]) -> Result<(), Fault> {
+        self.check_crowds()?;
         self.grow_while_full(|sim| bitgrain_kernel::resume(&mut sim.world(), bonds.iter().copied()))
     }
 
     /// Advances by `count` steps, on the threads of the rayon pool that this is called in.
     ///
     /// # Errors
-    /// The fault that stopped a step; [`Sim::step_count`] says how many were finished.
+    /// The fault that stopped a step; [`Sim::step_count`] says how many were finished. [`Fault::Edited`], where
+    /// rows were written to since the last step: [`Sim::resume`] or start again.
     pub fn steps(&mut self, count: u64) -> Result<(), Fault> {
         // A file may say that any number of steps was done.
         let end = self.clock.step.saturating_add(count);
@@ -409,6 +377,30 @@ impl Sim {
         done
     }
 
+    /// Begins a stretch of steps of one who looks on at each, but writes to no row until [`Sim::release`]: the rows
+    /// are sealed once, and not at each call. What is written to them all the same is not found.
+    ///
+    /// # Errors
+    /// [`Fault::Edited`], of rows that were written to since the last stretch ended.
+    pub fn hold(&mut self) -> Result<(), Fault> {
+        self.cut();
+        let mut stepping = std::mem::take(&mut self.stepping);
+        let begun = stepping.begin(&mut self.world());
+        self.stepping = stepping;
+        begun
+    }
+
+    /// Ends the stretch that [`Sim::hold`] began.
+    ///
+    /// # Errors
+    /// [`Fault::Arithmetic`]; [`Fault::NotStarted`] where a fault stopped the steps.
+    pub fn release(&mut self) -> Result<(), Fault> {
+        let mut stepping = std::mem::take(&mut self.stepping);
+        let ended = stepping.end(&mut self.world());
+        self.stepping = stepping;
+        ended
+    }
+
     /// Cuts the grains into as many ranges as there are threads.
     fn cut(&mut self) {
         let n = self.count();
@@ -425,9 +417,14 @@ impl Sim {
         self.cuts.len() + 1
     }
 
-    /// The digest of the state.
-    pub fn digest(&mut self) -> Digest {
-        bitgrain_kernel::digest(&self.world())
+    /// The digest of the state, on a thread whose arithmetic is that of the bit contract.
+    ///
+    /// # Errors
+    /// [`Fault::Arithmetic`], where something changed the processor's modes since the last step: what was
+    /// measured of the state since then may be wrong.
+    pub fn digest(&mut self) -> Result<Digest, Fault> {
+        check_arithmetic::<f64>()?;
+        Ok(bitgrain_kernel::digest(&self.world()))
     }
 
     /// The touching contacts, by places.

@@ -2,14 +2,16 @@
 //! are the kernel's and any cut into ranges gives the bits of one range, so nothing here can change
 //! a result.
 
+use std::sync::OnceLock;
 use std::time::Instant;
 
 use bitgrain_kernel::law::Law;
 use bitgrain_kernel::motion::{Moving, Pass, Passed, pass};
 use bitgrain_kernel::push::{After, Deep, Part, Sight, Span, Spill, first_deep, spill, sum};
-use bitgrain_kernel::step::{drift, find_who_touches, finish, judge};
+use bitgrain_kernel::seal::{Sealed, seal};
+use bitgrain_kernel::step::{begin, drift, end, find_who_touches, finish, judge};
 use bitgrain_kernel::touch::{TouchPart, push_obstacles};
-use bitgrain_kernel::{Fault, Row, World};
+use bitgrain_kernel::{Fault, Row, World, check_arithmetic};
 use prefetch_index::prefetch_index;
 
 use crate::registers::{Job, Registers};
@@ -35,6 +37,8 @@ pub struct Stepping {
     /// Whether skin and reach are chosen anew from what they cost while it steps.
     pub tunes: bool,
     skin: Skin,
+    /// Whether the owner began the stretch that is under way, and will end it.
+    held: bool,
     /// What pairs of two ranges give.
     spills: Vec<Spill<f64>>,
 }
@@ -58,13 +62,14 @@ impl Default for Stepping {
             range_min: RANGE_MIN,
             tunes: true,
             skin: Skin::default(),
+            held: false,
             spills: Vec::new(),
         }
     }
 }
 
 impl Stepping {
-    /// Advances a world to step `end`, on the threads of the pool that this is called in, one for each of
+    /// Advances a world to step `last`, on the threads of the pool that this is called in, one for each of
     /// its ranges.
     ///
     /// Rows are fetched once a step: as soon as the force on a grain is complete, the pass that summed it
@@ -73,12 +78,12 @@ impl Stepping {
         &mut self,
         world: &mut World<'_, f64>,
         law: &L,
-        end: u64,
+        last: u64,
     ) -> Fallible<()> {
         if world.cuts.is_empty() {
-            self.steps_here(world, law, end)
+            self.steps_here(world, law, last)
         } else {
-            awake(|| self.steps_here(world, law, end))
+            awake(|| self.steps_here(world, law, last))
         }
     }
 
@@ -87,26 +92,60 @@ impl Stepping {
         &mut self,
         world: &mut World<'_, f64>,
         law: &L,
-        end: u64,
+        last: u64,
     ) -> Fallible<()> {
+        if world.clock.step >= last {
+            return Ok(());
+        }
         let with = self.registers;
         self.skin.pause();
-        if world.clock.step < end && world.clock.rests() {
-            let cuts = world.cuts;
-            let work = |m| with.run(Move(m, Pass::Drift));
+        if world.clock.rests() {
+            self.begin(world)?;
+            self.held = false;
+        }
+        // A full list may have stopped these steps on their way.
+        if world.clock.has_begun() {
+            let (cuts, modes) = (world.cuts, Modes::of(world));
+            let work = |m| modes.after(with.run(Move(m, Pass::Drift)));
             let passed = each(world.moving(), 0, cuts, &work, &Passed::and);
+            modes.judge(world)?;
             drift(world, passed)?;
         }
-        while world.clock.step < end {
+        while world.clock.step < last {
             self.renew(world)?;
-            let last = world.clock.step + 1 == end;
-            let passed = self.push_and_move(world, law, last)?;
+            let is_last = world.clock.step + 1 == last;
+            let passed = self.push_and_move(world, law, is_last)?;
             finish(world, passed)?;
-            if !last {
+            if !is_last {
                 drift(world, passed)?;
             }
         }
+        match self.held {
+            true => Ok(()),
+            false => self.end(world),
+        }
+    }
+
+    /// Begins a stretch of steps, where nothing was written to since the last one.
+    pub(crate) fn begin(&mut self, world: &mut World<'_, f64>) -> Fallible<()> {
+        let sealed = self.sealed(world);
+        begin(world, sealed)?;
+        self.held = true;
         Ok(())
+    }
+
+    /// Ends a stretch of steps.
+    pub(crate) fn end(&mut self, world: &mut World<'_, f64>) -> Fallible<()> {
+        self.held = false;
+        let sealed = self.sealed(world);
+        end(world, sealed)
+    }
+
+    /// The seal of all grains, each range by its own thread.
+    fn sealed(&self, world: &mut World<'_, f64>) -> Sealed {
+        let (with, cuts) = (self.registers, world.cuts);
+        let work = |grains| with.run(grains);
+        each(Seal(world.moving(), 0), 0, cuts, &work, &Sealed::and)
     }
 
     /// Renews the pair list where it is too old, and learns what that costs.
@@ -127,7 +166,7 @@ impl Stepping {
         law: &L,
         last: bool,
     ) -> Fallible<Passed<f64>> {
-        let (with, cuts) = (self.registers, world.cuts);
+        let (with, cuts, modes) = (self.registers, world.cuts, Modes::of(world));
         let (part, touch) = world.pushing(world.dt);
         let hit = with.run(Touch(part, touch, law));
 
@@ -140,16 +179,55 @@ impl Stepping {
         if count > 0 {
             let (sight, pairs) = world.across();
             let sending = Sending(sight, pairs, spills);
-            deep = share(sending, cuts.len() + 1, &|s| with.run(Across(s, law)));
+            deep = share(sending, cuts.len() + 1, &|s| {
+                modes.after(with.run(Across(s, law)))
+            });
         }
 
         let spills = &*spills;
         let (part, _) = world.pushing(world.dt);
-        let work = |part| with.run(Sum(part, law, spills, last));
+        let work = |part| modes.after(with.run(Sum(part, law, spills, last)));
         let join = |(a, p): (Deep, Passed<f64>), (b, q)| (first_deep(a, b), p.and(q));
         let (within, passed) = each(part, 0, cuts, &work, &join);
+        modes.judge(world)?;
         judge(world, hit, first_deep(deep, within))?;
         Ok(passed)
+    }
+}
+
+/// Whether the threads of several ranges compute as the bit contract has it: each has processor modes of
+/// its own, and a library may change them at any time. The thread of a single range is looked at as the
+/// steps end, and a look costs as much as a few contacts.
+struct Modes {
+    looks: bool,
+    found: OnceLock<Fault>,
+}
+
+impl Modes {
+    fn of(world: &World<'_, f64>) -> Self {
+        Self {
+            looks: !world.cuts.is_empty(),
+            found: OnceLock::new(),
+        }
+    }
+
+    /// What a share of a phase gave, after a look at the thread that did it.
+    fn after<T>(&self, done: T) -> T {
+        if self.looks
+            && let Err(fault) = check_arithmetic::<f64>()
+        {
+            self.found.get_or_init(|| fault);
+        }
+        done
+    }
+
+    /// Stops the world where any of the looks found something.
+    fn judge(&self, world: &mut World<'_, f64>) -> Fallible<()> {
+        let Some(fault) = self.found.get() else {
+            return Ok(());
+        };
+        world.clock.stop();
+        Err(*fault)
     }
 }
 
@@ -189,6 +267,25 @@ impl Sending<'_> {
         let (left, right) = self.1.split(pairs);
         let (out, others) = self.2.split_at_mut(pairs);
         (Self(self.0, left, out), Self(self.0, right, others))
+    }
+}
+
+/// A range and the place of its first grain.
+struct Seal<'a>(Moving<'a, f64>, usize);
+
+impl Split for Seal<'_> {
+    fn split(self, grains: usize) -> (Self, Self) {
+        let (left, right) = self.0.split(grains);
+        (Self(left, self.1), Self(right, self.1 + grains))
+    }
+}
+
+impl Job for Seal<'_> {
+    type Output = Sealed;
+
+    #[inline(always)]
+    fn run(self) -> Sealed {
+        seal(&self.0, self.1)
     }
 }
 

@@ -1,15 +1,15 @@
 //! The numbers of a run directory, `summary.json`, as the stages hand them on.
 
-use std::path::Path;
+mod check;
+mod read;
+
+pub use read::{parse_record, parse_summary, read_folder, read_summary};
 
 use serde::{Deserialize, Serialize};
 
 use crate::audit::EnergyRow;
 use crate::blocks::Mean;
-use crate::error::{Error, Result};
 use crate::fields::Load;
-use crate::files::read_text;
-use crate::folder::Folder;
 use crate::plug::Plug;
 use crate::scenario::Scenario;
 use crate::units::Units;
@@ -260,72 +260,6 @@ pub struct RunRecord {
     pub bed: BedSummary,
     /// What was measured.
     pub run: RunSummary,
-}
-
-/// Reads `summary.json` of a run directory.
-///
-/// # Errors
-/// [`Error::Input`] where it is missing or not a summary.
-pub fn read_summary(path: &Path) -> Result<Summary> {
-    parse_summary(&read_text(path)?, path)
-}
-
-/// The summary that `text`, read from `path`, says.
-///
-/// # Errors
-/// [`Error::Input`] where it is none.
-pub fn parse_summary(text: &str, path: &Path) -> Result<Summary> {
-    let summary = serde_json::from_str(text);
-    summary.map_err(|e| Error::input(path.display().to_string(), e.to_string()))
-}
-
-/// The summary of a run directory, and what it was read from: `summary.json`, or where a run has not come to its
-/// end those of the drags that have.
-///
-/// # Errors
-/// [`Error::Input`] where there is none, or one is not a summary.
-pub fn read_folder(folder: &Folder) -> Result<(String, Summary)> {
-    let whole = folder.summary();
-    let runs = folder.0.join("runs");
-    if whole.exists() || !runs.is_dir() {
-        let text = read_text(&whole)?;
-        let summary = parse_summary(&text, &whole)?;
-        return Ok((text, summary));
-    }
-    let entries = std::fs::read_dir(&runs).map_err(|e| Error::read(&runs, &e))?;
-    let mut names: Vec<String> = entries
-        .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
-        .filter(|name| folder.of_run(name, "summary.json").exists())
-        .collect();
-    names.sort_unstable();
-    let mut records = Vec::new();
-    for name in names {
-        let path = folder.of_run(&name, "summary.json");
-        let text = read_text(&path)?;
-        let wrong = |problem: String| Error::input(path.display().to_string(), problem);
-        let record: RunRecord = serde_json::from_str(&text).map_err(|e| wrong(e.to_string()))?;
-        records.push((text, record));
-    }
-    let Some((_, first)) = records.first() else {
-        let problem = "holds no drag that has come to its end: go on with `bitgrain run --resume`";
-        return Err(Error::input(folder.0.display().to_string(), problem));
-    };
-    let (inputs, mut summary) = (first.inputs.clone(), first.whole());
-    let order = inputs.runs();
-    records.sort_by_key(|(_, record)| order.iter().position(|plan| plan.name == record.run.name));
-    let mut text = String::new();
-    for (own, record) in records {
-        if record.inputs != inputs {
-            let problem = "holds drags of several scenarios: put back those of one";
-            return Err(Error::input(folder.0.display().to_string(), problem));
-        }
-        if summary.beds.iter().all(|bed| bed.name != record.bed.name) {
-            summary.beds.push(record.bed);
-        }
-        summary.runs.push(record.run);
-        text.push_str(&own);
-    }
-    Ok((text, summary))
 }
 
 impl RunRecord {

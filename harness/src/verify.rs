@@ -1,6 +1,12 @@
 //! Verification: pieces of a run are executed again, and every link of their chains of digests, the states
 //! at their ends and the tables made from them are held against what the run wrote.
 
+mod folder;
+mod scope;
+
+pub(crate) use folder::{check_manifest, conclude};
+pub use scope::{Scope, Segment};
+
 use std::fmt::Write;
 
 use bitgrain_kernel::{PARTS, Pushed};
@@ -8,6 +14,7 @@ use bitgrain_kernel::{PARTS, Pushed};
 use crate::bed::Course;
 use crate::chain::{Link, differing};
 use crate::checkpoint;
+use crate::disk;
 use crate::drag::Dragging;
 use crate::error::{Error, Result};
 use crate::progress::Progress;
@@ -17,48 +24,6 @@ use crate::run::{self, DragPlan, side_by_side};
 use crate::scenario::{BedPlan, RunPlan};
 use crate::sim::Sim;
 use crate::witness::Witness;
-
-/// A stage, or a stretch of its steps.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Segment {
-    /// Name of the stage.
-    pub stage: String,
-    /// First and last step.
-    pub steps: Option<(u64, u64)>,
-}
-
-impl std::str::FromStr for Segment {
-    type Err = String;
-
-    /// `run-1`, or `run-1:20000-40000`.
-    fn from_str(text: &str) -> std::result::Result<Self, String> {
-        let Some((stage, steps)) = text.split_once(':') else {
-            return Ok(Self {
-                stage: text.into(),
-                steps: None,
-            });
-        };
-        let ends = steps
-            .split_once('-')
-            .and_then(|(from, to)| Some((from.parse().ok()?, to.parse().ok()?)));
-        match ends {
-            Some((from, to)) if from < to => Ok(Self {
-                stage: stage.into(),
-                steps: Some((from, to)),
-            }),
-            _ => Err("expected STAGE or STAGE:FROM-TO, as in run-1:20000-40000".into()),
-        }
-    }
-}
-
-/// What to verify.
-#[derive(Clone, Debug, Default)]
-pub struct Scope {
-    /// Stages, or stretches of them; all where there are none.
-    pub segments: Vec<Segment>,
-    /// How many pieces, chosen at random by a seed, of these.
-    pub sample: Option<(usize, u64)>,
-}
 
 /// Steps between two states that were kept, or a whole bed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -91,29 +56,110 @@ struct Finding {
     holds: bool,
 }
 
-/// Verifies a run and tells of each piece as a line of `say`.
+/// Verifies a run: its manifest against its folder, then what is asked for by execution. Tells of each finding
+/// as a line of `say`. Where `expect` is not empty, each of it must be the manifest's closing hash or the last
+/// link of a stage.
 ///
 /// # Errors
-/// [`Error::Unverified`] where something does not hold, after all was told; [`Error::Input`] where there is
-/// nothing to verify.
+/// [`Error::Unverified`] where something does not hold or the run is not finished, after all was told;
+/// [`Error::Input`] where there is nothing to verify.
 pub fn verify(
     past: &Past<'_>,
     scope: &Scope,
+    expect: &[String],
     threads: usize,
     progress: &Progress,
     mut say: impl FnMut(&str) -> Result<()>,
 ) -> Result<()> {
-    let pieces = pieces(past, scope)?;
-    let length = |k: usize| match pieces[k] {
-        Piece::Bed(plan) => crate::bed::pouring_steps(&past.scenario, plan),
+    let root = past.folder.0;
+    let mut problems = check_manifest(root, &run::stages(&past.scenario), expect, &mut say)?;
+    let jobs = pieces(past, scope)?;
+    let done = execute(&sampled(jobs, scope), threads, progress, &mut say)?;
+    let (links, count) = (done.links, done.pieces);
+    let path = past.folder.summary();
+    if scope.is_all() && done.wrong == 0 && disk::is_there(&path) {
+        let text = disk::read(&path).ok();
+        if text != Some(summary_text(past)?.into_bytes()) {
+            let place = path.display();
+            problems.push(format!("{place}: not what the checkpoints give"));
+        }
+    }
+    if done.wrong > 0 {
+        problems.push(format!("{} of {count} pieces do not hold", done.wrong));
+    } else if scope.is_all() {
+        say(&format!("all {links} links of {count} pieces hold"))?;
+    } else {
+        say(&format!(
+            "all {links} links of the {count} pieces asked for hold"
+        ))?;
+    }
+    conclude(root, problems)
+}
+
+/// What executing pieces gave.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Executed {
+    pub(crate) links: usize,
+    pub(crate) pieces: usize,
+    pub(crate) wrong: usize,
+}
+
+/// A piece of a run, and what tells it from those of other runs.
+#[derive(Clone, Copy)]
+pub(crate) struct Job<'a> {
+    past: &'a Past<'a>,
+    piece: Piece<'a>,
+    pub(crate) label: &'a str,
+}
+
+impl<'a> Job<'a> {
+    /// The bed that it pours; `None` of a drag.
+    pub(crate) fn bed(&self) -> Option<&'a BedPlan> {
+        match self.piece {
+            Piece::Bed(plan) => Some(plan),
+            Piece::Drag(..) => None,
+        }
+    }
+}
+
+/// Of these pieces those that the scope's sample takes.
+pub(crate) fn sampled<'a>(mut jobs: Vec<Job<'a>>, scope: &Scope) -> Vec<Job<'a>> {
+    if let Some((count, seed)) = scope.sample {
+        // Beds are whole pieces: a sample is of the drags, unless beds were asked for.
+        if scope.segments.is_empty() {
+            jobs.retain(|job| job.bed().is_none());
+        }
+        for k in 0..jobs.len().saturating_sub(count) {
+            let [x] = uniforms(seed, Purpose::Sample, k as u32);
+            jobs.remove((x * jobs.len() as f64) as usize);
+        }
+    }
+    jobs
+}
+
+/// Executes pieces again, side by side, and tells of each.
+///
+/// # Errors
+/// [`Error::Interrupted`] and [`Error::Contract`]; what else goes wrong is a finding.
+pub(crate) fn execute(
+    jobs: &[Job<'_>],
+    threads: usize,
+    progress: &Progress,
+    say: &mut impl FnMut(&str) -> Result<()>,
+) -> Result<Executed> {
+    let length = |k: usize| match jobs[k].piece {
+        Piece::Bed(plan) => crate::bed::pouring_steps(&jobs[k].past.scenario, plan),
         Piece::Drag(_, from, to) => to - from,
     };
-    let found = side_by_side(threads, threads, pieces.len(), length, |k| {
-        again(past, pieces[k], progress)
+    let found = side_by_side(threads, threads, jobs.len(), length, |k| {
+        again(jobs[k].past, jobs[k].piece, progress)
     })?;
-    let (mut links, mut wrong) = (0, 0);
-    let all = scope.segments.is_empty() && scope.sample.is_none();
-    for (piece, found) in pieces.iter().zip(found) {
+    let mut done = Executed {
+        pieces: jobs.len(),
+        ..Executed::default()
+    };
+    for (job, found) in jobs.iter().zip(found) {
+        let piece = job.piece;
         // A damaged file is a finding, a wish to stop is none.
         let finding = match found {
             Err(e @ (Error::Interrupted { .. } | Error::Contract { .. })) => return Err(e),
@@ -124,27 +170,11 @@ pub fn verify(
             },
             Ok(finding) => finding,
         };
-        say(&finding.text)?;
-        links += finding.links;
-        wrong += usize::from(!finding.holds);
+        say(&format!("{}{}", job.label, finding.text))?;
+        done.links += finding.links;
+        done.wrong += usize::from(!finding.holds);
     }
-    let count = pieces.len();
-    if all && wrong == 0 && past.folder.summary().exists() {
-        let path = past.folder.summary();
-        if std::fs::read_to_string(&path).ok() != Some(summary_text(past)?) {
-            let place = path.display();
-            return Err(Error::Unverified {
-                problem: format!("{place}: not what the checkpoints give"),
-            });
-        }
-    }
-    if wrong > 0 {
-        let place = past.folder.0.display().to_string();
-        return Err(Error::Unverified {
-            problem: format!("{place}: {wrong} of {count} pieces do not hold"),
-        });
-    }
-    say(&format!("all {links} links of {count} pieces hold"))
+    Ok(done)
 }
 
 /// The run's own summary, made from its beds and the last checkpoints of its drags.
@@ -164,8 +194,11 @@ fn summary_text(past: &Past<'_>) -> Result<String> {
     run::json_text(&past.folder.summary(), &whole)
 }
 
-/// The pieces that are asked for.
-fn pieces<'a>(past: &'a Past<'_>, scope: &Scope) -> Result<Vec<Piece<'a>>> {
+/// The pieces of a run that are asked for, without a choice at random.
+///
+/// # Errors
+/// [`Error::Input`] where there are none.
+pub(crate) fn pieces<'a>(past: &'a Past<'a>, scope: &Scope) -> Result<Vec<Job<'a>>> {
     for segment in &scope.segments {
         past.part(&segment.stage)?;
     }
@@ -174,15 +207,16 @@ fn pieces<'a>(past: &'a Past<'_>, scope: &Scope) -> Result<Vec<Piece<'a>>> {
         match part {
             // Of what has come to its end nothing may be missing.
             Part::Bed(plan) => {
-                if past.folder.bed(&plan.name).exists() || past.folder.summary().exists() {
+                let path = past.folder.bed(&plan.name);
+                if disk::is_there(&path) || disk::is_there(&past.folder.summary()) {
                     pieces.push(Piece::Bed(plan));
                 }
             }
             Part::Drag(plan) => {
                 let mut from = 0;
-                let ended = past.folder.of_run(&plan.name, "summary.json").exists()
-                    || past.folder.summary().exists();
-                let kept = |n: u64| past.folder.checkpoint(&plan.name, n).exists();
+                let ended = disk::is_there(&past.folder.of_run(&plan.name, "summary.json"))
+                    || disk::is_there(&past.folder.summary());
+                let kept = |n: u64| disk::is_there(&past.folder.checkpoint(&plan.name, n));
                 let there = |n: &&u64| ended || kept(**n);
                 for &to in plan.checkpoints.iter().filter(there) {
                     pieces.push(Piece::Drag(plan, from, to));
@@ -194,22 +228,17 @@ fn pieces<'a>(past: &'a Past<'_>, scope: &Scope) -> Result<Vec<Piece<'a>>> {
     if !scope.segments.is_empty() {
         pieces.retain(|piece| scope.segments.iter().any(|segment| piece.is_in(segment)));
     }
-    if let Some((count, seed)) = scope.sample {
-        // Beds are whole pieces: a sample is of the drags, unless beds were asked for.
-        if scope.segments.is_empty() {
-            pieces.retain(|piece| matches!(piece, Piece::Drag(..)));
-        }
-        for k in 0..pieces.len().saturating_sub(count) {
-            let [x] = uniforms(seed, Purpose::Sample, k as u32);
-            pieces.remove((x * pieces.len() as f64) as usize);
-        }
-    }
     if pieces.is_empty() {
         let place = past.folder.0.display().to_string();
         let problem = "holds no kept checkpoint of what was asked for: nothing can be verified yet";
         return Err(Error::input(place, problem));
     }
-    Ok(pieces)
+    let job = |piece| Job {
+        past,
+        piece,
+        label: "",
+    };
+    Ok(pieces.into_iter().map(job).collect())
 }
 
 fn again(past: &Past<'_>, piece: Piece<'_>, progress: &Progress) -> Result<Finding> {
@@ -274,7 +303,7 @@ impl Witness for Check<'_> {
             return Ok(());
         };
         for (path, bytes) in drag.snapshot_files(step, sim, contacts)? {
-            if std::fs::read(&path).ok() != Some(bytes) {
+            if disk::read(&path).ok() != Some(bytes) {
                 let name = path.display();
                 self.broken = Some(format!("{name} is missing or not as it was written"));
             }
@@ -322,7 +351,7 @@ impl Check<'_> {
 /// Pours a bed again, or takes it over again.
 fn bed_again(past: &Past<'_>, plan: &BedPlan, progress: &Progress) -> Result<Finding> {
     let path = past.folder.bed(&plan.name);
-    let bytes = std::fs::read(&path).map_err(|e| Error::read(&path, &e))?;
+    let bytes = disk::read(&path)?;
     let name = path.display().to_string();
     let (settled, note) = checkpoint::unpack(&bytes, &name)?;
     let course = Course::of(&note).map_err(|problem| Error::Damaged {
@@ -330,12 +359,12 @@ fn bed_again(past: &Past<'_>, plan: &BedPlan, progress: &Progress) -> Result<Fin
         problem,
     })?;
     let chain = past.folder.bed_chain(&plan.name);
-    let text = std::fs::read_to_string(&chain).unwrap_or_default();
+    let text = disk::read(&chain).unwrap_or_default();
     let (data, bytes_of_data) = run::data_file(past.folder, &past.scenario, plan, &settled)?;
     // A bed below a lid is for nobody else.
     let exported =
-        !past.scenario.beds().contains(plan) || std::fs::read(data).ok() == Some(bytes_of_data);
-    let written = text == course.chain().text() && exported;
+        !past.scenario.beds().contains(plan) || disk::read(&data).ok() == Some(bytes_of_data);
+    let written = text == course.chain().text().into_bytes() && exported;
     let mut check = Check::new(&course.chain().links, u64::MAX);
     let first = course.chain().links.first().map_or(0, |link| link.step);
     let steps = [first, settled.step_count()];
@@ -345,7 +374,7 @@ fn bed_again(past: &Past<'_>, plan: &BedPlan, progress: &Progress) -> Result<Fin
     let mut stage = progress.stage(&plan.name, settled.step_count());
     let settled = bed.go_on(&past.scenario, plan, &mut stage, &mut check)?;
     let note = bed.course.note();
-    let same = settled && checkpoint::pack(&mut bed.sim, &note) == bytes && written;
+    let same = settled && checkpoint::pack(&mut bed.sim, &note)? == bytes && written;
     let more = match past.scenario.source {
         Some(_) => " (taken over again)",
         None => "",
@@ -364,7 +393,7 @@ fn drag_again(
     let bed = past.bed_of(plan)?;
     let drag = past.drag(plan, &bed);
     let path = past.folder.checkpoint(&plan.name, to);
-    let bytes = std::fs::read(&path).map_err(|e| Error::read(&path, &e))?;
+    let bytes = disk::read(&path)?;
     let (_, recorded) = run::read(drag, &path)?;
     let (mut sim, mut dragging) = past.state(drag, from)?;
     let mut check = Check::new(&recorded.chain.links, to);
@@ -390,7 +419,7 @@ fn drag_again(
     stage.resume(from);
     dragging.go_on(&mut sim, &past.scenario, plan, &stage, &mut check)?;
     let note = dragging.note();
-    let mut same = checkpoint::pack(&mut sim, &note) == bytes;
+    let mut same = checkpoint::pack(&mut sim, &note)? == bytes;
     let mut more = String::new();
     if same && check.broken.is_none() && to == plan.steps {
         let (tables, summary) = run::results(drag, &dragging, &mut sim)?;
@@ -402,8 +431,8 @@ fn drag_again(
         let tables = tables.into_iter().chain([("summary.json", summary)]);
         let wrong: Vec<&str> = tables
             .filter(|(file, text)| {
-                let written = std::fs::read_to_string(past.folder.of_run(&plan.name, file));
-                written.ok().as_ref() != Some(text)
+                let written = disk::read(&past.folder.of_run(&plan.name, file));
+                written.ok().as_deref() != Some(text.as_bytes())
             })
             .map(|(file, _)| file)
             .collect();

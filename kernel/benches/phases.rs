@@ -6,7 +6,8 @@ use std::hint::black_box;
 use bitgrain_kernel::law::{HertzHistory, HertzTsuji, Law};
 use bitgrain_kernel::motion::{Pass, pass};
 use bitgrain_kernel::push::{After, Part, Sight, Span, Spill, no_fetch, spill, sum};
-use bitgrain_kernel::step::find_who_may_touch;
+use bitgrain_kernel::seal::seal;
+use bitgrain_kernel::step::{begin, find_who_may_touch};
 use bitgrain_kernel::{Candidates, Cells, Clock, Domain, Grains, Group, Pairs, Row, World};
 use bitgrain_kernel::{resume, start};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
@@ -209,6 +210,8 @@ fn picking(c: &mut Criterion) {
     let mut group = c.benchmark_group("picking, per candidate");
     group.throughput(Throughput::Elements(u64::from(candidates)));
     let before = world.clock.searches();
+    let sealed = seal(&world.moving(), 0);
+    begin(&mut world, sealed).expect("a world at rest");
     group.bench_function("near pairs", |b| {
         b.iter(|| find_who_may_touch(black_box(&mut world)).expect("room enough"));
     });

@@ -113,8 +113,11 @@ pub enum Fault {
         /// The obstacle.
         obstacle: u32,
     },
-    /// A step was asked of a world that was not started, or was stopped by a fault.
+    /// A step was asked of a world that was not started, or was stopped by a fault, or whose last stretch
+    /// of steps was not ended.
     NotStarted,
+    /// What a step reads was written to since the last one ended; nothing was changed.
+    Edited,
 }
 
 /// How a machine's arithmetic departs from the bit contract.
@@ -215,6 +218,10 @@ impl fmt::Display for Fault {
                 "grain {id} overlaps obstacle {obstacle} by more than a quarter of the smaller diameter"
             ),
             Fault::NotStarted => write!(f, "the world was not started"),
+            Fault::Edited => write!(
+                f,
+                "the world was changed between two steps; after a change start or resume it"
+            ),
         }
     }
 }

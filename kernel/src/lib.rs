@@ -22,14 +22,16 @@
 //! * [`digest()`] hashes a state, part by part. [`BITS_VERSION`] names the arithmetic.
 //! * [`reference`](mod@reference) holds small worlds with published digests: run them on a new target,
 //!   and see whether it keeps the contract. [`check_arithmetic`] tries what a host often gets wrong, and
-//!   every world does so as it starts.
+//!   every world does so as it starts and after each stretch of steps.
 //!
 //! A host with threads makes a step of its phases, each over ranges of grains with disjoint output;
-//! any cut into ranges gives the same bits. In order: [`motion::pass`] that drifts and [`step::drift`];
+//! any cut into ranges gives the same bits. In order: [`seal::seal`] and [`step::begin`], which finds what
+//! was written to since the last step; [`motion::pass`] that drifts and [`step::drift`];
 //! then, for each of several steps, [`step::find_who_touches`], [`touch::push_obstacles`],
 //! [`push::spill`] for the pairs of two ranges and [`push::sum`] for all others, which also ends the step
 //! of a grain and begins its next one as soon as its sum is complete, [`step::judge`] and
-//! [`step::finish`], and [`step::drift`] unless it was the last.
+//! [`step::finish`], and [`step::drift`] unless it was the last; at last [`seal::seal`] and [`step::end`].
+//! Until then all that is lent is the phases' alone.
 //!
 //! # What it does not do
 //!
@@ -89,6 +91,7 @@ pub mod push;
 mod real;
 pub mod reference;
 mod rows;
+pub mod seal;
 mod search;
 pub mod step;
 mod store;

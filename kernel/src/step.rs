@@ -10,16 +10,19 @@ use crate::pairs::{Bond, Listed};
 use crate::push::{After, Deep, Pushed, no_fetch, sum};
 use crate::real::{Real, smaller};
 use crate::rows::at;
+use crate::seal::{Sealed, seal, whole};
 use crate::search::{Found, Scene, keep_touches, search};
 use crate::touch::push_obstacles;
 use crate::vec3::dot;
 use crate::world::{Stage, World};
 
-/// Advances a started world by one step `dt`.
+/// Advances a started world by one step `dt`. Within a stretch that the host began with [`begin`] the rows are not
+/// looked at, and the stretch stays open: who looks on at each step and writes to nothing saves the seals.
 ///
 /// # Errors
-/// A full list leaves the state untouched: enlarge the storage and call again. Any other fault
-/// leaves the world stopped in the middle of the step, for inspection.
+/// A full list leaves the state untouched: enlarge the storage and call again. So does [`Fault::Edited`],
+/// of a world that was written to: start or resume it. Any other fault leaves the world stopped, in the
+/// middle of the step or after it, for inspection.
 #[inline]
 pub fn step<R: Real, L: Law<R>>(world: &mut World<'_, R>, law: &L) -> Result<(), Fault> {
     step_watched(world, law, nobody)
@@ -36,12 +39,29 @@ pub fn step_watched<R: Real, L: Law<R>>(
     law: &L,
     watch: impl FnMut(Pushed<R>),
 ) -> Result<(), Fault> {
-    find_who_may_touch(world)?;
+    // Within a stretch that the host began the rows are not looked at.
+    let held = world.clock.has_begun();
+    if !held {
+        let sealed = seal_all(world);
+        begin(world, sealed)?;
+    }
+    if let Err(fault) = find_who_may_touch(world) {
+        if !held {
+            // As it was when it began, so that its seal holds.
+            world.clock.stage = Stage::Resting;
+        }
+        return Err(fault);
+    }
     let passed = moved(world, Pass::Drift);
     drift(world, passed)?;
     push_and_sum(world, law, world.dt, watch)?;
     let passed = moved(world, Pass::Kick);
-    finish(world, passed)
+    finish(world, passed)?;
+    if held {
+        return Ok(());
+    }
+    let sealed = seal_all(world);
+    end(world, sealed)
 }
 
 /// Watches nothing. A function of its own, so that starting and stepping share their code.
@@ -72,8 +92,7 @@ pub fn start_watched<R: Real, L: Law<R>>(
     world.grains.force.fill([R::ZERO; 4]);
     world.grains.torque.fill([R::ZERO; 4]);
     push_and_sum(world, law, R::ZERO, watch)?;
-    let passed = moved(world, Pass::Look);
-    rest(world, passed)
+    come_to_rest(world)
 }
 
 /// Checks a world, makes its pair list and puts back the histories of its touching contacts; the
@@ -103,8 +122,7 @@ pub fn resume<R: Real>(
             return Err(Fault::BadBond);
         }
     }
-    let passed = moved(world, Pass::Look);
-    rest(world, passed)
+    come_to_rest(world)
 }
 
 /// Checks a world and makes its first pair list. Where that fails the contacts are still those that were
@@ -151,14 +169,57 @@ fn moved<R: Real>(world: &mut World<'_, R>, which: Pass) -> Passed<R> {
     pass(&mut world.moving(), which)
 }
 
-/// The first joint of a step over one range, of a world that rests: lists pairs anew when the list
+/// The seal of all grains: one copy of it, for small machines.
+#[inline(never)]
+fn seal_all<R: Real>(world: &mut World<'_, R>) -> Sealed {
+    seal(&world.moving(), 0)
+}
+
+/// The joint before a stretch of steps, after [`seal()`] over all grains: sees that nothing was written to
+/// since the last stretch ended. From here to [`end`] all that is lent is the phases' alone.
+///
+/// # Errors
+/// Before anything is changed: a world that does not rest, slices that do not fit together, and
+/// [`Fault::Edited`].
+#[inline]
+pub fn begin<R: Real>(world: &mut World<'_, R>, sealed: Sealed) -> Result<(), Fault> {
+    if world.clock.stage != Stage::Resting {
+        return Err(Fault::NotStarted);
+    }
+    world.check_storage()?;
+    if whole(world, sealed) != world.clock.seal {
+        return Err(Fault::Edited);
+    }
+    world.clock.stage = Stage::Going;
+    Ok(())
+}
+
+/// The joint after a stretch of steps and [`seal()`] over all grains: tries the arithmetic of the thread
+/// that it is called on, and leaves the world at rest.
+///
+/// # Errors
+/// [`Fault::Arithmetic`], where something changed the processor's modes since the world was started: it
+/// is stopped, and none of its numbers can be trusted. A world that is not between two steps of a stretch.
+#[inline]
+pub fn end<R: Real>(world: &mut World<'_, R>, sealed: Sealed) -> Result<(), Fault> {
+    if world.clock.stage != Stage::Going {
+        return Err(Fault::NotStarted);
+    }
+    world.clock.stage = Stage::Stopped;
+    check_arithmetic::<R>()?;
+    world.clock.seal = whole(world, sealed);
+    world.clock.stage = Stage::Resting;
+    Ok(())
+}
+
+/// The first joint of a step over one range, of a world that has begun: lists pairs anew when the list
 /// might not hold through the coming drift. Which step does so has no effect on any result.
 ///
 /// # Errors
-/// A full list, before anything is changed; an obstacle that is too fast; a world not started.
+/// A full list, before anything is changed; an obstacle that is too fast; a world that has not begun.
 #[inline]
 pub fn find_who_may_touch<R: Real>(world: &mut World<'_, R>) -> Result<(), Fault> {
-    if world.clock.stage != Stage::Resting {
+    if world.clock.stage != Stage::Going {
         return Err(Fault::NotStarted);
     }
     world.check_storage()?;
@@ -170,11 +231,11 @@ pub fn find_who_may_touch<R: Real>(world: &mut World<'_, R>) -> Result<(), Fault
 /// validity.
 ///
 /// # Errors
-/// A world that does not rest; a grain that left the box; an obstacle that is too fast or so far away that
+/// A world that has not begun; a grain that left the box; an obstacle that is too fast or so far away that
 /// its place is no number. The world is stopped in the middle of a step.
 #[inline]
 pub fn drift<R: Real>(world: &mut World<'_, R>, passed: Passed<R>) -> Result<(), Fault> {
-    if world.clock.stage != Stage::Resting {
+    if world.clock.stage != Stage::Going {
         return Err(Fault::NotStarted);
     }
     world.clock.stage = Stage::Stopped;
@@ -205,7 +266,10 @@ pub fn find_who_touches<R: Real>(world: &mut World<'_, R>) -> Result<(), Fault> 
         return Err(Fault::NotStarted);
     }
     world.check_storage()?;
-    renew_if_old(world, R::ZERO, world.cuts)
+    renew_if_old(world, R::ZERO, world.cuts)?;
+    // Whoever comes again after a fault of the forces is refused: they would be summed twice.
+    world.clock.stage = Stage::Listed;
+    Ok(())
 }
 
 /// Lists pairs anew where the list does not hold for `travel`, or is cut elsewhere.
@@ -349,23 +413,32 @@ pub fn judge<R: Real>(world: &World<'_, R>, hit: Deep, deep: Deep) -> Result<(),
 /// What the pass found unsound; the world is stopped. A world that has not drifted.
 #[inline]
 pub fn finish<R: Real>(world: &mut World<'_, R>, passed: Passed<R>) -> Result<(), Fault> {
-    if world.clock.stage != Stage::Drifted {
+    if !matches!(world.clock.stage, Stage::Drifted | Stage::Listed) {
         return Err(Fault::NotStarted);
     }
-    rest(world, passed)?;
+    go_on(world, passed)?;
     // A caller may have set any number; one that cannot be counted on from stays.
     world.clock.step = world.clock.step.saturating_add(1);
     Ok(())
 }
 
+/// Leaves a world that was checked and has its list and forces at rest.
+#[inline]
+fn come_to_rest<R: Real>(world: &mut World<'_, R>) -> Result<(), Fault> {
+    let passed = moved(world, Pass::Look);
+    go_on(world, passed)?;
+    let sealed = seal_all(world);
+    end(world, sealed)
+}
+
 /// Leaves a world between two steps, unless it is unsound.
 #[inline]
-fn rest<R: Real>(world: &mut World<'_, R>, passed: Passed<R>) -> Result<(), Fault> {
+fn go_on<R: Real>(world: &mut World<'_, R>, passed: Passed<R>) -> Result<(), Fault> {
     world.clock.stage = Stage::Stopped;
     if let Some(fault) = passed.unsound {
         return Err(fault);
     }
     world.clock.next_travel = passed.speed2.sqrt() * world.dt;
-    world.clock.stage = Stage::Resting;
+    world.clock.stage = Stage::Going;
     Ok(())
 }

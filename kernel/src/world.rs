@@ -16,8 +16,8 @@ use crate::vec3::{Vec3, dot, head};
 /// Units in the last place of the largest coordinate that a step must move by.
 const RESOLVED: f64 = 16.0;
 
-/// Where a world is in time and how long its pair list holds. Everything but `step` is about the
-/// search and has no effect on any result.
+/// Where a world is in time, how long its pair list holds, and the seal of what it was when it came to
+/// rest. Everything but `step` has no effect on any result.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Clock<R> {
     /// Steps done; time is `step * dt`.
@@ -39,6 +39,8 @@ pub struct Clock<R> {
     pub(crate) next_travel: R,
     /// What rounding may add to it.
     pub(crate) rounding: R,
+    /// Of the world as it came to rest; see [`crate::seal`].
+    pub(crate) seal: u64,
     pub(crate) stage: Stage,
 }
 
@@ -48,10 +50,14 @@ pub(crate) enum Stage {
     /// Not started, or stopped by a fault.
     #[default]
     Stopped,
-    /// Between two steps.
+    /// Between two stretches of steps, and sealed.
     Resting,
+    /// Between two steps of a stretch.
+    Going,
     /// After a drift: positions are those of the step that is being done, forces are zero.
     Drifted,
+    /// After a drift, and the list was looked at: only the forces are still to come.
+    Listed,
 }
 
 impl<R: Real> Clock<R> {
@@ -73,6 +79,7 @@ impl<R: Real> Clock<R> {
         slack: R::ZERO,
         next_travel: R::ZERO,
         rounding: R::ZERO,
+        seal: 0,
         stage: Stage::Stopped,
     };
 
@@ -106,18 +113,31 @@ impl<R: Real> Clock<R> {
         self.listed.touches
     }
 
-    /// Whether the world is between two steps: not after a fault, and not where a full list stopped
-    /// several steps on their way.
+    /// Whether the world is between two stretches of steps: not after a fault, and not where a full list
+    /// stopped several steps on their way.
     pub fn rests(&self) -> bool {
         self.stage == Stage::Resting
+    }
+
+    /// Whether the world is within a stretch that [`crate::step::begin`] began, between two of its steps.
+    pub fn has_begun(&self) -> bool {
+        self.stage == Stage::Going
+    }
+
+    /// Stops a world of which its host found that it was computed wrongly: all further steps are refused
+    /// with [`Fault::NotStarted`].
+    pub fn stop(&mut self) {
+        self.stage = Stage::Stopped;
     }
 }
 
 /// A world of grains and obstacles, in any consistent units.
 ///
 /// It is made anew for each stretch of steps from storage that its owner keeps; making one costs
-/// nothing. After changing a state by hand, call [`crate::start`] or [`crate::resume`] again; only the
-/// velocity of an obstacle may change between steps without, but is not checked then.
+/// nothing. All that a step reads is read-only between steps: after changing it by hand, call
+/// [`crate::start`] or [`crate::resume`], or the next step is refused with [`Fault::Edited`]. Free to change
+/// at any time are skin, reach and cuts, the number of steps done, and the velocity of an obstacle, which is
+/// not checked then.
 pub struct World<'a, R> {
     /// The box.
     pub domain: &'a Domain<R>,

@@ -1,9 +1,12 @@
 //! What several tests share: where the goldens are, how the peers' data is read, and small cases; and
 //! other machines.
 
+pub mod damage;
 pub mod drags;
 pub mod fuzzing;
+pub mod notices;
 pub mod targets;
+pub mod wee;
 
 use std::collections::BTreeMap;
 use std::io::Read;

@@ -26,7 +26,7 @@ fn poured(mu: &str) -> BedSummary {
         mu,
     ]);
     let mut sim = bed::pour(&scenario, &scenario.beds()[0], &mut Stage::silent()).unwrap();
-    bed::survey("bed", &scenario.measures(), &mut sim)
+    bed::survey("bed", &scenario.measures(), &mut sim).unwrap()
 }
 
 /// Poured random packings of spheres: 0.58 to 0.62 and 4 to 6 contacts with friction 0.5; without

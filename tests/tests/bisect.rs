@@ -4,6 +4,8 @@ use std::path::Path;
 use std::sync::LazyLock;
 
 use bitgrain::checkpoint;
+use bitgrain::manifest::Of;
+use bitgrain_tests::wee::forge_manifest;
 use bitgrain_tests::{HALF, copied};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
@@ -105,11 +107,22 @@ fn two_builds_part_at_a_contact() {
     let path = folder.path().join("run").join(HALF);
     let (mut sim, note) = checkpoint::read_noted(&path).unwrap();
     sim.velocity[7][0] = sim.velocity[7][0].next_up();
-    std::fs::write(&path, checkpoint::pack(&mut sim, &note)).unwrap();
+    std::fs::write(&path, checkpoint::pack(&mut sim, &note).unwrap()).unwrap();
     for step in [12_501, 16_667] {
         let name = format!("run/runs/run-1/checkpoints/{step:012}.safetensors");
         std::fs::remove_file(folder.path().join(name)).unwrap();
     }
+    // Its manifest would not have it, so that it is made again too, without what comes after.
+    let run = folder.path().join("run");
+    let files = bitgrain_tests::results(&run).into_keys();
+    let after = |name: &String| name.contains("run-1") && !name.contains("00008334");
+    for name in files
+        .filter(after)
+        .filter(|name| !name.contains("00004167"))
+    {
+        std::fs::remove_file(run.join(name)).unwrap();
+    }
+    forge_manifest(&run, Of::Run, &["bed", "run-1", "run-2"]);
     printed(folder.path(), &["run", "--resume", "run"], 0);
     let original = RUN.path().join("run");
     let told = printed(

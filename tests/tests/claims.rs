@@ -3,7 +3,7 @@
 use bitgrain::claims::Verdict;
 use bitgrain::claims::book::{Book, table};
 use bitgrain::claims::evidence::{DIRECT, Evidence, record_direct};
-use bitgrain::files::write_whole;
+use bitgrain::disk::write_whole;
 use bitgrain_tests::{golden, printed};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");

@@ -9,7 +9,7 @@ type Target = fn(&[u8]) -> bool;
 
 /// Targets, and how many of their files at least must be sound: the others are refused, as they
 /// should be.
-const TARGETS: [(&str, Target, usize); 8] = [
+const TARGETS: [(&str, Target, usize); 13] = [
     ("contact", fuzzing::contact, 60),
     ("search", fuzzing::search, 30),
     ("world", fuzzing::world, 30),
@@ -18,6 +18,11 @@ const TARGETS: [(&str, Target, usize); 8] = [
     ("scenario", fuzzing::scenario, 6),
     ("lammps", fuzzing::lammps, 6),
     ("series", fuzzing::series, 6),
+    ("summary", fuzzing::summary, 6),
+    ("campaign", fuzzing::campaign, 6),
+    ("table", fuzzing::table, 6),
+    ("book", fuzzing::book, 6),
+    ("manifest", fuzzing::manifest, 6),
 ];
 
 #[test]

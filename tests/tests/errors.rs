@@ -303,9 +303,11 @@ fn library(desk: &mut Desk) {
         .split_at(mine.to_str().unwrap().len() - 1);
     let twin = format!("{shared}{}", if last == "0" { "1" } else { "0" });
     std::fs::create_dir(&twin).unwrap();
+    let recipe = Path::new(&twin).join("recipe.toml");
+    std::fs::write(&recipe, "").unwrap();
     let begin = Path::new(shared).file_name().unwrap().to_str().unwrap();
     desk.class("name that several beds share", 2, &["bed", "show", begin]);
-    std::fs::remove_dir(&twin).unwrap();
+    std::fs::remove_dir_all(&twin).unwrap();
     std::fs::remove_file(mine.join("recipe.toml")).unwrap();
     let name = mine.file_name().unwrap().to_string_lossy().into_owned();
     desk.class("bed without its recipe", 2, &["bed", "show", &name]);

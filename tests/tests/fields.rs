@@ -173,7 +173,7 @@ impl bitgrain::witness::Witness for Until {
         note: &dyn Fn() -> checkpoint::Note,
     ) -> bitgrain::error::Result<()> {
         if step == self.0 {
-            self.1 = Some(checkpoint::pack(sim, &note()));
+            self.1 = Some(checkpoint::pack(sim, &note())?);
         }
         Ok(())
     }

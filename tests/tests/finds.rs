@@ -1,9 +1,11 @@
 //! What fuzzing found, each as a case of its own.
 
 use bitgrain::checkpoint;
+use bitgrain::claims::book::Book;
+use bitgrain::claims::evidence::Evidence;
 use bitgrain::sim::Sim;
 use bitgrain::threads::on_threads;
-use bitgrain_tests::golden_case;
+use bitgrain_tests::{golden, golden_case};
 
 fn started(name: &str) -> Sim {
     let sim = golden_case(name).start(name, |_| {});
@@ -38,7 +40,7 @@ fn a_state_with_an_obstacle_beyond_the_edge_is_read_back() {
     let mut sim = started("beyond-the-edge.json");
     sim.steps(40).expect("sound steps");
     assert!(sim.obstacles[1].point[2] > sim.domain.hi()[2]);
-    let written = checkpoint::bytes(&mut sim, "");
+    let written = checkpoint::bytes(&mut sim, "").unwrap();
     let mut again = checkpoint::parse(&written, "find", None).expect("a whole checkpoint");
     for sim in [&mut sim, &mut again] {
         sim.steps(40).expect("sound steps");
@@ -59,6 +61,24 @@ fn a_count_of_steps_does_not_turn_over() {
     }
     sim.step_watched(|_| {}).expect("a sound step");
     assert_eq!(sim.step_count(), u64::MAX);
+}
+
+/// A drag below zero had a negative error, of which a book of claims was written that could not be read again.
+#[test]
+fn an_error_is_not_below_zero() {
+    let text = std::fs::read_to_string(golden("guillard-small/summary.json")).unwrap();
+    let mut tree: serde_json::Value = serde_json::from_str(&text).unwrap();
+    for run in tree["runs"].as_array_mut().unwrap() {
+        let mean = run["drag"]["mean"].as_f64().unwrap();
+        run["drag"]["mean"] = serde_json::Value::from(-mean);
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("summary.json");
+    std::fs::write(&path, tree.to_string()).unwrap();
+    let mut book = Book::shipped();
+    let evidence = Evidence::read(&path, false).expect("a sound summary");
+    evidence.record(&mut book);
+    assert_eq!(Book::parse(&book.text(""), "find").unwrap(), book);
 }
 
 /// A saved force row's unused word went into the grain's mass with the next kick.

@@ -110,6 +110,15 @@ fn a_bed_that_moves_as_one_is_at_its_speed() {
     assert_eq!(speeds(&read(&mut sim, Moves::Bed, 2, |_, _| ())), [-0.5; 2]);
 }
 
+/// Gives every grain this speed along x.
+fn set_speed(sim: &mut Sim, speed: f64) {
+    let bonds = sim.bonds();
+    for v in &mut sim.velocity {
+        v[0] = speed;
+    }
+    sim.resume(&bonds).unwrap();
+}
+
 /// Speeds are those of displacements: grains that rest for half of the time are at half of their speed,
 /// whether they move or rest at the moment a row ends.
 #[test]
@@ -117,9 +126,7 @@ fn bursts_do_not_mislead() {
     for moves_last in [false, true] {
         let pace = |sim: &mut Sim, n: u64| {
             let fast = (n % ROW < ROW / 2) == moves_last;
-            for v in &mut sim.velocity {
-                v[0] = if fast { 2.0 } else { 0.0 };
-            }
+            set_speed(sim, if fast { 2.0 } else { 0.0 });
         };
         let mut sim = tray(&line(|_| if moves_last { 2.0 } else { 0.0 }));
         let gauge = read(&mut sim, Moves::Bed, 3, pace);
@@ -192,9 +199,7 @@ fn rows_and_windows_are_whole() {
         let mut gauge = FlowGauge::new(&sim, &scenario, &plan, 8.0);
         for n in 1..=plan.steps {
             sim.steps(1).unwrap();
-            for v in &mut sim.velocity {
-                v[0] = speed(n / ROW);
-            }
+            set_speed(&mut sim, speed(n / ROW));
             gauge.read(&sim, n, [n as f64, 2.0 * n as f64, 0.0]);
         }
         gauge.means(DT)

@@ -8,6 +8,9 @@ use bitgrain::campaign;
 use bitgrain::campaign::table::Table;
 use bitgrain::claims::evidence::Evidence;
 use bitgrain::files::write_text;
+use bitgrain::folder::Folder;
+use bitgrain::manifest::Of;
+use bitgrain_tests::wee::forge_manifest;
 use bitgrain_tests::{golden, output, unpacked};
 use serde_json::Value;
 
@@ -40,8 +43,12 @@ fn rows_done_again_are_those_of_the_table() {
     }
     let table = golden("kumar-small/results.csv.gz");
     let rows = [5, 9].map(|k| format!("{MEMBER}/run-{k}"));
-    // The campaign's own file is the folder's claim, and comes first.
+    // The campaign's own file is the folder's claim, and comes first; so is the scenario of the member.
     let plan = campaign::load("kumar-small", &[]).unwrap();
+    let own = plan.members.iter().find(|one| one.name == MEMBER).unwrap();
+    let text = Folder(&member).scenario_text(&own.scenario);
+    std::fs::write(member.join("scenario.toml"), text).unwrap();
+    forge_manifest(&member, Of::Run, &[]);
     let text = format!("# {}\n{}", bitgrain::files::bits(), plan.text());
     std::fs::write(folder.path().join("out/campaign.toml"), text).unwrap();
     let args = [

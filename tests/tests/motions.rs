@@ -349,7 +349,8 @@ fn a_bar_has_no_place_along_its_axis() {
         let mut sim = case.start("rig", |_| {}).unwrap();
         sim.steps(3000).unwrap();
         let force = sim.obstacles[0].force.map(f64::to_bits);
-        (sim.digest().positions, sim.digest().forces, force)
+        let state = sim.digest().unwrap();
+        (state.positions, state.forces, force)
     };
     assert_eq!(at(0.0), at(0.00425));
 }

@@ -29,6 +29,26 @@ const UNIT: &str = "unit tests";
 
 const MUTANTS: &[Mutant] = &[
     Mutant {
+        name: "what was written to between two steps goes unseen",
+        file: "step.rs",
+        from: "whole(world, sealed) != world.clock.seal",
+        to: "whole(world, sealed) == 0",
+        target: "edits",
+        red: &[
+            "what_is_written_between_two_steps_is_refused_at_every_skin",
+            "every_edit_is_found_in_both_precisions",
+            "another_table_or_box_is_found",
+        ],
+    },
+    Mutant {
+        name: "rows are sealed wherever they stand",
+        file: "seal.rs",
+        from: "place = place.wrapping_add(1);",
+        to: "let _ = place.wrapping_add(1);",
+        target: "edits",
+        red: &["every_edit_is_found_in_both_precisions"],
+    },
+    Mutant {
         name: "sum order: partners as the cells hold them",
         file: "search.rs",
         from: "            sort(row);",

@@ -65,6 +65,7 @@ fn check_names(files: &BTreeMap<String, Vec<u8>>) {
             &"beds/bed.chain.csv",
             &"beds/bed.data",
             &"beds/bed.safetensors",
+            &"manifest.json",
             &"report.html",
             &"scenario.toml",
             &"summary.json"
@@ -208,9 +209,9 @@ fn a_second_run_gives_the_same_bytes() {
         assert!(how.contains(expected), "{how}");
         results_of.push(results(&out));
     }
-    // The scenario, the summary and the report; the bed; of each drag five tables, four checkpoints and
+    // The scenario, the manifest, the summary and the report; the bed; of each drag five tables, four checkpoints and
     // two snapshots of three files.
-    assert_eq!(results_of[0].len(), 3 + 3 + 2 * (5 + 4 + 2 * 3));
+    assert_eq!(results_of[0].len(), 4 + 3 + 2 * (5 + 4 + 2 * 3));
     assert!(results_of[0] == results_of[1], "the same names and bytes");
     assert!(
         results_of[0] == results_of[2],

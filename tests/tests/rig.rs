@@ -9,12 +9,14 @@ use std::sync::LazyLock;
 use bitgrain::bed::energy_of_borne;
 use bitgrain::bed::library::Library;
 use bitgrain::folder::Folder;
+use bitgrain::manifest::{Of, Vouched};
 use bitgrain::observe::weight_and_support;
 use bitgrain::progress::Progress;
 use bitgrain::scenario::{self, Scenario};
 use bitgrain::sim::{Sim, sphere_mass};
 use bitgrain::summary::{BedSummary, Rig, RunSummary, Summary, read_folder, read_summary};
 use bitgrain::{checkpoint, present, run};
+use bitgrain_tests::wee::forge_manifest;
 use bitgrain_tests::{RIG, golden, output, results};
 
 const G: f64 = 9.81;
@@ -92,16 +94,24 @@ fn a_drag_done_alone_is_that_of_the_whole() {
     assert!(made.contains_key("runs/bed-3-run-1/summary.json"));
     assert!(!made.contains_key("summary.json") && !made.contains_key("beds/bed-2.safetensors"));
     for (name, bytes) in &made {
-        assert!(bytes == &MADE.files[name], "{name}");
+        // The manifest says that the others are not finished.
+        assert!(
+            bytes == &MADE.files[name] || name == "manifest.json",
+            "{name}"
+        );
     }
     // What is done can be looked at before the rest is.
-    let so_far = read_folder(&Folder(&out)).unwrap().1;
+    let so_far = read_folder(&Folder(&out), &vouched(&out)).unwrap().1;
     assert_eq!([so_far.beds.len(), so_far.runs.len()], [1, 1]);
     assert_eq!(so_far.runs[0], MADE.whole.runs[2]);
     assert_eq!(so_far.beds[0], MADE.whole.beds[2]);
     let report = alone(&[]).unwrap();
     std::fs::remove_file(out.join("summary.json")).unwrap();
-    assert_eq!(read_folder(&Folder(&out)).unwrap().1, MADE.whole);
+    let missing = read_folder(&Folder(&out), &vouched(&out)).unwrap_err();
+    assert!(
+        missing.to_string().contains("summary.json: is missing"),
+        "{missing}"
+    );
     alone(&[]).unwrap();
     assert_eq!(report, Some(out.join("report.html")));
     assert!(results(&out) == MADE.files);
@@ -382,6 +392,10 @@ fn a_damaged_flow_series_is_refused() {
         let cut = text.trim_end().rfind(',').unwrap() - 1;
         std::fs::write(place(&name), &text[..cut]).unwrap();
         let told = present::write_report(&whole).unwrap_err().to_string();
+        assert!(told.contains(file) && told.contains("--resume"), "{told}");
+        // Also where a manifest vouches for it.
+        forge_manifest(whole.0, Of::Run, &[]);
+        let told = present::write_report(&whole).unwrap_err().to_string();
         let at = format!(
             "{file}:{}: is no row of finite numbers",
             text.lines().count()
@@ -391,5 +405,11 @@ fn a_damaged_flow_series_is_refused() {
             "{told}"
         );
         std::fs::write(place(&name), text).unwrap();
+        forge_manifest(whole.0, Of::Run, &[]);
     }
+}
+
+/// What the manifest of a run vouches for.
+fn vouched(out: &std::path::Path) -> Vouched {
+    Vouched::open(out, Of::Run).unwrap()
 }

@@ -178,10 +178,10 @@ pub(super) fn read(table: &Table, plugs: bool) -> Read {
 /// A row; `None` where it has no drag.
 fn point(table: &Table, row: usize) -> Option<Point> {
     let value = |column: &str| {
-        Some(Value {
-            value: table.real(row, column)?,
-            error: table.real(row, &format!("{column}_error"))?,
-        })
+        let value = table.real(row, column)?;
+        let error = table.real(row, &format!("{column}_error"))?;
+        // Below zero it is no error.
+        (error >= 0.0).then_some(Value { value, error })
     };
     let shares = (0..=MOST_CONTACTS).map(|k| table.real(row, &format!("coordination_{k}")));
     Some(Point {

@@ -3,13 +3,22 @@
 
 use std::path::{Path, PathBuf};
 
+use super::prove;
 use super::recipe::Recipe;
-use crate::checkpoint;
+use crate::disk::{self, Kind, write_whole};
 use crate::error::{Error, Result};
-use crate::files::write_whole;
 
 /// Digits of a digest that name a bed.
 const NAME: usize = 16;
+
+/// The settled state of a bed.
+const BED: &str = "bed.safetensors";
+
+/// What it was made by.
+const RECIPE: &str = "recipe.toml";
+
+/// All files of a bed.
+const FILES: [&str; 2] = [BED, RECIPE];
 
 /// A folder of settled beds.
 #[derive(Clone, Debug)]
@@ -44,7 +53,7 @@ impl Library {
     }
 
     fn checkpoint(&self, digest: &str) -> PathBuf {
-        self.folder.join(&digest[..NAME]).join("bed.safetensors")
+        self.folder.join(&digest[..NAME]).join(BED)
     }
 
     /// The bytes of the checkpoint made from this recipe, or `None` where there is none.
@@ -55,15 +64,12 @@ impl Library {
     pub fn find(&self, recipe: &Recipe) -> Result<Option<Vec<u8>>> {
         let digest = recipe.digest();
         let path = self.checkpoint(&digest);
-        let bytes = match std::fs::read(&path) {
-            Ok(bytes) => bytes,
-            Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(None),
-            Err(e) => return Err(Error::read(&path, &e)),
+        let Some(bytes) = disk::read_if_there(&path)? else {
+            return Ok(None);
         };
         let name = path.display().to_string();
-        let sound = checkpoint::parse(&bytes, &name, Some(&digest));
-        match sound {
-            Ok(_) => Ok(Some(bytes)),
+        match prove(&bytes, &name, recipe) {
+            Ok(()) => Ok(Some(bytes)),
             Err(Error::Contract { problem }) => Err(Error::Contract { problem }),
             Err(other) => Err(Error::input(
                 path.display().to_string(),
@@ -78,7 +84,7 @@ impl Library {
 
     /// Whether there is a bed made from this recipe, sound or not.
     pub fn has(&self, recipe: &Recipe) -> bool {
-        self.checkpoint(&recipe.digest()).exists()
+        disk::is_there(&self.checkpoint(&recipe.digest()))
     }
 
     /// Keeps a settled bed: the bytes of its checkpoint.
@@ -87,10 +93,7 @@ impl Library {
     /// [`Error::Write`].
     pub fn keep(&self, recipe: &Recipe, bytes: &[u8]) -> Result<()> {
         let path = self.checkpoint(&recipe.digest());
-        write_whole(
-            &path.with_file_name("recipe.toml"),
-            recipe.text().as_bytes(),
-        )?;
+        write_whole(&path.with_file_name(RECIPE), recipe.text().as_bytes())?;
         write_whole(&path, bytes)
     }
 
@@ -99,33 +102,25 @@ impl Library {
     /// # Errors
     /// [`Error::Input`] where the folder cannot be read; a library that is not there is empty.
     pub fn list(&self) -> Result<Vec<Entry>> {
-        let folder = match std::fs::read_dir(&self.folder) {
-            Ok(folder) => folder,
-            Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
-            Err(e) => return Err(Error::read(&self.folder, &e)),
-        };
         let mut beds = Vec::new();
-        for item in folder {
-            let path = item.map_err(|e| Error::read(&self.folder, &e))?.path();
-            let name = path
-                .file_name()
-                .unwrap_or_default()
-                .to_string_lossy()
-                .into_owned();
+        for (name, kind) in disk::list(&self.folder)? {
             // Other folders may lie here too; they are not ours to list or to remove.
             let ours = name.len() == NAME && name.bytes().all(|b| b.is_ascii_hexdigit());
-            if !ours || !path.is_dir() {
+            let path = self.folder.join(&name);
+            let files = FILES.map(|file| path.join(file));
+            if !ours || kind != Kind::Folder || !files.iter().any(|file| disk::is_there(file)) {
                 continue;
             }
-            let text = std::fs::read_to_string(path.join("recipe.toml")).unwrap_or_default();
+            let text = disk::read(&path.join(RECIPE)).unwrap_or_default();
+            let text = String::from_utf8(text).unwrap_or_default();
             // A recipe that was changed is not the one that the bed is named after.
             let whole =
                 |recipe: &Recipe| recipe.text() == text && recipe.digest().starts_with(&name);
             beds.push(Entry {
                 recipe: toml::from_str(&text).ok().filter(whole),
                 name,
-                bytes: disk(&path).map_err(|e| Error::read(&path, &e))?,
-                checkpoint: path.join("bed.safetensors"),
+                bytes: files.iter().map(|file| disk::size(file)).sum(),
+                checkpoint: path.join(BED),
             });
         }
         beds.sort_by(|a, b| a.name.cmp(&b.name));
@@ -164,22 +159,17 @@ impl Library {
         }
     }
 
-    /// Removes a bed.
+    /// Removes a bed: the files that were written for it, and its folder. Says whether that is gone: where it
+    /// holds files of others it stays with them.
     ///
     /// # Errors
     /// [`Error::Write`].
-    pub fn remove(&self, bed: &Entry) -> Result<()> {
+    pub fn remove(&self, bed: &Entry) -> Result<bool> {
         let path = self.folder.join(&bed.name);
-        std::fs::remove_dir_all(&path).map_err(|e| Error::write(&path, e))
+        disk::clear_partials(&path);
+        for file in FILES {
+            disk::remove(&path.join(file))?;
+        }
+        disk::remove_if_empty(&path)
     }
-}
-
-/// Bytes of all files of a folder.
-fn disk(folder: &Path) -> std::io::Result<u64> {
-    let mut bytes = 0;
-    for item in std::fs::read_dir(folder)? {
-        // A run that is under way may rename a file just now.
-        bytes += item?.metadata().map_or(0, |file| file.len());
-    }
-    Ok(bytes)
 }

@@ -151,7 +151,7 @@ pub(super) fn covered(
     plan: &BedPlan,
     lid: &LidPlan,
 ) -> Result<Sim> {
-    let found = survey(&plan.name, &scenario.measures(), bare);
+    let found = survey(&plan.name, &scenario.measures(), bare)?;
     let density = lid_density(scenario, lid, &found)?;
     cover(bare, scenario, lid, density).map_err(|fault| {
         Error::run(

@@ -14,6 +14,7 @@ mod lattice;
 pub mod library;
 mod lid;
 mod pouring;
+mod proof;
 pub mod recipe;
 mod settle;
 mod survey;
@@ -21,6 +22,7 @@ mod survey;
 mod tests;
 
 pub use pouring::{Course, Phase, Pouring};
+pub use proof::prove;
 pub use settle::energy_of_borne;
 pub use survey::{Measures, survey};
 

@@ -10,6 +10,8 @@ use super::{buried, dropped, freeze_base, lid, renumbered};
 use crate::chain::{self, Chain};
 use crate::checkpoint::Note;
 use crate::error::Result;
+use crate::forecast::MEMORY;
+use crate::memory::room;
 use crate::progress::Stage;
 use crate::scenario::{BedPlan, Pouring as Order, Scenario};
 use crate::sim::Sim;
@@ -67,6 +69,10 @@ impl Pouring {
     pub fn begin(scenario: &Scenario, plan: &BedPlan) -> Result<Self> {
         let lowest = plan.center[2] - 0.5 * plan.diameter;
         let count = scenario.grain_count(plan.diameter);
+        room(
+            MEMORY * count as f64,
+            &format!("{count} grains of {}", plan.name),
+        )?;
         let (first, beside) = match scenario.bed.pouring {
             Order::AtOnce => (count, Some(plan)),
             Order::InTurn => (scenario.filling(lowest, 0.0).min(count), None),
@@ -76,7 +82,7 @@ impl Pouring {
         sim.start().map_err(|f| stopped(&plan.name, &sim, f))?;
         let key = Recipe::new(scenario, plan).digest();
         let link = chain::beginning(&key);
-        let mut bed = Self::new(key, sim, Phase::Fall, link);
+        let mut bed = Self::new(key, sim, Phase::Fall, link, &plan.name)?;
         bed.course.top = lattice.top;
         Ok(bed)
     }
@@ -91,17 +97,21 @@ impl Pouring {
         let mut sim = lid::covered(bare, scenario, plan, lid)?;
         sim.law = quenching(scenario);
         let key = Recipe::new(scenario, plan).digest();
-        Ok(Self::new(key, sim, Phase::Quench, link.into()))
+        Self::new(key, sim, Phase::Quench, link.into(), &plan.name)
     }
 
     /// A bed of others, which is taken as it is: by no recipe of ours. Its chain begins with the digest of
     /// its file.
-    pub fn imported(sim: Sim, scenario: &Scenario) -> Self {
+    ///
+    /// # Errors
+    /// [`crate::error::Error::Contract`].
+    pub fn imported(sim: Sim, scenario: &Scenario, plan: &BedPlan) -> Result<Self> {
         let file = scenario.bed.hash.as_deref().unwrap_or_default();
-        Self::new(String::new(), sim, Phase::Settled, chain::beginning(file))
+        let link = chain::beginning(file);
+        Self::new(String::new(), sim, Phase::Settled, link, &plan.name)
     }
 
-    fn new(key: String, sim: Sim, phase: Phase, link: String) -> Self {
+    fn new(key: String, sim: Sim, phase: Phase, link: String, name: &str) -> Result<Self> {
         let mut bed = Self {
             sim,
             course: Course {
@@ -114,9 +124,9 @@ impl Pouring {
             },
         };
         bed.enter(phase);
-        let digest = bed.sim.digest();
+        let digest = bed.sim.digest().map_err(|f| stopped(name, &bed.sim, f))?;
         bed.course.chain.add(bed.sim.step_count(), &digest);
-        bed
+        Ok(bed)
     }
 
     /// Takes a bed up again from a checkpoint.
@@ -187,7 +197,7 @@ impl Pouring {
             };
             self.enter(next);
         }
-        self.link(witness)?;
+        self.link(plan, witness)?;
         Ok(true)
     }
 
@@ -198,16 +208,17 @@ impl Pouring {
     }
 
     /// After a look that was not the last of its phase: the next link, where it is due, and a moment to save.
-    pub(super) fn looked(&mut self, witness: &mut impl Witness) -> Result<()> {
+    pub(super) fn looked(&mut self, plan: &BedPlan, witness: &mut impl Witness) -> Result<()> {
         if self.course.chain.is_due(self.sim.step_count()) {
-            self.link(witness)?;
+            self.link(plan, witness)?;
         }
         let Self { sim, course } = self;
         witness.pause(sim.step_count(), sim, &|| course.note())
     }
 
-    fn link(&mut self, witness: &mut impl Witness) -> Result<()> {
+    fn link(&mut self, plan: &BedPlan, witness: &mut impl Witness) -> Result<()> {
         let digest = self.sim.digest();
+        let digest = digest.map_err(|f| stopped(&plan.name, &self.sim, f))?;
         let link = self.course.chain.add(self.sim.step_count(), &digest);
         link.map_or(Ok(()), |link| witness.linked(link))
     }
@@ -247,6 +258,16 @@ impl Course {
         } else {
             Err("does not hold the bed that its chain of digests is of".into())
         }
+    }
+
+    /// Whether the bed is in this phase.
+    pub fn is_in(&self, phase: Phase) -> bool {
+        self.phase == phase
+    }
+
+    /// Whether this is a bed by that recipe.
+    pub fn is_by(&self, recipe: &Recipe) -> bool {
+        self.key == recipe.digest()
     }
 
     /// Digests of its states.

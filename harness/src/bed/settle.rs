@@ -123,7 +123,7 @@ pub fn settle(
         if goal.halting {
             halt_at_maxima(sim, &plan.name, witness)?;
         } else {
-            stride(sim, &plan.name, LOOK, witness, |_| ())?;
+            stride(sim, &plan.name, LOOK, witness, |_| Ok(()))?;
         }
         let energy = if goal.borne {
             energy_of_borne(sim, &scenario.measures())
@@ -150,7 +150,7 @@ pub fn settle(
                 carried: support / weight,
             });
         }
-        bed.looked(witness)?;
+        bed.looked(plan, witness)?;
         let share = support / weight;
         stage.settling(
             &bed.sim,
@@ -168,13 +168,13 @@ pub(super) fn upward(sim: &Sim) -> f64 {
 }
 
 /// Steps on, showing `witness` the steps that it looks at; `last` is done to the state after the last of
-/// them, before it is shown.
+/// them, before it is shown, and says what is wrong with what it made of it.
 fn stride(
     sim: &mut Sim,
     bed: &str,
     steps: u64,
     witness: &mut impl Witness,
-    last: impl FnOnce(&mut Sim),
+    last: impl FnOnce(&mut Sim) -> std::result::Result<(), Fault>,
 ) -> Result<()> {
     let end = sim.step_count() + steps;
     let mut last = Some(last);
@@ -192,7 +192,7 @@ fn stride(
         if sim.step_count() == end
             && let Some(last) = last.take()
         {
-            last(sim);
+            last(sim).map_err(|f| stopped(bed, sim, f))?;
         }
         if let Some(n) = wanted {
             witness.look(n, sim, &seen)?;
@@ -209,18 +209,24 @@ fn halt_at_maxima(sim: &mut Sim, bed: &str, witness: &mut impl Witness) -> Resul
         stride(sim, bed, GLANCE, witness, |sim| {
             let energy = sim.kinetic_energy();
             if rising && energy < before {
-                for i in 0..sim.count() {
-                    sim.velocity[i] = [0.0, 0.0, 0.0, sim.velocity[i][3]];
-                    sim.spin[i] = [0.0, 0.0, 0.0, sim.spin[i][3]];
-                }
                 (before, rising) = (0.0, true);
-            } else {
-                rising = energy > before;
-                before = energy;
+                return halt(sim);
             }
+            rising = energy > before;
+            before = energy;
+            Ok(())
         })?;
     }
     Ok(())
+}
+
+/// Stops every grain where it is, with its contacts and forces.
+fn halt(sim: &mut Sim) -> std::result::Result<(), Fault> {
+    let bonds = sim.bonds();
+    for row in sim.velocity.iter_mut().chain(&mut sim.spin) {
+        *row = [0.0, 0.0, 0.0, row[3]];
+    }
+    sim.resume(&bonds)
 }
 
 /// Kinetic energy of the grains with two contacts or more, per free grain, over a grain's mean weight

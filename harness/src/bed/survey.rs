@@ -1,6 +1,7 @@
 //! What is read off a settled bed.
 
-use super::settle::energy_per_grain;
+use super::settle::{energy_per_grain, stopped};
+use crate::error::Result;
 use crate::observe::{self, INTRUDER};
 use crate::sim::{Role, Sim, hex};
 use crate::summary::BedSummary;
@@ -17,14 +18,18 @@ pub struct Measures {
 }
 
 /// Reads off a settled bed what its summary says.
-pub fn survey(name: &str, measures: &Measures, sim: &mut Sim) -> BedSummary {
+///
+/// # Errors
+/// [`crate::error::Error::Contract`].
+pub fn survey(name: &str, measures: &Measures, sim: &mut Sim) -> Result<BedSummary> {
+    let digest = sim.digest().map_err(|f| stopped(name, sim, f))?;
     let d = measures.diameter;
     let surface = observe::surface_height(sim, d);
     let body = &sim.obstacles[INTRUDER as usize];
     let center = body.point;
     let (_, weight, support) = observe::weight_and_support(sim);
     let base = (0..sim.count()).filter(|&i| sim.role(i) == Role::Base);
-    BedSummary {
+    Ok(BedSummary {
         name: name.to_string(),
         grains: sim.count(),
         frozen: base.count(),
@@ -38,7 +43,7 @@ pub fn survey(name: &str, measures: &Measures, sim: &mut Sim) -> BedSummary {
         weight,
         support,
         chain: String::new(),
-        digest: hex(&sim.digest().whole),
+        digest: hex(&digest.whole),
         rig: None,
-    }
+    })
 }

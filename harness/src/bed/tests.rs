@@ -138,7 +138,11 @@ impl Witness for Digests {
     }
 
     fn look(&mut self, step: u64, sim: &mut Sim, _: &[Pushed<f64>]) -> Result<()> {
-        let parts = sim.digest().parts().map(|part| crate::sim::hex(part));
+        let parts = sim
+            .digest()
+            .unwrap()
+            .parts()
+            .map(|part| crate::sim::hex(part));
         self.0.insert(step, parts);
         Ok(())
     }

@@ -4,14 +4,31 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::changes;
-use super::plan::{self, Member, Plan};
+use super::plan::{Member, Plan};
+use super::{changes, written};
+use crate::disk::{self, Kind};
 use crate::error::{Error, Result};
-use crate::files::{bits, read_text, write_whole};
-use crate::folder::Claim;
+use crate::files::bits;
+use crate::folder::{Claim, Contents};
+use crate::manifest::{self, Ledger, Of, Vouched};
 
 /// Name of the file that says why a run or a bed failed.
 pub(super) const FAILURE: &str = "failure.json";
+
+/// What the folder of a campaign holds.
+pub(crate) const CAMPAIGN: Contents = Contents {
+    of: Of::Campaign,
+    marker: "campaign.toml",
+    names: &[
+        "campaign.toml",
+        manifest::NAME,
+        "members",
+        "results.csv",
+        "results.parquet",
+        "analysis.json",
+        "report.html",
+    ],
+};
 
 /// Why a run or a bed failed, kept so that it is not tried again with the same end.
 #[derive(Serialize, Deserialize)]
@@ -45,12 +62,13 @@ impl CampaignFolder<'_> {
     /// What lies beside the table.
     ///
     /// # Errors
-    /// [`Error::Input`] where the campaign's file is not there or is none.
-    pub fn beside(&self) -> Result<Beside> {
+    /// [`Error::Input`] where the campaign's file is not there, not as it was written, or is none.
+    pub fn beside(&self, vouched: &Vouched) -> Result<Beside> {
         let path = self.campaign();
-        let text = read_text(&path)?;
-        let plan = plan::parse(&text, &path.display().to_string(), &[], self.0)?;
-        let reported = |member: &&Member| self.member(&member.name).join("report.html").exists();
+        let text = vouched.text(&path)?;
+        let plan = written::parse(&text, &path.display().to_string(), self.0)?;
+        let report = |member: &Member| self.member(&member.name).join("report.html");
+        let reported = |member: &&Member| disk::kind(&report(member)) == Some(Kind::File);
         let reports = plan.members.iter().filter(reported);
         Ok(Beside {
             name: plan.campaign.name.clone(),
@@ -85,29 +103,51 @@ impl CampaignFolder<'_> {
         self.0.join("members").join(name)
     }
 
+    /// Its members, which are the stages of a campaign.
+    pub fn stages(plan: &Plan) -> Vec<String> {
+        plan.members
+            .iter()
+            .map(|member| member.name.clone())
+            .collect()
+    }
+
     pub(super) fn claim(&self, plan: &Plan) -> Result<Claim> {
-        Claim::take(self.0, &self.campaign(), || {
-            let text = format!("# {}\n{}", bits(), plan.text());
-            let path = self.campaign();
-            if !path.exists() {
-                return write_whole(&path, text.as_bytes());
-            }
-            let old = read_text(&path)?;
-            if old == text {
-                return Ok(());
-            }
-            if !self.0.join("members").exists() {
-                // It ended before it had any result.
-                return write_whole(&path, text.as_bytes());
-            }
-            Err(Error::input(
-                self.0.display().to_string(),
-                format!(
-                    "holds another campaign, or this one before it was changed:\n{}\nchange it back, choose \
-                     another --out, or remove the folder",
-                    changes::list(&old, &text)
-                ),
-            ))
-        })
+        let text = format!("# {}\n{}", bits(), plan.text());
+        let claim = Claim::take(self.0, &CAMPAIGN, &Self::stages(plan), |ledger| {
+            self.survey(plan, &text, ledger)?;
+            ledger.write(&self.campaign(), text.as_bytes())
+        })?;
+        if claim.sure {
+            disk::clear_partials(self.0);
+        }
+        claim.ledger.save()?;
+        Ok(claim)
+    }
+
+    /// Refuses a folder that holds another campaign.
+    fn survey(&self, plan: &Plan, text: &str, ledger: &Ledger) -> Result<()> {
+        let path = self.campaign();
+        let known = ledger.expects(&path, text.as_bytes());
+        if known == Some(true) || !disk::is_there(&self.0.join("members")) {
+            // One that ended before it had any result binds nobody.
+            return Ok(());
+        }
+        let old = disk::read_if_there(&path)?.unwrap_or_default();
+        let old = String::from_utf8_lossy(&old).into_owned();
+        let same = |old: &str| {
+            let read = written::parse(old, &path.display().to_string(), self.0);
+            old == text || read.is_ok_and(|read| read.text() == plan.text())
+        };
+        if known.is_none() && (old.is_empty() || same(&old)) {
+            return Ok(());
+        }
+        Err(Error::input(
+            self.0.display().to_string(),
+            format!(
+                "holds another campaign, or this one before it was changed:\n{}\nchange it back, choose \
+                 another --out, or remove the folder",
+                changes::list(&old, text)
+            ),
+        ))
     }
 }

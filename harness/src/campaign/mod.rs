@@ -2,9 +2,9 @@
 //!
 //! A campaign's file says what is varied ([`keys`]), [`plan`] makes of it the members, each a scenario of
 //! its own whose speeds share a bed, [`sweep`] runs what is left of them, and [`table`] holds a row for
-//! every drag: inputs, observables, digest.
+//! every drag: inputs, observables, digest. [`written`] reads back what lies in a campaign's folder.
 
-mod changes;
+pub(crate) mod changes;
 pub mod columns;
 pub mod folder;
 pub mod forecast;
@@ -15,9 +15,12 @@ pub mod plan;
 pub mod rules;
 pub mod sweep;
 pub mod table;
+pub mod verify;
+pub mod written;
 
 use std::path::Path;
 
+use crate::disk;
 use crate::error::{Error, Result};
 use plan::Plan;
 
@@ -47,7 +50,7 @@ pub fn load(name: &str, sets: &[String]) -> Result<Plan> {
         return plan::parse(text, &format!("{key} (shipped)"), sets, Path::new(""));
     }
     let path = Path::new(name);
-    if !path.exists() && path.extension().is_none() {
+    if !disk::is_there(path) && path.extension().is_none() {
         let names: Vec<&str> = SHIPPED.iter().map(|(key, _)| *key).collect();
         let problem = format!(
             "no such campaign; shipped are {}, or give a TOML file",

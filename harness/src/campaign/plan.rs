@@ -6,12 +6,17 @@ use toml::{Table, Value};
 
 use super::keys::{Axis, Base, Campaign, Grid};
 use super::rules::{Rule, damping, followers};
+use crate::disk;
 use crate::error::{Error, Result, wrong_toml};
 use crate::files::read_text;
 use crate::scenario::{self, RunPlan, Scenario};
 
 /// Most members: a guard against a slip of the pen.
 const MEMBERS_MAX: usize = 10_000;
+/// Most drags of all members together: the same.
+const RUNS_MAX: usize = 100_000;
+/// Longest name of a grid or a member, in bytes: it names a folder.
+const NAME_MAX: usize = 200;
 /// The largest whole number that a seed of a campaign may be: a double holds all below.
 const SEED_MAX: u64 = 1 << 53;
 
@@ -54,7 +59,21 @@ struct Cell<'a> {
 /// # Errors
 /// [`Error::Input`] with line, grid or key, and what was expected.
 pub fn parse(text: &str, place: &str, sets: &[String], folder: &Path) -> Result<Plan> {
-    let mut campaign: Campaign = toml::from_str(text).map_err(|e| wrong_toml(place, text, &e))?;
+    plan_of(parse_campaign(text, place)?, place, sets, folder)
+}
+
+/// The keys of a campaign's file, not yet looked at.
+pub(super) fn parse_campaign(text: &str, place: &str) -> Result<Campaign> {
+    toml::from_str(text).map_err(|e| wrong_toml(place, text, &e))
+}
+
+/// Checks a campaign and plans it, as [`parse`].
+pub(super) fn plan_of(
+    mut campaign: Campaign,
+    place: &str,
+    sets: &[String],
+    folder: &Path,
+) -> Result<Plan> {
     let plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
     if campaign.name.is_empty() || !campaign.name.chars().all(plain) {
         let problem = "expected letters, digits, `-` and `_`: it names a folder";
@@ -71,6 +90,12 @@ pub fn parse(text: &str, place: &str, sets: &[String], folder: &Path) -> Result<
     }
     let mut cells: Vec<Cell> = Vec::new();
     for grid in &campaign.grid {
+        if !is_folder_name(&grid.name) {
+            let problem = format!(
+                "expected a word or two of at most {NAME_MAX} bytes without / and \\: it may name a folder"
+            );
+            return Err(Error::input(format!("{place}: `grid.name`"), problem));
+        }
         let place = format!("{place}: grid `{}`", grid.name);
         check(grid, &place)?;
         cells.extend(cells_of(grid, &place)?);
@@ -86,8 +111,14 @@ pub fn parse(text: &str, place: &str, sets: &[String], folder: &Path) -> Result<
         folder,
     };
     let mut members: Vec<Member> = Vec::new();
+    let mut runs = 0;
     for cell in &cells {
         let scenario = maker.scenario(cell)?;
+        runs += scenario.runs().len();
+        if runs > RUNS_MAX {
+            let problem = format!("makes more than {RUNS_MAX} drags: give fewer values");
+            return Err(Error::input(place, problem));
+        }
         match members.iter_mut().find(|m| m.name == cell.name) {
             Some(member) => maker.merge(member, scenario)?,
             None => members.push(Member {
@@ -97,6 +128,16 @@ pub fn parse(text: &str, place: &str, sets: &[String], folder: &Path) -> Result<
         }
     }
     Ok(Plan { campaign, members })
+}
+
+/// Whether a name is that of a folder right here, on any system.
+fn is_folder_name(name: &str) -> bool {
+    let plain = |c: char| !c.is_control() && !"/\\:*?\"<>|".contains(c);
+    !name.is_empty()
+        && name.len() <= NAME_MAX
+        && !name.starts_with(['.', ' '])
+        && !name.ends_with(['.', ' '])
+        && name.chars().all(plain)
 }
 
 /// The base as a table, whose keys may be incomplete.
@@ -114,7 +155,7 @@ fn base_table(base: &Base, place: &str, folder: &Path) -> Result<Table> {
             Some((_, text)) => (text.to_string(), name.clone()),
             None => {
                 let path = folder.join(name);
-                if !path.is_file() {
+                if !disk::is_file(&path) {
                     let problem = format!(
                         "is `{name}`: no shipped scenario has that name, and {} is no file",
                         path.display()
@@ -183,6 +224,12 @@ fn check(grid: &Grid, place: &str) -> Result<()> {
                 "`{name}` has no values; give at least one, or leave it out"
             ));
         }
+        if values.len() > MEMBERS_MAX {
+            return refuse(format!(
+                "`{name}` has {} values; expected at most {MEMBERS_MAX}",
+                values.len()
+            ));
+        }
         let twice = (1..values.len()).find(|&k| values[..k].contains(&values[k]));
         if let Some(k) = twice.filter(|_| name != "distance") {
             return refuse(format!("`{name}` has the value {} twice", values[k]));
@@ -218,6 +265,10 @@ fn cells_of<'a>(grid: &'a Grid, place: &str) -> Result<Vec<Cell<'a>>> {
     }
     let mut cells = vec![(Vec::<String>::new(), fixed)];
     for axis in grid.axes() {
+        if cells.len() * axis.values.len() > MEMBERS_MAX {
+            let problem = format!("makes more than {MEMBERS_MAX} beds: give fewer values");
+            return Err(Error::input(place, problem));
+        }
         let mut more = Vec::with_capacity(cells.len() * axis.values.len());
         for (name, sets) in &cells {
             for &value in &axis.values {
@@ -228,9 +279,6 @@ fn cells_of<'a>(grid: &'a Grid, place: &str) -> Result<Vec<Cell<'a>>> {
             }
         }
         cells = more;
-        if cells.len() > MEMBERS_MAX {
-            break;
-        }
     }
     let cell = |(name, sets): (Vec<String>, Vec<String>)| Cell {
         grid,
@@ -365,7 +413,11 @@ impl Maker<'_> {
             false => (None, speeds),
         };
         member.scenario.drag.distance = scenario::Several::Many(distances);
-        Ok(())
+        // Together they may be too many.
+        member.scenario.check().map_err(|(key, problem)| {
+            let place = format!("{}: member `{}`: `{key}`", self.place, member.name);
+            Error::input(place, problem)
+        })
     }
 }
 

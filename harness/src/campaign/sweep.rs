@@ -1,5 +1,6 @@
 //! Runs what is left of a campaign: beds first, each once, then drags, the longest first.
 
+mod jobs;
 mod records;
 
 use std::path::{Path, PathBuf};
@@ -9,16 +10,19 @@ use std::sync::{Mutex, MutexGuard};
 use super::columns::Status;
 use super::folder::{CampaignFolder, FAILURE, Failure};
 use super::only::Only;
-use super::plan::{Member, Plan};
+use super::plan::Plan;
 use crate::bed::recipe::Recipe;
 use crate::bed::{self, library::Library};
+use crate::disk::{self, check_writable};
 use crate::error::{Error, Result};
-use crate::files::{check_writable, clear_partials, write_whole};
-use crate::folder::Folder;
+use crate::files::read_text;
+use crate::folder::{Claim, Folder};
+use crate::manifest::Ledger;
 use crate::progress::{Overall, Progress};
 use crate::run::{self, SaveEvery, Setting, side_by_side};
-use crate::scenario::{BedPlan, RunPlan, Scenario};
-use crate::summary::{BedSummary, RunRecord};
+use crate::scenario::{BedPlan, Scenario};
+use crate::summary::{BedSummary, parse_record};
+use jobs::{Job, jobs};
 
 /// How a campaign is run; none of it changes a result.
 pub struct Sweep<'a> {
@@ -53,21 +57,6 @@ pub struct Outcome {
     pub table: PathBuf,
 }
 
-/// One drag of one member.
-struct Job {
-    member: usize,
-    plan: RunPlan,
-    work: u64,
-    wanted: bool,
-}
-
-impl Job {
-    /// Whether it is still to be done.
-    fn open(&self, slot: &Slot) -> bool {
-        self.wanted && slot.is_none()
-    }
-}
-
 /// What became of a drag: nothing yet, or its end.
 type Slot = Option<Status>;
 
@@ -75,7 +64,10 @@ type Slot = Option<Status>;
 struct Under<'a> {
     what: &'a Sweep<'a>,
     folder: CampaignFolder<'a>,
+    ledger: Ledger,
     places: Vec<PathBuf>,
+    /// The folders of its members.
+    claims: Vec<Claim>,
     jobs: Vec<Job>,
     slots: Mutex<Vec<Slot>>,
 }
@@ -95,45 +87,29 @@ pub fn sweep(what: &Sweep<'_>) -> Result<Outcome> {
             what.out.display()
         ));
     }
-    check_writable(what.library.folder())?;
     let members = &what.plan.members;
     let places: Vec<PathBuf> = members.iter().map(|m| folder.member(&m.name)).collect();
     let mut claims = Vec::new();
     for (member, place) in members.iter().zip(&places) {
-        claims.push(Folder(place).claim(&member.scenario)?);
+        claims.push(run::claim(&Folder(place), &member.scenario)?);
     }
-    if claim.sure && claims.iter().all(|claim| claim.sure) {
-        clear_partials(what.out);
+    for claim in claims.iter().chain([&claim]) {
+        claim.warn_of_damage(what.progress);
     }
     let slots = jobs.iter().map(|_| None).collect();
     let under = Under {
         what,
         folder,
+        ledger: claim.ledger,
         places,
+        claims,
         jobs,
         slots: Mutex::new(slots),
     };
     under.take_up()?;
+    under.check_library()?;
     under.go_on()?;
     under.conclude()
-}
-
-/// All drags, and which of them are wanted.
-fn jobs(plan: &Plan, only: &Only) -> Vec<Job> {
-    let mut jobs = Vec::new();
-    for (member, Member { name, scenario }) in plan.members.iter().enumerate() {
-        let beds = scenario.beds();
-        for plan in scenario.runs() {
-            let grains = scenario.grain_count(beds[plan.bed].diameter) as u64;
-            jobs.push(Job {
-                member,
-                work: plan.steps * grains,
-                wanted: only.wants(name, &plan.name),
-                plan,
-            });
-        }
-    }
-    jobs
 }
 
 impl Under<'_> {
@@ -169,6 +145,36 @@ impl Under<'_> {
         &self.what.plan.members[member].scenario
     }
 
+    /// The manifest of a member.
+    fn ledger_of(&self, member: usize) -> &Ledger {
+        &self.claims[member].ledger
+    }
+
+    /// Whether a bed need not be poured.
+    fn at_hand(&self, member: usize, bed: &BedPlan) -> bool {
+        let here = Folder(&self.places[member]).bed(&bed.name);
+        let recipe = Recipe::new(self.scenario(member), bed);
+        self.ledger_of(member).vouches(&here) || self.what.library.has(&recipe)
+    }
+
+    /// Finds out now rather than after days of pouring whether beds can be kept.
+    fn check_library(&self) -> Result<()> {
+        let poured = |&member: &usize| {
+            let scenario = self.scenario(member);
+            let missing = |bed: &BedPlan| !self.at_hand(member, bed);
+            scenario.source.is_none() && scenario.beds().iter().any(missing)
+        };
+        match self
+            .open()
+            .into_iter()
+            .flatten()
+            .any(|member| poured(&member))
+        {
+            true => check_writable(self.what.library.folder()),
+            false => Ok(()),
+        }
+    }
+
     fn run_folder(&self, job: &Job) -> PathBuf {
         self.places[job.member].join("runs").join(&job.plan.name)
     }
@@ -191,20 +197,26 @@ impl Under<'_> {
             self.run_folder(job).join(FAILURE),
         ];
         for path in failures {
+            let ledger = self.ledger_of(job.member);
             if self.what.retry {
-                let _ = std::fs::remove_file(&path);
+                ledger.remove(&path)?;
             }
-            let text = std::fs::read_to_string(&path).ok();
-            let failure = text.and_then(|text| serde_json::from_str::<Failure>(&text).ok());
+            if !ledger.vouches(&path) {
+                continue;
+            }
+            let failure = serde_json::from_slice::<Failure>(&disk::read(&path)?).ok();
             if let Some(failure) = failure {
                 return Ok(Some(Status::Failed(failure.reason)));
             }
         }
         let path = self.run_folder(job).join("summary.json");
-        let Ok(text) = std::fs::read_to_string(&path) else {
+        let ledger = self.ledger_of(job.member);
+        let damaged = ledger.damaged(&format!("runs/{}/", job.plan.name));
+        // What no manifest vouches for is not believed.
+        if !damaged.is_empty() || !ledger.is_finished(&job.plan.name) || !ledger.vouches(&path) {
             return Ok(None);
-        };
-        let record: Option<RunRecord> = serde_json::from_str(&text).ok();
+        }
+        let record = parse_record(&read_text(&path)?, &path).ok();
         let folder = Folder(&self.places[job.member]);
         let inputs = folder.inputs(self.scenario(job.member));
         // Half a file, or another program's: the run is taken up from its checkpoints.
@@ -220,7 +232,8 @@ impl Under<'_> {
         let mut open = [Vec::new(), Vec::new()];
         for member in 0..self.places.len() {
             let mut own = self.jobs.iter().zip(slots.iter());
-            if !own.any(|(job, slot)| job.member == member && job.open(slot)) {
+            let damaged = !self.ledger_of(member).damaged("beds/").is_empty();
+            if !damaged && !own.any(|(job, slot)| job.member == member && job.open(slot)) {
                 continue;
             }
             let scenario = self.scenario(member);
@@ -254,8 +267,10 @@ impl Under<'_> {
             let folder = Folder(&self.places[job.member]);
             let progress = self.progress(job.member);
             let setting = self.setting(job.member, &folder, &progress);
-            let dragged = run::drag(setting, &job.plan, &found[job.plan.bed]).map(|(run, _)| run);
-            let ended = self.end(dragged, &self.run_folder(job))?;
+            let ledger = self.ledger_of(job.member);
+            let dragged = run::drag(setting, ledger, &job.plan, &found[job.plan.bed]);
+            let dragged = dragged.map(|(run, _)| run);
+            let ended = self.end(dragged, ledger, &self.run_folder(job))?;
             overall.run_ended(ended.is_err());
             self.record(open[k], ended, &found[job.plan.bed])
         })?;
@@ -282,14 +297,15 @@ impl Under<'_> {
                     let setting = self.setting(members[k], &folder, &progress);
                     let planned = self.planned(members[k]);
                     let all: Vec<usize> = (0..setting.scenario.beds().len()).collect();
-                    let made = run::beds(setting, &all).map(|(beds, _)| beds);
+                    let ledger = self.ledger_of(members[k]);
+                    let made = run::beds(setting, ledger, &all).map(|(beds, _)| beds);
                     if let Ok(beds) = &made
                         && planned > 0
                     {
                         let steps = beds.iter().map(|bed| bed.steps * bed.grains as u64);
                         overall.took(planned, steps.sum());
                     }
-                    self.end(made, &self.places[members[k]])
+                    self.end(made, ledger, &self.places[members[k]])
                 },
             )?;
             for (member, made) in members.into_iter().zip(first_cause(made)?) {
@@ -314,10 +330,7 @@ impl Under<'_> {
     /// The same, or 0 where they are at hand.
     fn planned(&self, member: usize) -> u64 {
         let scenario = self.scenario(member);
-        let here = Folder(&self.places[member]);
-        let at_hand = |bed: &BedPlan| {
-            here.bed(&bed.name).exists() || self.what.library.has(&Recipe::new(scenario, bed))
-        };
+        let at_hand = |bed: &BedPlan| self.at_hand(member, bed);
         match scenario.source.is_some() || scenario.beds().iter().all(at_hand) {
             true => 0,
             false => self.pouring(member),
@@ -347,7 +360,12 @@ impl Under<'_> {
 
     /// A stage's end: what it gave, or why it failed, which is written down; whatever else stopped it stops
     /// the campaign.
-    fn end<T>(&self, ended: Result<T>, place: &Path) -> Result<std::result::Result<T, String>> {
+    fn end<T>(
+        &self,
+        ended: Result<T>,
+        ledger: &Ledger,
+        place: &Path,
+    ) -> Result<std::result::Result<T, String>> {
         let error = match ended {
             Ok(given) => return Ok(Ok(given)),
             Err(error) => error,
@@ -368,7 +386,8 @@ impl Under<'_> {
             reason: error.to_string(),
         };
         let text = serde_json::to_string_pretty(&failure).expect("a sentence is text");
-        write_whole(&place.join(FAILURE), format!("{text}\n").as_bytes())?;
+        ledger.write(&place.join(FAILURE), format!("{text}\n").as_bytes())?;
+        ledger.save()?;
         self.what
             .progress
             .warn(&format!("{error}; the others go on"));

@@ -88,6 +88,9 @@ fn cell_text(cell: Cell) -> String {
     }
 }
 
+/// Most rows of a table that is read: more than the largest campaign has drags.
+const ROWS_MAX: usize = 200_000;
+
 /// A campaign's table as it was written: names and cells.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
@@ -133,8 +136,13 @@ impl Table {
                 return Err(Error::input(name, problem));
             }
         }
-        let mut rows = Vec::new();
+        let mut rows: Vec<Vec<String>> = Vec::new();
         for record in reader.records() {
+            if rows.len() == ROWS_MAX {
+                let problem =
+                    format!("has more than {ROWS_MAX} rows: it is no table of a campaign");
+                return Err(Error::input(name, problem));
+            }
             rows.push(record.map_err(wrong)?.iter().map(String::from).collect());
         }
         let comment = text

@@ -5,7 +5,7 @@ use std::path::Path;
 use bitgrain_kernel::{Domain, Fault, Group, Obstacle};
 use serde::{Deserialize, Serialize};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, FULL, Result};
 use crate::law::LawSpec;
 use crate::sim::{Grain, Sim, sphere_mass};
 
@@ -133,31 +133,7 @@ pub fn read(path: &Path) -> Result<Case> {
 /// # Errors
 /// As [`read`].
 pub fn parse(text: &str, name: &str) -> Result<Case> {
-    let mut json = serde_json::Deserializer::from_str(text);
-    let case: Case = serde_path_to_error::deserialize(&mut json).map_err(|e| {
-        let (line, key) = (e.inner().line(), e.path().to_string());
-        let place = if line > 0 {
-            format!("{name}:{line}")
-        } else {
-            name.to_string()
-        };
-        let key = if key == "." {
-            String::new()
-        } else {
-            format!("`{key}`: ")
-        };
-        Error::input(
-            place,
-            format!("{key}{}", crate::error::teach(&e.inner().to_string())),
-        )
-    })?;
-    json.end().map_err(|e| {
-        let place = format!("{name}:{}", e.line());
-        Error::input(
-            place,
-            "text after the end of the case; expected one JSON object",
-        )
-    })?;
+    let case: Case = crate::json::parse(text, name)?;
     check::check(&case)
         .map_err(|(key, problem)| Error::input(format!("{name}: `{key}`"), problem))?;
     Ok(case)
@@ -294,6 +270,9 @@ pub(crate) fn refuse(name: &str, fault: Fault, place_of: impl Fn(u32) -> String)
         ),
         Fault::OverlapTooDeep { .. } | Fault::ObstacleTooDeep { .. } | Fault::Arithmetic { .. } => {
             return Error::run(name, 0, fault);
+        }
+        Fault::PairsFull { .. } | Fault::CandidatesFull { .. } | Fault::TouchesFull { .. } => {
+            format!("{fault}{FULL}")
         }
         other => other.to_string(),
     };

@@ -9,6 +9,9 @@ use crate::error::{Error, Result, wrong_toml};
 use crate::fit::round10;
 use crate::report::{number_with_error, short};
 
+/// Most claims of a book.
+const CLAIMS_MAX: usize = 10_000;
+
 /// The book that ships with the program.
 pub const SHIPPED: &str = include_str!("../../../golden/claims.toml");
 
@@ -83,11 +86,19 @@ impl Book {
     /// [`Error::Input`] with the line, or the claim, that is wrong.
     pub fn parse(text: &str, place: &str) -> Result<Self> {
         let book: Book = toml::from_str(text).map_err(|e| wrong_toml(place, text, &e))?;
+        if book.claim.len() > CLAIMS_MAX {
+            let problem = format!(
+                "holds {} claims; expected at most {CLAIMS_MAX}",
+                book.claim.len()
+            );
+            return Err(Error::input(place, problem));
+        }
         for (k, claim) in book.claim.iter().enumerate() {
             let place = format!("{place}: claim `{}`", claim.id);
             if book.claim[..k].iter().any(|other| other.id == claim.id) {
                 return Err(Error::input(place, "is there twice"));
             }
+            claim.check_numbers(&place)?;
             let bounds = claim.least.is_some() || claim.most.is_some();
             if claim.value.is_some() == bounds || claim.value.is_some() != claim.tolerance.is_some()
             {
@@ -157,6 +168,28 @@ impl Measured {
 }
 
 impl Claim {
+    /// TOML has numbers that are not finite, of which nothing could be said.
+    fn check_numbers(&self, place: &str) -> Result<()> {
+        let own = [self.value, self.tolerance, self.least, self.most];
+        let measured = self.measured.iter().flat_map(|m| [m.value, m.error]);
+        let mut all = own.into_iter().chain(measured).flatten();
+        if let Some(x) = all.find(|x| !x.is_finite()) {
+            return Err(Error::input(
+                place,
+                format!("has the number {x}; expected a finite one"),
+            ));
+        }
+        let errors = self.measured.iter().filter_map(|m| m.error);
+        let mut widths = errors.chain(self.tolerance);
+        if let Some(x) = widths.find(|x| *x < 0.0) {
+            return Err(Error::input(
+                place,
+                format!("has an error or tolerance of {x}, below zero"),
+            ));
+        }
+        Ok(())
+    }
+
     /// `1 +- 0.1`, or `at most 0.1`.
     pub fn expected(&self) -> String {
         let bound = |word: &str, x: Option<f64>| x.map(|x| format!("{word} {}", short(x)));

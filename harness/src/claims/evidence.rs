@@ -5,11 +5,13 @@ use std::path::Path;
 use super::book::{Book, Measured};
 use super::{guillard, kumar, restitution};
 use crate::analysis::{Analysis, analyse, text};
-use crate::campaign::folder::{Beside, CampaignFolder};
+use crate::campaign::folder::{Beside, CAMPAIGN, CampaignFolder};
 use crate::campaign::table::{Table, of_run};
+use crate::disk;
 use crate::error::{Error, Result};
 use crate::files::read_text;
-use crate::folder::Folder;
+use crate::folder::{Folder, is_of};
+use crate::manifest::{Of, Vouched};
 use crate::report::{Shown, campaign_page};
 use crate::scenario::source::hash;
 use crate::summary::{Summary, parse_summary, read_folder};
@@ -41,25 +43,32 @@ impl Evidence {
     /// # Errors
     /// [`Error::Input`] where it is none of them.
     pub fn read(from: &Path, plugs: bool) -> Result<Self> {
-        let campaign = CampaignFolder(from);
-        if from.is_dir() && !campaign.table().exists() {
-            let (text, summary) = read_folder(&Folder(from))?;
+        if !disk::is_folder(from) {
+            let text = read_text(from)?;
+            return Self::of_text(text, from, None, plugs);
+        }
+        if !is_of(from, &CAMPAIGN) {
+            let vouched = Vouched::open(from, Of::Run)?;
+            let (text, summary) = read_folder(&Folder(from), &vouched)?;
             return Self::of_summary(&text, summary, from, plugs);
         }
-        let beside = from.is_dir().then(|| campaign.beside()).transpose()?;
-        let path = match &beside {
-            Some(_) => campaign.table(),
-            None => from.to_path_buf(),
-        };
-        let text = read_text(&path)?;
+        let campaign = CampaignFolder(from);
+        let vouched = Vouched::open(from, Of::Campaign)?;
+        let text = vouched.text(&campaign.table())?;
+        let beside = campaign.beside(&vouched)?;
+        Self::of_text(text, &campaign.table(), Some(beside), plugs)
+    }
+
+    /// A summary or a table, by its text.
+    fn of_text(text: String, path: &Path, beside: Option<Beside>, plugs: bool) -> Result<Self> {
         // A summary is JSON, which no table begins like.
         if text.starts_with('{') {
-            let summary = parse_summary(&text, &path)?;
-            return Self::of_summary(&text, summary, &path, plugs);
+            let summary = parse_summary(&text, path)?;
+            return Self::of_summary(&text, summary, path, plugs);
         }
         let by = match &beside {
             Some(beside) => beside.name.clone(),
-            None => name_of_folder(from)?,
+            None => name_of_folder(path)?,
         };
         let table = Table::parse(&text, &path.display().to_string())?;
         Ok(Self {

@@ -229,7 +229,7 @@ fn halves(summary: &Summary) -> Found {
     let one = |run: &RunSummary| {
         let [first, second] = run.flow.as_ref()?.drag_halves;
         // Each half is known a root of two worse than the whole.
-        let error = 2.0 * run.drag.standard_error / run.drag.mean;
+        let error = (2.0 * run.drag.standard_error / run.drag.mean).abs();
         let note = "first half of the window over the second".to_string();
         Some((Value::new(first / second, error), note))
     };

@@ -248,7 +248,7 @@ fn point(way: Way, asked: Option<f64>, area: f64, passages: &[Passage]) -> Point
 }
 
 fn scaled(value: &Mean, by: f64) -> (f64, f64) {
-    (value.mean / by, value.standard_error / by)
+    (value.mean / by, value.standard_error / by.abs())
 }
 
 #[cfg(test)]

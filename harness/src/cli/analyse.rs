@@ -9,8 +9,9 @@ use crate::analysis::words;
 use crate::campaign::folder::CampaignFolder;
 use crate::claims::book::{Book, table};
 use crate::claims::evidence::{Evidence, record_direct};
+use crate::disk::{is_folder, write_whole};
 use crate::error::Result;
-use crate::files::{read_text, write_whole};
+use crate::files::read_text;
 
 /// What `bitgrain analyse` takes.
 #[derive(Args)]
@@ -47,7 +48,7 @@ pub(super) fn run(what: Analyse) -> Result<()> {
     print(&words(&evidence.analysis))?;
     let folder = CampaignFolder(&what.from);
     // Who names a file wants no others.
-    let own = what.from.is_dir() && what.out.is_none() && what.report.is_none();
+    let own = is_folder(&what.from) && what.out.is_none() && what.report.is_none();
     let findings = what.out.or(own.then(|| folder.analysis()));
     let page = what
         .report

@@ -10,7 +10,8 @@ Examples:
 
 Results depend neither on --threads, nor on whether a bed was poured or reused, nor on whether a run was
 stopped: Ctrl-C (or SIGTERM) saves what is under way; the same command goes on from there, also after a
-kill or a full disk, from the last save; what has come to its end is kept.
+kill or a full disk, from the last save; what has come to its end is kept. What is missing or damaged is
+made again. A folder with files of others by names that a run would write is refused.
 
 Exit status: 0 done, 2 the scenario was refused, 3 a run went wrong, 1 results could not be written,
 130 interrupted.";
@@ -72,12 +73,14 @@ Examples:
   bitgrain verify out/quick
   bitgrain verify out/quick --segment run-1:20000-40000 --segment bed
   bitgrain verify out/quick --sample 3
+  bitgrain verify out/kumar-small --sample 5
 
-Between two checkpoints of a run every link of its chain of digests is made again, and so is the
-checkpoint at the end with all that was measured, the tables and the snapshots; a bed is poured again. Of a
-run that has come to its end nothing may be missing, and its summary is made again where all is verified.
-The report is not looked at (`bitgrain report DIR` makes it anew). Exit status: 0 all holds, 3 something does
-not, 2 the folder holds no run.";
+The folder is compared with its manifest: what is unfinished, missing, changed or too much is named. Of a
+campaign so are its members, and its table is made again. Then runs are executed again: between two
+checkpoints of a run every link of its chain of digests is made again, and so is the checkpoint at the end
+with all that was measured, the tables and the snapshots; a bed is poured again. The summary is made again
+where all is verified. The report is not looked at (`bitgrain report DIR` makes it anew). Exit status: 0 all
+holds, 3 something does not, or the run has no manifest or is not finished, 2 the folder holds no run.";
 
 pub(super) const BISECT_HELP: &str = "\
 Examples:

@@ -1,29 +1,30 @@
 //! The command line: what each command takes, and how each ending is told.
 
 mod analyse;
+mod channels;
+mod checks;
 mod help;
 mod sweep;
 
 use std::io::{BufWriter, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::sync::atomic::Ordering;
-use std::time::{Duration, Instant, SystemTime};
 
 use clap::{Args, Parser, Subcommand};
 
 use crate::bed::library::Library;
 use crate::bench::{Timing, bench};
-use crate::bisect::{Side, bisect, run_both};
+use crate::disk::{is_folder, set_most};
 use crate::error::{Error, Result};
 use crate::folder::Folder;
-use crate::progress::Progress;
+use crate::manifest::{Of, Vouched};
+use crate::plain::plain;
 use crate::replay::{Replay, Stretch, replay, replay_run};
 use crate::rerun::Past;
 use crate::run::{SaveEvery, Setting};
 use crate::selftest::selftest;
-use crate::verify::{Scope, Segment, verify};
 use crate::{forecast, present, scenario, shelf};
+use channels::{heed_full_files, print, shown, stoppable};
 use help::{
     ANALYSE_HELP, BED_HELP, BENCH_HELP, BISECT_HELP, CLAIMS_HELP, REPLAY_HELP, RUN_HELP,
     SELFTEST_HELP, SWEEP_HELP, VERIFY_HELP,
@@ -33,6 +34,10 @@ use help::{
 #[derive(Parser)]
 #[command(name = "bitgrain", version, arg_required_else_help = true)]
 struct Cli {
+    /// Largest file that is read, unpacked, in MiB.
+    #[arg(long, global = true, value_name = "MIB", default_value_t = 512,
+        value_parser = clap::value_parser!(u64).range(1..=1 << 40))]
+    max_input: u64,
     #[command(subcommand)]
     command: Command,
 }
@@ -71,10 +76,10 @@ enum Command {
     Replay(Case),
     /// Execute a run again, whole or in pieces, and say whether it gives what was written.
     #[command(after_help = VERIFY_HELP)]
-    Verify(Verify),
+    Verify(checks::Verify),
     /// Find the first step, grain and contact at which two runs, or two builds, differ.
     #[command(after_help = BISECT_HELP)]
-    Bisect(Bisect),
+    Bisect(checks::Bisect),
 }
 
 #[derive(Args)]
@@ -108,6 +113,10 @@ struct Run {
     /// Print what it would take (steps, memory, disk, time, dimensionless groups), and run nothing.
     #[arg(long)]
     dry_run: bool,
+    /// A closing hash or the last link of a stage that was kept elsewhere: the run ends with status 3 where it
+    /// does not come to it; may be given several times.
+    #[arg(long, value_name = "LINK", conflicts_with_all = ["only", "dry_run"])]
+    expect: Vec<String>,
     /// Print lines where standard error is no terminal: each minute, and as each stage ends.
     #[arg(long, short)]
     verbose: bool,
@@ -205,61 +214,31 @@ struct Case {
     energy: bool,
 }
 
-#[derive(Args)]
-struct Verify {
-    /// The folder of a run.
-    folder: PathBuf,
-    /// A stage, or the pieces between its checkpoints that share steps with FROM-TO; may be given
-    /// several times [default: all].
-    #[arg(long = "segment", value_name = "STAGE[:FROM-TO]")]
-    segments: Vec<Segment>,
-    /// So many pieces only, chosen at random.
-    #[arg(long, value_name = "PIECES", value_parser = clap::value_parser!(u16).range(1..))]
-    sample: Option<u16>,
-    /// Seed of the choice [default: the time].
-    #[arg(long, requires = "sample")]
-    seed: Option<u64>,
-    /// Threads [default: one for each processor].
-    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
-}
-
-#[derive(Args)]
-struct Bisect {
-    /// The folder of a run, or with --scenario a `bitgrain` program.
-    a: PathBuf,
-    /// The other.
-    b: PathBuf,
-    /// Run this scenario with the two programs first.
-    #[arg(long, conflicts_with_all = ["program_a", "program_b"])]
-    scenario: Option<String>,
-    /// Folder for those two runs [default: out/bisect].
-    #[arg(
-        long,
-        requires = "scenario",
-        default_value = "out/bisect",
-        hide_default_value = true
-    )]
-    out: PathBuf,
-    /// Change a key of that scenario; may be given several times.
-    #[arg(long = "set", value_name = "KEY=VALUE", requires = "scenario")]
-    sets: Vec<String>,
-    /// The program that executes the first run again [default: this one].
-    #[arg(long, value_name = "PROGRAM")]
-    program_a: Option<PathBuf>,
-    /// The program that executes the second run again [default: this one].
-    #[arg(long, value_name = "PROGRAM")]
-    program_b: Option<PathBuf>,
-}
-
 /// Runs the command that the process was called with.
 pub fn main() -> ExitCode {
-    match run(Cli::parse().command) {
+    let told_of_full_files = heed_full_files();
+    let command = match Cli::try_parse() {
+        Ok(cli) => {
+            set_most(cli.max_input << 20);
+            cli.command
+        }
+        Err(wrong) if wrong.use_stderr() => {
+            let _ = write!(std::io::stderr(), "{}", plain(&wrong.render().to_string()));
+            return ExitCode::from(2);
+        }
+        // What --help and --version print.
+        Err(asked) => {
+            let _ = asked.print();
+            return ExitCode::SUCCESS;
+        }
+    };
+    match told_of_full_files.and_then(|()| run(command)) {
         Ok(()) => ExitCode::SUCCESS,
-        // A reader that has seen enough (`| head`) is not an error.
+        // A reader that has seen enough of a replay (`| head`) is not an error.
         Err(Error::Output(e)) if e.kind() == std::io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
         Err(error) => {
-            let _ = writeln!(std::io::stderr(), "bitgrain: {error}");
+            let text = plain(&error.to_string());
+            let _ = writeln!(std::io::stderr(), "bitgrain: {text}");
             ExitCode::from(error.exit_status())
         }
     }
@@ -274,14 +253,14 @@ fn run(command: Command) -> Result<()> {
         Command::Report { folder } => {
             let folder = Folder(&folder);
             present::write_report(&folder)?;
-            print(&format!("report: {}\n", folder.report().display()))
+            print(&format!("report: {}\n", shown(&folder.report())))
         }
         Command::Bed(bed) => run_bed(bed),
         Command::Bench(what) => run_bench(&what),
         Command::Selftest => selftest(|line| print(&format!("{line}\n"))),
         Command::Replay(case) => run_replay(case),
-        Command::Verify(what) => run_verify(what),
-        Command::Bisect(what) => run_bisect(what),
+        Command::Verify(what) => checks::run_verify(what),
+        Command::Bisect(what) => checks::run_bisect(what),
     }
 }
 
@@ -294,7 +273,7 @@ fn run_replay(case: Case) -> Result<()> {
         energy: case.energy,
     };
     let out = &mut BufWriter::new(std::io::stdout().lock());
-    match (case.case.is_dir(), case.stage) {
+    match (is_folder(&case.case), case.stage) {
         (false, None) => replay(&case.case, &what, out),
         (true, Some(stage)) => {
             let stretch = Stretch {
@@ -317,74 +296,9 @@ fn run_replay(case: Case) -> Result<()> {
     }
 }
 
-fn run_verify(what: Verify) -> Result<()> {
-    let time = || {
-        let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
-        since.map_or(0, |time| time.as_nanos() as u64)
-    };
-    let seed = what.seed.unwrap_or_else(time);
-    let scope = Scope {
-        segments: what.segments,
-        sample: what.sample.map(|count| (usize::from(count), seed)),
-    };
-    if scope.sample.is_some() {
-        print(&format!("seed {seed}\n"))?;
-    }
-    let folder = Folder(&what.folder);
-    let past = Past::open(&folder)?;
-    let progress = stoppable(false);
-    verify(&past, &scope, processors(what.threads), &progress, |line| {
-        print(&format!("{line}\n"))
-    })
-}
-
-fn run_bisect(what: Bisect) -> Result<()> {
-    let this = std::env::current_exe().map_err(Error::Output)?;
-    let say = |line: &str| print(&format!("{line}\n"));
-    let sides = match &what.scenario {
-        None => {
-            [(what.a, what.program_a), (what.b, what.program_b)].map(|(folder, program)| Side {
-                folder,
-                program: program.unwrap_or_else(|| this.clone()),
-            })
-        }
-        Some(scenario) => run_both([what.a, what.b], scenario, &what.sets, &what.out)?,
-    };
-    match bisect(&sides, say)? {
-        None => say("no difference: the same at every link that both have"),
-        Some(parting) => {
-            say(&parting.to_string())?;
-            Err(Error::Parted)
-        }
-    }
-}
-
 fn processors(asked: Option<u16>) -> usize {
     let processors = || std::thread::available_parallelism().map_or(1, usize::from);
     asked.map_or_else(processors, usize::from)
-}
-
-fn print(text: &str) -> Result<()> {
-    let mut out = std::io::stdout();
-    out.write_all(text.as_bytes())
-        .and_then(|()| out.flush())
-        .map_err(Error::Output)
-}
-
-/// Progress of a command whose stages stop at Ctrl-C or a polite kill.
-fn stoppable(verbose: bool) -> Progress {
-    let progress = Progress::new(verbose);
-    let stop = progress.stop_flag();
-    let mut first = None;
-    // Without a handler the signal ends the process at once, which loses no file either.
-    let _ = ctrlc::set_handler(move || {
-        stop.store(true, Ordering::Relaxed);
-        // Asked again a while later: now. Schedulers ask a process and its shell in one breath.
-        if first.get_or_insert_with(Instant::now).elapsed() > Duration::from_secs(2) {
-            std::process::exit(130);
-        }
-    });
-    progress
 }
 
 fn run_scenario(run: Run) -> Result<()> {
@@ -402,7 +316,7 @@ fn run_scenario(run: Run) -> Result<()> {
         return print(&forecast::forecast(&scenario, &library, threads)?);
     }
     let progress = stoppable(run.verbose);
-    let report = crate::run::run_in(Setting {
+    let done = crate::run::run_in(Setting {
         scenario: &scenario,
         folder: &Folder(&out),
         library: &library,
@@ -411,13 +325,28 @@ fn run_scenario(run: Run) -> Result<()> {
         only: &run.only,
         progress: &progress,
     })?;
-    print(&match report {
-        Some(report) => format!("report: {}\n", report.display()),
-        None => format!(
+    let Some(report) = done else {
+        return print(&format!(
             "done: {}; the same command without --only does the others\n",
             run.only.join(", ")
-        ),
-    })
+        ));
+    };
+    let manifest = Vouched::open(&out, Of::Run)?.manifest;
+    let closing = &manifest.closing;
+    print(&format!(
+        "report: {}\nclosing hash: {closing}\n",
+        report.display()
+    ))?;
+    match run.expect.iter().find(|link| !manifest.has_link(link)) {
+        None => Ok(()),
+        Some(link) => {
+            let place = out.display();
+            let problem = format!(
+                "{place}: {link} is neither the closing hash that it came to nor the last link of a stage"
+            );
+            Err(Error::Unverified { problem })
+        }
+    }
 }
 
 fn run_bed(bed: Bed) -> Result<()> {

@@ -4,15 +4,15 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{Beds, print, processors, stoppable};
+use super::{Beds, print, processors, shown, stoppable};
 use crate::bed::library::Library;
 use crate::campaign::folder::CampaignFolder;
 use crate::campaign::only::Only;
 use crate::campaign::table::Table;
 use crate::campaign::{self, forecast, sweep};
 use crate::claims::evidence::Evidence;
+use crate::disk::write_whole;
 use crate::error::{Error, Result};
-use crate::files::write_whole;
 use crate::run::SaveEvery;
 
 /// What the command takes.
@@ -90,8 +90,8 @@ pub(super) fn run(what: Sweep) -> Result<()> {
     write_whole(&folder.report(), evidence.page().as_bytes())?;
     print(&format!(
         "table: {}\nreport: {}\n",
-        outcome.table.display(),
-        folder.report().display()
+        shown(&outcome.table),
+        shown(&folder.report())
     ))?;
     if let Some((table, path)) = against {
         let place = path.display().to_string();

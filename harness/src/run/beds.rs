@@ -7,9 +7,11 @@ use super::{Setting, StagePerformance, timed};
 use crate::bed::recipe::Recipe;
 use crate::bed::{Course, Pouring};
 use crate::checkpoint::{self, Note};
+use crate::disk::{self, Kind};
 use crate::error::{Error, Result};
-use crate::files::{bits, text_file, write_whole};
+use crate::files::{bits, text_file};
 use crate::folder::Folder;
+use crate::manifest::Ledger;
 use crate::progress::Stage;
 use crate::scenario::{BedPlan, Scenario};
 use crate::sim::Sim;
@@ -60,13 +62,18 @@ pub(super) fn below(scenario: &Scenario, plan: &BedPlan) -> BedPlan {
 }
 
 /// Pours a bed that lies below others' lids, unless it is at hand.
-pub(super) fn pour_bare(setting: Setting<'_>, plan: &BedPlan) -> Result<StagePerformance> {
+pub(super) fn pour_bare(
+    setting: Setting<'_>,
+    ledger: &Ledger,
+    plan: &BedPlan,
+) -> Result<StagePerformance> {
     let Setting {
         scenario, progress, ..
     } = setting;
     let mut stage = progress.stage(&plan.name, bed::pouring_steps(scenario, plan));
-    let (how, steps) = fetch_bed(setting, plan, &mut stage)?;
-    let sim = read_settled(setting, plan)?.0;
+    let (how, steps) = fetch_bed(setting, ledger, plan, &mut stage)?;
+    let (sim, note) = read_settled(setting, ledger, plan)?;
+    ledger.finish_stage(&plan.name, &note.link)?;
     let performance = timed(stage, how, &sim, steps);
     progress.line(&format!(
         "{}: {} grains {how} ({:.1} s)",
@@ -80,6 +87,7 @@ pub(super) fn pour_bare(setting: Setting<'_>, plan: &BedPlan) -> Result<StagePer
 /// A settled bed in the run directory: from the library, poured and kept there, or imported.
 pub(super) fn settle_one(
     setting: Setting<'_>,
+    ledger: &Ledger,
     plan: &BedPlan,
 ) -> Result<(BedSummary, StagePerformance)> {
     let Setting {
@@ -90,12 +98,13 @@ pub(super) fn settle_one(
         None => bed::pouring_steps(scenario, plan),
     };
     let mut stage = progress.stage(&plan.name, steps);
-    let (how, steps) = fetch_bed(setting, plan, &mut stage)?;
-    let (mut sim, note) = read_settled(setting, plan)?;
+    let (how, steps) = fetch_bed(setting, ledger, plan, &mut stage)?;
+    let (mut sim, note) = read_settled(setting, ledger, plan)?;
     let (path, bytes) = data_file(setting.folder, scenario, plan, &sim)?;
-    write_whole(&path, &bytes)?;
+    ledger.write(&path, &bytes)?;
+    ledger.finish_stage(&plan.name, &note.link)?;
     let performance = timed(stage, how, &sim, steps);
-    let summary = surveyed(scenario, plan, &mut sim, &note);
+    let summary = surveyed(scenario, plan, &mut sim, &note)?;
     progress.line(&format!(
         "{}: {} grains {how} ({} steps, {:.1} s); surface at {}, depth {}, packing fraction {:.3}, \
          coordination number {:.2}, weight carried {:.4}",
@@ -144,7 +153,7 @@ pub fn data_file(
 }
 
 /// A settled bed of the run directory, whose chain of digests is written beside it.
-fn read_settled(setting: Setting<'_>, plan: &BedPlan) -> Result<(Sim, Note)> {
+fn read_settled(setting: Setting<'_>, ledger: &Ledger, plan: &BedPlan) -> Result<(Sim, Note)> {
     let path = setting.folder.bed(&plan.name);
     let (sim, note) = checkpoint::read_noted(&path)?;
     let course = Course::of(&note).map_err(|problem| Error::Damaged {
@@ -152,22 +161,31 @@ fn read_settled(setting: Setting<'_>, plan: &BedPlan) -> Result<(Sim, Note)> {
         problem,
     })?;
     let chain = setting.folder.bed_chain(&plan.name);
-    write_whole(&chain, course.chain().text().as_bytes())?;
+    ledger.write(&chain, course.chain().text().as_bytes())?;
     Ok((sim, note))
 }
 
 /// What is measured of a settled bed.
-pub fn surveyed(scenario: &Scenario, plan: &BedPlan, sim: &mut Sim, note: &Note) -> BedSummary {
-    let mut summary = bed::survey(&plan.name, &scenario.measures(), sim);
+///
+/// # Errors
+/// [`Error::Contract`].
+pub fn surveyed(
+    scenario: &Scenario,
+    plan: &BedPlan,
+    sim: &mut Sim,
+    note: &Note,
+) -> Result<BedSummary> {
+    let mut summary = bed::survey(&plan.name, &scenario.measures(), sim)?;
     summary.chain = note.link.clone();
     summary.rig = scenario.flows().then(|| rig(scenario, plan, &summary, sim));
-    summary
+    Ok(summary)
 }
 
 /// Puts the checkpoint of a settled bed where the run wants it, and says where it came from and how many
 /// steps that took now.
 fn fetch_bed(
     setting: Setting<'_>,
+    ledger: &Ledger,
     plan: &BedPlan,
     stage: &mut Stage,
 ) -> Result<(&'static str, u64)> {
@@ -180,25 +198,28 @@ fn fetch_bed(
     let path: &Path = &folder.bed(&plan.name);
     // Asked to stop before it began.
     stage.look().map_err(Error::saved)?;
+    let saved = folder.pouring(&plan.name);
     if scenario.source.is_some() {
         let mut bed = begin_bed(folder, scenario, plan)?;
-        write_whole(path, &checkpoint::pack(&mut bed.sim, &bed.course.note()))?;
+        ledger.write(path, &checkpoint::pack(&mut bed.sim, &bed.course.note())?)?;
         return Ok(("imported", 0));
     }
     let recipe = Recipe::new(scenario, plan);
     // What lies here first: its drags may be under way.
-    if let Some(bytes) = settled_here(setting, path, &recipe)? {
+    if let Some(bytes) = settled_here(setting, ledger, path, &recipe)? {
+        ledger.write(path, &bytes)?;
         // An earlier run may have poured it and then found no room in the library.
         if !library.has(&recipe) {
             library.keep(&recipe, &bytes)?;
         }
+        disk::remove(&saved)?;
         return Ok(("reused", 0));
     }
     if let Some(bytes) = library.find(&recipe)? {
-        write_whole(path, &bytes)?;
+        ledger.write(path, &bytes)?;
+        disk::remove(&saved)?;
         return Ok(("reused", 0));
     }
-    let saved = folder.pouring(&plan.name);
     let (mut bed, how) = match unsettled_here(setting, plan, &saved)? {
         Some(bed) => (bed, "resumed"),
         None => {
@@ -212,7 +233,7 @@ fn fetch_bed(
     };
     let began = bed.sim.step_count();
     stage.resume(began);
-    let mut saver = Saver::new(setting.save, saved, began);
+    let mut saver = Saver::new(ledger, setting.save, saved, began);
     let went = bed.go_on(scenario, plan, stage, &mut saver);
     if let Err(error) = went {
         if matches!(error, Error::Interrupted { .. }) {
@@ -220,9 +241,9 @@ fn fetch_bed(
         }
         return Err(error.saved());
     }
-    let bytes = checkpoint::pack(&mut bed.sim, &bed.course.note());
+    let bytes = checkpoint::pack(&mut bed.sim, &bed.course.note())?;
     // First where it is used: what was poured for days is not lost for want of a library.
-    write_whole(path, &bytes)?;
+    ledger.write(path, &bytes)?;
     saver.clear();
     library.keep(&recipe, &bytes)?;
     Ok((how, bed.sim.step_count() - began))
@@ -236,7 +257,7 @@ fn fetch_bed(
 pub fn begin_bed(folder: &Folder<'_>, scenario: &Scenario, plan: &BedPlan) -> Result<Pouring> {
     if let Some(source) = &scenario.source {
         let sim = bed::import::bed(scenario, source)?;
-        return Ok(Pouring::imported(sim, scenario));
+        return Pouring::imported(sim, scenario, plan);
     }
     if plan.lid.is_none() {
         return Pouring::begin(scenario, plan);
@@ -247,26 +268,35 @@ pub fn begin_bed(folder: &Folder<'_>, scenario: &Scenario, plan: &BedPlan) -> Re
 }
 
 /// The bytes of the bed that lies in the run directory, if it is this one and whole.
-fn settled_here(setting: Setting<'_>, path: &Path, recipe: &Recipe) -> Result<Option<Vec<u8>>> {
-    let Ok(bytes) = std::fs::read(path) else {
+fn settled_here(
+    setting: Setting<'_>,
+    ledger: &Ledger,
+    path: &Path,
+    recipe: &Recipe,
+) -> Result<Option<Vec<u8>>> {
+    if disk::kind(path) != Some(Kind::File) {
         return Ok(None);
-    };
+    }
     let name = path.display().to_string();
-    match checkpoint::parse(&bytes, &name, Some(&recipe.digest())) {
-        Ok(_) => return Ok(Some(bytes)),
-        Err(broken @ Error::Contract { .. }) => return Err(broken),
+    if ledger.lists(path) && !ledger.vouches(path) {
+        let told = format!("{name} was changed after it was written; it is made anew");
+        setting.progress.warn(&told);
+        return Ok(None);
+    }
+    let bytes = disk::read(path)?;
+    match bed::prove(&bytes, &name, recipe) {
+        Ok(()) => Ok(Some(bytes)),
         Err(damage @ Error::Damaged { .. }) => {
             setting.progress.warn(&format!("{damage}; it is made anew"));
+            Ok(None)
         }
-        // Another recipe's, or another version's.
-        Err(_) => {}
+        Err(other) => Err(other),
     }
-    Ok(None)
 }
 
 /// The bed that was saved on its way, if it is this one and whole.
 fn unsettled_here(setting: Setting<'_>, plan: &BedPlan, path: &Path) -> Result<Option<Pouring>> {
-    if !path.exists() {
+    if disk::kind(path) != Some(Kind::File) {
         return Ok(None);
     }
     let place = path.display().to_string();

@@ -6,16 +6,18 @@ use bitgrain_kernel::{BITS_VERSION, Pushed};
 
 use super::saving::{SaveEvery, Saver};
 use super::summarise::summarise;
-use super::{StagePerformance, timed, write_json};
+use super::{StagePerformance, json_text, timed};
 use crate::audit::energy_text;
 use crate::blocks::METHOD;
 use crate::checkpoint::{self, Note};
+use crate::disk::{self, Kind};
 use crate::drag::Dragging;
 use crate::error::{Error, Result};
 use crate::fields::hole;
-use crate::files::{bits, packed_name, text_file, write_whole};
+use crate::files::{bits, packed_name, text_file};
 use crate::folder::Folder;
-use crate::plug::Plug;
+use crate::manifest::Ledger;
+use crate::plug::{self, Plug};
 use crate::progress::Progress;
 use crate::scenario::{RunPlan, Scenario};
 use crate::series::series_text;
@@ -40,6 +42,7 @@ pub struct DragPlan<'a> {
 /// Does one drag, or what is left of it, and writes down what it measured.
 pub(super) fn drag_one(
     drag: DragPlan<'_>,
+    ledger: &Ledger,
     save: SaveEvery,
     progress: &Progress,
 ) -> Result<(RunSummary, StagePerformance)> {
@@ -52,7 +55,7 @@ pub(super) fn drag_one(
     let mut stage = progress.stage(&format!("{} Fr {:.2}", plan.name, plan.froude), plan.steps);
     // Asked to stop before it began.
     stage.look().map_err(Error::saved)?;
-    let (mut sim, mut dragging) = match take_up(drag, progress)? {
+    let (mut sim, mut dragging) = match take_up(drag, ledger, progress)? {
         Some(found) => found,
         None => begin(drag)?,
     };
@@ -65,7 +68,8 @@ pub(super) fn drag_one(
     };
     let mut files = Files {
         drag,
-        saver: Saver::new(save, folder.latest(&plan.name), began),
+        ledger,
+        saver: Saver::new(ledger, save, folder.latest(&plan.name), began),
     };
     let went = dragging.go_on(&mut sim, scenario, plan, &stage, &mut files);
     if let Err(error) = went {
@@ -75,9 +79,10 @@ pub(super) fn drag_one(
             &dragging.record.series,
         );
         // To look at, and to bisect; why the drag stopped is what must be told.
-        let _ = write_whole(&folder.partial_series(&plan.name), text.as_bytes());
+        let _ = ledger.write(&folder.partial_series(&plan.name), text.as_bytes());
         let chain = dragging.chain.text();
-        let _ = write_whole(&folder.chain(&plan.name), chain.as_bytes());
+        let _ = ledger.write(&folder.chain(&plan.name), chain.as_bytes());
+        let _ = ledger.save();
         if matches!(error, Error::Interrupted { .. }) {
             files.saver.save(&mut sim, &dragging.note())?;
         }
@@ -86,14 +91,14 @@ pub(super) fn drag_one(
     let performance = timed(stage, how, &sim, plan.steps - began);
     let (tables, summary) = results(drag, &dragging, &mut sim)?;
     for (file, text) in tables {
-        write_whole(&folder.of_run(&plan.name, file), text.as_bytes())?;
+        ledger.write(&folder.of_run(&plan.name, file), text.as_bytes())?;
     }
-    write_json(
-        &folder.of_run(&plan.name, "summary.json"),
-        &record(folder, scenario, drag.bed, &summary),
-    )?;
+    let place = folder.of_run(&plan.name, "summary.json");
+    let text = json_text(&place, &record(folder, scenario, drag.bed, &summary))?;
+    ledger.write(&place, text.as_bytes())?;
+    ledger.remove(&folder.partial_series(&plan.name))?;
+    ledger.finish_stage(&plan.name, &summary.chain)?;
     files.saver.clear();
-    let _ = std::fs::remove_file(folder.partial_series(&plan.name));
     tell(scenario, &summary, how, performance.seconds, progress);
     Ok((summary, performance))
 }
@@ -109,16 +114,29 @@ pub fn begin(drag: DragPlan<'_>) -> Result<(Sim, Dragging)> {
     Ok((sim, dragging))
 }
 
-/// The drag as its furthest sound checkpoint has it, but for those that come after a file which is
-/// missing; `None` where there is none. Damaged ones are told and passed over.
-fn take_up(drag: DragPlan<'_>, progress: &Progress) -> Result<Option<(Sim, Dragging)>> {
+/// The drag as its furthest sound checkpoint has it, but for those that come after a file which is missing or
+/// not as it was written; `None` where there is none. Damaged ones are told and passed over.
+fn take_up(
+    drag: DragPlan<'_>,
+    ledger: &Ledger,
+    progress: &Progress,
+) -> Result<Option<(Sim, Dragging)>> {
     let (folder, name) = (drag.folder, &drag.plan.name);
+    for file in ledger.damaged(&format!("runs/{name}/")) {
+        let path = folder.0.join(file);
+        progress.warn(&format!(
+            "{} is missing or was changed since it was written: it is made again from the last sound state \
+             before it",
+            path.display()
+        ));
+    }
     let mut furthest: Option<(Sim, Dragging)> = None;
     let kept = drag.plan.checkpoints.iter().rev();
     let kept = kept.map(|&step| folder.checkpoint(name, step));
     // The kept ones descend, so that the first sound one is the furthest of them.
     for path in std::iter::once(folder.latest(name)).chain(kept) {
-        if !path.exists() {
+        let latest = path == folder.latest(name);
+        if disk::kind(&path) != Some(Kind::File) || !latest && !ledger.vouches(&path) {
             continue;
         }
         let found = match read(drag, &path) {
@@ -128,10 +146,9 @@ fn take_up(drag: DragPlan<'_>, progress: &Progress) -> Result<Option<(Sim, Dragg
             }
             found => found?,
         };
-        if !drag.has_files_until(found.1.step) {
+        if !drag.has_files_until(found.1.step, ledger) {
             continue;
         }
-        let latest = path == folder.latest(name);
         if furthest.as_ref().is_none_or(|(_, f)| f.step < found.1.step) {
             furthest = Some(found);
         }
@@ -167,13 +184,13 @@ pub fn read(drag: DragPlan<'_>, path: &Path) -> Result<(Sim, Dragging)> {
 }
 
 impl DragPlan<'_> {
-    /// Whether everything is there that the drag wrote up to a step.
-    fn has_files_until(&self, step: u64) -> bool {
+    /// Whether everything that the drag wrote up to a step is there as it was written.
+    fn has_files_until(&self, step: u64, ledger: &Ledger) -> bool {
         let snapshots = self.plan.snapshots.iter().filter(|n| **n <= step);
         let kept = self.plan.checkpoints.iter().filter(|n| **n <= step);
         let mut shown = snapshots.flat_map(|&n| self.snapshot(n));
         let mut kept = kept.map(|&n| self.folder.checkpoint(&self.plan.name, n));
-        shown.all(|path| path.exists()) && kept.all(|path| path.exists())
+        shown.all(|path| ledger.vouches(&path)) && kept.all(|path| ledger.vouches(&path))
     }
 
     /// The files of a snapshot.
@@ -219,7 +236,8 @@ impl DragPlan<'_> {
 /// Writes what a drag leaves behind on its way.
 struct Files<'a> {
     drag: DragPlan<'a>,
-    saver: Saver,
+    ledger: &'a Ledger,
+    saver: Saver<'a>,
 }
 
 impl Witness for Files<'_> {
@@ -230,7 +248,7 @@ impl Witness for Files<'_> {
 
     fn look(&mut self, step: u64, sim: &mut Sim, contacts: &[Pushed<f64>]) -> Result<()> {
         for (path, bytes) in self.drag.snapshot_files(step, sim, contacts)? {
-            write_whole(&path, &bytes)?;
+            self.ledger.write(&path, &bytes)?;
         }
         Ok(())
     }
@@ -240,7 +258,8 @@ impl Witness for Files<'_> {
             return self.saver.pause(step, sim, note);
         }
         let path = self.drag.folder.checkpoint(&self.drag.plan.name, step);
-        write_whole(&path, &checkpoint::pack(sim, &note()))?;
+        self.ledger.write(&path, &checkpoint::pack(sim, &note())?)?;
+        self.ledger.save()?;
         self.saver.saved(step);
         Ok(())
     }
@@ -286,7 +305,7 @@ pub fn results(
         let plane = fields::text::plane_text(&gauge.plane(hole), scales);
         tables.push(("plane.csv", plane));
     }
-    let summary = summarise(scenario, plan, drag.bed, &means, dragging, sim);
+    let summary = summarise(scenario, plan, drag.bed, &means, dragging, sim)?;
     if let Some(load) = summary.flow.as_ref().and_then(|flow| flow.load.as_ref()) {
         tables.push(("load.csv", fields::text::load_text(load, &units)));
     }
@@ -321,11 +340,15 @@ fn tell(scenario: &Scenario, run: &RunSummary, how: &str, seconds: f64, progress
         scenario.units().force,
     ));
     if run.plug == Plug::Slides {
+        let found = plug::found(
+            scenario.law.mu(),
+            run.plug_ratio,
+            run.drift.map(|drift| drift.mean),
+        );
         progress.warn(&format!(
-            "{}: the drag is {} of the weight of the bed above the intruder, more than friction holds: the bed \
-             slides along, and the drag is the box's as much as the intruder's; make bed.box wider",
-            run.name,
-            report::short(run.plug_ratio)
+            "{}: {found}: the bed slides along, and the drag is the box's as much as the intruder's; make bed.box \
+             wider",
+            run.name
         ));
     }
     if let Some(flow) = &run.flow {

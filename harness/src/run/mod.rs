@@ -2,12 +2,14 @@
 //! next through files of the run directory, in a first run too.
 
 mod beds;
+mod claim;
 mod drags;
 mod jobs;
 mod saving;
 mod summarise;
 
 pub use beds::{bare_beds, begin_bed, data_file, surveyed};
+pub use claim::{claim, stages};
 pub use drags::{DragPlan, begin, read, record, results};
 pub(crate) use jobs::side_by_side;
 pub use saving::SaveEvery;
@@ -19,11 +21,13 @@ use bitgrain_kernel::BITS_VERSION;
 use serde::Serialize;
 
 use crate::bed::library::Library;
+use crate::bed::recipe::Recipe;
 use crate::blocks::METHOD;
 use crate::coefficients::table_text;
+use crate::disk::{check_writable, write_whole};
 use crate::error::{Error, Result};
-use crate::files::{check_writable, write_whole};
 use crate::folder::{Claim, Folder};
+use crate::manifest::Ledger;
 use crate::present;
 use crate::progress::{Progress, Stage};
 use crate::scenario::{BedPlan, RunPlan, Scenario, UnitSystem};
@@ -116,11 +120,16 @@ pub fn run_in(setting: Setting<'_>) -> Result<Option<PathBuf>> {
     } = setting;
     let began = Instant::now();
     let runs = wanted(setting)?;
-    let _claim = claimed(setting)?;
+    refuse_own_library(setting)?;
+    let claim = claimed(setting)?;
+    let ledger = &claim.ledger;
     let plans = scenario.beds();
     let dragged_through = |k: &usize| runs.iter().any(|run| run.bed == *k);
     let places: Vec<usize> = (0..plans.len()).filter(dragged_through).collect();
-    let there = |k: &usize| folder.bed(&plans[*k].name).exists();
+    let there = |k: &usize| {
+        let plan = &plans[*k];
+        ledger.vouches(&folder.bed(&plan.name)) || library.has(&Recipe::new(scenario, plan))
+    };
     if scenario.source.is_none() && !places.iter().all(there) {
         // Found out now rather than after days of pouring.
         check_writable(library.folder())?;
@@ -131,7 +140,7 @@ pub fn run_in(setting: Setting<'_>) -> Result<Option<PathBuf>> {
         progress.line(table.trim_end());
     }
     progress.line(&scenario.time_step_line());
-    let (beds, mut stages) = beds(setting, &places)?;
+    let (beds, mut stages) = beds(setting, ledger, &places)?;
     let bed_of = |run: &RunPlan| &beds[places.partition_point(|k| *k < run.bed)];
     let dragged = side_by_side(
         threads,
@@ -139,7 +148,7 @@ pub fn run_in(setting: Setting<'_>) -> Result<Option<PathBuf>> {
         runs.len(),
         |k| runs[k].steps,
         |k| {
-            let done = drag(setting, &runs[k], bed_of(&runs[k]));
+            let done = drag(setting, ledger, &runs[k], bed_of(&runs[k]));
             done.inspect_err(|error| tell_now(error, runs.len(), progress))
         },
     )?;
@@ -149,7 +158,7 @@ pub fn run_in(setting: Setting<'_>) -> Result<Option<PathBuf>> {
     stages.extend(timed);
     let whole = runs.len() == scenario.runs().len();
     if whole {
-        conclude(folder, scenario, beds, runs)?;
+        conclude(folder, ledger, scenario, beds, runs)?;
     }
     let performance = Performance {
         bits_version: BITS_VERSION,
@@ -157,8 +166,27 @@ pub fn run_in(setting: Setting<'_>) -> Result<Option<PathBuf>> {
         seconds: began.elapsed().as_secs_f64(),
         stages,
     };
-    write_json(&folder.performance(), &performance)?;
+    let path = folder.performance();
+    write_whole(&path, json_text(&path, &performance)?.as_bytes())?;
     Ok(whole.then(|| folder.report()))
+}
+
+/// Refuses a library of beds that would lie among the run's own beds.
+fn refuse_own_library(setting: Setting<'_>) -> Result<()> {
+    let full = |path: &Path| std::path::absolute(path).map_err(|e| Error::read(path, &e));
+    let library = full(setting.library.folder())?;
+    let out = full(setting.folder.0)?;
+    if library.starts_with(out.join("beds")) || library.starts_with(out.join("runs")) {
+        let problem = format!(
+            "lies among the results of the run in {}; choose another --beds or --out",
+            setting.folder.0.display()
+        );
+        return Err(Error::input(
+            setting.library.folder().display().to_string(),
+            problem,
+        ));
+    }
+    Ok(())
 }
 
 /// The drags that are wanted.
@@ -185,9 +213,10 @@ fn wanted(setting: Setting<'_>) -> Result<Vec<RunPlan>> {
 /// The folder as this process's own.
 ///
 /// # Errors
-/// As [`Folder::claim`].
+/// As [`claim`].
 pub fn claimed(setting: Setting<'_>) -> Result<Claim> {
-    let claim = setting.folder.claim(setting.scenario)?;
+    let claim = claim(setting.folder, setting.scenario)?;
+    claim.warn_of_damage(setting.progress);
     if !claim.sure {
         setting.progress.warn(&format!(
             "{} cannot be locked: see that no other run is at work in it",
@@ -203,6 +232,7 @@ pub fn claimed(setting: Setting<'_>) -> Result<Claim> {
 /// The first that went wrong.
 pub fn beds(
     setting: Setting<'_>,
+    ledger: &Ledger,
     places: &[usize],
 ) -> Result<(Vec<BedSummary>, Vec<StagePerformance>)> {
     let Setting {
@@ -221,7 +251,7 @@ pub fn beds(
         threads,
         bare.len(),
         |k| height(&bare[k]),
-        |k| pour_bare(setting, &bare[k]),
+        |k| pour_bare(setting, ledger, &bare[k]),
     )?;
     let mut stages: Vec<StagePerformance> = poured.into_iter().collect::<Result<_>>()?;
     let beds = side_by_side(
@@ -229,7 +259,7 @@ pub fn beds(
         threads,
         plans.len(),
         |k| height(plans[k]),
-        |k| settle_one(setting, plans[k]),
+        |k| settle_one(setting, ledger, plans[k]),
     )?;
     let beds: Vec<(BedSummary, StagePerformance)> = beds.into_iter().collect::<Result<_>>()?;
     let (beds, timed): (Vec<_>, Vec<_>) = beds.into_iter().unzip();
@@ -243,6 +273,7 @@ pub fn beds(
 /// Where it goes wrong or is interrupted.
 pub fn drag(
     setting: Setting<'_>,
+    ledger: &Ledger,
     plan: &RunPlan,
     bed: &BedSummary,
 ) -> Result<(RunSummary, StagePerformance)> {
@@ -252,22 +283,27 @@ pub fn drag(
         plan,
         bed,
     };
-    drag_one(drag, setting.save, setting.progress)
+    drag_one(drag, ledger, setting.save, setting.progress)
 }
 
-/// Writes the summary and the report of a run whose stages are all done.
+/// Writes the summary and the report of a run whose stages are all done, and returns the closing hash of its
+/// manifest.
 ///
 /// # Errors
 /// [`Error::Write`].
 pub fn conclude(
     folder: &Folder<'_>,
+    ledger: &Ledger,
     scenario: &Scenario,
     beds: Vec<BedSummary>,
     runs: Vec<RunSummary>,
-) -> Result<()> {
+) -> Result<String> {
     let whole = whole_summary(folder, scenario, beds, runs);
-    write_json(&folder.summary(), &whole)?;
-    present::write_report(folder)
+    let path = folder.summary();
+    ledger.write(&path, json_text(&path, &whole)?.as_bytes())?;
+    let closing = ledger.finish()?;
+    present::write_report(folder)?;
+    Ok(closing)
 }
 
 /// Tells of a stage that went wrong while others of several go on, which may take days.
@@ -308,10 +344,6 @@ fn timed(stage: Stage, how: &str, sim: &Sim, steps: u64) -> StagePerformance {
         searches,
         pairs_listed,
     }
-}
-
-fn write_json(path: &Path, value: &impl Serialize) -> Result<()> {
-    write_whole(path, json_text(path, value)?.as_bytes())
 }
 
 /// The text of a JSON file; a number that is not finite, which JSON would turn into null, is refused.

@@ -4,8 +4,9 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use crate::checkpoint::{self, Note};
+use crate::disk::{self, write_whole};
 use crate::error::Result;
-use crate::files::write_whole;
+use crate::manifest::Ledger;
 use crate::sim::Sim;
 use crate::witness::Witness;
 
@@ -46,7 +47,8 @@ impl std::str::FromStr for SaveEvery {
 }
 
 /// Saves a stage under way, again and again, into one file.
-pub(super) struct Saver {
+pub(super) struct Saver<'a> {
+    ledger: &'a Ledger,
     every: SaveEvery,
     path: PathBuf,
     step: u64,
@@ -54,10 +56,11 @@ pub(super) struct Saver {
     time: Instant,
 }
 
-impl Saver {
+impl<'a> Saver<'a> {
     /// A saver of a stage that is at this step.
-    pub fn new(every: SaveEvery, path: PathBuf, step: u64) -> Self {
+    pub fn new(ledger: &'a Ledger, every: SaveEvery, path: PathBuf, step: u64) -> Self {
         Self {
+            ledger,
             every,
             path,
             step,
@@ -70,19 +73,22 @@ impl Saver {
         (self.step, self.time) = (step, Instant::now());
     }
 
-    /// Saves the stage now.
+    /// Saves the stage now. The manifest comes first, so that it vouches for all that was written before this
+    /// state.
     pub fn save(&self, sim: &mut Sim, note: &Note) -> Result<()> {
-        write_whole(&self.path, &checkpoint::pack(sim, note))
+        self.ledger.save()?;
+        write_whole(&self.path, &checkpoint::pack(sim, note)?)
     }
 
     /// Removes what was saved, of a stage that has come to its end.
     pub fn clear(&self) {
-        let _ = std::fs::remove_file(&self.path);
+        // Where it stays it is older than the end, and no harm.
+        let _ = disk::remove(&self.path);
     }
 }
 
 /// Saves the stage where it is time to.
-impl Witness for Saver {
+impl Witness for Saver<'_> {
     fn pause(&mut self, step: u64, sim: &mut Sim, note: &dyn Fn() -> Note) -> Result<()> {
         let due = match self.every {
             SaveEvery::Time(time) => self.time.elapsed() >= time,

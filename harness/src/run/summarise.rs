@@ -3,6 +3,7 @@
 use bitgrain_kernel::PARTS;
 
 use crate::drag::{Dragging, Means};
+use crate::error::{Error, Result};
 use crate::fields::zone::disturbance;
 use crate::fields::{Hole, hole};
 use crate::flow::FlowMeans;
@@ -139,8 +140,9 @@ pub(super) fn summarise(
     means: &Means,
     dragging: &Dragging,
     sim: &mut Sim,
-) -> RunSummary {
-    let digest = sim.digest();
+) -> Result<RunSummary> {
+    let wrong = |fault| Error::run(&plan.name, plan.steps, fault);
+    let digest = sim.digest().map_err(wrong)?;
     let [x, y, _] = scenario.bed.size;
     let diameter = scenario.beds()[plan.bed].diameter;
     let weight = bed.packing_fraction * scenario.bed.density * scenario.gravity;
@@ -148,7 +150,7 @@ pub(super) fn summarise(
     let ratio = means.drag.mean / above;
     let around = means.around;
     let kappa = kappa(means, diameter / scenario.mean_diameter());
-    RunSummary {
+    Ok(RunSummary {
         name: plan.name.clone(),
         bed: bed.name.clone(),
         froude: plan.froude,
@@ -191,5 +193,5 @@ pub(super) fn summarise(
             .zip(digest.parts())
             .map(|(name, part)| (name.to_string(), hex(part)))
             .collect(),
-    }
+    })
 }

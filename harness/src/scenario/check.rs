@@ -1,6 +1,7 @@
 //! What is refused before anything runs.
 
-use super::{History, Scenario, Shape, UnitSystem};
+use super::limits::GRAINS_MAX;
+use super::{History, Scenario, Several, Shape, UnitSystem};
 use crate::law::LawSpec;
 use crate::report::short;
 
@@ -20,13 +21,7 @@ const DAMPED_MAX: f64 = 0.5;
 /// Least height of a bed in mean diameters.
 const THINNEST: f64 = 4.0;
 
-/// Most snapshots of one drag: a guard of the disk against a slip of the pen.
-const SNAPSHOTS_MAX: u64 = 100_000;
-
-/// Most checkpoints kept of one drag: the same for larger files.
-const CHECKPOINTS_MAX: u64 = 1000;
-
-pub(super) type Check = std::result::Result<(), (String, String)>;
+pub(crate) type Check = std::result::Result<(), (String, String)>;
 
 pub(super) fn refuse(key: &str, problem: impl Into<String>) -> Check {
     Err((key.to_string(), problem.into()))
@@ -49,7 +44,11 @@ impl Scenario {
         }
     }
 
-    pub(super) fn check(&self) -> Check {
+    /// Everything that is refused, whatever the numbers are.
+    ///
+    /// # Errors
+    /// The key that is wrong, and what is wrong with it.
+    pub(crate) fn check(&self) -> Check {
         let plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
         if self.name.is_empty() || !self.name.chars().all(plain) {
             return refuse(
@@ -58,6 +57,7 @@ impl Scenario {
             );
         }
         positive("gravity", self.gravity)?;
+        self.check_counts()?;
         if !self.seeds.is_empty() && self.seed != 0 {
             return refuse("seeds", "give seed or seeds, not both");
         }
@@ -74,14 +74,6 @@ impl Scenario {
         self.check_rig()?;
         if self.measure.every == 0 {
             return refuse("measure.every", "is 0; expected at least 1 step");
-        }
-        if self.measure.snapshots > SNAPSHOTS_MAX {
-            let problem = format!("expected at most {SNAPSHOTS_MAX} for each drag");
-            return refuse("measure.snapshots", problem);
-        }
-        if !(1..=CHECKPOINTS_MAX).contains(&self.measure.checkpoints) {
-            let problem = format!("expected 1 to {CHECKPOINTS_MAX} for each drag");
-            return refuse("measure.checkpoints", problem);
         }
         if self.measure.digest_every == 0 {
             return refuse("measure.digest_every", "is 0; expected at least 1 step");
@@ -158,8 +150,8 @@ impl Scenario {
             (None, None) => return refuse("bed.grains", "give grains or fill_height"),
             (None, Some(height)) => positive("bed.fill_height", height)?,
             (Some(0), None) => return refuse("bed.grains", "is 0; expected at least 1"),
-            (Some(n), None) if n > 100_000_000 => {
-                return refuse("bed.grains", "expected at most 100,000,000");
+            (Some(n), None) if n > GRAINS_MAX => {
+                return refuse("bed.grains", format!("expected at most {GRAINS_MAX}"));
             }
             _ => {}
         }
@@ -220,6 +212,16 @@ impl Scenario {
     }
 
     fn check_box(&self) -> Check {
+        let one = |values: &Option<Several>| match values {
+            Some(Several::One(x)) => x.is_finite(),
+            _ => false,
+        };
+        if self.bed.file.is_some() && !one(&self.intruder.height) {
+            return refuse(
+                "intruder.height",
+                "expected one number: the intruder of a bed from a file is where that has it",
+            );
+        }
         for diameter in self.intruder.diameter.values() {
             self.check_width(diameter)?;
             if self.bed.file.is_none() {
@@ -266,6 +268,10 @@ impl Scenario {
     /// Whether the grains fill what a poured bed needs, round the intruder.
     fn check_filling(&self, diameter: f64) -> Check {
         let [_, _, z] = self.bed.size;
+        if self.grain_count(diameter) > GRAINS_MAX {
+            let problem = format!("takes more than {GRAINS_MAX} grains, the most of a bed");
+            return refuse("bed.fill_height", problem);
+        }
         let surface = self.expected_surface(diameter);
         let thinnest = THINNEST * self.mean_diameter();
         if surface < thinnest {
@@ -393,6 +399,16 @@ impl Scenario {
             if run.speed * self.drag.dt > least {
                 return refuse("drag.dt", "lets the intruder jump over a grain in one step");
             }
+            // Before anything is counted step by step.
+            if run.steps > STEPS_MAX || !(run.speed * self.drag.dt).is_normal() {
+                return refuse(
+                    "drag.distance",
+                    format!(
+                        "takes {:.0e} steps; expected at most {STEPS_MAX:.0e}",
+                        run.steps as f64
+                    ),
+                );
+            }
             if !(run.discard >= 0.0 && run.discard < run.distance) {
                 let (key, given) = match self.drag.discard {
                     Some(_) => ("drag.discard", run.discard),
@@ -409,15 +425,6 @@ impl Scenario {
             }
             self.check_window(&run)?;
             self.check_fields_of(&run)?;
-            if run.steps > STEPS_MAX {
-                return refuse(
-                    "drag.distance",
-                    format!(
-                        "takes {:.0e} steps; expected at most {STEPS_MAX:.0e}",
-                        run.steps as f64
-                    ),
-                );
-            }
             let averaged = run.steps + 1 - run.first_averaged(self.drag.dt);
             if averaged < AVERAGED_MIN {
                 let key = if self.drag.discard.is_some() {

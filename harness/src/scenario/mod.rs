@@ -6,6 +6,7 @@ mod check;
 mod fields;
 mod guard;
 mod keys;
+mod limits;
 mod plan;
 mod rig;
 pub(crate) mod source;
@@ -18,6 +19,7 @@ pub use keys::{
 pub use plan::{BedPlan, LidPlan, PACKING_GUESS, RunPlan};
 pub use rig::{BULK_FRICTION, DRAG_COEFFICIENT};
 
+use crate::disk;
 use crate::error::{Error, Result, teach, wrong_toml};
 use keys::kumar_law;
 
@@ -56,7 +58,7 @@ pub fn load(name: &str, sets: &[String]) -> Result<Scenario> {
         return parse(text, &format!("{key} (shipped)"), sets, Path::new(""));
     }
     let path = Path::new(name);
-    if !path.exists() && path.extension().is_none() {
+    if !disk::is_there(path) && path.extension().is_none() {
         return Err(unknown_name(name));
     }
     let text = crate::files::read_text(path)?;
@@ -159,6 +161,9 @@ fn refuse_reduced_defaults(table: &toml::Table, place: &str) -> Result<()> {
     Ok(())
 }
 
+/// Most parts of a key: tables in tables without end would be more than can be taken apart again.
+const DEEPEST: usize = 8;
+
 /// Changes a key of a scenario, as `key.subkey=value` says.
 ///
 /// # Errors
@@ -176,6 +181,10 @@ pub(crate) fn apply(table: &mut toml::Table, set: &str) -> Result<()> {
         .and_then(|mut t| t.remove("value"))
         .unwrap_or_else(|| toml::Value::String(text.to_string()));
     let words: Vec<&str> = key.split('.').map(str::trim).collect();
+    if words.len() > DEEPEST {
+        let problem = format!("names a key of {} parts; expected key.subkey", words.len());
+        return Err(Error::input(place(), problem));
+    }
     if text.contains('\n') {
         return Err(Error::input(
             place(),

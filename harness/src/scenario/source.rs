@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use toml::{Table, Value};
 
+use crate::disk;
 use crate::error::{Error, Result};
 use crate::export::OBSTACLE_TYPE as INTRUDER_TYPE;
 use crate::files::read_text;
@@ -24,7 +25,7 @@ pub(super) fn fill_in(table: &mut Table, place: &str, folder: &Path) -> Result<O
         return Ok(None);
     };
     let path = folder.join(file);
-    if !path.is_file() {
+    if !disk::is_file(&path) {
         let problem = format!(
             "{} is not there or no file; a path is looked for from where the scenario's file is, \
              or with --set from where the command is given",

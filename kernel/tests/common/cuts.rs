@@ -3,7 +3,8 @@
 use bitgrain_kernel::law::Law;
 use bitgrain_kernel::motion::{Pass, Passed, pass};
 use bitgrain_kernel::push::{After, Spill, no_fetch, spill, sum};
-use bitgrain_kernel::step::{drift, find_who_touches, finish, judge};
+use bitgrain_kernel::seal::seal;
+use bitgrain_kernel::step::{begin, drift, end, find_who_touches, finish, judge};
 use bitgrain_kernel::touch::push_obstacles;
 use bitgrain_kernel::{Fault, World};
 
@@ -13,6 +14,8 @@ pub fn steps_cut(world: &mut World<'_, f64>, law: &impl Law<f64>, count: u64) ->
     if count == 0 {
         return Ok(());
     }
+    let sealed = seal(&world.moving(), 0);
+    begin(world, sealed)?;
     let passed = pass(&mut world.moving(), Pass::Drift);
     drift(world, passed)?;
     for n in 1..=count {
@@ -24,7 +27,13 @@ pub fn steps_cut(world: &mut World<'_, f64>, law: &impl Law<f64>, count: u64) ->
             drift(world, passed)?;
         }
     }
-    Ok(())
+    // In ranges, the last one first: a sum over grains is the same in any order.
+    let cut = world.cuts.first().map_or(0, |&cut| cut as usize);
+    let (mut left, mut right) = world.moving().split(cut);
+    let middle = left.count();
+    let sealed = seal(&right.stretch(0, right.count()), middle);
+    let sealed = sealed.and(seal(&left.stretch(0, middle), 0));
+    end(world, sealed)
 }
 
 fn one(

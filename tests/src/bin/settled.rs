@@ -21,5 +21,5 @@ fn main() {
     sim.stepping.tunes = false;
     sim.steps(steps.parse().expect("a number of steps"))
         .expect("a settled bed");
-    println!("{}", hex(&sim.digest().whole));
+    println!("{}", hex(&sim.digest().expect("sound arithmetic").whole));
 }

@@ -78,7 +78,7 @@ fn states() -> &'static [(Sim, Vec<u8>)] {
             let case = case::parse(text, "fuzz").expect("a sound case");
             let mut sim = case.start("fuzz", |_| {}).expect("a sound state");
             sim.steps(5).expect("sound steps");
-            let written = bytes(&mut sim, "");
+            let written = bytes(&mut sim, "").expect("sound arithmetic");
             (sim, written)
         };
         CASES.iter().map(state).collect()
@@ -113,10 +113,10 @@ fn goes_on(data: &[u8]) -> bool {
 }
 
 fn same_when_read_again(sim: &mut Sim) {
-    let written = bytes(sim, "a recipe");
+    let written = bytes(sim, "a recipe").expect("sound arithmetic");
     let mut again = parse(&written, "fuzz", Some("a recipe")).expect("a checkpoint reads back");
     assert!(
-        bytes(&mut again, "a recipe") == written,
+        bytes(&mut again, "a recipe").expect("sound arithmetic") == written,
         "a checkpoint changes on its way"
     );
     assert!(parse(&written, "fuzz", Some("another")).is_err());
@@ -142,7 +142,7 @@ fn altered(choice: usize, mut from: Bytes) -> Vec<u8> {
     for _ in 0..from.below(5) {
         alter(&mut sim, &mut from);
     }
-    bytes(&mut sim, "")
+    bytes(&mut sim, "").expect("sound arithmetic")
 }
 
 /// Changes one thing of a state. Lists stay as long as each other: a writer's own contract.

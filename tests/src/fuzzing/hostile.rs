@@ -6,7 +6,10 @@ use bitgrain_kernel::law::{Contact, HertzHistory, HertzTsuji, Law};
 use bitgrain_kernel::motion::{Pass, Passed, pass};
 use bitgrain_kernel::push::{After, Deep, Part, first_deep, no_fetch, spill, sum};
 use bitgrain_kernel::reference::Line;
-use bitgrain_kernel::step::{drift, find_who_may_touch, find_who_touches, finish, judge};
+use bitgrain_kernel::seal::{Sealed, seal};
+use bitgrain_kernel::step::{
+    begin, drift, end, find_who_may_touch, find_who_touches, finish, judge,
+};
 use bitgrain_kernel::touch::push_obstacles;
 use bitgrain_kernel::{
     Domain, Real, Row, Store, check_arithmetic, digest, resume, start, start_watched, step,
@@ -93,10 +96,23 @@ pub(super) fn world<R: Real, L: Law<R>>(bytes: &mut Bytes, law: &L) -> bool {
                 let stepped = step_watched(&mut lent.world(), law, |_| {});
                 started |= watched.is_ok() && stepped.is_ok();
             }
+            18 => {
+                let sealed = sealed(bytes, &mut lent);
+                either_way(match bytes.below(2) {
+                    0 => begin(&mut lent.world(), sealed),
+                    _ => end(&mut lent.world(), sealed),
+                });
+            }
             _ => spoil(bytes, &mut lent),
         }
     }
     started
+}
+
+/// The seal of all grains, or one of grains that stand elsewhere.
+fn sealed<R: Real>(bytes: &mut Bytes, lent: &mut Lent<R>) -> Sealed {
+    let first = if bytes.below(8) == 0 { usize::MAX } else { 0 };
+    Sealed::NONE.and(seal(&lent.world().moving(), first))
 }
 
 /// The phase of the forces over all grains, with spills that are none of its own.

@@ -10,6 +10,8 @@ mod contact;
 mod drawn;
 mod hostile;
 mod lent;
+mod manifest;
+mod records;
 mod search;
 mod texts;
 mod world;
@@ -18,6 +20,8 @@ use bitgrain::sim::Sim;
 
 pub use checkpoint::checkpoint;
 pub use contact::contact;
+pub use manifest::manifest;
+pub use records::{book, campaign, summary, table};
 pub use search::search;
 pub use texts::{assert_same_bits, case, lammps, scenario, series};
 pub use world::world;

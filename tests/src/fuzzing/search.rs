@@ -4,7 +4,8 @@
 use bitgrain_kernel::law::HertzHistory;
 use bitgrain_kernel::motion::{Pass, pass};
 use bitgrain_kernel::push::{After, no_fetch, spill, sum};
-use bitgrain_kernel::step::{drift, find_who_may_touch, find_who_touches, finish};
+use bitgrain_kernel::seal::seal;
+use bitgrain_kernel::step::{begin, drift, end, find_who_may_touch, find_who_touches, finish};
 use bitgrain_kernel::touch::push_obstacles;
 use bitgrain_kernel::vec3::{dot, head, scale, sub};
 use bitgrain_kernel::{
@@ -74,6 +75,9 @@ fn named(one: bitgrain_kernel::Pushed<f64>) -> (u32, u32) {
 
 /// One step by its phases, without its judgement; the list is looked at before the drift or after it.
 fn fly(lent: &mut Lent<f64>, before: bool, met: &mut Met) -> Result<(), Fault> {
+    let mut world = lent.world();
+    let sealed = seal(&world.moving(), 0);
+    begin(&mut world, sealed)?;
     while before && let Err(fault) = find_who_may_touch(&mut lent.world()) {
         if !lent.grow(fault) {
             return Err(fault);
@@ -112,7 +116,9 @@ fn fly(lent: &mut Lent<f64>, before: bool, met: &mut Met) -> Result<(), Fault> {
     // Pairs of two ranges are evaluated without a watcher: those that touch are added here.
     met.extend(pairs.into_iter().filter(|&(i, j)| gap(&world, i, j) < 0.0));
     let passed = pass(&mut world.moving(), Pass::Kick);
-    finish(&mut world, passed)
+    finish(&mut world, passed)?;
+    let sealed = seal(&world.moving(), 0);
+    end(&mut world, sealed)
 }
 
 /// Distance of two grains' surfaces; below zero they touch.

@@ -7,10 +7,11 @@
 use bitgrain_kernel::law::{HertzHistory, HertzTsuji, Law};
 use bitgrain_kernel::motion::{Pass, Passed, pass};
 use bitgrain_kernel::push::{After, Spill, first_deep, no_fetch, spill, sum};
-use bitgrain_kernel::step::{drift, find_who_touches, finish, judge};
+use bitgrain_kernel::seal::{Sealed, seal};
+use bitgrain_kernel::step::{begin, drift, end, find_who_touches, finish, judge};
 use bitgrain_kernel::touch::push_obstacles;
 use bitgrain_kernel::{
-    Digest, Domain, Fault, Group, Obstacle, PARTS, Real, digest, resume, start, step,
+    Digest, Domain, Fault, Group, Obstacle, PARTS, Real, World, digest, resume, start, step,
 };
 
 use super::bytes::Bytes;
@@ -202,6 +203,8 @@ fn assert_finite<R: Real>(lent: &Lent<R>) {
 /// One step as a host with threads takes it: every range for itself.
 fn in_ranges<R: Real, L: Law<R>>(lent: &mut Lent<R>, law: &L) -> Result<(), Fault> {
     let mut world = lent.world();
+    let sealed = seal_ranges(&mut world);
+    begin(&mut world, sealed)?;
     let passed = pass(&mut world.moving(), Pass::Drift);
     drift(&mut world, passed)?;
     growing(lent, |lent| find_who_touches(&mut lent.world()))?;
@@ -238,7 +241,23 @@ fn in_ranges<R: Real, L: Law<R>>(lent: &mut Lent<R>, law: &L) -> Result<(), Faul
         part = rest;
     }
     judge(&world, hit, deep)?;
-    finish(&mut world, passed)
+    finish(&mut world, passed)?;
+    let sealed = seal_ranges(&mut world);
+    end(&mut world, sealed)
+}
+
+/// The seal of all grains, made over the ranges that end at the cuts.
+fn seal_ranges<R: Real>(world: &mut World<'_, R>) -> Sealed {
+    let cuts = world.cuts;
+    let (mut first, mut rest) = (0, world.moving());
+    let mut all = Sealed::NONE;
+    for end in cuts.iter().map(|&end| end as usize) {
+        let (range, others) = rest.split(end.saturating_sub(first));
+        let count = range.count();
+        all = all.and(seal(&range, first));
+        (first, rest) = (first + count, others);
+    }
+    all.and(seal(&rest, first))
 }
 
 /// A chain of grains that touch or nearly touch, with obstacles among them, and a stiffness that its time

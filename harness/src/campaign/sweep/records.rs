@@ -3,8 +3,8 @@
 use super::{Outcome, Under};
 use crate::campaign::columns::{Row, Status};
 use crate::campaign::{parquet, table};
+use crate::disk;
 use crate::error::{Error, Result};
-use crate::files::write_whole;
 use crate::folder::Folder;
 use crate::run;
 use crate::summary::{BedSummary, RunSummary};
@@ -41,10 +41,12 @@ impl Under<'_> {
             }));
         }
         let units = self.scenario(0).units();
-        write_whole(&self.folder.table(), table::text(&units, &rows).as_bytes())?;
+        let text = table::text(&units, &rows);
+        self.ledger.write(&self.folder.table(), text.as_bytes())?;
         let path = self.folder.parquet();
         let bytes = parquet::bytes(&rows).map_err(|e| Error::write(&path, e))?;
-        write_whole(&path, &bytes)
+        self.ledger.write(&path, &bytes)?;
+        self.ledger.save()
     }
 
     /// Writes the summaries and reports of the members whose runs are all done.
@@ -69,7 +71,12 @@ impl Under<'_> {
             }
             done += records.len();
             let folder = Folder(place);
-            if !whole || folder.report().exists() && folder.summary().exists() {
+            if !whole {
+                continue;
+            }
+            let (name, ledger) = (&self.what.plan.members[member].name, self.ledger_of(member));
+            if ledger.is_whole() && disk::is_there(&folder.report()) {
+                self.ledger.finish_stage(name, &ledger.closing())?;
                 continue;
             }
             let mut beds: Vec<BedSummary> = Vec::new();
@@ -79,8 +86,10 @@ impl Under<'_> {
                 }
             }
             let runs = records.iter().map(|record| record.run.clone()).collect();
-            run::conclude(&folder, self.scenario(member), beds, runs)?;
+            let closing = run::conclude(&folder, ledger, self.scenario(member), beds, runs)?;
+            self.ledger.finish_stage(name, &closing)?;
         }
+        self.ledger.finish()?;
         Ok(Outcome {
             done,
             failed,

@@ -7,7 +7,10 @@ use bitgrain_kernel::law::{HertzHistory, HertzTsuji};
 use bitgrain_kernel::motion::{Moving, Pass, Passed, pass};
 use bitgrain_kernel::push::{Deep, Part, Sight, Span, first_deep};
 use bitgrain_kernel::reference::{self, Line, Room};
-use bitgrain_kernel::step::{drift, find_who_may_touch, find_who_touches, finish, judge};
+use bitgrain_kernel::seal::{Sealed, seal};
+use bitgrain_kernel::step::{
+    begin, drift, end, find_who_may_touch, find_who_touches, finish, judge,
+};
 use bitgrain_kernel::touch::TouchPart;
 use bitgrain_kernel::vec3::{self, Vec3};
 use bitgrain_kernel::{
@@ -57,6 +60,8 @@ impl Plain {
 pub struct State<R: Real + 'static> {
     resume: fn(&mut World<'_, R>, &[Bond<R>]) -> Ended,
     resume_any: fn(&mut World<'_, R>, &mut dyn Iterator<Item = Bond<R>>) -> Ended,
+    begin: fn(&mut World<'_, R>, Sealed) -> Ended,
+    end: fn(&mut World<'_, R>, Sealed) -> Ended,
     find_who_may_touch: fn(&mut World<'_, R>) -> Ended,
     find_who_touches: fn(&mut World<'_, R>) -> Ended,
     drift: fn(&mut World<'_, R>, Passed<R>) -> Ended,
@@ -64,6 +69,8 @@ pub struct State<R: Real + 'static> {
     judge: fn(&World<'_, R>, Deep, Deep) -> Ended,
     pass: fn(&mut Moving<'_, R>, Pass) -> Passed<R>,
     and: fn(Passed<R>, Passed<R>) -> Passed<R>,
+    seal: fn(&Moving<'_, R>, usize) -> Sealed,
+    and_sealed: fn(Sealed, Sealed) -> Sealed,
     digest: fn(&World<'_, R>) -> Digest,
     bonds: fn(&World<'_, R>, &mut dyn FnMut(Bond<R>)),
     moving: for<'w> fn(&'w mut World<'_, R>) -> Moving<'w, R>,
@@ -77,6 +84,7 @@ pub struct State<R: Real + 'static> {
     span: fn(&Span<'_, R>) -> (usize, bool),
     grains: fn(&Grains<'_, R>) -> usize,
     clock: fn(&Clock<R>) -> ([u64; 2], [usize; 4], bool),
+    stop: fn(&mut Clock<R>),
     pieces: Pieces<R>,
     store: Stores<R>,
 }
@@ -86,6 +94,8 @@ impl<R: Real + 'static> State<R> {
     pub const ALL: Self = Self {
         resume: |world, bonds| resume(world, bonds.iter().copied()),
         resume_any: |world, bonds| resume(world, bonds),
+        begin,
+        end,
         find_who_may_touch,
         find_who_touches,
         drift,
@@ -93,6 +103,8 @@ impl<R: Real + 'static> State<R> {
         judge,
         pass,
         and: Passed::and,
+        seal,
+        and_sealed: Sealed::and,
         digest,
         bonds: |world, show| world.bonds().for_each(show),
         moving: |world| world.moving(),
@@ -112,8 +124,9 @@ impl<R: Real + 'static> State<R> {
                 clock.listed_across(),
                 clock.touches(),
             ];
-            ([clock.searches(), clock.renewals()], listed, clock.rests())
+            ([clock.searches(), clock.renewals()], listed, clock.rests() || clock.has_begun())
         },
+        stop: |clock| clock.stop(),
         pieces: Pieces::ALL,
         store: Stores::ALL,
     };

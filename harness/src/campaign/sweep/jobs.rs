@@ -1,0 +1,39 @@
+//! The drags of a campaign, one by one.
+
+use super::Slot;
+use crate::campaign::only::Only;
+use crate::campaign::plan::{Member, Plan};
+use crate::scenario::RunPlan;
+
+/// One drag of one member.
+pub(super) struct Job {
+    pub(super) member: usize,
+    pub(super) plan: RunPlan,
+    pub(super) work: u64,
+    pub(super) wanted: bool,
+}
+
+impl Job {
+    /// Whether it is still to be done.
+    pub(super) fn open(&self, slot: &Slot) -> bool {
+        self.wanted && slot.is_none()
+    }
+}
+
+/// All drags, and which of them are wanted.
+pub(super) fn jobs(plan: &Plan, only: &Only) -> Vec<Job> {
+    let mut jobs = Vec::new();
+    for (member, Member { name, scenario }) in plan.members.iter().enumerate() {
+        let beds = scenario.beds();
+        for plan in scenario.runs() {
+            let grains = scenario.grain_count(beds[plan.bed].diameter) as u64;
+            jobs.push(Job {
+                member,
+                work: plan.steps.saturating_mul(grains),
+                wanted: only.wants(name, &plan.name),
+                plan,
+            });
+        }
+    }
+    jobs
+}

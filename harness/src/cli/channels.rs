@@ -1,0 +1,63 @@
+//! The channels of a command: standard output, signals, and the limit on the size of files.
+
+use std::io::Write;
+use std::path::Path;
+use std::sync::atomic::Ordering;
+#[cfg(unix)]
+use std::sync::{Arc, atomic::AtomicBool};
+use std::time::{Duration, Instant};
+
+use crate::error::{Error, Result};
+use crate::plain::{escaped, plain};
+use crate::progress::Progress;
+
+/// Signals that come within this time are one wish to stop.
+const ONE_BREATH: Duration = Duration::from_millis(100);
+
+/// A file that outgrows what the system allows (`ulimit -f`) ends the process by a signal, without a word; where
+/// that is heeded the write fails instead, and is told of.
+#[cfg(unix)]
+pub(super) fn heed_full_files() -> Result<()> {
+    let heeded = Arc::new(AtomicBool::new(false));
+    let registered = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, heeded);
+    registered.map(|_| ()).map_err(Error::Output)
+}
+
+#[cfg(not(unix))]
+pub(super) fn heed_full_files() -> Result<()> {
+    Ok(())
+}
+
+/// Prints a text. That nobody reads on (`| head`) hides no verdict: the command goes on to its own end.
+pub(super) fn print(text: &str) -> Result<()> {
+    let mut out = std::io::stdout();
+    let written = out
+        .write_all(escaped(text).as_bytes())
+        .and_then(|()| out.flush());
+    match written {
+        Err(e) if e.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
+        other => other.map_err(Error::Output),
+    }
+}
+
+/// A path as it is printed.
+pub(super) fn shown(path: &Path) -> String {
+    plain(&path.display().to_string())
+}
+
+/// Progress of a command whose stages stop at Ctrl-C or a polite kill.
+pub(super) fn stoppable(verbose: bool) -> Progress {
+    let progress = Progress::new(verbose);
+    let stop = progress.stop_flag();
+    let mut first: Option<Instant> = None;
+    // Without a handler the signal ends the process at once, which loses no file either.
+    let _ = ctrlc::set_handler(move || {
+        stop.store(true, Ordering::Relaxed);
+        // Asked again: now. Schedulers and `timeout` send a signal to a process and to its group in one breath,
+        // which is one wish.
+        if first.get_or_insert_with(Instant::now).elapsed() > ONE_BREATH {
+            std::process::exit(130);
+        }
+    });
+    progress
+}

@@ -1,0 +1,116 @@
+//! `bitgrain verify` and `bitgrain bisect`.
+
+use std::path::PathBuf;
+use std::time::SystemTime;
+
+use clap::Args;
+
+use super::{print, processors, stoppable};
+use crate::bisect::{Side, bisect, run_both};
+use crate::campaign;
+use crate::campaign::folder::{CAMPAIGN, CampaignFolder};
+use crate::error::{Error, Result};
+use crate::folder::{Folder, is_of};
+use crate::rerun::Past;
+use crate::verify::{Scope, Segment, verify};
+
+/// What `bitgrain verify` takes.
+#[derive(Args)]
+pub(super) struct Verify {
+    /// The folder of a run or a campaign.
+    folder: PathBuf,
+    /// A closing hash or the last link of a stage that was kept elsewhere, and that the folder must have; may
+    /// be given several times.
+    #[arg(long, value_name = "LINK")]
+    expect: Vec<String>,
+    /// A stage, or the pieces between its checkpoints that share steps with FROM-TO; may be given
+    /// several times [default: all].
+    #[arg(long = "segment", value_name = "STAGE[:FROM-TO]")]
+    segments: Vec<Segment>,
+    /// So many pieces only, chosen at random.
+    #[arg(long, value_name = "PIECES", value_parser = clap::value_parser!(u16).range(1..))]
+    sample: Option<u16>,
+    /// Seed of the choice [default: the time].
+    #[arg(long, requires = "sample")]
+    seed: Option<u64>,
+    /// Threads [default: one for each processor].
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+}
+
+/// What `bitgrain bisect` takes.
+#[derive(Args)]
+pub(super) struct Bisect {
+    /// The folder of a run, or with --scenario a `bitgrain` program.
+    a: PathBuf,
+    /// The other.
+    b: PathBuf,
+    /// Run this scenario with the two programs first.
+    #[arg(long, conflicts_with_all = ["program_a", "program_b"])]
+    scenario: Option<String>,
+    /// Folder for those two runs [default: out/bisect].
+    #[arg(
+        long,
+        requires = "scenario",
+        default_value = "out/bisect",
+        hide_default_value = true
+    )]
+    out: PathBuf,
+    /// Change a key of that scenario; may be given several times.
+    #[arg(long = "set", value_name = "KEY=VALUE", requires = "scenario")]
+    sets: Vec<String>,
+    /// The program that executes the first run again [default: this one].
+    #[arg(long, value_name = "PROGRAM")]
+    program_a: Option<PathBuf>,
+    /// The program that executes the second run again [default: this one].
+    #[arg(long, value_name = "PROGRAM")]
+    program_b: Option<PathBuf>,
+}
+
+/// Runs `bitgrain verify`.
+pub(super) fn run_verify(what: Verify) -> Result<()> {
+    let time = || {
+        let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
+        since.map_or(0, |time| time.as_nanos() as u64)
+    };
+    let seed = what.seed.unwrap_or_else(time);
+    let scope = Scope {
+        segments: what.segments,
+        sample: what.sample.map(|count| (usize::from(count), seed)),
+    };
+    if scope.sample.is_some() {
+        print(&format!("seed {seed}\n"))?;
+    }
+    let (threads, progress) = (processors(what.threads), stoppable(false));
+    let say = |line: &str| print(&format!("{line}\n"));
+    if is_of(&what.folder, &CAMPAIGN) {
+        let folder = CampaignFolder(&what.folder);
+        let expect = &what.expect[..];
+        return campaign::verify::verify(&folder, &scope, expect, threads, &progress, say);
+    }
+    let folder = Folder(&what.folder);
+    let past = Past::open(&folder)?;
+    verify(&past, &scope, &what.expect, threads, &progress, say)
+}
+
+/// Runs `bitgrain bisect`.
+pub(super) fn run_bisect(what: Bisect) -> Result<()> {
+    let this = std::env::current_exe().map_err(Error::Output)?;
+    let say = |line: &str| print(&format!("{line}\n"));
+    let sides = match &what.scenario {
+        None => {
+            [(what.a, what.program_a), (what.b, what.program_b)].map(|(folder, program)| Side {
+                folder,
+                program: program.unwrap_or_else(|| this.clone()),
+            })
+        }
+        Some(scenario) => run_both([what.a, what.b], scenario, &what.sets, &what.out)?,
+    };
+    match bisect(&sides, say)? {
+        None => say("no difference: the same at every link that both have"),
+        Some(parting) => {
+            say(&parting.to_string())?;
+            Err(Error::Parted)
+        }
+    }
+}

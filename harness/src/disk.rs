@@ -1,0 +1,423 @@
+//! The file system in one place: every file and folder that the program reads, writes or removes goes
+//! through here.
+//!
+//! Files are read whole, regular files alone, and never more of one than [`most`] allows. They are written
+//! beside the old file, synced, renamed over it, and then their folder is synced: so a reader sees the old
+//! file or the new one, and after a power loss there is one of them too. A file that was written before
+//! another one is not lost where the other one is kept.
+//!
+//! Tests [`watch`] the calls, fail them, and stop a process at any of them.
+
+mod watch;
+
+pub use watch::{Call, Verdict, Watch, watch};
+
+use std::fs::{File, Metadata};
+use std::io::{self, Read, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use crate::error::{Error, Result};
+use watch::before;
+
+/// How the name of a file ends that is being written: nobody else's file is called so.
+pub const PARTIAL: &str = ".bitgrain-partial";
+
+/// Most bytes of a file that is read, unpacked, where nothing else was set.
+const MOST: u64 = 512 << 20;
+
+static LIMIT: AtomicU64 = AtomicU64::new(MOST);
+
+/// Files written so far by this process.
+static WRITES: AtomicU64 = AtomicU64::new(0);
+
+/// Sets how many bytes of a file are read at most, unpacked, by all of the process.
+pub fn set_most(bytes: u64) {
+    LIMIT.store(bytes, Ordering::Relaxed);
+}
+
+/// How many bytes of a file are read at most, unpacked.
+pub fn most() -> u64 {
+    LIMIT.load(Ordering::Relaxed)
+}
+
+/// What a name stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Kind {
+    /// A regular file.
+    File,
+    /// A folder.
+    Folder,
+    /// A symbolic link.
+    Link,
+    /// A pipe, device or socket, or nothing that can be looked at.
+    Other,
+}
+
+impl Kind {
+    fn of(data: &Metadata) -> Self {
+        let kind = data.file_type();
+        if kind.is_symlink() {
+            Kind::Link
+        } else if kind.is_dir() {
+            Kind::Folder
+        } else if kind.is_file() {
+            Kind::File
+        } else {
+            Kind::Other
+        }
+    }
+
+    /// In words.
+    pub fn word(self) -> &'static str {
+        match self {
+            Kind::File => "a file",
+            Kind::Folder => "a folder",
+            Kind::Link => "a symbolic link",
+            Kind::Other => "a pipe, device or socket",
+        }
+    }
+}
+
+/// What a path stands for itself, links not followed; `None` where there is nothing.
+pub fn kind(path: &Path) -> Option<Kind> {
+    match std::fs::symlink_metadata(path) {
+        Ok(data) => Some(Kind::of(&data)),
+        Err(e) if missing(&e) => None,
+        Err(_) => Some(Kind::Other),
+    }
+}
+
+/// Whether a path stands for nothing at all.
+fn missing(e: &io::Error) -> bool {
+    matches!(
+        e.kind(),
+        io::ErrorKind::NotFound | io::ErrorKind::NotADirectory
+    )
+}
+
+/// Whether something has this name, even if it is a link to nothing.
+pub fn is_there(path: &Path) -> bool {
+    kind(path).is_some()
+}
+
+/// Whether a path, links followed, is a folder.
+pub fn is_folder(path: &Path) -> bool {
+    path.is_dir()
+}
+
+/// Whether a path, links followed, is a regular file.
+pub fn is_file(path: &Path) -> bool {
+    path.is_file()
+}
+
+/// Bytes of a file; 0 where there is none.
+pub fn size(path: &Path) -> u64 {
+    std::fs::symlink_metadata(path).map_or(0, |data| data.len())
+}
+
+/// Reads a whole file as it lies, a link followed.
+///
+/// # Errors
+/// [`Error::Input`] where it cannot be read, is no regular file, or is larger than [`most`].
+pub fn read(path: &Path) -> Result<Vec<u8>> {
+    read_if_there(path)?.ok_or_else(|| {
+        // In the system's own words.
+        let none = std::fs::metadata(path).err();
+        Error::read(path, &none.unwrap_or(io::ErrorKind::NotFound.into()))
+    })
+}
+
+/// The same; `None` where nothing has that name.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_if_there(path: &Path) -> Result<Option<Vec<u8>>> {
+    let wrong = |e: &io::Error| Error::read(path, e);
+    // Looked at before it is opened: opening a pipe waits for somebody to write into it.
+    let data = match std::fs::metadata(path) {
+        Ok(data) => data,
+        Err(e) if missing(&e) && !is_there(path) => return Ok(None),
+        Err(e) => return Err(wrong(&e)),
+    };
+    if !data.is_file() {
+        let what = Kind::of(&data).word();
+        let problem = format!("is {what}, and a regular file was expected");
+        return Err(Error::input(path.display().to_string(), problem));
+    }
+    let file = File::open(path).map_err(|e| wrong(&e))?;
+    let name = || path.display().to_string();
+    all_of(file, data.len(), "cannot be read", &name).map(Some)
+}
+
+/// All that a source gives, of which `about` so many bytes are expected, but no more than [`most`]; `fails` is what
+/// it means where it fails.
+///
+/// # Errors
+/// [`Error::Input`] where it gives more, cannot be read, or memory is short.
+pub(crate) fn all_of(
+    source: impl Read,
+    about: u64,
+    fails: &str,
+    name: &impl Fn() -> String,
+) -> Result<Vec<u8>> {
+    let most = most();
+    let large = || {
+        let problem = format!(
+            "holds more than {} MiB, unpacked, which is the most that is read: see whether it is the right \
+             file, or allow more with --max-input",
+            most >> 20
+        );
+        Error::input(name(), problem)
+    };
+    if about > most {
+        return Err(large());
+    }
+    let mut bytes = Vec::new();
+    let short = |_| {
+        let problem = "is larger than the memory that can be had";
+        Error::input(name(), problem)
+    };
+    bytes.try_reserve_exact(about as usize + 1).map_err(short)?;
+    let mut source = source.take(most + 1);
+    let mut piece = [0; 1 << 16];
+    loop {
+        let count = match source.read(&mut piece) {
+            Ok(0) => break,
+            Ok(count) => count,
+            Err(e) if e.kind() == io::ErrorKind::Interrupted => continue,
+            Err(e) => return Err(Error::input(name(), format!("{fails}: {e}"))),
+        };
+        bytes.try_reserve(count).map_err(short)?;
+        bytes.extend_from_slice(&piece[..count]);
+    }
+    if bytes.len() as u64 > most {
+        return Err(large());
+    }
+    Ok(bytes)
+}
+
+/// Names in a folder and what they stand for, by name; none where it is not there.
+///
+/// # Errors
+/// [`Error::Input`] where it cannot be read.
+pub fn list(folder: &Path) -> Result<Vec<(String, Kind)>> {
+    let items = match std::fs::read_dir(folder) {
+        Ok(items) => items,
+        Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
+        Err(e) => return Err(Error::read(folder, &e)),
+    };
+    let mut names = Vec::new();
+    for item in items {
+        let item = item.map_err(|e| Error::read(folder, &e))?;
+        let name = item.file_name().to_string_lossy().into_owned();
+        names.push((name, kind(&item.path()).unwrap_or(Kind::Other)));
+    }
+    names.sort();
+    Ok(names)
+}
+
+/// Writes `bytes` to `path`, replacing what was there in one go. Folders on the way are made.
+///
+/// # Errors
+/// [`Error::Write`]; the old file is then still there.
+pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
+    let folder = above(path);
+    make_folder(folder)?;
+    let (partial, created) = new_partial(path);
+    let written = created
+        .and_then(|mut file| {
+            before(Call::Write(&partial, bytes))?;
+            file.write_all(bytes)?;
+            before(Call::Sync(&partial))?;
+            file.sync_all()
+        })
+        .and_then(|()| {
+            before(Call::Rename(&partial, path))?;
+            std::fs::rename(&partial, path)
+        });
+    if let Err(e) = written {
+        // Half a file is of no use to anyone and may be what filled the disk.
+        let _ = remove_raw(&partial);
+        return Err(Error::write(path, e));
+    }
+    // Without this a power loss may undo the rename.
+    sync_folder(folder).map_err(|e| Error::write(path, e))
+}
+
+/// A new file beside `path`: two threads never write into one, nor do two processes, also of two machines.
+fn new_partial(path: &Path) -> (PathBuf, io::Result<File>) {
+    loop {
+        let number = WRITES.fetch_add(1, Ordering::Relaxed);
+        let mut name = path.file_name().unwrap_or_default().to_os_string();
+        name.push(format!(".{}-{number}{PARTIAL}", std::process::id()));
+        let partial = above(path).join(name);
+        let created = before(Call::Create(&partial)).and_then(|()| File::create_new(&partial));
+        let taken = |e: &io::Error| e.kind() == io::ErrorKind::AlreadyExists;
+        if !created.as_ref().is_err_and(taken) {
+            return (partial, created);
+        }
+    }
+}
+
+/// The folder that a path is in.
+fn above(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
+    }
+}
+
+/// Makes the names in a folder last.
+fn sync_folder(folder: &Path) -> io::Result<()> {
+    before(Call::SyncFolder(folder))?;
+    // Elsewhere folders cannot be opened, and renames last by themselves.
+    #[cfg(unix)]
+    File::open(folder)?.sync_all()?;
+    Ok(())
+}
+
+/// Makes a folder and those above it, each of which lasts.
+///
+/// # Errors
+/// [`Error::Write`].
+pub fn make_folder(folder: &Path) -> Result<()> {
+    if folder.is_dir() {
+        return Ok(());
+    }
+    let up = above(folder);
+    if up != folder {
+        make_folder(up)?;
+    }
+    let made = before(Call::MakeFolder(folder)).and_then(|()| std::fs::create_dir(folder));
+    let made = match made {
+        // Another thread was as quick.
+        Err(e) if e.kind() == io::ErrorKind::AlreadyExists && folder.is_dir() => Ok(()),
+        made => made.and_then(|()| sync_folder(up)),
+    };
+    made.map_err(|e| Error::write(folder, e))
+}
+
+/// Makes sure that files can be written to a folder, which is made where it is missing.
+///
+/// # Errors
+/// [`Error::Write`].
+pub fn check_writable(folder: &Path) -> Result<()> {
+    make_folder(folder)?;
+    let (probe, created) = new_partial(&folder.join("probe"));
+    let tried = created.and_then(|_| remove_raw(&probe));
+    tried.map_err(|e| Error::write(folder, e))
+}
+
+fn remove_raw(path: &Path) -> io::Result<()> {
+    before(Call::Remove(path))?;
+    std::fs::remove_file(path)
+}
+
+/// Removes a file of ours; nothing happens where there is none.
+///
+/// # Errors
+/// [`Error::Write`].
+pub fn remove(path: &Path) -> Result<()> {
+    match remove_raw(path) {
+        Err(e) if e.kind() != io::ErrorKind::NotFound => Err(Error::write(path, e)),
+        _ => Ok(()),
+    }
+}
+
+/// Removes a folder that is empty. Says whether it is gone: one that holds something stays.
+///
+/// # Errors
+/// [`Error::Write`].
+pub fn remove_if_empty(folder: &Path) -> Result<bool> {
+    let tried = before(Call::RemoveFolder(folder)).and_then(|()| std::fs::remove_dir(folder));
+    match tried {
+        Ok(()) => Ok(true),
+        Err(e) if e.kind() == io::ErrorKind::DirectoryNotEmpty => Ok(false),
+        Err(e) => Err(Error::write(folder, e)),
+    }
+}
+
+/// Removes what killed processes of ours left half written in a folder itself; whatever cannot be removed
+/// stays.
+pub fn clear_partials(folder: &Path) {
+    for (name, kind) in list(folder).unwrap_or_default() {
+        if kind == Kind::File && is_partial(&name) {
+            let _ = remove_raw(&folder.join(name));
+        }
+    }
+}
+
+/// Whether a name is that of a file which is being written: `NAME.PROCESS-NUMBER` and [`PARTIAL`].
+pub fn is_partial(name: &str) -> bool {
+    let begin = name.strip_suffix(PARTIAL).and_then(|n| n.rsplit_once('.'));
+    let number = |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
+    begin.is_some_and(|(name, writer)| {
+        let of = writer.split_once('-');
+        !name.is_empty() && of.is_some_and(|(process, count)| number(process) && number(count))
+    })
+}
+
+/// Opens a folder to lock it.
+///
+/// # Errors
+/// The system's.
+pub fn open_folder(folder: &Path) -> io::Result<File> {
+    File::open(folder)
+}
+
+/// Opens a regular file to lock it; nothing is written to it.
+///
+/// # Errors
+/// The system's, and [`io::ErrorKind::InvalidInput`] for what is no regular file.
+pub fn open_to_lock(path: &Path) -> io::Result<File> {
+    if !std::fs::metadata(path)?.is_file() {
+        return Err(io::ErrorKind::InvalidInput.into());
+    }
+    File::options().append(true).open(path)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_our_half_files_are_ours() {
+        for ours in ["a.csv.12-0.bitgrain-partial", "b.1-23.bitgrain-partial"] {
+            assert!(is_partial(ours), "{ours}");
+        }
+        for not in [
+            "film.mkv.partial",
+            "a.bitgrain-partial",
+            "a.1.bitgrain-partial",
+            ".1-2.bitgrain-partial",
+            "a.x-2.bitgrain-partial",
+            "a.1-2.partial",
+        ] {
+            assert!(!is_partial(not), "{not}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_regular_file_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let told = read(folder.path()).unwrap_err().to_string();
+        assert!(told.contains("is a folder, and a regular file"), "{told}");
+        let none = folder.path().join("none");
+        assert!(read_if_there(&none).unwrap().is_none());
+        assert!(
+            read(&none)
+                .unwrap_err()
+                .to_string()
+                .contains("cannot be read")
+        );
+    }
+
+    #[test]
+    fn more_than_the_budget_is_refused_before_it_is_in_memory() {
+        let endless = std::io::repeat(7);
+        let told = all_of(endless, 0, "fails", &|| "a.gz".into()).unwrap_err();
+        let told = told.to_string();
+        assert!(told.contains("--max-input"), "{told}");
+    }
+}

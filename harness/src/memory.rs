@@ -1,0 +1,19 @@
+//! Whether there is room for what numbers of a file ask for, before it is filled.
+
+use crate::error::{Error, Result};
+
+/// Asks for so many bytes at once and gives them back; what is then taken piece by piece is likely to be had.
+///
+/// # Errors
+/// [`Error::Memory`] where the system does not lend them; `what` they are for.
+pub fn room(bytes: f64, what: &str) -> Result<()> {
+    let mut trial: Vec<u8> = Vec::new();
+    // A number that is too large becomes the largest, which nobody has.
+    match trial.try_reserve_exact(bytes as usize) {
+        Ok(()) => Ok(()),
+        Err(_) => Err(Error::Memory {
+            what: what.to_string(),
+            bytes,
+        }),
+    }
+}

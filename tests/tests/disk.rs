@@ -1,0 +1,377 @@
+//! Every call that changes the file system fails once, or is the last before a kill or a power loss; then the
+//! same command ends with the bytes of a run that was left alone.
+//!
+//! The whole of it: `cargo test -p bitgrain-tests --release --test disk -- --ignored --nocapture`
+
+use std::collections::BTreeMap;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, MutexGuard};
+
+use bitgrain::bed::library::Library;
+use bitgrain::campaign::only::Only;
+use bitgrain::campaign::sweep::{Sweep, sweep};
+use bitgrain::disk::{self, Call, Verdict, Watch};
+use bitgrain::error::Result;
+use bitgrain::progress::Progress;
+use bitgrain::run::SaveEvery;
+use bitgrain::scenario::Scenario;
+use bitgrain_tests::results;
+use bitgrain_tests::wee::{WEE, WEE_CAMPAIGN};
+
+/// The calls of this process are watched by one test at a time.
+static ALONE: Mutex<()> = Mutex::new(());
+
+fn alone() -> MutexGuard<'static, ()> {
+    ALONE.lock().unwrap_or_else(|broken| broken.into_inner())
+}
+
+/// How a call is spoilt.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Spoil {
+    /// It fails; the process goes on.
+    Error,
+    /// Half of its bytes arrive.
+    Short,
+    /// The process is killed before it: no call after it is made.
+    Kill,
+    /// Power is lost before it: what was not synced is gone too.
+    PowerLoss,
+}
+
+const SPOILS: [Spoil; 4] = [Spoil::Error, Spoil::Short, Spoil::Kill, Spoil::PowerLoss];
+
+/// Spoils one call, and keeps what a disk without power would have kept.
+struct Spoiler {
+    at: usize,
+    spoil: Spoil,
+    state: Mutex<State>,
+}
+
+#[derive(Default)]
+struct State {
+    calls: usize,
+    spoilt: bool,
+    disk: FakeDisk,
+}
+
+impl Watch for Spoiler {
+    fn before(&self, call: &Call<'_>) -> Verdict {
+        let mut state = self.state.lock().unwrap();
+        let (now, dead) = (
+            state.calls,
+            matches!(self.spoil, Spoil::Kill | Spoil::PowerLoss),
+        );
+        state.calls += 1;
+        if now == self.at || now > self.at && dead {
+            state.spoilt = true;
+            return match (self.spoil, call) {
+                (Spoil::Short, Call::Write(_, bytes)) => Verdict::Short(bytes.len() / 2),
+                (Spoil::Error, _) => Verdict::Fail(ErrorKind::Other),
+                _ => Verdict::Fail(ErrorKind::StorageFull),
+            };
+        }
+        state.disk.made(call);
+        Verdict::Go
+    }
+}
+
+/// A disk that forgets what was not synced: names by folder, as they are and as they last.
+#[derive(Default)]
+struct FakeDisk {
+    files: Vec<File>,
+    now: BTreeMap<PathBuf, Node>,
+    lasting: BTreeMap<PathBuf, Node>,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Node {
+    Folder,
+    File(usize),
+}
+
+#[derive(Default)]
+struct File {
+    bytes: Vec<u8>,
+    lasting: Vec<u8>,
+}
+
+impl FakeDisk {
+    fn made(&mut self, call: &Call<'_>) {
+        match *call {
+            Call::MakeFolder(path) => {
+                self.now.insert(path.into(), Node::Folder);
+            }
+            Call::Create(path) => {
+                self.files.push(File::default());
+                self.now
+                    .insert(path.into(), Node::File(self.files.len() - 1));
+            }
+            Call::Write(path, bytes) => self.file(path).bytes = bytes.to_vec(),
+            Call::Sync(path) => {
+                let file = self.file(path);
+                file.lasting = file.bytes.clone();
+            }
+            Call::Rename(from, to) => {
+                let node = self.now.remove(from).expect("what is renamed was made");
+                self.now.insert(to.into(), node);
+            }
+            Call::Remove(path) | Call::RemoveFolder(path) => {
+                self.now.remove(path);
+            }
+            Call::SyncFolder(folder) => {
+                let in_it = |path: &&PathBuf| path.parent() == Some(folder);
+                self.lasting.retain(|path, _| !in_it(&path));
+                let names = self.now.iter().filter(|(path, _)| in_it(path));
+                let names: Vec<_> = names.map(|(path, node)| (path.clone(), *node)).collect();
+                self.lasting.extend(names);
+            }
+        }
+    }
+
+    fn file(&mut self, path: &Path) -> &mut File {
+        match self.now.get(path) {
+            Some(Node::File(k)) => &mut self.files[*k],
+            _ => panic!("{} was not made", path.display()),
+        }
+    }
+
+    /// Puts what lasts, and nothing else, into a folder.
+    fn restore(&self, room: &Path) {
+        for item in std::fs::read_dir(room).unwrap() {
+            let path = item.unwrap().path();
+            let _ = std::fs::remove_dir_all(&path);
+        }
+        for (path, node) in &self.lasting {
+            // A name in a folder that is gone is gone.
+            let whole = path.ancestors().skip(1).take_while(|up| *up != room);
+            if !whole.clone().all(|up| self.lasting.contains_key(up)) {
+                continue;
+            }
+            match node {
+                Node::Folder => std::fs::create_dir_all(path).unwrap(),
+                Node::File(k) => std::fs::write(path, &self.files[*k].lasting).unwrap(),
+            }
+        }
+    }
+}
+
+/// What is run: into `out`, with its beds in `beds`, both in a room.
+trait Work {
+    fn go(&self, room: &Path) -> Result<()>;
+}
+
+struct Run(Scenario);
+
+impl Work for Run {
+    fn go(&self, room: &Path) -> Result<()> {
+        let library = Library::new(room.join("beds"));
+        let setting = bitgrain::run::Setting {
+            scenario: &self.0,
+            folder: &bitgrain::folder::Folder(&room.join("out")),
+            library: &library,
+            threads: 1,
+            save: SaveEvery::Steps(900),
+            only: &[],
+            progress: &Progress::new(false),
+        };
+        bitgrain::run::run_in(setting).map(|_| ())
+    }
+}
+
+struct Campaign(bitgrain::campaign::plan::Plan);
+
+impl Work for Campaign {
+    fn go(&self, room: &Path) -> Result<()> {
+        sweep(&Sweep {
+            plan: &self.0,
+            only: &Only::new(vec![], &self.0)?,
+            out: &room.join("out"),
+            library: &Library::new(room.join("beds")),
+            threads: 1,
+            jobs: 1,
+            save: SaveEvery::Steps(5000),
+            // A disk that failed is no reason to keep a failure.
+            retry: true,
+            progress: &Progress::new(false),
+        })
+        .map(|_| ())
+    }
+}
+
+fn run() -> Run {
+    Run(bitgrain::scenario::parse(WEE, "wee", &[], Path::new("")).unwrap())
+}
+
+fn campaign() -> Campaign {
+    let room = tempfile::tempdir().unwrap();
+    std::fs::write(room.path().join("wee.toml"), WEE).unwrap();
+    let plan = bitgrain::campaign::plan::parse(WEE_CAMPAIGN, "weecamp", &[], room.path());
+    Campaign(plan.unwrap())
+}
+
+/// Runs it with one call spoilt, then again left alone; returns how many calls the first one made.
+fn spoilt(work: &impl Work, at: usize, spoil: Spoil, want: Option<&Files>) -> (usize, Files) {
+    let folder = tempfile::tempdir().unwrap();
+    let room = folder.path();
+    let spoiler = Arc::new(Spoiler {
+        at,
+        spoil,
+        state: Mutex::new(State::default()),
+    });
+    disk::watch(Some(spoiler.clone()));
+    let ended = work.go(room);
+    disk::watch(None);
+    let state = spoiler.state.lock().unwrap();
+    if spoil == Spoil::PowerLoss && state.spoilt {
+        state.disk.restore(room);
+    }
+    // What cannot be removed or is only a trial may fail unseen; nothing else may.
+    if let Err(error) = ended {
+        assert!(state.spoilt, "call {at}: {error}");
+        let status = error.exit_status();
+        assert!(status == 1, "call {at}, {spoil:?}: {status}, {error}");
+    }
+    if let Some(want) = want {
+        let again = work.go(room);
+        assert!(again.is_ok(), "call {at}, {spoil:?}: {:?}", again.err());
+        let got = results(&room.join("out"));
+        let differ = |name: &&String| got.get(*name) != want.get(*name);
+        let wrong: Vec<&String> = got.keys().chain(want.keys()).filter(differ).collect();
+        assert!(wrong.is_empty(), "call {at}, {spoil:?}: {wrong:?} differ");
+    }
+    (state.calls, results(&room.join("out")))
+}
+
+type Files = BTreeMap<String, Vec<u8>>;
+
+/// Spoils every `nth` call in every way.
+fn spoil_all(work: &impl Work, nth: usize) {
+    let _alone = alone();
+    let (calls, want) = spoilt(work, usize::MAX, Spoil::Kill, None);
+    let mut tried = 0;
+    for (k, spoil) in SPOILS.into_iter().enumerate() {
+        // Not the same calls in each way.
+        for at in (k * nth / SPOILS.len()..calls).step_by(nth) {
+            spoilt(work, at, spoil, Some(&want));
+            tried += 1;
+        }
+    }
+    println!("{calls} calls, {tried} of them spoilt");
+    assert!(tried >= SPOILS.len());
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn a_run_survives_a_call_that_fails() {
+    spoil_all(&run(), 37);
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn a_campaign_survives_a_call_that_fails() {
+    spoil_all(&campaign(), 150);
+}
+
+#[test]
+#[ignore = "a quarter of an hour"]
+fn a_run_survives_every_call_that_fails() {
+    spoil_all(&run(), 1);
+}
+
+#[test]
+#[ignore = "half an hour"]
+fn a_campaign_survives_every_call_that_fails() {
+    spoil_all(&campaign(), 1);
+}
+
+/// Whatever is damaged of a run that was killed in the midst of a drag is made again, or named and left as it is.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn an_interrupted_run_mends_what_is_damaged() {
+    let _alone = alone();
+    let work = run();
+    let (calls, want) = spoilt(&work, usize::MAX, Spoil::Kill, None);
+    let folder = tempfile::tempdir().unwrap();
+    let room = folder.path();
+    // In the midst of the second drag, with the first one through.
+    let spoiler = Arc::new(Spoiler {
+        at: calls * 5 / 6,
+        spoil: Spoil::Kill,
+        state: Mutex::new(State::default()),
+    });
+    disk::watch(Some(spoiler));
+    let ended = work.go(room);
+    disk::watch(None);
+    assert!(ended.is_err());
+    let killed = results(&room.join("out"));
+    let names = killed.keys().filter(|name| !name.ends_with(disk::PARTIAL));
+    let (mut mended, mut named) = (0, 0);
+    for name in names {
+        let folder = tempfile::tempdir().unwrap();
+        let room = folder.path();
+        for (file, bytes) in &killed {
+            let path = room.join("out").join(file);
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            let mut bytes = bytes.clone();
+            if file == name {
+                let middle = bytes.len() / 2;
+                bytes[middle] ^= 4;
+            }
+            std::fs::write(path, bytes).unwrap();
+        }
+        let damaged = results(&room.join("out"));
+        match work.go(room) {
+            Ok(()) => {
+                assert!(results(&room.join("out")) == want, "{name}");
+                mended += 1;
+            }
+            Err(error) => {
+                let path = room.join("out").join(name);
+                assert!(error.to_string().contains("out"), "{name}: {error}");
+                assert!(std::fs::read(path).unwrap() == damaged[name], "{name}");
+                named += 1;
+            }
+        }
+    }
+    println!("{mended} mended, {named} named");
+    assert!(mended > 20 && named <= 2, "{mended} mended, {named} named");
+}
+
+/// Fails whatever would be written below a folder.
+struct ReadOnly(PathBuf);
+
+impl Watch for ReadOnly {
+    fn before(&self, call: &Call<'_>) -> Verdict {
+        let (Call::Create(path) | Call::MakeFolder(path) | Call::Remove(path)) = call else {
+            return Verdict::Go;
+        };
+        match path.starts_with(&self.0) {
+            true => Verdict::Fail(ErrorKind::ReadOnlyFilesystem),
+            false => Verdict::Go,
+        }
+    }
+}
+
+/// A library that cannot be written to serves as long as it holds the beds.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn a_library_that_is_read_only_serves() {
+    let _alone = alone();
+    let folder = tempfile::tempdir().unwrap();
+    let room = folder.path();
+    let watch = || disk::watch(Some(Arc::new(ReadOnly(room.join("beds")))));
+    for work in [&run() as &dyn Work, &campaign()] {
+        watch();
+        let refused = work.go(room).unwrap_err();
+        assert_eq!(refused.exit_status(), 1, "{refused}");
+        disk::watch(None);
+        work.go(room).unwrap();
+        std::fs::remove_dir_all(room.join("out")).unwrap();
+        watch();
+        let done = work.go(room);
+        disk::watch(None);
+        done.unwrap();
+        std::fs::remove_dir_all(room.join("out")).unwrap();
+    }
+}

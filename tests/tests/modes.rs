@@ -1,0 +1,173 @@
+//! A processor mode that something in the process switches on while a run is under way is found at the
+//! next step, save or digest, on whichever thread it is, and nothing is written from then on.
+#![cfg(target_arch = "x86_64")]
+#![allow(unsafe_code)]
+
+use std::arch::asm;
+
+use bitgrain::chain::Link;
+use bitgrain::checkpoint::{self, Note};
+use bitgrain::drag::drag;
+use bitgrain::error::{Error, Result};
+use bitgrain::scenario;
+use bitgrain::sim::Sim;
+use bitgrain::threads::on_threads;
+use bitgrain::witness::Witness;
+use bitgrain_kernel::{Digest, Fault, Flaw, Pushed};
+use bitgrain_tests::settled_quick;
+
+/// Bits of the control word, and what is found under them.
+const MODES: [(u32, Flaw); 3] = [
+    (1 << 15, Flaw::FlushToZero),
+    (1 << 13, Flaw::Rounding),
+    (3 << 13, Flaw::Rounding),
+];
+
+/// As a processor wakes up: every exception masked, to nearest, no mode on.
+const PLAIN: u32 = 0x1f80;
+
+/// Sets the control word of this thread.
+fn set(word: u32) {
+    // SAFETY: a valid control word with every exception masked; it is put back before a test ends.
+    unsafe { asm!("ldmxcsr [{}]", in(reg) &word) };
+}
+
+/// Puts the control word of this thread back, also where a test fails.
+struct Restored;
+
+impl Drop for Restored {
+    fn drop(&mut self) {
+        set(PLAIN);
+    }
+}
+
+#[test]
+fn a_mode_between_two_calls_is_found_by_whichever_comes_first() {
+    let folder = tempfile::tempdir().unwrap();
+    for (k, (bits, flaw)) in MODES.into_iter().enumerate() {
+        let mut sim = settled_quick();
+        sim.steps(3).unwrap();
+        let path = folder.path().join(k.to_string());
+        let (digest, written, stepped, watched) = {
+            let _restored = Restored;
+            set(PLAIN | bits);
+            let digest = sim.digest();
+            let written = checkpoint::write(&path, &mut sim);
+            let (mut one, mut other) = (sim.clone(), sim.clone());
+            (digest, written, one.steps(1), other.step_watched(|_| {}))
+        };
+        let fault = Fault::Arithmetic { flaw };
+        assert_eq!(digest, Err(fault));
+        assert!(matches!(written, Err(Error::Contract { .. })), "{flaw:?}");
+        assert!(!path.exists());
+        assert_eq!((stepped, watched), (Err(fault), Err(fault)));
+        // The state itself was computed before.
+        assert!(sim.digest().is_ok());
+    }
+}
+
+/// Switches a mode on when it is shown a step, and keeps what it is given after that.
+struct Library {
+    bits: u32,
+    at: u64,
+    packed: Vec<(u64, bool)>,
+    linked: Vec<u64>,
+}
+
+impl Witness for Library {
+    fn looks_at(&self, step: u64) -> bool {
+        step == self.at
+    }
+
+    fn look(&mut self, _step: u64, _sim: &mut Sim, _contacts: &[Pushed<f64>]) -> Result<()> {
+        set(PLAIN | self.bits);
+        Ok(())
+    }
+
+    fn linked(&mut self, link: &Link) -> Result<()> {
+        self.linked.push(link.step);
+        Ok(())
+    }
+
+    fn pause(&mut self, step: u64, sim: &mut Sim, note: &dyn Fn() -> Note) -> Result<()> {
+        // As a saver whose disk is full and who does not mind.
+        let packed = checkpoint::pack(sim, &note());
+        let refused = matches!(packed, Err(Error::Contract { .. }));
+        self.packed.push((step, refused));
+        assert_eq!(packed.is_err(), refused);
+        Ok(())
+    }
+}
+
+#[test]
+fn a_mode_switched_on_by_who_looks_on_ends_the_drag_before_anything_is_written() {
+    let mut scenario = scenario::load("quick", &[]).unwrap();
+    scenario.measure.digest_every = 2;
+    let plan = &scenario.runs()[0];
+    for (bits, _) in MODES {
+        let mut library = Library {
+            bits,
+            at: 7,
+            packed: Vec::new(),
+            linked: Vec::new(),
+        };
+        let mut sim = settled_quick();
+        let _restored = Restored;
+        let ended = drag(&mut sim, &scenario, plan, &mut library);
+        set(PLAIN);
+        assert!(matches!(ended, Err(Error::Contract { .. })));
+        let packed = (1..=7).map(|step| (step, step == 7)).collect::<Vec<_>>();
+        assert_eq!(library.packed, packed);
+        assert_eq!(library.linked, [2, 4, 6]);
+    }
+}
+
+/// Stretches on three threads, with a mode on all but the one that calls: the steps that end well have the
+/// bits they should have, until a thread that computes otherwise gets a share. That is in the first drift of
+/// a stretch as often as in its forces where each stretch is of one step.
+#[test]
+fn a_mode_of_another_thread_is_found_in_the_stretch_in_which_it_has_a_part() {
+    for steps in [1, 10] {
+        let mut plain = settled_quick();
+        let wanted: Vec<Digest> = (0..300)
+            .map(|_| {
+                plain.steps(steps).unwrap();
+                plain.digest().unwrap()
+            })
+            .collect();
+        for (bits, flaw) in MODES {
+            for _ in 0..4 {
+                let found = on_threads(3, || steps_beside(PLAIN | bits, steps, &wanted));
+                let (fault, again) = found.unwrap().expect("another thread has a share");
+                assert_eq!(fault, Fault::Arithmetic { flaw });
+                assert_eq!(again, Err(Fault::NotStarted));
+            }
+        }
+    }
+}
+
+/// The fault of the first stretch that ends in one, and what the steps after it end in.
+fn steps_beside(
+    word: u32,
+    steps: u64,
+    wanted: &[Digest],
+) -> Option<(Fault, std::result::Result<(), Fault>)> {
+    let here = rayon::current_thread_index();
+    let mut sim = settled_quick();
+    sim.steps(steps).unwrap();
+    assert_eq!(sim.ranges(), 3);
+    rayon::broadcast(|context| {
+        if Some(context.index()) != here {
+            set(word);
+        }
+    });
+    wanted[1..]
+        .iter()
+        .find_map(|wanted| match sim.steps(steps) {
+            Ok(()) => {
+                assert_eq!(sim.digest().as_ref(), Ok(wanted), "a step is wrong unseen");
+                None
+            }
+            Err(fault) => Some((fault, sim.steps(steps))),
+        })
+}

@@ -1,0 +1,391 @@
+//! What is not the program's own stays as it is, and what was changed is not believed.
+
+use std::io::Write;
+use std::sync::LazyLock;
+
+use bitgrain::campaign::table::Table;
+use bitgrain::checkpoint;
+use bitgrain::manifest::{Entry, Manifest};
+use bitgrain_tests::wee::Room;
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
+
+/// A finished run, a finished campaign and their library, to be copied.
+static FURNISHED: LazyLock<Room> = LazyLock::new(|| Room::furnished(PROGRAM));
+
+/// Files that end like half files of ours, but are others', and files of other runs, stay where they are.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn files_of_others_are_not_removed() {
+    let room = Room::new(PROGRAM);
+    let others = [
+        "home/downloads/film.mkv.partial",
+        "home/downloads/forces.csv.12-3.bitgrain-partial",
+        "home/film.mkv.partial",
+        "home/notes.txt",
+    ];
+    for name in others {
+        room.write(name, "mine");
+    }
+    // This one is a half file of ours in a folder of ours.
+    room.write("home/runs.12-3.bitgrain-partial", "ours");
+    room.done("run wee.toml --out home");
+    for name in others {
+        assert_eq!(room.read(name), b"mine", "{name}");
+    }
+    assert!(!room.path("home/runs.12-3.bitgrain-partial").exists());
+    // It is a run all the same, and says what else lies there.
+    let told = room.done("verify home");
+    assert!(
+        told.contains("not covered by manifest.json: downloads/film"),
+        "{told}"
+    );
+}
+
+/// A run in a folder above another's does not disturb it.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn a_run_in_a_folder_below_goes_on() {
+    let room = Room::new(PROGRAM);
+    let mut inner =
+        room.begin("run wee.toml --out nest/inner --set bed.settled=1e-12 --save-every 1");
+    while !room
+        .path("nest/inner/beds/bed.pouring.safetensors")
+        .exists()
+    {
+        assert!(inner.try_wait().unwrap().is_none(), "it is at work");
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    for _ in 0..6 {
+        room.done("run wee.toml --out nest");
+        assert!(
+            inner.try_wait().unwrap().is_none(),
+            "the inner run was ended"
+        );
+    }
+    inner.kill().unwrap();
+    inner.wait().unwrap();
+}
+
+/// A folder that holds a name which would be written, and is no run's, is refused as it is.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn a_folder_of_others_is_refused() {
+    for name in [
+        "scenario.toml",
+        "summary.json",
+        "report.html",
+        "runs/mine",
+        "beds/mine",
+    ] {
+        let room = Room::new(PROGRAM);
+        room.write(&format!("home/{name}"), "mine");
+        let told = room.says("run wee.toml --out home", 2);
+        let word = name.split('/').next().unwrap();
+        assert!(told.contains(&format!("holds `{word}`")), "{told}");
+        assert_eq!(room.files("home").len(), 1);
+    }
+    for name in ["results.csv", "members/mine", "analysis.json"] {
+        let room = Room::new(PROGRAM);
+        room.write(&format!("home/{name}"), "mine");
+        let told = room.says("sweep weecamp.toml --out home", 2);
+        assert!(told.contains("no folder of a campaign"), "{told}");
+        assert_eq!(room.files("home").len(), 1);
+    }
+    let room = FURNISHED.copy();
+    let told = room.says("run wee.toml --out run/runs/run-1", 2);
+    assert!(told.contains("lies among the results"), "{told}");
+    let told = room.says("run wee.toml --out camp", 2);
+    assert!(told.contains("no folder of a run"), "{told}");
+    let told = room.says("run wee.toml --out new --beds new/beds", 2);
+    assert!(told.contains("lies among the results"), "{told}");
+}
+
+/// `bed remove` takes the bed, and leaves what others laid beside it.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn a_bed_is_removed_without_what_lies_beside_it() {
+    let room = FURNISHED.copy();
+    let bed = std::fs::read_dir(room.path("beds"))
+        .unwrap()
+        .next()
+        .unwrap();
+    let name = bed.unwrap().file_name().into_string().unwrap();
+    room.write(&format!("beds/{name}/thesis.tex"), "mine");
+    room.write("beds/0123456789abcdef/thesis.tex", "mine");
+    let told = room.done("bed remove --all");
+    assert!(told.contains("holds files of others"), "{told}");
+    assert_eq!(room.files("beds").len(), 2);
+}
+
+/// With another seed, friction or speed in `scenario.toml` a finished run is refused before a byte of it is
+/// written, with its manifest or without.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn a_changed_scenario_is_refused_before_anything_is_written() {
+    for (from, to) in [
+        ("mu = 0.5", "mu = 0.4"),
+        ("seed = 0", "seed = 2"),
+        ("0.6", "0.7"),
+    ] {
+        for manifest in [true, false] {
+            let room = FURNISHED.copy();
+            if !manifest {
+                std::fs::remove_file(room.path("run/manifest.json")).unwrap();
+            }
+            room.edit("run/scenario.toml", from, to);
+            let before = room.files("run");
+            let told = room.says("run --resume run", 2);
+            assert!(told.contains("another scenario"), "{told}");
+            assert!(
+                before == room.files("run"),
+                "{from} to {to}, manifest {manifest}"
+            );
+        }
+    }
+}
+
+/// What says the same in other words is the same scenario.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn a_space_more_is_no_other_scenario() {
+    let room = FURNISHED.copy();
+    for name in ["run/scenario.toml", "camp/campaign.toml"] {
+        let mut text = room.read(name);
+        text.extend(b"\n");
+        room.write(name, text);
+    }
+    room.done("run --resume run");
+    room.done("sweep weecamp.toml --out camp");
+    assert!(room.files("run") == FURNISHED.files("run"));
+    assert!(room.files("camp") == FURNISHED.files("camp"));
+}
+
+/// A run that has lost its ends, gained a drag, or has another series, is not verified.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn a_run_with_less_or_more_than_it_wrote_does_not_verify() {
+    FURNISHED.done("verify run");
+    let room = FURNISHED.copy();
+    let last = "run/runs/run-1/checkpoints/000000004167.safetensors";
+    for name in ["run/summary.json", "run/runs/run-1/summary.json", last] {
+        std::fs::remove_file(room.path(name)).unwrap();
+    }
+    let series = String::from_utf8(room.read("run/runs/run-1/forces.csv")).unwrap();
+    let forged = series.lines().map(|line| match line.split_once(',') {
+        Some((step, rest)) if step.parse::<u64>().is_ok() => format!("{step},12345,{rest}\n"),
+        _ => format!("{line}\n"),
+    });
+    room.write("run/runs/run-1/forces.csv", forged.collect::<String>());
+    let told = room.says("verify run", 3);
+    for word in [
+        "summary.json is missing",
+        "forces.csv has",
+        "run-1/summary.json is missing",
+    ] {
+        assert!(told.contains(word), "{told}");
+    }
+
+    let room = FURNISHED.copy();
+    std::fs::remove_dir_all(room.path("run/runs/run-2")).unwrap();
+    assert!(
+        room.says("verify run", 3)
+            .contains("runs/run-2/forces.csv is missing")
+    );
+
+    let room = FURNISHED.copy();
+    bitgrain_tests::wee::copy_all(&room.path("run/runs/run-1"), &room.path("run/runs/run-99"));
+    let told = room.says("verify run", 3);
+    assert!(told.contains("runs/run-99/forces.csv is extra"), "{told}");
+
+    for (damage, word) in [("", "has no manifest.json"), ("{}", "is damaged")] {
+        let room = FURNISHED.copy();
+        match damage {
+            "" => std::fs::remove_file(room.path("run/manifest.json")).unwrap(),
+            text => room.write("run/manifest.json", text),
+        }
+        let told = room.says("verify run", 3);
+        assert!(told.contains(word), "{told}");
+    }
+
+    // Whatever is done of a run, it is not whole.
+    let room = FURNISHED.copy();
+    room.done("run wee.toml --out part --only run-1");
+    let told = room.says("verify part", 3);
+    assert!(
+        told.contains("unfinished: run-2") && told.contains("is not finished"),
+        "{told}"
+    );
+}
+
+/// A forger who makes the manifest again is found by execution, and by a closing hash kept elsewhere.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn a_forged_manifest_proves_nothing() {
+    let room = FURNISHED.copy();
+    let honest = Manifest::of(&room.path("run")).unwrap().unwrap();
+    room.done(&format!(
+        "verify run --expect {} --sample 1",
+        honest.closing
+    ));
+    let stage = &honest.stages[2].link;
+    room.done(&format!("verify run --expect {stage} --sample 1"));
+    room.done(&format!(
+        "run wee.toml --out again --expect {} --expect {stage}",
+        honest.closing
+    ));
+    let other = "0".repeat(64);
+    let told = room.says(&format!("run wee.toml --out again --expect {other}"), 3);
+    assert!(told.contains("neither the closing hash"), "{told}");
+
+    let name = "runs/run-1/forces.csv";
+    let text = String::from_utf8(room.read(&format!("run/{name}"))).unwrap();
+    let forged = text.replacen(",-", ",", 1);
+    assert_ne!(text, forged);
+    room.write(&format!("run/{name}"), &forged);
+    let mut manifest = honest.clone();
+    let entry = manifest.files.iter_mut().find(|entry| entry.path == name);
+    *entry.unwrap() = Entry::of(name, forged.as_bytes());
+    room.write("run/manifest.json", manifest.text());
+    // Its own manifest vouches for it, and its drags of another piece are executed.
+    let told = room.done("verify run --segment run-2");
+    assert!(!told.contains(&honest.closing), "{told}");
+    let told = room.says("verify run", 3);
+    assert!(
+        told.contains("forces.csv of its folder: missing or not as it was written"),
+        "{told}"
+    );
+    let told = room.says(
+        &format!("verify run --segment run-2 --expect {}", honest.closing),
+        3,
+    );
+    assert!(told.contains("neither its closing hash"), "{told}");
+}
+
+/// A table holds what the members' manifests vouch for, and a campaign verifies as a whole.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn a_campaign_believes_no_edited_member() {
+    let want = FURNISHED.files("camp");
+    let told = FURNISHED.done("verify camp");
+    assert!(
+        told.contains("mu0.3: run-2: steps") && told.contains("links of"),
+        "{told}"
+    );
+    FURNISHED.done("verify camp --sample 2");
+    let member = "camp/members/mu0.3";
+    let edits: [(&str, &str, &str); 5] = [
+        ("runs/run-1/summary.json", "\"mean\": ", "\"mean\": 1"),
+        ("runs/run-2/forces.csv", "1", "2"),
+        ("beds/bed.data", "1", "2"),
+        ("runs/run-1/snapshots/grains.000000002084.vtk", "0.5", "0.6"),
+        ("scenario.toml", "mu = 0.3", "mu = 0.7"),
+    ];
+    for (name, from, to) in edits {
+        let room = FURNISHED.copy();
+        room.edit(&format!("{member}/{name}"), from, to);
+        let told = room.says("verify camp --sample 1", 3);
+        assert!(told.contains(name), "{told}");
+        let before = room.files("camp");
+        let out = room.told("sweep weecamp.toml --out camp");
+        if out.status.success() {
+            assert!(room.files("camp") == want, "{name}");
+        } else {
+            let told = String::from_utf8_lossy(&out.stderr);
+            assert!(told.contains("mu0.3"), "{told}");
+            assert!(room.files("camp") == before, "{name}");
+        }
+    }
+    for name in [
+        "beds/bed.safetensors",
+        "runs/run-1/checkpoints/000000002778.safetensors",
+    ] {
+        let room = FURNISHED.copy();
+        let name = format!("{member}/{name}");
+        let mut bytes = room.read(&name);
+        let middle = bytes.len() / 2;
+        bytes[middle] ^= 1;
+        room.write(&name, bytes);
+        room.done("sweep weecamp.toml --out camp");
+        assert!(room.files("camp") == want, "{name}");
+    }
+    let room = FURNISHED.copy();
+    let text = String::from_utf8(room.read("camp/results.csv")).unwrap();
+    let table = Table::parse(&text, "results.csv").unwrap();
+    let drag = table.text(0, "drag");
+    room.edit("camp/results.csv", drag, &format!("1{drag}"));
+    let told = room.says("verify camp --sample 1", 3);
+    assert!(
+        told.contains("not what its members' results give"),
+        "{told}"
+    );
+    let told = room.says("analyse camp", 2);
+    assert!(told.contains("results.csv"), "{told}");
+}
+
+/// A report draws nothing that is not of its run.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn a_report_mixes_no_runs() {
+    let room = FURNISHED.copy();
+    room.done("run wee.toml --out other --set seed=2");
+    for name in [
+        "scenario.toml",
+        "runs/run-1/forces.csv",
+        "runs/run-2/snapshots/grains.000000001042.dump",
+        "beds/bed.safetensors",
+        "summary.json",
+    ] {
+        let room = room.copy();
+        room.write(&format!("run/{name}"), room.read(&format!("other/{name}")));
+        let before = room.files("run");
+        let told = room.says("report run", 2);
+        assert!(told.contains(name), "{told}");
+        assert!(room.files("run") == before);
+    }
+}
+
+/// A bed of the library whose state was changed and sealed again is not used.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn a_resealed_bed_of_the_library_is_not_used() {
+    let room = Room::new(PROGRAM);
+    room.done("run wee.toml --out run");
+    let bed = std::fs::read_dir(room.path("beds"))
+        .unwrap()
+        .next()
+        .unwrap();
+    let path = bed.unwrap().path().join("bed.safetensors");
+    let (mut sim, note) = checkpoint::read_noted(&path).unwrap();
+    sim.velocity[7][0] += 1e-3;
+    std::fs::write(&path, checkpoint::pack(&mut sim, &note).unwrap()).unwrap();
+    checkpoint::read_noted(&path).expect("its seal holds");
+    let told = room.says("run wee.toml --out new", 2);
+    assert!(
+        told.contains("not the one that its chain of digests ends with"),
+        "{told}"
+    );
+    assert!(told.contains("bitgrain bed remove"), "{told}");
+}
+
+/// A small file that unpacks to more than is read is refused, and more is read where that is asked for.
+#[test]
+fn what_unpacks_beyond_its_budget_is_refused() {
+    let room = Room::new(PROGRAM);
+    let mut gzip = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    let zeros = vec![b'0'; 1 << 20];
+    for _ in 0..513 {
+        gzip.write_all(&zeros).unwrap();
+    }
+    room.write("big.csv.gz", gzip.finish().unwrap());
+    assert!(std::fs::metadata(room.path("big.csv.gz")).unwrap().len() < 4 << 20);
+    let told = room.says("analyse big.csv.gz", 2);
+    assert!(
+        told.contains("more than 512 MiB, unpacked") && told.contains("--max-input"),
+        "{told}"
+    );
+    let told = room.says("analyse big.csv.gz --max-input 600", 2);
+    assert!(told.contains("no column `member`"), "{told}");
+    let told = room.says("run wee.toml --max-input 0", 2);
+    assert!(told.contains("--max-input"), "{told}");
+}
