@@ -18,7 +18,7 @@ use crate::disk;
 use crate::error::{Error, Result};
 use crate::files::{read_text, text_of};
 use crate::folder::Folder;
-use crate::manifest::{self, Manifest};
+use crate::manifest::{self, Departure, Manifest};
 use crate::replay::{ContactState, Digests};
 
 /// What an error calls a file of ours that has no lasting name.
@@ -192,8 +192,11 @@ impl Side {
         let text = match listed(&path) {
             Some(entry) => {
                 let place = path.display().to_string();
-                let bytes = entry.read(&self.folder);
-                text_of(bytes.map_err(|what| Error::input(&place, what))?, &place)?
+                let bytes = entry.read(&self.folder).map_err(|what| match what {
+                    Departure::Changed(how) => Error::input(&place, how),
+                    Departure::Unreadable(e) => e,
+                })?;
+                text_of(bytes, &place)?
             }
             None => read_text(path)?,
         };

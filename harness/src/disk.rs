@@ -3,8 +3,8 @@
 //!
 //! Files are read whole, regular files alone, and never more of one than [`most`] allows. They are written
 //! beside the old file, synced, renamed over it, and then their folder is synced: so a reader sees the old
-//! file or the new one, and after a power loss there is one of them too. A file that was written before
-//! another one is not lost where the other one is kept.
+//! file or the new one, and after a power loss there is one of them too. Of two files that were written one
+//! after the other, a power loss never keeps the second alone.
 //!
 //! Tests [`watch`] the calls, fail them, and stop a process at any of them.
 
@@ -145,7 +145,8 @@ pub fn read_if_there(path: &Path) -> Result<Option<Vec<u8>>> {
         let problem = format!("is {what}, and a regular file was expected");
         return Err(Error::input(path.display().to_string(), problem));
     }
-    let file = File::open(path).map_err(|e| wrong(&e))?;
+    let file = before(Call::Read(path)).and_then(|()| File::open(path));
+    let file = file.map_err(|e| wrong(&e))?;
     let name = || path.display().to_string();
     all_of(file, data.len(), "cannot be read", &name).map(Some)
 }
@@ -202,7 +203,7 @@ pub(crate) fn all_of(
 /// # Errors
 /// [`Error::Input`] where it cannot be read.
 pub fn list(folder: &Path) -> Result<Vec<(String, Kind)>> {
-    let items = match std::fs::read_dir(folder) {
+    let items = match before(Call::List(folder)).and_then(|()| std::fs::read_dir(folder)) {
         Ok(items) => items,
         Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
         Err(e) => return Err(Error::read(folder, &e)),
@@ -220,8 +221,18 @@ pub fn list(folder: &Path) -> Result<Vec<(String, Kind)>> {
 /// Writes `bytes` to `path`, replacing what was there in one go. Folders on the way are made.
 ///
 /// # Errors
-/// [`Error::Write`]; the old file is then still there.
+/// [`Error::Write`], and [`Error::Input`] for more bytes than [`most`]; the old file is then still there.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
+    let (size, most) = (bytes.len() as u64, most());
+    if size > most {
+        let problem = format!(
+            "would have {} MiB, and of a file no more than {} MiB are read again: allow more with --max-input; \
+             what was written before is kept, and the same command goes on from it",
+            size.div_ceil(1 << 20),
+            most >> 20
+        );
+        return Err(Error::input(path.display().to_string(), problem));
+    }
     let folder = above(path);
     make_folder(folder)?;
     let (partial, created) = new_partial(path);
@@ -363,6 +374,7 @@ pub fn is_partial(name: &str) -> bool {
 /// # Errors
 /// The system's.
 pub fn open_folder(folder: &Path) -> io::Result<File> {
+    before(Call::Lock(folder))?;
     File::open(folder)
 }
 
@@ -374,6 +386,7 @@ pub fn open_to_lock(path: &Path) -> io::Result<File> {
     if !std::fs::metadata(path)?.is_file() {
         return Err(io::ErrorKind::InvalidInput.into());
     }
+    before(Call::Lock(path))?;
     File::options().append(true).open(path)
 }
 

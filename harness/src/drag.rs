@@ -1,7 +1,7 @@
 //! Dragging: the intruder moves at constant speed through a settled bed, or the bed past it, and the
 //! force on it is summed at every step.
 
-use bitgrain_kernel::Fault;
+use bitgrain_kernel::{Fault, check_arithmetic};
 use serde::{Deserialize, Serialize};
 
 use crate::audit::{Audit, EnergyRow};
@@ -218,6 +218,8 @@ impl Dragging {
                 link.map_or(Ok(()), |link| witness.linked(link))?;
             }
             if looks {
+                // What is shown is written down.
+                check_arithmetic::<f64>().map_err(wrong)?;
                 witness.look(n, sim, &seen)?;
             }
             witness.pause(n, sim, &|| self.note())?;

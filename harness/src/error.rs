@@ -9,6 +9,15 @@ use thiserror::Error;
 const SAVED: &str = "; it is saved: the same command goes on from there, and so does `bitgrain run --resume` \
                      with the run's folder";
 
+/// Where results are not those of their scenario.
+pub(crate) const CHANGED: &str = "the files were changed, or made by another build or on a machine that does not \
+                                  keep the bit contract (`bitgrain selftest` tells); `bitgrain bisect` finds where \
+                                  two runs part";
+
+/// Where a run is not the one that was expected.
+pub(crate) const UNEXPECTED: &str = "this is another run than the one that the expected hash was taken from, or \
+                                     the hash was copied wrongly";
+
 /// Why a command ended without its result.
 #[derive(Debug, Error)]
 pub enum Error {
@@ -71,13 +80,12 @@ pub enum Error {
         carried: f64,
     },
     /// A run that was executed again gave something else than was written.
-    #[error(
-        "{problem}: the files were changed, or made by another build or on a machine that does not keep \
-         the bit contract (`bitgrain selftest` tells); `bitgrain bisect` finds where two runs part"
-    )]
+    #[error("{problem}: {hint}")]
     Unverified {
         /// What does not hold.
         problem: String,
+        /// What may be the cause, and what to do.
+        hint: &'static str,
     },
     /// Runs of a campaign failed.
     #[error(
@@ -213,8 +221,12 @@ impl Error {
 fn write_hint(source: &std::io::Error) -> &'static str {
     use std::io::ErrorKind as Kind;
     match source.kind() {
-        Kind::StorageFull | Kind::QuotaExceeded | Kind::FileTooLarge => {
+        Kind::StorageFull | Kind::QuotaExceeded => {
             "free some space, then give the same command again"
+        }
+        Kind::FileTooLarge => {
+            "files may not be so long here: raise the limit (`ulimit -f`) or choose another file system, then give \
+             the same command again"
         }
         Kind::PermissionDenied | Kind::ReadOnlyFilesystem => {
             "choose a folder that you may write to (--out, --beds)"

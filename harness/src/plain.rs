@@ -1,7 +1,7 @@
 //! Text of others made fit for a terminal.
 
-/// Longest word that is shown whole, in characters.
-const WORD_MAX: usize = 200;
+/// Longest word that is shown whole, in characters: that of a path, which is a file's name only as a whole.
+const WORD_MAX: usize = 4096;
 
 /// The text with control characters but newlines, and those that turn the direction of writing, shown as
 /// `\u{1b}`.
@@ -18,7 +18,7 @@ pub fn escaped(text: &str) -> String {
     out
 }
 
-/// The same, and of a word of more than 200 characters the first 200 and how many there are.
+/// The same, and of a word of more than 4096 characters the first 4096 and how many there are.
 pub fn plain(text: &str) -> String {
     let mut out = String::with_capacity(text.len().min(1 << 16));
     for part in text.split_inclusive(char::is_whitespace) {
@@ -54,9 +54,9 @@ mod tests {
     #[test]
     fn a_long_word_is_cut() {
         let text = format!("a {} b", "\u{e9}".repeat(1_000_000));
-        let cut = format!("a {}... (1000000 characters) b", "\u{e9}".repeat(200));
+        let cut = format!("a {}... (1000000 characters) b", "\u{e9}".repeat(WORD_MAX));
         assert_eq!(plain(&text), cut);
-        let whole = "x".repeat(200);
+        let whole = "x".repeat(WORD_MAX);
         assert_eq!(plain(&whole), whole);
     }
 }

@@ -1,10 +1,12 @@
 //! Verification: pieces of a run are executed again, and every link of their chains of digests, the states
 //! at their ends and the tables made from them are held against what the run wrote.
 
+mod ends;
 mod folder;
 mod scope;
 
-pub(crate) use folder::{check_manifest, conclude};
+pub(crate) use ends::check_ends;
+pub(crate) use folder::{Cause, Problems, check_manifest};
 pub use scope::{Scope, Segment};
 
 use std::fmt::Write;
@@ -17,6 +19,7 @@ use crate::checkpoint;
 use crate::disk;
 use crate::drag::Dragging;
 use crate::error::{Error, Result};
+use crate::manifest::Manifest;
 use crate::progress::Progress;
 use crate::random::{Purpose, uniforms};
 use crate::rerun::{Part, Past};
@@ -72,28 +75,29 @@ pub fn verify(
     mut say: impl FnMut(&str) -> Result<()>,
 ) -> Result<()> {
     let root = past.folder.0;
-    let mut problems = check_manifest(root, &run::stages(&past.scenario), expect, &mut say)?;
-    let jobs = pieces(past, scope)?;
+    let stages = run::stages(&past.scenario);
+    let (manifest, mut problems) = check_manifest(root, &stages, expect, &mut say)?;
+    let jobs = pieces(past, manifest.as_ref(), scope)?;
     let done = execute(&sampled(jobs, scope), threads, progress, &mut say)?;
     let (links, count) = (done.links, done.pieces);
-    let path = past.folder.summary();
-    if scope.is_all() && done.wrong == 0 && disk::is_there(&path) {
-        let text = disk::read(&path).ok();
-        if text != Some(summary_text(past)?.into_bytes()) {
-            let place = path.display();
-            problems.push(format!("{place}: not what the checkpoints give"));
+    if done.wrong > 0 {
+        let problem = format!("{} of {count} pieces do not hold", done.wrong);
+        problems.add(Cause::Changed, problem);
+    } else {
+        problems.take("", check_ends(past, manifest.as_ref(), &mut say)?);
+        let asked = if scope.is_all() { "" } else { "the " };
+        let those = if scope.is_all() { "" } else { " asked for" };
+        say(&format!(
+            "all {links} links of {asked}{count} pieces{those} hold"
+        ))?;
+        if !scope.is_all() && !expect.is_empty() {
+            say(
+                "what was expected is in the manifest; that the rest of the run gives it only a whole `verify` \
+                 shows",
+            )?;
         }
     }
-    if done.wrong > 0 {
-        problems.push(format!("{} of {count} pieces do not hold", done.wrong));
-    } else if scope.is_all() {
-        say(&format!("all {links} links of {count} pieces hold"))?;
-    } else {
-        say(&format!(
-            "all {links} links of the {count} pieces asked for hold"
-        ))?;
-    }
-    conclude(root, problems)
+    problems.conclude(root)
 }
 
 /// What executing pieces gave.
@@ -177,45 +181,34 @@ pub(crate) fn execute(
     Ok(done)
 }
 
-/// The run's own summary, made from its beds and the last checkpoints of its drags.
-fn summary_text(past: &Past<'_>) -> Result<String> {
-    let plans = past.scenario.beds();
-    let mut beds = Vec::with_capacity(plans.len());
-    for plan in &plans {
-        beds.push(past.bed(plan)?);
-    }
-    let mut runs = Vec::new();
-    for plan in &past.runs {
-        let drag = past.drag(plan, &beds[plan.bed]);
-        let (mut sim, dragging) = past.state(drag, plan.steps)?;
-        runs.push(run::results(drag, &dragging, &mut sim)?.1);
-    }
-    let whole = run::whole_summary(past.folder, &past.scenario, beds, runs);
-    run::json_text(&past.folder.summary(), &whole)
-}
-
 /// The pieces of a run that are asked for, without a choice at random.
 ///
 /// # Errors
 /// [`Error::Input`] where there are none.
-pub(crate) fn pieces<'a>(past: &'a Past<'a>, scope: &Scope) -> Result<Vec<Job<'a>>> {
+pub(crate) fn pieces<'a>(
+    past: &'a Past<'a>,
+    manifest: Option<&Manifest>,
+    scope: &Scope,
+) -> Result<Vec<Job<'a>>> {
     for segment in &scope.segments {
         past.part(&segment.stage)?;
     }
+    // Of what has come to its end nothing may be missing, by what the manifest says or the folder shows.
+    let whole = manifest.is_some_and(|manifest| manifest.finished)
+        || disk::is_there(&past.folder.summary());
     let mut pieces = Vec::new();
     for part in past.parts() {
+        let ended = whole || manifest.is_some_and(|manifest| manifest.has_finished(part.name()));
         match part {
-            // Of what has come to its end nothing may be missing.
             Part::Bed(plan) => {
-                let path = past.folder.bed(&plan.name);
-                if disk::is_there(&path) || disk::is_there(&past.folder.summary()) {
+                if ended || disk::is_there(&past.folder.bed(&plan.name)) {
                     pieces.push(Piece::Bed(plan));
                 }
             }
             Part::Drag(plan) => {
                 let mut from = 0;
-                let ended = disk::is_there(&past.folder.of_run(&plan.name, "summary.json"))
-                    || disk::is_there(&past.folder.summary());
+                let ended =
+                    ended || disk::is_there(&past.folder.of_run(&plan.name, "summary.json"));
                 let kept = |n: u64| disk::is_there(&past.folder.checkpoint(&plan.name, n));
                 let there = |n: &&u64| ended || kept(**n);
                 for &to in plan.checkpoints.iter().filter(there) {

@@ -71,7 +71,7 @@ fn a_file_that_may_not_grow_is_told_of() {
     let told = String::from_utf8_lossy(&out.stderr);
     assert_eq!(out.status.code(), Some(1), "{:?} {told}", out.status);
     assert!(
-        told.contains("cannot write") && told.contains("free some space"),
+        told.contains("cannot write") && told.contains("ulimit -f"),
         "{told}"
     );
 }
@@ -105,7 +105,7 @@ fn a_second_signal_ends_it_now() {
     // It has its handler by then, and takes many seconds from one look at the wish to stop to the next.
     std::thread::sleep(Duration::from_millis(1500));
     kill(child.id());
-    std::thread::sleep(Duration::from_millis(300));
+    std::thread::sleep(Duration::from_millis(50));
     assert!(child.try_wait().unwrap().is_none(), "it did not look yet");
     let asked = Instant::now();
     kill(child.id());
@@ -152,7 +152,8 @@ fn text_of_others_is_made_plain() {
             "{args:.40?}: {:?}",
             told.chars().take(300).collect::<String>()
         );
-        assert!(told.len() < 5000, "{} bytes", told.len());
+        // A word is shown as far as the longest path.
+        assert!(told.len() < 20_000, "{} bytes", told.len());
     }
 }
 

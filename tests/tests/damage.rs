@@ -238,6 +238,13 @@ fn try_one(kind: &Kind, damage: Damage, verb: &Verb) -> Option<End> {
                 spoilt,
                 "{what}: changed and refused: {text}"
             );
+            for name in before.keys().filter(|name| *name != kind.name) {
+                let now = after.get(name);
+                assert!(
+                    now == before.get(name) || now == UNTOUCHED.room.get(name),
+                    "{what}: {name} was spoilt: {text}"
+                );
+            }
         }
         return Some(End::Named);
     }

@@ -4,17 +4,24 @@
 #![allow(unsafe_code)]
 
 use std::arch::asm;
+use std::path::Path;
+use std::sync::Arc;
 
 use bitgrain::chain::Link;
 use bitgrain::checkpoint::{self, Note};
+use bitgrain::disk::{self, Call, Verdict, Watch};
 use bitgrain::drag::drag;
 use bitgrain::error::{Error, Result};
+use bitgrain::folder::Folder;
+use bitgrain::progress::Progress;
+use bitgrain::run;
 use bitgrain::scenario;
 use bitgrain::sim::Sim;
 use bitgrain::threads::on_threads;
 use bitgrain::witness::Witness;
 use bitgrain_kernel::{Digest, Fault, Flaw, Pushed};
-use bitgrain_tests::settled_quick;
+use bitgrain_tests::wee::WEE;
+use bitgrain_tests::{results, settled_quick};
 
 /// Bits of the control word, and what is found under them.
 const MODES: [(u32, Flaw); 3] = [
@@ -70,16 +77,18 @@ fn a_mode_between_two_calls_is_found_by_whichever_comes_first() {
 struct Library {
     bits: u32,
     at: u64,
+    looked: Vec<u64>,
     packed: Vec<(u64, bool)>,
     linked: Vec<u64>,
 }
 
 impl Witness for Library {
     fn looks_at(&self, step: u64) -> bool {
-        step == self.at
+        step >= self.at
     }
 
-    fn look(&mut self, _step: u64, _sim: &mut Sim, _contacts: &[Pushed<f64>]) -> Result<()> {
+    fn look(&mut self, step: u64, _sim: &mut Sim, _contacts: &[Pushed<f64>]) -> Result<()> {
+        self.looked.push(step);
         set(PLAIN | self.bits);
         Ok(())
     }
@@ -107,7 +116,8 @@ fn a_mode_switched_on_by_who_looks_on_ends_the_drag_before_anything_is_written()
     for (bits, _) in MODES {
         let mut library = Library {
             bits,
-            at: 7,
+            at: 6,
+            looked: Vec::new(),
             packed: Vec::new(),
             linked: Vec::new(),
         };
@@ -116,9 +126,67 @@ fn a_mode_switched_on_by_who_looks_on_ends_the_drag_before_anything_is_written()
         let ended = drag(&mut sim, &scenario, plan, &mut library);
         set(PLAIN);
         assert!(matches!(ended, Err(Error::Contract { .. })));
-        let packed = (1..=7).map(|step| (step, step == 7)).collect::<Vec<_>>();
+        let packed = (1..=6).map(|step| (step, step == 6)).collect::<Vec<_>>();
         assert_eq!(library.packed, packed);
+        // Step 7 was computed under the mode: it is not shown.
+        assert_eq!(library.looked, [6]);
         assert_eq!(library.linked, [2, 4, 6]);
+    }
+}
+
+/// Switches a mode on in the thread that writes the first snapshot.
+struct Driver(u32);
+
+impl Watch for Driver {
+    fn before(&self, call: &Call<'_>) -> Verdict {
+        if matches!(call, Call::SyncFolder(path) if path.ends_with("snapshots")) {
+            set(PLAIN | self.0);
+        }
+        Verdict::Go
+    }
+}
+
+/// A run whose thread gets a mode while it writes ends with nothing on the disk that was computed under it.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn a_run_under_a_mode_writes_nothing_and_goes_on_after_it() {
+    let text = WEE.replace("digest_every = 200", "digest_every = 100000");
+    let scenario = scenario::parse(&text, "wee", &[], Path::new("")).unwrap();
+    let go = |room: &Path| {
+        let setting = run::Setting {
+            scenario: &scenario,
+            folder: &Folder(&room.join("out")),
+            library: &bitgrain::bed::library::Library::new(room.join("beds")),
+            threads: 1,
+            save: run::SaveEvery::Steps(900),
+            only: &[],
+            progress: &Progress::new(false),
+        };
+        run::run_in(setting).map(|_| ())
+    };
+    let plain = tempfile::tempdir().unwrap();
+    go(plain.path()).unwrap();
+    let want = results(&plain.path().join("out"));
+    for (bits, _) in MODES {
+        let room = tempfile::tempdir().unwrap();
+        disk::watch(Some(Arc::new(Driver(bits))));
+        let ended = on_threads(1, || {
+            let _restored = Restored;
+            go(room.path())
+        });
+        disk::watch(None);
+        let ended = ended.unwrap();
+        assert!(matches!(ended, Err(Error::Contract { .. })), "{ended:?}");
+        let written = results(&room.path().join("out"));
+        let own = ["manifest.json", "latest.safetensors"];
+        let others = written
+            .iter()
+            .filter(|(name, _)| own.iter().all(|own| !name.ends_with(own)));
+        for (name, bytes) in others {
+            assert!(want.get(name) == Some(bytes), "{name}");
+        }
+        go(room.path()).unwrap();
+        assert!(results(&room.path().join("out")) == want);
     }
 }
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::columns::{Cell, Row, Status, Unit, columns};
-use crate::error::{Error, Result};
+use crate::error::{CHANGED, Error, Result};
 use crate::files::{bits, read_text};
 use crate::scenario::RunPlan;
 use crate::summary::{RunRecord, RunSummary, Summary};
@@ -172,7 +172,10 @@ impl Table {
         if missing.is_some() || !digest {
             let column = missing.map_or("digest", |name| name);
             let problem = format!("only one of the table and {place} has a column `{column}`");
-            return Err(Error::Unverified { problem });
+            return Err(Error::Unverified {
+                problem,
+                hint: CHANGED,
+            });
         }
         let mut same = 0;
         for row in (0..self.len()).filter(|&row| self.text(row, "status") == "done") {
@@ -194,7 +197,10 @@ impl Table {
                 }
             };
             if let Some(problem) = problem {
-                return Err(Error::Unverified { problem });
+                return Err(Error::Unverified {
+                    problem,
+                    hint: CHANGED,
+                });
             }
             same += 1;
         }

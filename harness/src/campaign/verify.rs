@@ -16,7 +16,7 @@ use crate::rerun::Past;
 use crate::run;
 use crate::scenario::RunPlan;
 use crate::summary::parse_record;
-use crate::verify::{Job, Scope, check_manifest, conclude, execute, pieces, sampled};
+use crate::verify::{Cause, Job, Scope, check_ends, check_manifest, execute, pieces, sampled};
 
 /// Verifies a campaign, and tells of each finding as a line of `say`; `expect` as in
 /// [`crate::verify::verify`].
@@ -41,8 +41,7 @@ pub fn verify(
     let path = folder.campaign();
     let plan = written::parse(&read_text(&path)?, &path.display().to_string(), folder.0)?;
     let names = CampaignFolder::stages(&plan);
-    let mut problems = check_manifest(folder.0, &names, expect, &mut say)?;
-    let whole = Manifest::of(folder.0).ok().flatten();
+    let (whole, mut problems) = check_manifest(folder.0, &names, expect, &mut say)?;
 
     let places: Vec<_> = names.iter().map(|name| folder.member(name)).collect();
     let folders: Vec<Folder> = places.iter().map(|place| Folder(place)).collect();
@@ -50,24 +49,25 @@ pub fn verify(
     let mut pasts = Vec::new();
     for ((member, own), label) in plan.members.iter().zip(&folders).zip(&labels) {
         let mut tell = |line: &str| say(&format!("{label}{line}"));
-        let found = check_manifest(own.0, &run::stages(&member.scenario), &[], &mut tell)?;
-        problems.extend(found.into_iter().map(|problem| format!("{label}{problem}")));
-        if let Some(problem) = disagreement(member, own, whole.as_ref()) {
+        let stages = run::stages(&member.scenario);
+        let (manifest, found) = check_manifest(own.0, &stages, &[], &mut tell)?;
+        problems.take(label, found);
+        if let Some(problem) = disagreement(member, own, whole.as_ref(), manifest.as_ref()) {
             say(&format!("{label}{problem}"))?;
-            problems.push(format!("{label}{problem}"));
+            problems.add(Cause::Changed, format!("{label}{problem}"));
         }
         match Past::open(own) {
-            Ok(past) => pasts.push((past, label)),
+            Ok(past) => pasts.push((past, manifest, label)),
             Err(e) => {
                 say(&format!("{label}cannot be run again: {e}"))?;
-                problems.push(format!("{label}cannot be run again"));
+                problems.add(Cause::Changed, format!("{label}cannot be run again"));
             }
         }
     }
     let mut jobs: Vec<Job> = Vec::new();
     let mut poured: Vec<String> = Vec::new();
-    for (past, label) in &pasts {
-        for mut job in pieces(past, scope).unwrap_or_default() {
+    for (past, manifest, label) in &pasts {
+        for mut job in pieces(past, manifest.as_ref(), scope).unwrap_or_default() {
             job.label = label;
             // Members share beds: one that is byte for byte another's is poured once.
             if let Some(bed) = job.bed() {
@@ -83,37 +83,44 @@ pub fn verify(
         }
     }
     if jobs.is_empty() {
-        problems.push("no member has a kept checkpoint: nothing can be executed again".into());
+        let problem = "no member has a kept checkpoint: nothing can be executed again";
+        problems.add(Cause::Changed, problem);
     }
     let done = execute(&sampled(jobs, scope), threads, progress, &mut say)?;
     if done.wrong > 0 {
-        problems.push(format!(
-            "{} of {} pieces do not hold",
-            done.wrong, done.pieces
-        ));
+        let problem = format!("{} of {} pieces do not hold", done.wrong, done.pieces);
+        problems.add(Cause::Changed, problem);
     } else {
+        for (past, manifest, label) in &pasts {
+            let mut tell = |line: &str| say(&format!("{label}{line}"));
+            problems.take(label, check_ends(past, manifest.as_ref(), &mut tell)?);
+        }
         let (links, count) = (done.links, done.pieces);
         say(&format!("all {links} links of {count} pieces hold"))?;
     }
     if let Err(problem) = table_holds(folder, &plan) {
         say(&problem)?;
-        problems.push(problem);
+        problems.add(Cause::Changed, problem);
     }
-    conclude(folder.0, problems)
+    problems.conclude(folder.0)
 }
 
 /// What is wrong between a campaign and one of its members.
-fn disagreement(member: &Member, own: &Folder<'_>, whole: Option<&Manifest>) -> Option<String> {
+fn disagreement(
+    member: &Member,
+    own: &Folder<'_>,
+    whole: Option<&Manifest>,
+    manifest: Option<&Manifest>,
+) -> Option<String> {
     let text = own.scenario_text(&member.scenario);
     if disk::read(&own.scenario()).ok() != Some(text.into_bytes()) {
         return Some("its scenario is not the one that the campaign plans".into());
     }
-    let own = Manifest::of(own.0).ok().flatten()?;
     let stage = whole?
         .stages
         .iter()
         .find(|stage| stage.name == member.name)?;
-    (stage.finished && stage.link != own.closing)
+    (stage.finished && stage.link != manifest?.closing)
         .then(|| format!("its closing hash is not the one in the campaign's {NAME}"))
 }
 

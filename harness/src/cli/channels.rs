@@ -8,11 +8,11 @@ use std::sync::{Arc, atomic::AtomicBool};
 use std::time::{Duration, Instant};
 
 use crate::error::{Error, Result};
-use crate::plain::{escaped, plain};
+use crate::plain::escaped;
 use crate::progress::Progress;
 
 /// Signals that come within this time are one wish to stop.
-const ONE_BREATH: Duration = Duration::from_millis(100);
+const ONE_BREATH: Duration = Duration::from_millis(10);
 
 /// A file that outgrows what the system allows (`ulimit -f`) ends the process by a signal, without a word; where
 /// that is heeded the write fails instead, and is told of.
@@ -42,7 +42,7 @@ pub(super) fn print(text: &str) -> Result<()> {
 
 /// A path as it is printed.
 pub(super) fn shown(path: &Path) -> String {
-    plain(&path.display().to_string())
+    escaped(&path.display().to_string())
 }
 
 /// Progress of a command whose stages stop at Ctrl-C or a polite kill.

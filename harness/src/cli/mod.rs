@@ -15,7 +15,7 @@ use clap::{Args, Parser, Subcommand};
 use crate::bed::library::Library;
 use crate::bench::{Timing, bench};
 use crate::disk::{is_folder, set_most};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, UNEXPECTED};
 use crate::folder::Folder;
 use crate::manifest::{Of, Vouched};
 use crate::plain::plain;
@@ -344,7 +344,10 @@ fn run_scenario(run: Run) -> Result<()> {
             let problem = format!(
                 "{place}: {link} is neither the closing hash that it came to nor the last link of a stage"
             );
-            Err(Error::Unverified { problem })
+            Err(Error::Unverified {
+                problem,
+                hint: UNEXPECTED,
+            })
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The calls that change the file system, watched by tests of what becomes of files where they fail.
+//! The calls to the file system, watched by tests of what becomes of files where they fail.
 
 use std::fs::File;
 use std::io::{self, Write};
@@ -6,9 +6,15 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, RwLock};
 
-/// A call that changes the file system, as it is about to be made.
+/// A call to the file system, as it is about to be made. Questions whether a file is there are none.
 #[derive(Clone, Copy, Debug)]
 pub enum Call<'a> {
+    /// A file that is there is read.
+    Read(&'a Path),
+    /// The names in a folder that is there are read.
+    List(&'a Path),
+    /// A folder or file is opened to be locked.
+    Lock(&'a Path),
     /// A folder is made; the one above it is there.
     MakeFolder(&'a Path),
     /// A new file is made, empty.

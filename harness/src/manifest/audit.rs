@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Manifest, NAME, Of, RESULTS};
+use super::{Departure, Manifest, NAME, Of, RESULTS};
 use crate::disk::{self, Kind, is_partial};
 use crate::error::Result;
 
@@ -32,7 +32,7 @@ impl Audit {
 /// Compares a folder with its manifest, and that with the stages that are planned.
 ///
 /// # Errors
-/// Where a folder cannot be read.
+/// Where the folder or a file in it cannot be read.
 pub fn audit(root: &Path, manifest: &Manifest, planned: &[String]) -> Result<Audit> {
     let mut found = Audit::default();
     for name in planned {
@@ -55,7 +55,8 @@ pub fn audit(root: &Path, manifest: &Manifest, planned: &[String]) -> Result<Aud
     for entry in &manifest.files {
         match entry.read(root) {
             Ok(_) => found.sound += 1,
-            Err(problem) => found.wrong.push(format!("{} {problem}", entry.path)),
+            Err(Departure::Changed(how)) => found.wrong.push(format!("{} {how}", entry.path)),
+            Err(Departure::Unreadable(e)) => return Err(e),
         }
     }
     let mut open = vec![String::new()];
@@ -82,7 +83,11 @@ pub fn audit(root: &Path, manifest: &Manifest, planned: &[String]) -> Result<Aud
                 _ if below.is_empty() && BESIDE.contains(&&name[..]) => found.uncovered.push(path),
                 _ if is_working(&path) || is_partial(&name) => found.uncovered.push(path),
                 // What lies among results passes for one.
-                _ if RESULTS.iter().any(|own| path.starts_with(own)) => {
+                _ if path
+                    .split('/')
+                    .next()
+                    .is_some_and(|top| RESULTS.contains(&top)) =>
+                {
                     let line = format!("{path} is extra: it is not among the files of {NAME}");
                     found.wrong.push(line);
                 }

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard};
 
-use super::{Entry, Manifest, NAME, Of, RESULTS, Stage, relative};
+use super::{Departure, Entry, Manifest, NAME, Of, RESULTS, Stage, relative};
 use crate::disk::{self, write_whole};
 use crate::error::{Error, Result};
 
@@ -44,8 +44,8 @@ impl Ledger {
     /// compared. Nothing is written.
     ///
     /// # Errors
-    /// [`Error::Input`] where it is of something else or cannot be read. A damaged one counts as none, and is
-    /// returned beside as what to warn of; so is one that is missing where there are results.
+    /// [`Error::Input`] where it is of something else, or it or a file in it cannot be read. A damaged one counts
+    /// as none, and is returned beside as what to warn of; so is one that is missing where there are results.
     pub fn open(root: &Path, of: Of, stages: &[String]) -> Result<(Self, Option<Error>)> {
         let (old, damage) = match Manifest::of(root) {
             Ok(None) if RESULTS.iter().any(|name| disk::is_there(&root.join(name))) => {
@@ -78,9 +78,15 @@ impl Ledger {
             manifest.finished = old.finished && manifest.stages == old.stages;
             known.entries = old.entries();
         }
-        let sound = known.entries.iter();
-        let sound = sound.filter(|(_, entry)| entry.read(root).is_ok());
-        known.sound = sound.map(|(path, _)| path.clone()).collect();
+        for (path, entry) in &known.entries {
+            match entry.read(root) {
+                Ok(_) => {
+                    known.sound.insert(path.clone());
+                }
+                Err(Departure::Changed(_)) => {}
+                Err(Departure::Unreadable(e)) => return Err(e),
+            }
+        }
         let ledger = Self {
             root: root.to_path_buf(),
             known: Mutex::new(known),
@@ -127,9 +133,7 @@ impl Ledger {
 
     /// Whether a stage has come to its end.
     pub fn is_finished(&self, stage: &str) -> bool {
-        let known = self.known();
-        let mut stages = known.manifest.stages.iter();
-        stages.any(|one| one.name == stage && one.finished)
+        self.known().manifest.has_finished(stage)
     }
 
     /// Whether all of it has come to its end and every file is as it was written.
@@ -156,7 +160,10 @@ impl Ledger {
                 "{}, made again, is not what {NAME} has of it",
                 path.display()
             );
-            return Err(Error::Unverified { problem });
+            return Err(Error::Unverified {
+                problem,
+                hint: CONFLICT,
+            });
         }
         write_whole(path, bytes)?;
         let mut known = self.known();
@@ -235,6 +242,11 @@ impl Ledger {
         Ok(())
     }
 }
+
+/// Where a file cannot be both what the manifest says and what the run gives.
+const CONFLICT: &str = "manifest.json was changed, or what the file is made from was, or another build or machine \
+                        that does not keep the bit contract wrote it; it was left as it was. To have all of it made \
+                        again from the scenario, move manifest.json away and give the same command";
 
 /// Files that grow with a run or hold the program's version.
 fn may_change(name: &str) -> bool {

@@ -23,7 +23,7 @@ use bitgrain_kernel::BITS_VERSION;
 use serde::{Deserialize, Serialize};
 
 use crate::disk::{self, Kind};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::sim::hex;
 
 /// Name of the file.
@@ -36,7 +36,7 @@ pub(crate) const RESULTS: [&str; 3] = ["beds", "runs", "members"];
 pub const FORMAT: u32 = 1;
 
 /// What a manifest is of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Of {
     /// A run.
@@ -99,6 +99,15 @@ pub struct Manifest {
     pub closing: String,
 }
 
+/// How a file departs from its entry.
+#[derive(Debug)]
+pub enum Departure {
+    /// It is missing, of another kind, or holds other bytes: in words.
+    Changed(String),
+    /// It may be as it was: the system does not give it, or it is larger than what is read.
+    Unreadable(Error),
+}
+
 impl Entry {
     /// The entry of a file with these bytes.
     pub fn of(path: &str, bytes: &[u8]) -> Self {
@@ -115,23 +124,24 @@ impl Entry {
     }
 
     /// The bytes of the file in a folder, or what is wrong with it.
-    pub fn read(&self, root: &Path) -> std::result::Result<Vec<u8>, String> {
+    pub fn read(&self, root: &Path) -> std::result::Result<Vec<u8>, Departure> {
+        let changed = |how: String| Err(Departure::Changed(how));
         let mut at = root.to_path_buf();
         let mut words = self.path.split('/').peekable();
         while let Some(word) = words.next() {
             at.push(word);
             let last = words.peek().is_none();
             match (disk::kind(&at), last) {
-                (None, _) => return Err("is missing".into()),
+                (None, _) => return changed("is missing".into()),
                 (Some(Kind::File), true) | (Some(Kind::Folder), false) => {}
                 (Some(other), true) => {
-                    return Err(format!(
+                    return changed(format!(
                         "is {}, not the file that was written",
                         other.word()
                     ));
                 }
                 (Some(other), false) => {
-                    return Err(format!(
+                    return changed(format!(
                         "is not there: {} is {}",
                         at.display(),
                         other.word()
@@ -141,12 +151,12 @@ impl Entry {
         }
         if disk::size(&at) != self.bytes {
             let size = disk::size(&at);
-            return Err(format!("has {size} bytes, and had {}", self.bytes));
+            return changed(format!("has {size} bytes, and had {}", self.bytes));
         }
-        let bytes = disk::read(&at).map_err(|e| e.to_string())?;
+        let bytes = disk::read(&at).map_err(Departure::Unreadable)?;
         match self.is_of(&bytes) {
             true => Ok(bytes),
-            false => Err("was changed after it was written".into()),
+            false => changed("was changed after it was written".into()),
         }
     }
 }
@@ -229,11 +239,11 @@ impl Manifest {
     /// The manifest of a folder; `None` where it has none.
     ///
     /// # Errors
-    /// [`crate::error::Error::Damaged`] where it is not whole, [`crate::error::Error::Input`] where it cannot be read.
+    /// [`Error::Manifest`] where it is not whole, [`Error::Input`] where it cannot be read.
     pub fn of(root: &Path) -> Result<Option<Self>> {
         let path = root.join(NAME);
         let place = path.display().to_string();
-        let damaged = |problem: String| crate::error::Error::Manifest {
+        let damaged = |problem: String| Error::Manifest {
             place: place.clone(),
             problem,
         };
@@ -253,6 +263,12 @@ impl Manifest {
             .files
             .binary_search_by(|entry| entry.path.as_str().cmp(path));
         place.ok().map(|k| &self.files[k])
+    }
+
+    /// Whether a stage of this name has come to its end.
+    pub fn has_finished(&self, name: &str) -> bool {
+        let mut stages = self.stages.iter();
+        stages.any(|stage| stage.name == name && stage.finished)
     }
 
     /// Whether this is the closing hash or the last link of a stage.

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Manifest, NAME, Of, relative};
+use super::{Departure, Manifest, NAME, Of, relative};
 use crate::error::{Error, Result};
 use crate::files::text_of;
 
@@ -52,18 +52,22 @@ impl Vouched {
     /// The bytes of a file.
     ///
     /// # Errors
-    /// [`Error::Input`] where it is missing, not in the manifest, or not as that says.
+    /// [`Error::Input`] where it is missing, not in the manifest, not as that says, or cannot be read.
     pub fn read(&self, path: &Path) -> Result<Vec<u8>> {
         let name = relative(&self.root, path).unwrap_or_default();
-        let bytes = match self.manifest.entry(&name) {
-            Some(entry) => entry.read(&self.root),
-            None => Err(format!("is not among the files of {NAME}")),
+        let departed = match self
+            .manifest
+            .entry(&name)
+            .map(|entry| entry.read(&self.root))
+        {
+            Some(Ok(bytes)) => return Ok(bytes),
+            Some(Err(Departure::Unreadable(e))) => return Err(e),
+            Some(Err(Departure::Changed(how))) => how,
+            None => format!("is not among the files of {NAME}"),
         };
-        bytes.map_err(|problem| {
-            let again = remedy(self.manifest.of);
-            let problem = format!("{problem}; `{again}` makes it again");
-            Error::input(path.display().to_string(), problem)
-        })
+        let again = remedy(self.manifest.of);
+        let problem = format!("{departed}; `{again}` makes it again");
+        Err(Error::input(path.display().to_string(), problem))
     }
 
     /// The text of a file, unpacked.

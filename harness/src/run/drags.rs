@@ -72,6 +72,10 @@ pub(super) fn drag_one(
         saver: Saver::new(ledger, save, folder.latest(&plan.name), began),
     };
     let went = dragging.go_on(&mut sim, scenario, plan, &stage, &mut files);
+    if let Err(error @ Error::Contract { .. }) = went {
+        // What was measured since the last save may be wrong: none of it is written.
+        return Err(error);
+    }
     if let Err(error) = went {
         let text = series_text(
             &scenario.units(),

@@ -2,20 +2,64 @@
 
 use std::path::Path;
 
-use crate::error::{Error, Result};
+use crate::error::{CHANGED, Error, Result, UNEXPECTED};
 use crate::manifest::audit::audit;
-use crate::manifest::{Manifest, NAME};
+use crate::manifest::{Manifest, NAME, Of};
 
-/// The verdict on a folder.
-pub(crate) fn conclude(root: &Path, problems: Vec<String>) -> Result<()> {
-    if problems.is_empty() {
-        return Ok(());
-    }
-    let problem = format!("{}: {}", root.display(), problems.join("; "));
-    Err(Error::Unverified { problem })
+/// Why a folder is not verified; the last that was found tells what to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Cause {
+    /// It has not come to its end.
+    Unfinished(Of),
+    /// It is not the one that was expected.
+    Unexpected,
+    /// What lies in it is not what its scenario gives, or nothing says what belongs to it.
+    Changed,
 }
 
-/// Compares a folder with its manifest, tells what was found, and returns what does not hold.
+impl Cause {
+    fn hint(self) -> &'static str {
+        match self {
+            Cause::Unfinished(Of::Run) => "`bitgrain run --resume FOLDER` brings it to its end",
+            Cause::Unfinished(Of::Campaign) => {
+                "`bitgrain sweep CAMPAIGN --out FOLDER` brings it to its end"
+            }
+            Cause::Unexpected => UNEXPECTED,
+            Cause::Changed => CHANGED,
+        }
+    }
+}
+
+/// What does not hold in a folder, each with its cause.
+#[derive(Debug, Default)]
+pub(crate) struct Problems(Vec<(Cause, String)>);
+
+impl Problems {
+    pub(crate) fn add(&mut self, cause: Cause, problem: impl Into<String>) {
+        self.0.push((cause, problem.into()));
+    }
+
+    /// Takes those of a part, each with the part's name before it.
+    pub(crate) fn take(&mut self, label: &str, part: Problems) {
+        let named = |(cause, problem)| (cause, format!("{label}{problem}"));
+        self.0.extend(part.0.into_iter().map(named));
+    }
+
+    /// The verdict on the folder.
+    pub(crate) fn conclude(self, root: &Path) -> Result<()> {
+        let Some(worst) = self.0.iter().map(|(cause, _)| *cause).max() else {
+            return Ok(());
+        };
+        let words: Vec<String> = self.0.into_iter().map(|(_, problem)| problem).collect();
+        Err(Error::Unverified {
+            problem: format!("{}: {}", root.display(), words.join("; ")),
+            hint: worst.hint(),
+        })
+    }
+}
+
+/// Compares a folder with its manifest, tells what was found, and returns the manifest, where it is sound, and what
+/// does not hold.
 ///
 /// # Errors
 /// Where a folder cannot be read, and what `say` returns.
@@ -24,34 +68,39 @@ pub(crate) fn check_manifest(
     planned: &[String],
     expect: &[String],
     say: &mut impl FnMut(&str) -> Result<()>,
-) -> Result<Vec<String>> {
+) -> Result<(Option<Manifest>, Problems)> {
+    let mut problems = Problems::default();
     let manifest = match Manifest::of(root) {
         Ok(Some(manifest)) => manifest,
         Ok(None) => {
             say(&format!(
                 "{NAME}: missing: nothing says what belongs to the folder"
             ))?;
-            return Ok(vec![format!("it has no {NAME}")]);
+            problems.add(Cause::Changed, format!("it has no {NAME}"));
+            return Ok((None, problems));
         }
         Err(damage @ Error::Manifest { .. }) => {
             say(&damage.to_string())?;
-            return Ok(vec![format!("its {NAME} is damaged")]);
+            problems.add(Cause::Changed, format!("its {NAME} is damaged"));
+            return Ok((None, problems));
         }
         Err(other) => return Err(other),
     };
     let found = audit(root, &manifest, planned)?;
-    let mut problems = Vec::new();
     for line in &found.wrong {
         say(&format!("{NAME}: {line}"))?;
     }
     match found.wrong.len() {
         0 => {}
-        n => problems.push(format!("its folder departs from {NAME} in {n} places")),
+        n => problems.add(
+            Cause::Changed,
+            format!("its folder departs from {NAME} in {n} places"),
+        ),
     }
     if !found.unfinished.is_empty() {
         let names = found.unfinished.join(", ");
         say(&format!("unfinished: {names}"))?;
-        problems.push("it is not finished".into());
+        problems.add(Cause::Unfinished(manifest.of), "it is not finished");
     }
     if !found.uncovered.is_empty() {
         let names = found.uncovered.join(", ");
@@ -63,10 +112,11 @@ pub(crate) fn check_manifest(
     ))?;
     for link in expect {
         if !manifest.has_link(link) {
-            problems.push(format!(
-                "{link} is neither its closing hash nor the last link of a stage"
-            ));
+            problems.add(
+                Cause::Unexpected,
+                format!("{link} is neither its closing hash nor the last link of a stage"),
+            );
         }
     }
-    Ok(problems)
+    Ok((Some(manifest), problems))
 }
