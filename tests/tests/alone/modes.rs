@@ -23,6 +23,8 @@ use bitgrain_kernel::{Digest, Fault, Flaw, Pushed};
 use bitgrain_tests::wee::WEE;
 use bitgrain_tests::{results, settled_quick};
 
+use crate::alone;
+
 /// Bits of the control word, and what is found under them.
 const MODES: [(u32, Flaw); 3] = [
     (1 << 15, Flaw::FlushToZero),
@@ -50,6 +52,7 @@ impl Drop for Restored {
 
 #[test]
 fn a_mode_between_two_calls_is_found_by_whichever_comes_first() {
+    let _alone = alone();
     let folder = tempfile::tempdir().unwrap();
     for (k, (bits, flaw)) in MODES.into_iter().enumerate() {
         let mut sim = settled_quick();
@@ -110,6 +113,7 @@ impl Witness for Library {
 
 #[test]
 fn a_mode_switched_on_by_who_looks_on_ends_the_drag_before_anything_is_written() {
+    let _alone = alone();
     let mut scenario = scenario::load("quick", &[]).unwrap();
     scenario.measure.digest_every = 2;
     let plan = &scenario.runs()[0];
@@ -150,6 +154,7 @@ impl Watch for Driver {
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
 fn a_run_under_a_mode_writes_nothing_and_goes_on_after_it() {
+    let _alone = alone();
     let text = WEE.replace("digest_every = 200", "digest_every = 100000");
     let scenario = scenario::parse(&text, "wee", &[], Path::new("")).unwrap();
     let go = |room: &Path| {
@@ -195,6 +200,7 @@ fn a_run_under_a_mode_writes_nothing_and_goes_on_after_it() {
 /// a stretch as often as in its forces where each stretch is of one step.
 #[test]
 fn a_mode_of_another_thread_is_found_in_the_stretch_in_which_it_has_a_part() {
+    let _alone = alone();
     for steps in [1, 10] {
         let mut plain = settled_quick();
         let wanted: Vec<Digest> = (0..300)

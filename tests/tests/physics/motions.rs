@@ -272,7 +272,7 @@ fn wrong_motions_and_bars_are_refused() {
     settings.set_snapshot_path(golden("messages"));
     settings.set_prepend_module_to_snapshot(false);
     settings.set_omit_expression(true);
-    settings.set_description("recipe: `cargo test -p bitgrain-tests --test motions`");
+    settings.set_description("recipe: `cargo test -p bitgrain-tests --test physics motions::`");
     settings.bind(|| insta::assert_snapshot!("motions", text));
 }
 

@@ -3,16 +3,12 @@
 //! Places here are whole multiples of 2^-16 in boxes of a few units, so that shifting and wrapping
 //! them is exact and two worlds can be compared to the bit.
 
+use crate::common::cases::cases;
 use bitgrain_kernel::law::HertzHistory;
 use bitgrain_kernel::vec3::{Vec3, head};
 use bitgrain_kernel::{Domain, Group, Obstacle, Store, World, start, start_watched, step};
 use bitgrain_kernel::{Partner, step_watched};
-use common::cases::cases;
 use proptest::prelude::*;
-
-mod common {
-    pub mod cases;
-}
 
 type V = Vec3<f64>;
 type Box64 = Box<Store<f64, 64, 512, 128, 2>>;

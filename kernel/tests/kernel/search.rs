@@ -2,20 +2,15 @@
 
 use std::collections::BTreeSet;
 
+use crate::common::cases::cases;
+use crate::common::crowd::{DENSE, PER_GRAIN, REDUCED, SI, Units, crowd, history, tsuji};
 use bitgrain_kernel::law::Law;
 use bitgrain_kernel::vec3::{Vec3, dot, head, scale};
 use bitgrain_kernel::{
     Bond, Digest, Domain, Group, Obstacle, Partner, Store, World, digest, resume, start,
     start_watched, step, step_watched,
 };
-use common::cases::cases;
-use common::crowd::{DENSE, PER_GRAIN, REDUCED, SI, Units, crowd, history, tsuji};
 use proptest::prelude::*;
-
-mod common {
-    pub mod cases;
-    pub mod crowd;
-}
 
 type V = Vec3<f64>;
 type Listed = BTreeSet<(usize, usize)>;

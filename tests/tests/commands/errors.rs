@@ -86,7 +86,9 @@ fn every_class_of_error_teaches() {
     settings.set_snapshot_path(golden("messages"));
     settings.set_prepend_module_to_snapshot(false);
     settings.set_omit_expression(true);
-    settings.set_description("recipe: `cargo test -p bitgrain-tests --release --test errors`");
+    settings.set_description(
+        "recipe: `cargo test -p bitgrain-tests --release --test commands errors::`",
+    );
     settings.bind(|| insta::assert_snapshot!("classes", desk.table));
 }
 

@@ -171,10 +171,12 @@ fn cargo_command(line: &str) {
     let words: Vec<&str> = line.split_whitespace().collect();
     let after = |flag: &str| words.iter().position(|w| *w == flag).map(|k| words[k + 1]);
     if let Some(test) = after("--test") {
-        assert!(
-            root().join(format!("tests/tests/{test}.rs")).exists(),
-            "{line}"
-        );
+        let folder = root().join("tests/tests").join(test);
+        assert!(folder.join("main.rs").exists(), "{line}");
+        // A filter begins with the name of a module.
+        if let Some((module, _)) = words.iter().find_map(|word| word.split_once("::")) {
+            assert!(folder.join(format!("{module}.rs")).exists(), "{line}");
+        }
     }
     if let Some(bin) = after("--bin") {
         let source = format!("tests/src/bin/{bin}.rs");

@@ -8,7 +8,7 @@ use bitgrain_kernel::law::{HertzHistory, Law};
 use bitgrain_kernel::{Digest, Group, Obstacle, Partner, Pushed, Store, digest, start, step};
 use bitgrain_tests::{golden, golden_case};
 
-#[path = "../../kernel/tests/common/cuts.rs"]
+#[path = "../../../kernel/tests/kernel/common/cuts.rs"]
 mod cuts;
 
 /// A golden case and its started simulation.
@@ -221,7 +221,9 @@ fn digests_are_the_golden_ones() {
     settings.set_snapshot_path(golden("digests"));
     settings.set_prepend_module_to_snapshot(false);
     settings.set_omit_expression(true);
-    settings.set_description("recipe: golden/cases; `cargo test -p bitgrain-tests --test knobs`");
+    settings.set_description(
+        "recipe: golden/cases; `cargo test -p bitgrain-tests --test physics knobs::`",
+    );
     settings.bind(|| insta::assert_snapshot!("cases", text));
 }
 

@@ -1,12 +1,12 @@
 //! Every call to the file system fails once, or is the last before a kill or a power loss; then the
 //! same command ends with the bytes of a run that was left alone.
 //!
-//! The whole of it: `cargo test -p bitgrain-tests --release --test disk -- --ignored --nocapture`
+//! The whole of it: `cargo test -p bitgrain-tests --release --test alone disk:: -- --ignored --nocapture`
 
 use std::collections::BTreeMap;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, MutexGuard};
+use std::sync::{Arc, Mutex};
 
 use bitgrain::bed::library::Library;
 use bitgrain::campaign::only::Only;
@@ -19,12 +19,7 @@ use bitgrain::scenario::Scenario;
 use bitgrain_tests::results;
 use bitgrain_tests::wee::{WEE, WEE_CAMPAIGN};
 
-/// The calls of this process are watched by one test at a time.
-static ALONE: Mutex<()> = Mutex::new(());
-
-fn alone() -> MutexGuard<'static, ()> {
-    ALONE.lock().unwrap_or_else(|broken| broken.into_inner())
-}
+use crate::alone;
 
 /// How a call is spoilt.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -286,13 +281,13 @@ fn spoil_all(work: &impl Work, nth: usize) {
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
 fn a_run_survives_a_call_that_fails() {
-    spoil_all(&run(), 61);
+    spoil_all(&run(), 97);
 }
 
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
 fn a_campaign_survives_a_call_that_fails() {
-    spoil_all(&campaign(), 250);
+    spoil_all(&campaign(), 401);
 }
 
 #[test]

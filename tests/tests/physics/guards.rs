@@ -392,6 +392,8 @@ fn guards_teach() {
     settings.set_snapshot_path(golden("messages"));
     settings.set_prepend_module_to_snapshot(false);
     settings.set_omit_expression(true);
-    settings.set_description("recipe: `cargo test -p bitgrain-tests --release --test guards`");
+    settings.set_description(
+        "recipe: `cargo test -p bitgrain-tests --release --test physics guards::`",
+    );
     settings.bind(|| insta::assert_snapshot!("guards", text));
 }

@@ -1,21 +1,15 @@
 //! The sums of a step: their order, Newton's third law, and any cut of the grains into ranges.
 
+use crate::common::cases::cases;
+use crate::common::crowd::{DENSE, PER_GRAIN, REDUCED, SI, Units, crowd, history, tsuji};
+use crate::common::cuts::steps_cut;
 use bitgrain_kernel::law::Law;
 use bitgrain_kernel::vec3::{Vec3, add, cross, dot, head, scale, sub};
 use bitgrain_kernel::{
     Digest, Domain, Fault, Group, Obstacle, Partner, Pushed, Store, World, digest, start, step,
     step_watched,
 };
-use common::cases::cases;
-use common::crowd::{DENSE, PER_GRAIN, REDUCED, SI, Units, crowd, history, tsuji};
-use common::cuts::steps_cut;
 use proptest::prelude::*;
-
-mod common {
-    pub mod cases;
-    pub mod crowd;
-    pub mod cuts;
-}
 
 type V = Vec3<f64>;
 

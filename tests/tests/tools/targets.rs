@@ -44,7 +44,7 @@ fn this_machine_gives_the_reference_text() {
     settings.set_snapshot_path(golden("digests"));
     settings.set_prepend_module_to_snapshot(false);
     settings.set_omit_expression(true);
-    settings.set_description("cargo test -p bitgrain-tests --release --test targets");
+    settings.set_description("cargo test -p bitgrain-tests --release --test tools targets::");
     settings.bind(|| insta::assert_binary_snapshot!("reference.txt", text));
 }
 

@@ -6,6 +6,8 @@ use bitgrain::threads::on_threads;
 use bitgrain_tests::settled_quick;
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 
+use crate::alone;
+
 #[global_allocator]
 static COUNTED: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 
@@ -31,6 +33,7 @@ fn asked(threads: usize, steps: u64) -> usize {
 
 #[test]
 fn a_step_allocates_nothing() {
+    let _alone = alone();
     let before = Region::new(COUNTED);
     let made = vec![1u8; 1000];
     assert_eq!(before.change().allocations, made.len() / 1000);

@@ -4,17 +4,12 @@
 
 use std::collections::BTreeMap;
 
+use crate::common::cases::cases;
+use crate::common::crowd::{DENSE, PER_GRAIN, Packing, REDUCED, SI, Units, crowd, history, tsuji};
 use bitgrain_kernel::law::{Contact, Law};
 use bitgrain_kernel::vec3::{self, head};
 use bitgrain_kernel::{Bond, Domain, Group, Obstacle, Row, Shape, World, start, step};
-use common::cases::cases;
-use common::crowd::{DENSE, PER_GRAIN, Packing, REDUCED, SI, Units, crowd, history, tsuji};
 use proptest::prelude::*;
-
-mod common {
-    pub mod cases;
-    pub mod crowd;
-}
 
 type V = [f64; 3];
 type Rows = Vec<Row<f64>>;

@@ -128,7 +128,8 @@ fn snapshot(name: &str, text: &str) {
     settings.set_snapshot_path(golden("rig"));
     settings.set_prepend_module_to_snapshot(false);
     settings.set_omit_expression(true);
-    settings.set_description("recipe: `cargo test -p bitgrain-tests --release --test rig`");
+    settings
+        .set_description("recipe: `cargo test -p bitgrain-tests --release --test physics rig::`");
     settings.bind(|| insta::assert_snapshot!(name, text));
 }
 

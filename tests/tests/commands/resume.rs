@@ -126,7 +126,7 @@ fn killed_runs_end_with_the_same_bytes() {
     assert!(died >= 2, "{died} of 5 were killed at work");
 }
 
-/// `cargo test -p bitgrain-tests --release --test resume -- --ignored --nocapture`
+/// `cargo test -p bitgrain-tests --release --test commands resume:: -- --ignored --nocapture`
 #[test]
 #[ignore = "minutes"]
 fn a_hundred_killed_runs_end_with_the_same_bytes() {

@@ -18,7 +18,7 @@ fn snapshot(name: &str, text: &str) {
     settings.set_snapshot_path(golden("messages"));
     settings.set_prepend_module_to_snapshot(false);
     settings.set_omit_expression(true);
-    settings.set_description("recipe: `cargo test -p bitgrain-tests --test cli`");
+    settings.set_description("recipe: `cargo test -p bitgrain-tests --test commands cli::`");
     settings.bind(|| insta::assert_snapshot!(name, text));
 }
 

@@ -8,7 +8,7 @@
 //! differ by parts in ten thousand.
 //!
 //! The whole of it takes half an hour on two quiet cores:
-//! `cargo test -p bitgrain-tests --release --test drag -- --ignored`. The ordinary tests hold the numbers
+//! `cargo test -p bitgrain-tests --release --test physics drag:: -- --ignored`. The ordinary tests hold the numbers
 //! that came out of it against LAMMPS', and run fixed pieces of it again.
 
 use std::fmt::Write;
@@ -117,7 +117,7 @@ fn points() -> impl Iterator<Item = (&'static Bed, f64)> {
 /// Where a thread leaves a drag's line and states.
 type Slot = std::sync::Mutex<Option<(String, Vec<Sim>)>>;
 
-const RECIPE: &str = "cargo test -p bitgrain-tests --release --test drag -- --ignored";
+const RECIPE: &str = "cargo test -p bitgrain-tests --release --test physics drag:: -- --ignored";
 const HEAD: &str =
     "D mu  Fr  #       drag    error       lift    error  drag of each eighth of the run\n";
 
@@ -303,7 +303,7 @@ fn drags_agree_with_lammps() {
     assert!(readme().contains(&told), "the README should say: {told}");
     snapshot(
         "comparison",
-        "cargo test -p bitgrain-tests --release --test drag",
+        "cargo test -p bitgrain-tests --release --test physics drag::",
         &text,
     );
 }
@@ -373,7 +373,7 @@ fn eighths_of_fast_drags_agree_with_lammps() {
     );
     snapshot(
         "eighths",
-        "cargo test -p bitgrain-tests --release --test drag",
+        "cargo test -p bitgrain-tests --release --test physics drag::",
         &text,
     );
 }

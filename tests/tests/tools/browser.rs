@@ -1,7 +1,7 @@
 //! A report as a browser shows it: nothing cut off, no text too small, no label over another, a
 //! unit on every axis, no error, on a desk and on a phone.
 //!
-//! Needs a Chromium: `cargo test -p bitgrain-tests --release --test browser -- --ignored`. The
+//! Needs a Chromium: `cargo test -p bitgrain-tests --release --test tools browser:: -- --ignored`. The
 //! variable `CHROMIUM` names its program where that is not `chromium`.
 
 use std::path::Path;

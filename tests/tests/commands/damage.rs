@@ -1,7 +1,7 @@
 //! Every kind of file of a run, a campaign and a library, spoilt in every way, before every command: what is
 //! spoilt is made again or named, and nothing of others is touched.
 //!
-//! The whole of it: `cargo test -p bitgrain-tests --release --test damage -- --ignored --nocapture`
+//! The whole of it: `cargo test -p bitgrain-tests --release --test commands damage:: -- --ignored --nocapture`
 
 use std::collections::BTreeMap;
 use std::path::Path;

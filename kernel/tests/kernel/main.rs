@@ -1,0 +1,17 @@
+//! The kernel's own tests, by what they look at.
+
+mod common {
+    pub mod cases;
+    pub mod crowd;
+    pub mod cuts;
+}
+
+mod canary;
+mod edits;
+mod images;
+mod oracle;
+mod reference;
+mod resolution;
+mod search;
+mod store;
+mod sums;

@@ -1,0 +1,22 @@
+//! What is computed: laws, beds, drags and flows against closed forms, peers, goldens and themselves.
+
+mod beds;
+mod carried;
+mod drag;
+mod energy;
+mod fields;
+mod finds;
+mod flowing;
+mod gauge;
+mod guards;
+mod knobs;
+mod kumar;
+mod lammps;
+mod matrix;
+mod medium;
+mod motions;
+mod peers;
+mod physics;
+mod quick;
+mod rig;
+mod store;
