@@ -376,3 +376,14 @@ pub fn told(args: &[&str], out: &Output) -> String {
     let text = String::from_utf8_lossy(&out.stderr).replace("bitgrain-under-test", "bitgrain");
     format!("$ bitgrain {}\n{text}[{status}]\n\n", args.join(" "))
 }
+
+/// The Rust of the README and the guide, compiled and run as tests of documentation.
+#[cfg(doctest)]
+mod pages {
+    #[doc = include_str!("../../README.md")]
+    struct Readme;
+    #[doc = include_str!("../../harness/guide/src/embedding.md")]
+    struct Embedding;
+    #[doc = include_str!("../../harness/guide/src/extending.md")]
+    struct Extending;
+}

@@ -97,4 +97,5 @@ Examples:
   bitgrain replay out/quick --stage run-1 --from 12345 --steps 1 --contacts
 
 A grain's motion in a case is \"free\", \"weightless\", \"frozen\", {\"carried\": [vx, vy, vz]} or, as a grain of
-a lid, {\"lid\": [vx, vy]}; the README shows a whole case, and what the terms of --energy are.";
+a lid, {\"lid\": [vx, vy]}; the guide (harness/guide/src/cases-and-energy.md) shows a whole case, and what the
+terms of --energy are.";

@@ -1,24 +1,64 @@
-//! The commands of the README and of every `--help` run.
+//! Every command and every file in the README, the guide and the help runs.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
+use std::sync::LazyLock;
 
-use bitgrain::bench::{SOFT_TIME_STEP, soft_law};
-use bitgrain_tests::{CAMPAIGN, SMALL, golden, hertz_history, output, root};
+use bitgrain_tests::wee::copy_all;
+use bitgrain_tests::{CAMPAIGN, SMALL, golden, output, root};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
 
-/// Commands in the README's blocks, tables and text.
-fn readme_commands() -> Vec<String> {
-    let readme = std::fs::read_to_string(root().join("README.md")).unwrap();
-    let blocks = readme.lines().filter_map(|line| line.strip_prefix("    "));
-    let inline = readme.lines().filter(|line| !line.starts_with("    "));
-    let inline = inline.flat_map(|line| line.split('`').skip(1).step_by(2));
-    let all = blocks
-        .chain(inline)
-        .map(|line| line.split(" #").next().unwrap_or("").trim());
-    let ours = |line: &&str| line.starts_with("bitgrain ") || line.starts_with("cargo ");
-    all.filter(ours).map(str::to_string).collect()
+/// The README, the contributor's page and the chapters of the guide: names and texts.
+fn pages() -> Vec<(String, String)> {
+    let mut names: Vec<String> = ["README.md", "CONTRIBUTING.md", "SECURITY.md"]
+        .map(String::from)
+        .to_vec();
+    let guide = std::fs::read_dir(root().join("harness/guide/src")).unwrap();
+    let chapters = guide.map(|item| item.unwrap().file_name().into_string().unwrap());
+    let chapters = chapters.filter(|name| name.ends_with(".md"));
+    names.extend(chapters.map(|name| format!("harness/guide/src/{name}")));
+    names.sort();
+    let text = |name: &String| std::fs::read_to_string(root().join(name)).unwrap();
+    let texts: Vec<String> = names.iter().map(text).collect();
+    names.into_iter().zip(texts).collect()
+}
+
+/// The fenced blocks of a page: what each is in, and its text.
+fn blocks(page: &str) -> Vec<(&str, String)> {
+    let mut found: Vec<(&str, String)> = Vec::new();
+    let mut within = false;
+    for line in page.lines() {
+        match (line.strip_prefix("```"), within) {
+            (Some(kind), false) => {
+                found.push((kind, String::new()));
+                within = true;
+            }
+            (Some(_), true) => within = false,
+            (None, true) => {
+                let text = &mut found.last_mut().expect("a block has begun").1;
+                *text += line;
+                *text += "\n";
+            }
+            (None, false) => assert!(!line.starts_with("    "), "an indented block: {line}"),
+        }
+    }
+    assert!(!within, "a block without an end");
+    found
+}
+
+/// Commands of a page's blocks, in their order.
+fn page_commands(page: &str) -> Vec<String> {
+    let shell = blocks(page).into_iter().filter(|(kind, _)| *kind == "sh");
+    let mut lines = Vec::new();
+    for (_, text) in shell {
+        for line in text.lines() {
+            let line = line.split(" #").next().unwrap_or("").trim();
+            lines.push(line.to_string());
+        }
+    }
+    lines.retain(|line| !line.is_empty());
+    lines
 }
 
 /// Examples at the end of a command's help.
@@ -48,47 +88,93 @@ fn words(line: &str) -> Vec<String> {
     out
 }
 
-/// A folder in which every command of the documents can run: the goldens are at hand, a bed, and a run
-/// with as many steps as examples speak of, twice.
-fn desk() -> tempfile::TempDir {
+/// What every command of the documents finds: a bed, a run with as many steps as examples speak of, twice, a
+/// campaign that has come to its end, and its table.
+static MADE: LazyLock<tempfile::TempDir> = LazyLock::new(|| {
     let folder = tempfile::tempdir().unwrap();
     let place = |name: &str| folder.path().join(name);
-    std::os::unix::fs::symlink(root().join("golden"), place("golden")).unwrap();
     let text = SMALL.replacen("grains = 300", "grains = 300\nsettled = 1e-2", 1);
     std::fs::write(place("my-bed.toml"), text).unwrap();
-    let out = output(
-        PROGRAM,
-        folder.path(),
-        &["run", "my-bed.toml", "--out", "made"],
-    );
-    assert!(out.status.success());
-    for out in ["out/quick", "out/other"] {
-        let set = "intruder.speed=0.3";
-        let args = ["run", "my-bed.toml", "--out", out, "--set", set];
+    for out in ["made", "out/quick", "out/other"] {
+        let set = if out == "made" { "0.6" } else { "0.3" };
+        let set = format!("intruder.speed={set}");
+        let args = ["run", "my-bed.toml", "--out", out, "--set", &set];
         assert!(output(PROGRAM, folder.path(), &args).status.success());
     }
-    // A campaign that has come to its end, its table, and a book of claims to write into.
     let campaign = CAMPAIGN.replace("small.toml", "my-bed.toml");
     let campaign = campaign.replace("\"camp\"", "\"kumar-small\"");
     std::fs::write(place("my-campaign.toml"), campaign).unwrap();
     let out = output(PROGRAM, folder.path(), &["sweep", "my-campaign.toml"]);
     assert!(out.status.success());
     std::fs::copy(place("out/kumar-small/results.csv"), place("results.csv")).unwrap();
-    std::fs::copy(place("golden/claims.toml"), place("claims.toml")).unwrap();
+    std::fs::copy(golden("claims.toml"), place("claims.toml")).unwrap();
+    std::fs::copy(golden("cases/collapse.json"), place("case.json")).unwrap();
+    folder
+});
+
+/// A copy of it, in which the goldens are at hand.
+fn desk() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    copy_all(MADE.path(), folder.path());
+    let place = |name: &str| folder.path().join(name);
     std::fs::create_dir_all(place("target/release")).unwrap();
     let link = |from: &Path, to: &str| std::os::unix::fs::symlink(from, place(to)).unwrap();
+    link(&golden(""), "golden");
     link(&place("out"), "elsewhere");
     link(Path::new(PROGRAM), "bitgrain-of-last-week");
     link(Path::new(PROGRAM), "target/release/bitgrain");
-    std::fs::copy(place("golden/cases/collapse.json"), place("case.json")).unwrap();
     folder
+}
+
+/// Runs commands of a document in a folder of their own. What makes or executes days of work is only planned.
+fn run_commands(lines: Vec<String>) {
+    let folder = desk();
+    let mut seen = BTreeSet::new();
+    for line in lines.into_iter().filter(|line| seen.insert(line.clone())) {
+        let line = match line.strip_prefix("cargo run --release -- ") {
+            Some(rest) => format!("bitgrain {rest}"),
+            None => line,
+        };
+        if let Some(cargo) = line.strip_prefix("cargo ") {
+            cargo_command(cargo);
+            continue;
+        }
+        // The bed has another name, and a small scenario does for two builds.
+        let line = line.replace("4f1c", &bed_name(folder.path()));
+        let line = line.replace("--scenario quick", "--scenario my-bed.toml");
+        let line = line.replace("--book golden/claims.toml", "--book claims.toml");
+        let mut args = words(&line);
+        let program = args.remove(0);
+        if program != "bitgrain" {
+            assert!(
+                ["ls", "cp", "cat", "diff"].contains(&&program[..]),
+                "{line}"
+            );
+            let args: Vec<&str> = args.iter().map(String::as_str).collect();
+            let out = output(&program, folder.path(), &args);
+            assert!(out.status.success(), "{line}");
+            continue;
+        }
+        // Placeholders in capitals stand for what the text explains.
+        let stands = |w: &String| w.len() > 1 && w.chars().all(|c| c.is_ascii_uppercase());
+        if args.iter().any(stands) || line.contains(['[', '…']) && !line.contains('\'') {
+            continue;
+        }
+        let mine = line.contains("my-bed") || line.contains("--resume");
+        let planned = args[0] == "sweep" || args[0] == "run" && !mine;
+        if planned && !line.contains("--dry-run") {
+            args.push("--dry-run".into());
+        }
+        let args: Vec<&str> = args.iter().map(String::as_str).collect();
+        let out = output(PROGRAM, folder.path(), &args);
+        let error = String::from_utf8_lossy(&out.stderr);
+        assert!(out.status.success(), "{line}: {error}");
+    }
 }
 
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
-fn documented_commands_run() {
-    let mut lines = readme_commands();
-    assert!(lines.len() > 15, "{lines:?}");
+fn commands_of_every_help_run() {
     let commands: [&[&str]; 15] = [
         &["run"],
         &["sweep"],
@@ -106,6 +192,7 @@ fn documented_commands_run() {
         &[],
         &["help", "run"],
     ];
+    let mut lines = Vec::new();
     for command in &commands[..13] {
         lines.extend(help_commands(command));
     }
@@ -117,44 +204,162 @@ fn documented_commands_run() {
         };
         assert!(output(PROGRAM, Path::new("."), &help).status.success());
     }
-    let mut seen = BTreeSet::new();
     // What takes beds away comes last.
+    lines.sort_by_key(|line| line.contains("remove"));
     lines.sort_by_key(|line| line.contains("remove --all"));
-    let mut folder = desk();
-    for line in lines.into_iter().filter(|line| seen.insert(line.clone())) {
-        let line = match line.strip_prefix("cargo run --release -- ") {
-            Some(rest) => format!("bitgrain {rest}"),
-            None => line,
-        };
-        if let Some(cargo) = line.strip_prefix("cargo ") {
-            cargo_command(cargo);
-            continue;
-        }
-        // The bed has another name, and a small scenario does for two builds.
-        let line = line.replace("4f1c", &bed_name(folder.path()));
-        let line = line.replace("--scenario quick", "--scenario my-bed.toml");
-        let line = line.replace("--book golden/claims.toml", "--book claims.toml");
-        let mut args = words(&line);
-        args.remove(0);
-        // Placeholders in capitals stand for what the text explains.
-        let stands = |w: &String| w.len() > 1 && w.chars().all(|c| c.is_ascii_uppercase());
-        if args.iter().any(stands) || line.contains(['[', '…']) && !line.contains('\'') {
-            continue;
-        }
-        // Days of work are planned here, not done; the quick scenario has a test of its own.
-        let planned = args[0] == "sweep" || args[0] == "run" && !line.contains("my-bed");
-        if planned {
-            args.push("--dry-run".into());
-            args.dedup_by(|a, b| a == b);
-        }
-        if line.starts_with("bitgrain bed remove") {
-            folder = desk();
-        }
-        let args: Vec<&str> = args.iter().map(String::as_str).collect();
-        let out = output(PROGRAM, folder.path(), &args);
-        let error = String::from_utf8_lossy(&out.stderr);
-        assert!(out.status.success(), "{line}: {error}");
+    run_commands(lines);
+}
+
+/// Every command of the pages whose names begin so.
+fn pages_run(choose: impl Fn(&str) -> bool) {
+    let mut count = 0;
+    for (name, page) in pages().iter().filter(|(name, _)| choose(name)) {
+        let lines = page_commands(page);
+        count += lines.len();
+        println!("{name}: {} commands", lines.len());
+        run_commands(lines);
     }
+    assert!(count > 10, "{count} commands");
+}
+
+/// The name of a chapter's file.
+fn chapter(name: &str) -> Option<&str> {
+    name.strip_prefix("harness/guide/src/")
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn commands_of_the_pages_run() {
+    pages_run(|name| chapter(name).is_none_or(|chapter| chapter < "f"));
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn commands_of_the_other_chapters_run() {
+    pages_run(|name| chapter(name).is_some_and(|chapter| chapter >= "f"));
+}
+
+/// Scenarios, campaigns and pieces of scenarios in the documents are read; cases are replayed. Blocks of other
+/// kinds are Rust, which is compiled as tests of the documentation, and text.
+#[test]
+fn files_in_the_documents_are_read() {
+    let mut kinds: BTreeMap<&str, usize> = BTreeMap::new();
+    let pages = pages();
+    for (name, page) in &pages {
+        for (kind, text) in blocks(page) {
+            *kinds.entry(kind).or_default() += 1;
+            match kind {
+                "sh" | "text" | "rust" | "yaml" => {}
+                "toml" => is_read(name, &text),
+                "json" => is_replayed(name, &text),
+                other => panic!("{name}: a block of {other:?}"),
+            }
+        }
+    }
+    assert!(
+        kinds["toml"] >= 4 && kinds["json"] >= 1 && kinds["rust"] >= 4,
+        "{kinds:?}"
+    );
+}
+
+/// A scenario, a campaign, or tables that a small scenario gets instead of its own.
+fn is_read(name: &str, text: &str) {
+    let block: toml::Table = text
+        .parse()
+        .unwrap_or_else(|e| panic!("{name}: {e}\n{text}"));
+    let folder = tempfile::tempdir().unwrap();
+    let small = folder.path().join("small.toml");
+    std::fs::write(&small, SMALL).unwrap();
+    for scenario in ["quick", "kumar-system-1", "kumar-small"] {
+        let from = root().join(format!("harness/scenarios/{scenario}.toml"));
+        let _ = std::fs::copy(from, folder.path().join(format!("{scenario}.toml")));
+    }
+    let path = folder.path().join("it.toml");
+    let args = if block.contains_key("base") {
+        std::fs::write(&path, text).unwrap();
+        let base = block["base"].as_str().unwrap();
+        let base = folder.path().join(base);
+        if !base.exists() {
+            std::fs::copy(&small, base).unwrap();
+        }
+        ["sweep", "it.toml", "--dry-run"]
+    } else {
+        let mut whole: toml::Table = SMALL.parse().unwrap();
+        let complete = block.contains_key("bed") && block.contains_key("law");
+        if complete {
+            whole = block;
+        } else {
+            let bed = block.get("bed").and_then(toml::Value::as_table);
+            if bed.is_some_and(|bed| bed.contains_key("fill_height")) {
+                whole["bed"].as_table_mut().unwrap().remove("grains");
+            }
+            for (key, value) in block {
+                match (whole.get_mut(&key), value) {
+                    (Some(toml::Value::Table(old)), toml::Value::Table(new)) => old.extend(new),
+                    (_, value) => {
+                        whole.insert(key, value);
+                    }
+                }
+            }
+        }
+        std::fs::write(&path, whole.to_string()).unwrap();
+        ["run", "it.toml", "--dry-run"]
+    };
+    let out = output(PROGRAM, folder.path(), &args);
+    let error = String::from_utf8_lossy(&out.stderr);
+    assert!(out.status.success(), "{name}: {error}\n{text}");
+}
+
+fn is_replayed(name: &str, text: &str) {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("it.json"), text).unwrap();
+    let out = output(
+        PROGRAM,
+        folder.path(),
+        &["replay", "it.json", "--steps", "10"],
+    );
+    let error = String::from_utf8_lossy(&out.stderr);
+    assert!(out.status.success(), "{name}: {error}");
+}
+
+/// Links between the pages lead somewhere, every chapter is in the book, and the README is short.
+#[test]
+fn pages_lead_somewhere() {
+    let pages = pages();
+    let book = &pages
+        .iter()
+        .find(|(name, _)| name.ends_with("SUMMARY.md"))
+        .unwrap()
+        .1;
+    for (name, page) in &pages {
+        let above = root().join(name).parent().unwrap().to_path_buf();
+        for link in page.split("](").skip(1) {
+            let link = link.split(')').next().unwrap();
+            let file = link.split('#').next().unwrap();
+            let outside = link.starts_with("http") || file.is_empty();
+            assert!(outside || above.join(file).exists(), "{name}: {link}");
+        }
+        if let Some(chapter) = chapter(name).filter(|chapter| *chapter != "SUMMARY.md") {
+            assert!(
+                book.contains(&format!("({chapter})")),
+                "{chapter} is not in the book"
+            );
+            assert!(
+                page.lines().nth(2).unwrap().starts_with("For: "),
+                "{name} says for whom it is"
+            );
+        }
+    }
+    let readme = &pages
+        .iter()
+        .find(|(name, _)| name == "README.md")
+        .unwrap()
+        .1;
+    let (lines, words) = (readme.lines().count(), readme.split_whitespace().count());
+    assert!(
+        lines <= 150 && words <= 1000,
+        "{lines} lines, {words} words"
+    );
 }
 
 /// The beginning of the name of a bed in the folder's library.
@@ -197,78 +402,6 @@ fn cargo_command(line: &str) {
             "{line}"
         );
     }
-    let known = ["test", "bench", "run", "+nightly", "install"];
+    let known = ["build", "test", "bench", "run", "+nightly", "install"];
     assert!(known.contains(&words[0]), "{line}");
-}
-
-/// The README tells the reference digest and sizes of firmware that lie within the golden ranges.
-#[test]
-fn the_readme_has_the_goldens_numbers() {
-    let readme = std::fs::read_to_string(root().join("README.md")).unwrap();
-    let lines = std::fs::read_to_string(golden("digests/reference.snap.txt")).unwrap();
-    let digest = lines.split_whitespace().last().unwrap();
-    assert!(readme.contains(&format!("`{digest}`")), "{digest}");
-    let ranges = std::fs::read_to_string(golden("firmware.csv")).unwrap();
-    for (board, row) in [
-        ("cortex-m4f", "| Cortex-M4F | "),
-        ("cortex-m0", "| Cortex-M0 | "),
-    ] {
-        let row = readme.lines().find(|line| line.starts_with(row)).unwrap();
-        let cells = row
-            .split('|')
-            .skip(2)
-            .map(|cell| cell.trim().replace(',', ""));
-        let told: Vec<u32> = cells.filter_map(|cell| cell.parse().ok()).collect();
-        let held = ranges
-            .lines()
-            .filter(|line| line.starts_with(&format!("{board},")));
-        let held: Vec<(u32, u32)> = held
-            .map(|line| {
-                let mut words = line.split(',').skip(2).map(|word| word.parse().unwrap());
-                (words.next().unwrap(), words.next().unwrap())
-            })
-            .collect();
-        assert_eq!((told.len(), held.len()), (3, 3), "{row}");
-        let within = told
-            .iter()
-            .zip(&held)
-            .all(|(t, (least, most))| least <= t && t <= most);
-        assert!(within, "{row} in {held:?}");
-    }
-}
-
-/// The peers are timed under the law and the time step that `bitgrain bench` takes.
-#[test]
-fn the_peers_inputs_have_our_numbers() {
-    let [kn, kt, gamma_n, gamma_t, mu] = hertz_history(&soft_law());
-    assert_eq!((kn, kt, mu), (2e5, 1.225 * 2e5, 0.5));
-    // The same power, but for how it was rounded.
-    let gamma = 50000.0 * (kn / 2e8f64).powf(0.6);
-    assert!([gamma_n, gamma_t].map(|g| (g / gamma - 1.0).abs() < 1e-15) == [true; 2]);
-    let lammps = std::fs::read_to_string(golden("peers/speed.lmp")).unwrap();
-    for line in [
-        "variable    kn equal 2.0e5",
-        "variable    kt equal 1.225*${kn}",
-        "variable    gamma equal 50000.0*(${kn}/2.0e8)^0.6",
-        "gran/hertz/history ${kn} ${kt} ${gamma} ${gamma} 0.5 1",
-    ] {
-        assert!(lammps.contains(line), "{line}");
-    }
-    let liggghts = std::fs::read_to_string(golden("peers/speed.liggghts")).unwrap();
-    let material = |name: &str| -> f64 {
-        let line = liggghts.lines().find(|line| line.contains(name)).unwrap();
-        let mut words = line
-            .split_whitespace()
-            .skip_while(|word| *word != "peratomtype");
-        words.nth(1).unwrap().parse().unwrap()
-    };
-    // K_n = (2/3) E / (1 - nu^2), and K_t / K_n = 3 (1 - nu) / (2 - nu), within 1 %.
-    let (young, poisson) = (material("youngsModulus"), material("poissonsRatio"));
-    let near = |a: f64, b: f64| (a / b - 1.0).abs() < 0.01;
-    assert!(near(2.0 / 3.0 * young / (1.0 - poisson * poisson), kn));
-    assert!(near(3.0 * (1.0 - poisson) / (2.0 - poisson), kt / kn));
-    for input in [lammps, liggghts] {
-        assert!(input.contains("timestep    1.5e-4"));
-    }
-    assert_eq!(SOFT_TIME_STEP, 1.5e-4);
 }

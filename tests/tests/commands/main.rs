@@ -10,6 +10,7 @@ mod damage;
 mod documents;
 mod errors;
 mod export;
+mod figures;
 mod foreign;
 mod forged;
 mod memory;
