@@ -342,23 +342,6 @@ fn a_replay_prints_its_samples() {
     }
 }
 
-/// The case that the README shows is a case.
-#[test]
-fn the_case_of_the_readme_runs() {
-    let readme = std::fs::read_to_string(golden("../README.md")).unwrap();
-    let begin = readme.find("    {\n      \"law\"").unwrap();
-    let end = begin + readme[begin..].find("\n    }\n").unwrap() + "\n    }\n".len();
-    let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("case.json"), &readme[begin..end]).unwrap();
-    let out = bitgrain(folder.path(), &["replay", "case.json", "--steps", "50"]);
-    assert!(
-        out.status.success(),
-        "{}",
-        String::from_utf8_lossy(&out.stderr)
-    );
-    assert_eq!(out.stdout.iter().filter(|&&b| b == b'\n').count(), 2);
-}
-
 /// Every shipped scenario is sound, and so is its resolved form.
 #[test]
 fn shipped_scenarios_are_sound() {

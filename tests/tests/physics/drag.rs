@@ -260,12 +260,12 @@ fn means_of(bed: &Bed, froude: f64) -> (String, [f64; 2]) {
 const MEANS: &str = "| Fr | drag, LAMMPS | drag, bitgrain | difference \
     | lift, LAMMPS | lift, bitgrain | difference |\n";
 
-fn readme() -> String {
-    std::fs::read_to_string(golden("../README.md")).unwrap()
+fn validation() -> String {
+    std::fs::read_to_string(golden("../harness/guide/src/validation.md")).unwrap()
 }
 
 /// Means at every point within three combined standard errors, each program's from its own blocks; and
-/// the squares of all of them together no larger than chance makes them. The README shows the first bed.
+/// the squares of all of them together no larger than chance makes them. The guide shows the first bed.
 #[test]
 fn drags_agree_with_lammps() {
     let mut shown = format!("{MEANS}{}|\n", "| --- ".repeat(7));
@@ -297,10 +297,10 @@ fn drags_agree_with_lammps() {
     // One per cent is at 32.0.
     assert!(chances.iter().all(|p| *p > 0.01), "{text}");
     assert!(
-        readme().contains(&shown),
-        "the README's table should be\n{shown}"
+        validation().contains(&shown),
+        "the guide's table should be\n{shown}"
     );
-    assert!(readme().contains(&told), "the README should say: {told}");
+    assert!(validation().contains(&told), "the guide should say: {told}");
     snapshot(
         "comparison",
         "cargo test -p bitgrain-tests --release --test physics drag::",
@@ -354,7 +354,7 @@ fn decay(bed: &Bed) -> (String, Vec<(String, f64)>) {
     (text, offs)
 }
 
-/// The decay agrees part by part at every bed. The README shows the first bed.
+/// The decay agrees part by part at every bed. The guide shows the first bed.
 #[test]
 fn eighths_of_fast_drags_agree_with_lammps() {
     let mut text = String::new();
@@ -368,8 +368,8 @@ fn eighths_of_fast_drags_agree_with_lammps() {
     assert!(far.is_empty(), "{far:?}\n{text}");
     let (shown, _) = decay(&BEDS[0]);
     assert!(
-        readme().contains(&shown),
-        "the README's table should be\n{shown}"
+        validation().contains(&shown),
+        "the guide's table should be\n{shown}"
     );
     snapshot(
         "eighths",

@@ -31,7 +31,7 @@ fn first_picture(report: &[u8]) -> Vec<u8> {
     picture.replacen("<svg ", alone, 1).into_bytes()
 }
 
-/// The files that the README's table of the run directory promises.
+/// The files that the guide's chapter on file formats promises.
 fn check_names(files: &BTreeMap<String, Vec<u8>>) {
     let names: Vec<&str> = files.keys().map(String::as_str).collect();
     let of_run = |name: &&&str| name.starts_with("runs/run-1/");
