@@ -12,7 +12,7 @@ use crate::error::{Error, Result};
 use crate::law::{CONTACT_FRACTION_MAX, RAYLEIGH_FRACTION_MAX};
 use crate::progress::Stage;
 use crate::report::short;
-use crate::scenario::{BedPlan, PACKING_GUESS, RunPlan, Scenario, UnitSystem};
+use crate::scenario::{self, BedPlan, PACKING_GUESS, RunPlan, Scenario, UnitSystem};
 
 /// Bytes of memory a grain takes, from beds of 10,000 and 70,000 grains.
 pub(crate) const MEMORY: f64 = 510.0;
@@ -39,27 +39,7 @@ const TRIAL: f64 = 0.5;
 /// What the trial may meet: a run that goes wrong.
 pub fn forecast(scenario: &Scenario, library: &Library, threads: usize) -> Result<String> {
     let speed = trial(scenario)?;
-    let mut work = Work::default();
-    if scenario.source.is_none() {
-        let absent = |plan: &BedPlan| {
-            let found = library.find(&Recipe::new(scenario, plan))?;
-            Ok::<bool, Error>(found.is_none())
-        };
-        for plan in scenario.beds() {
-            if !absent(&plan)? {
-                continue;
-            }
-            if plan.lid.is_some() {
-                work.covered.push(bed::covering_steps(scenario, &plan));
-            }
-            work.missing.push(plan.name);
-        }
-        for plan in crate::run::bare_beds(scenario) {
-            if absent(&plan)? {
-                work.poured.push(bed::pouring_steps(scenario, &plan));
-            }
-        }
-    }
+    let work = Work::of(scenario, library)?;
     let mut out = Lines::default();
     cost(scenario, &work, threads, speed, &mut out);
     let si = scenario.units == UnitSystem::Si;
@@ -83,6 +63,100 @@ struct Work {
     covered: Vec<u64>,
 }
 
+impl Work {
+    /// Of a scenario whose beds may be in a library.
+    fn of(scenario: &Scenario, library: &Library) -> Result<Self> {
+        let mut work = Work::default();
+        if scenario.source.is_none() {
+            let absent = |plan: &BedPlan| {
+                let found = library.find(&Recipe::new(scenario, plan))?;
+                Ok::<bool, Error>(found.is_none())
+            };
+            for plan in scenario.beds() {
+                if !absent(&plan)? {
+                    continue;
+                }
+                if plan.lid.is_some() {
+                    work.covered.push(bed::covering_steps(scenario, &plan));
+                }
+                work.missing.push(plan.name);
+            }
+            for plan in crate::run::bare_beds(scenario) {
+                if absent(&plan)? {
+                    work.poured.push(bed::pouring_steps(scenario, &plan));
+                }
+            }
+        }
+        Ok(work)
+    }
+
+    /// Steps that the last of so many threads has done when all is done.
+    fn longest(&self, runs: &[RunPlan], threads: usize) -> u64 {
+        let dragged: Vec<u64> = runs.iter().map(|run| run.steps).collect();
+        let stages = [&self.poured, &self.covered, &dragged];
+        stages.iter().map(|jobs| side_by_side(jobs, threads)).sum()
+    }
+}
+
+/// A shipped scenario: its sizes, and its time in words.
+#[derive(Clone, Debug)]
+pub struct Size {
+    /// Its name.
+    pub name: &'static str,
+    /// Grains of its largest bed.
+    pub grains: usize,
+    /// Beds.
+    pub beds: usize,
+    /// Drags.
+    pub drags: usize,
+    /// From the least that it takes on this machine to the most.
+    pub time: String,
+}
+
+/// The shipped scenarios on so many threads, with no bed at hand.
+///
+/// # Errors
+/// What the trial may meet: a run that goes wrong.
+pub fn shipped(threads: usize) -> Result<Vec<Size>> {
+    let none = Library::new("");
+    let mut sizes = Vec::new();
+    let mut speed = None;
+    for (name, _) in scenario::SHIPPED {
+        let scenario = scenario::load(name, &[])?;
+        let speed = match speed {
+            Some(speed) => speed,
+            None => *speed.insert(trial(&scenario)?),
+        };
+        let (beds, runs) = (scenario.beds(), scenario.runs());
+        let grains = largest(&scenario, &beds);
+        let steps = Work::of(&scenario, &none)?.longest(&runs, threads);
+        sizes.push(Size {
+            name,
+            grains,
+            beds: beds.len(),
+            drags: runs.len(),
+            time: range(steps, grains, speed),
+        });
+    }
+    Ok(sizes)
+}
+
+/// Grains of the largest bed.
+fn largest(scenario: &Scenario, beds: &[BedPlan]) -> usize {
+    let sizes = beds.iter().map(|plan| scenario.grain_count(plan.diameter));
+    sizes.max().unwrap_or(0)
+}
+
+/// How much longer than at the speed of the trial a run takes at most: quick took 1 to 2.1 times as long, beds of
+/// ten thousand grains and more 1.1 to 1.6.
+const SLOWER: f64 = 2.0;
+
+/// The time of so many steps of so many grains, in words.
+fn range(steps: u64, grains: usize, speed: f64) -> String {
+    let least = steps as f64 * grains as f64 / speed;
+    format!("{} to {}", duration(least), duration(SLOWER * least))
+}
+
 /// Lines of a name and a value.
 #[derive(Default)]
 struct Lines {
@@ -103,12 +177,11 @@ impl Lines {
 /// Grains, steps, memory, disk and time.
 fn cost(scenario: &Scenario, work: &Work, threads: usize, speed: f64, out: &mut Lines) {
     let (beds, runs) = (scenario.beds(), scenario.runs());
-    let sizes = beds.iter().map(|plan| scenario.grain_count(plan.diameter));
-    let grains = sizes.max().unwrap_or(0);
-    let dragged: Vec<u64> = runs.iter().map(|run| run.steps).collect();
-    let stages = [&work.poured, &work.covered, &dragged];
-    let whole: u64 = stages.iter().map(|jobs| side_by_side(jobs, threads)).sum();
-    let steps: u64 = stages.iter().flat_map(|jobs| jobs.iter()).sum();
+    let grains = largest(scenario, &beds);
+    let whole = work.longest(&runs, threads);
+    let drags: u64 = runs.iter().map(|run| run.steps).sum();
+    let beds_steps: u64 = work.poured.iter().chain(&work.covered).sum();
+    let steps = beds_steps + drags;
 
     out.add(
         "scenario",
@@ -138,7 +211,6 @@ fn cost(scenario: &Scenario, work: &Work, threads: usize, speed: f64, out: &mut 
         }
     };
     out.add("beds to pour", pour);
-    let drags = dragged.iter().sum::<u64>();
     out.add("steps in all", format!("{steps} (drags {drags})"));
     let at_once = threads.min(runs.len());
     // Sums of fields, and twice as much where a state is saved.
@@ -151,19 +223,13 @@ fn cost(scenario: &Scenario, work: &Work, threads: usize, speed: f64, out: &mut 
         "speed of this machine",
         format!("{million:.1} million grain-steps/s (a settled bed of {TRIAL_GRAINS}, one thread)"),
     );
-    let time = duration(whole as f64 * grains as f64 / speed);
-    out.add(
-        "time",
-        format!(
-            "about {time} on {threads} thread(s); beds of many more grains take up to 1.5 times as long"
-        ),
-    );
+    let time = range(whole, grains, speed);
+    out.add("time", format!("{time} on {threads} thread(s)"));
 }
 
 /// Dimensionless groups, of the scenario and of each run.
 fn groups(scenario: &Scenario, speed: f64, out: &mut Lines) {
     let units = scenario.units();
-    let beds = scenario.beds();
     let (rayleigh, collision) = (scenario.rayleigh_time(), scenario.shortest_contact());
     let bound = |time: f64, most: f64, name: &str| {
         let ratio = short(scenario.drag.dt / time);
@@ -189,45 +255,61 @@ fn groups(scenario: &Scenario, speed: f64, out: &mut Lines) {
         bound(collision, CONTACT_FRACTION_MAX, &at),
     );
     out.add("stiffness K_n/(rho g d)", short(stiffness(scenario)));
+    runs(scenario, speed, out);
+}
+
+/// A row for each run.
+fn runs(scenario: &Scenario, speed: f64, out: &mut Lines) {
+    let units = scenario.units();
+    let beds = scenario.beds();
+    out.gap();
+    let mut rows = vec![[
+        "run".to_string(),
+        "steps".into(),
+        "time".into(),
+        format!("V ({})", units.speed),
+        "Fr".into(),
+        "inertial number".into(),
+        "contact (steps)".into(),
+        format!("depth ({})", units.length),
+        "depth/D".into(),
+    ]];
     for run in scenario.runs() {
         let plan = &beds[run.bed];
         let depth = planned_depth(scenario, plan);
-        let seconds = run.steps as f64 * scenario.grain_count(plan.diameter) as f64 / speed;
         let contact = scenario.law.contact_duration(
             run.speed,
             0.5 * scenario.mean_diameter(),
             scenario.bed.density,
         ) / scenario.drag.dt;
-        out.gap();
-        out.add(
-            &run.name,
-            format!("{} steps, about {}", run.steps, duration(seconds)),
-        );
-        out.add("  speed V", format!("{} {}", short(run.speed), units.speed));
-        out.add("  Froude number", short(run.froude));
-        out.add(
-            "  inertial number",
+        rows.push([
+            run.name.clone(),
+            run.steps.to_string(),
+            range(run.steps, scenario.grain_count(plan.diameter), speed),
+            short(run.speed),
+            short(run.froude),
             short(inertial(scenario, &run, plan.diameter, depth)),
-        );
-        out.add(
-            "  contact duration",
-            format!("{} steps at V", short(contact)),
-        );
-        let which = if plan.lid.is_some() {
-            "  effective depth"
-        } else {
-            "  depth"
-        };
-        out.add(
-            which,
-            format!(
-                "{} {} ({} D) at a packing fraction of 0.6",
-                short(depth),
-                units.length,
-                short(depth / plan.diameter)
-            ),
-        );
+            short(contact),
+            short(depth),
+            short(depth / plan.diameter),
+        ]);
     }
+    let width = |k: usize| rows.iter().map(|row| row[k].chars().count()).max();
+    let widths: Vec<usize> = (0..9).map(|k| width(k).unwrap_or(0)).collect();
+    for row in &rows {
+        let cells = row.iter().zip(&widths).enumerate();
+        let cells = cells.map(|(k, (cell, &width))| match k {
+            0 => format!("{cell:<width$}"),
+            _ => format!("{cell:>width$}"),
+        });
+        let line = cells.collect::<Vec<_>>().join("  ");
+        out.text.push_str(line.trim_end());
+        out.text.push('\n');
+    }
+    out.text.push_str(
+        "A depth is expected at a packing fraction of 0.6, under a lid it is the effective depth; a contact is one \
+         at V.\n",
+    );
 }
 
 /// Depth, or effective depth under a lid, at the packing fraction that plans assume.

@@ -23,6 +23,7 @@
 
 #![forbid(unsafe_code)]
 
+pub mod against;
 pub mod analysis;
 pub mod audit;
 pub mod bed;

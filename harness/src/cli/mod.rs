@@ -3,7 +3,9 @@
 mod analyse;
 mod channels;
 mod checks;
+mod ending;
 mod help;
+mod start;
 mod sweep;
 
 use std::io::{BufWriter, Write};
@@ -12,12 +14,12 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 
+use crate::against::{self, Reference};
 use crate::bed::library::Library;
 use crate::bench::{Timing, bench};
 use crate::disk::{is_folder, set_most};
 use crate::error::{Error, Result, UNEXPECTED};
 use crate::folder::Folder;
-use crate::manifest::{Of, Vouched};
 use crate::plain::plain;
 use crate::replay::{Replay, Stretch, replay, replay_run};
 use crate::rerun::Past;
@@ -80,13 +82,20 @@ enum Command {
     /// Find the first step, grain and contact at which two runs, or two builds, differ.
     #[command(after_help = BISECT_HELP)]
     Bisect(checks::Bisect),
+    /// Write a scenario file to begin from, with a comment on every key.
+    #[command(after_help = "Example:\n  bitgrain new my-drag")]
+    New(start::New),
+    /// Print what a shell needs to complete commands and options.
+    #[command(after_help = "Example:\n  bitgrain completions bash")]
+    Completions(start::Completions),
+    /// Write manual pages, one for the program and one for each command.
+    #[command(after_help = "Example:\n  bitgrain man man")]
+    Man(start::Man),
 }
 
 #[derive(Args)]
 struct Run {
-    /// A TOML file, or the name of a shipped scenario: quick, kumar-system-1, kumar-system-2,
-    /// guillard-small, guillard-medium, guillard-2014.
-    #[arg(required_unless_present = "resume")]
+    /// A TOML file, or the name of a shipped scenario; without it those are listed, with sizes and times.
     scenario: Option<String>,
     /// Folder for the results [default: out/NAME, NAME the scenario's name].
     #[arg(long)]
@@ -117,6 +126,10 @@ struct Run {
     /// does not come to it; may be given several times.
     #[arg(long, value_name = "LINK", conflicts_with_all = ["only", "dry_run"])]
     expect: Vec<String>,
+    /// Another run's folder, the chain.csv of one of its stages, or a link: the run ends with status 3 where a
+    /// link is another one, and says at which step, body and number, here and in difference.json.
+    #[arg(long, value_name = "DIR|CHAIN|LINK", conflicts_with_all = ["only", "dry_run"])]
+    against: Option<String>,
     /// Print lines where standard error is no terminal: each minute, and as each stage ends.
     #[arg(long, short)]
     verbose: bool,
@@ -261,6 +274,9 @@ fn run(command: Command) -> Result<()> {
         Command::Replay(case) => run_replay(case),
         Command::Verify(what) => checks::run_verify(what),
         Command::Bisect(what) => checks::run_bisect(what),
+        Command::New(what) => start::new(&what),
+        Command::Completions(what) => start::completions(&what),
+        Command::Man(what) => start::man(&what),
     }
 }
 
@@ -302,6 +318,11 @@ fn processors(asked: Option<u16>) -> usize {
 }
 
 fn run_scenario(run: Run) -> Result<()> {
+    if run.scenario.is_none() && run.resume.is_none() {
+        return start::list();
+    }
+    // A word that is wrong is told before hours of work.
+    let against = run.against.as_deref().map(Reference::of).transpose()?;
     let (scenario, out) = match (&run.resume, &run.scenario) {
         (Some(folder), _) => (Folder(folder).saved_scenario()?, folder.clone()),
         (None, name) => {
@@ -325,18 +346,18 @@ fn run_scenario(run: Run) -> Result<()> {
         only: &run.only,
         progress: &progress,
     })?;
-    let Some(report) = done else {
+    if done.is_none() {
         return print(&format!(
             "done: {}; the same command without --only does the others\n",
             run.only.join(", ")
         ));
-    };
-    let manifest = Vouched::open(&out, Of::Run)?.manifest;
-    let closing = &manifest.closing;
-    print(&format!(
-        "report: {}\nclosing hash: {closing}\n",
-        report.display()
-    ))?;
+    }
+    let (text, manifest) = ending::told(&out)?;
+    print(&text)?;
+    if let Some(against) = &against {
+        let this = std::env::current_exe().map_err(Error::Output)?;
+        against::check(&out, against, &this, |line| print(&format!("{line}\n")))?;
+    }
     match run.expect.iter().find(|link| !manifest.has_link(link)) {
         None => Ok(()),
         Some(link) => {

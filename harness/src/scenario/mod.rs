@@ -66,6 +66,17 @@ pub fn load(name: &str, sets: &[String]) -> Result<Scenario> {
     parse(&text, &path.display().to_string(), sets, folder)
 }
 
+/// The text of a new scenario of this name: the quick one, with every key and a comment on it.
+pub fn template(name: &str) -> String {
+    let (_, quick) = SHIPPED[0];
+    let from = quick.find("name = ").expect("a scenario has a name");
+    let rest = quick[from..].replacen("\"quick\"", &format!("\"{name}\""), 1);
+    format!(
+        "# A bed of soft grains and a sphere that is dragged through it. Lines that begin with `##` show the\n\
+         # other keys and their defaults; the guide says more of each in its chapter Scenarios.\n\n{rest}"
+    )
+}
+
 fn unknown_name(name: &str) -> Error {
     let names: Vec<&str> = SHIPPED.iter().map(|(key, _)| *key).collect();
     let nearest = names

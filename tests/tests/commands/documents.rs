@@ -175,7 +175,7 @@ fn run_commands(lines: Vec<String>) {
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
 fn commands_of_every_help_run() {
-    let commands: [&[&str]; 15] = [
+    let commands: [&[&str]; 18] = [
         &["run"],
         &["sweep"],
         &["analyse"],
@@ -189,14 +189,17 @@ fn commands_of_every_help_run() {
         &["verify"],
         &["bisect"],
         &["selftest"],
+        &["new"],
+        &["completions"],
+        &["man"],
         &[],
         &["help", "run"],
     ];
     let mut lines = Vec::new();
-    for command in &commands[..13] {
+    for command in &commands[..16] {
         lines.extend(help_commands(command));
     }
-    for command in &commands[13..] {
+    for command in &commands[16..] {
         let help: Vec<&str> = if command.is_empty() {
             vec!["--help"]
         } else {

@@ -1,5 +1,6 @@
 //! The program as its users run it: commands, their messages, their files, and the documents about them.
 
+mod against;
 mod bisect;
 mod campaigns;
 mod channels;

@@ -1,0 +1,106 @@
+//! What a newcomer asks for first: which scenarios there are, a file to begin from, and what a shell and `man` want.
+
+use std::path::PathBuf;
+
+use clap::{Args, CommandFactory};
+use clap_complete::Shell;
+
+use super::channels::{print, shown};
+use super::{Cli, processors};
+use crate::disk::{self, write_whole};
+use crate::error::{Error, Result};
+use crate::{forecast, scenario};
+
+/// What `bitgrain new` takes.
+#[derive(Args)]
+pub(super) struct New {
+    /// Name of the scenario: letters, digits, - and _. The file is called NAME.toml.
+    name: String,
+}
+
+/// What `bitgrain completions` takes.
+#[derive(Args)]
+pub(super) struct Completions {
+    /// The shell.
+    shell: Shell,
+}
+
+/// What `bitgrain man` takes.
+#[derive(Args)]
+pub(super) struct Man {
+    /// Folder for the pages, one for each command; it is made.
+    folder: PathBuf,
+}
+
+/// Writes a scenario with every key and a comment on each.
+pub(super) fn new(what: &New) -> Result<()> {
+    let name = &what.name;
+    let plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+    if name.is_empty() || name.len() > 64 || !name.chars().all(plain) {
+        let problem = "is no name for a scenario: take up to 64 letters, digits, - and _";
+        return Err(Error::input(name, problem));
+    }
+    let path = PathBuf::from(format!("{name}.toml"));
+    if disk::is_there(&path) {
+        let problem = "is there already: choose another name, or move it away";
+        return Err(Error::input(shown(&path), problem));
+    }
+    write_whole(&path, scenario::template(name).as_bytes())?;
+    print(&format!(
+        "{}: a bed of 2,500 grains and four drags; change what you like, then\n  bitgrain run {0} --dry-run\n  \
+         bitgrain run {0}\n",
+        shown(&path)
+    ))
+}
+
+/// The shipped scenarios with their sizes and times.
+pub(super) fn list() -> Result<()> {
+    let threads = processors(None);
+    let mut text = format!(
+        "{:<16} {:>9} {:>5} {:>6}  {}\n",
+        "scenario",
+        "grains",
+        "beds",
+        "drags",
+        format_args!("time on {threads} thread(s)")
+    );
+    for size in forecast::shipped(threads)? {
+        text += &format!(
+            "{:<16} {:>9} {:>5} {:>6}  {}\n",
+            size.name, size.grains, size.beds, size.drags, size.time
+        );
+    }
+    text += "\nbitgrain run NAME runs one of them, bitgrain run NAME --dry-run says more of it, and bitgrain new NAME \
+             writes a file to begin from.\n";
+    print(&text)
+}
+
+/// Prints what a shell wants to complete commands.
+pub(super) fn completions(what: &Completions) -> Result<()> {
+    let mut text = Vec::new();
+    clap_complete::generate(what.shell, &mut Cli::command(), "bitgrain", &mut text);
+    print(&String::from_utf8_lossy(&text))
+}
+
+/// Writes the manual page of the program and of each command.
+pub(super) fn man(what: &Man) -> Result<()> {
+    let mut whole = Cli::command();
+    // Gives each command its full name.
+    whole.build();
+    let mut pages = vec![("bitgrain".to_string(), whole.clone())];
+    for command in whole.get_subcommands() {
+        let name = command.get_name();
+        if name != "help" {
+            pages.push((format!("bitgrain-{name}"), command.clone()));
+        }
+    }
+    let count = pages.len();
+    for (name, command) in pages {
+        let path = what.folder.join(format!("{name}.1"));
+        let mut text = Vec::new();
+        let rendered = clap_mangen::Man::new(command).render(&mut text);
+        rendered.map_err(|e| Error::write(&path, e))?;
+        write_whole(&path, &text)?;
+    }
+    print(&format!("{count} pages in {}\n", shown(&what.folder)))
+}
