@@ -245,9 +245,10 @@ fn spoilt(work: &impl Work, at: usize, spoil: Spoil, want: Option<&Files>) -> (u
     if let Err(error) = ended {
         assert!(state.spoilt, "call {at}: {error}");
         let status = error.exit_status();
-        // What cannot be read is refused, what cannot be written is an error.
+        // What cannot be written is an error, what cannot be read is refused: of a dead process whichever is first.
+        let refused = state.read || matches!(spoil, Spoil::Kill | Spoil::PowerLoss);
         assert!(
-            status == 1 || state.read && status == 2,
+            status == 1 || refused && status == 2,
             "call {at}, {spoil:?}: {status}, {error}"
         );
     }

@@ -196,7 +196,7 @@ fn beds_are_listed_shown_and_removed() {
         "steps in all",
         "memory",
         "disk",
-        "Froude number",
+        "  Fr  ",
         "inertial number",
         "K_n/(rho g d)",
     ] {
