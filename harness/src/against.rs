@@ -5,16 +5,20 @@ use std::path::{Path, PathBuf};
 use bitgrain_kernel::BITS_VERSION;
 use serde::Serialize;
 
-use crate::bisect::{Parting, Side, bisect};
+use crate::bisect::{Parting, Side, bisect, chain_of};
 use crate::chain::{Chain, Link, differing};
 use crate::disk::{self, is_file, is_folder, write_whole};
 use crate::error::{Error, Result, UNEXPECTED};
 use crate::files::read_text;
 use crate::folder::Folder;
 use crate::manifest::{Manifest, NAME};
+use crate::progress::Progress;
+use crate::replay::{Replay, Stretch, replay_run};
+use crate::rerun::{Part, Past};
 
-/// Name of the file that a failed comparison leaves in the run's folder.
+/// Names of the files that a failed comparison leaves in the run's folder: what differs, and the state to replay.
 pub const DIFFERENCE: &str = "difference.json";
+const STATE: &str = "difference.safetensors";
 
 /// What a run is held against.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -63,7 +67,9 @@ struct Difference {
     parts: Vec<String>,
     number: Option<Number>,
     contact: Option<String>,
-    /// Prints the state and the contacts at that step.
+    /// Name of the checkpoint beside this file, of the last state that is known to be equal.
+    state: Option<&'static str>,
+    /// Prints the state and the contacts at the step at which they differ; of a state, in the folder of that.
     replay: String,
     /// Why nothing more is known, where that is so.
     note: Option<String>,
@@ -87,11 +93,13 @@ pub fn check(
     out: &Path,
     reference: &Reference,
     program: &Path,
+    progress: &Progress,
     mut say: impl FnMut(&str) -> Result<()>,
 ) -> Result<()> {
     let place = out.display();
     // Of a comparison before this one.
     disk::remove(&out.join(DIFFERENCE))?;
+    disk::remove(&out.join(STATE))?;
     match reference {
         Reference::Link(link) => match Manifest::of(out)? {
             Some(manifest) if manifest.has_link(link) => {
@@ -105,7 +113,7 @@ pub fn check(
             }),
         },
         Reference::Chain(path) => {
-            let wanted = read(path)?;
+            let wanted = Chain::parse(&read_text(path)?, &path.display().to_string())?.links;
             let (stage, made) = nearest(out, &wanted)?;
             match first(&wanted, &made) {
                 None => say(&format!(
@@ -115,24 +123,33 @@ pub fn check(
                 )),
                 Some(found) => {
                     let note = match found.0 {
-                        None => "no stage of the run begins as this chain does",
+                        None => {
+                            "no stage of the run begins as this chain does: its bed or its scenario is another. If \
+                             that was meant, pin anew; if not, give the folder of the other run to learn the first \
+                             number"
+                        }
                         Some(_) => {
                             "only links are known of the other run: give its folder to learn more"
                         }
                     };
                     let difference = by_links(out, path, stage, found, Some(note.into()));
-                    tell(out, &difference, &mut say)
+                    tell(out, difference, progress, &mut say)
                 }
             }
         }
         Reference::Run(other) => {
-            let stages = stages(other)?;
+            let mut stages = stages(other)?;
+            for stage in self::stages(out)? {
+                if !stages.contains(&stage) {
+                    stages.push(stage);
+                }
+            }
             let mut count = 0;
             for stage in &stages {
                 let (wanted, made) = (links(other, stage)?, links(out, stage)?);
                 if let Some(found) = first(&wanted, &made) {
                     let difference = by_steps(out, other, stage, found, program, &mut say)?;
-                    return tell(out, &difference, &mut say);
+                    return tell(out, difference, progress, &mut say);
                 }
                 count += made.len();
             }
@@ -160,16 +177,7 @@ fn stages(folder: &Path) -> Result<Vec<String>> {
 
 /// The links of a stage; none where it has no chain.
 fn links(folder: &Path, stage: &str) -> Result<Vec<Link>> {
-    let folder = Folder(folder);
-    let mut paths = [folder.bed_chain(stage), folder.chain(stage)].into_iter();
-    match paths.find(|path| is_file(path)) {
-        Some(path) => read(&path),
-        None => Ok(Vec::new()),
-    }
-}
-
-fn read(path: &Path) -> Result<Vec<Link>> {
-    Chain::parse(&read_text(path)?, &path.display().to_string()).map(|chain| chain.links)
+    Ok(chain_of(folder, stage)?.map_or(Vec::new(), |chain| chain.links))
 }
 
 /// The stage of a run that has most of these links, else one that is as long, and its own links.
@@ -222,6 +230,7 @@ fn by_links(
         bits_version: BITS_VERSION,
         against: against.display().to_string(),
         replay: replay(out, &stage, differ),
+        state: None,
         stage,
         equal,
         differ,
@@ -278,6 +287,7 @@ fn by_parting(out: &Path, other: &Path, parting: Parting) -> Difference {
         bits_version: BITS_VERSION,
         against: other.display().to_string(),
         replay: replay(out, &parting.stage, parting.step),
+        state: None,
         stage: parting.stage,
         equal: parting.equal,
         differ: parting.step,
@@ -293,17 +303,52 @@ fn bits(x: f64) -> String {
     format!("{x} (0x{:016x})", x.to_bits())
 }
 
-/// Writes `difference.json` and says what is in it.
-fn tell(
-    out: &Path,
-    difference: &Difference,
-    say: &mut impl FnMut(&str) -> Result<()>,
-) -> Result<()> {
+/// Writes the last state of a drag that is known to be equal, from which plain steps lead to the difference. Says
+/// whether there is one.
+///
+/// # Errors
+/// What keeps it from being made again.
+fn save_state(out: &Path, difference: &Difference, progress: &Progress) -> Result<bool> {
+    let folder = Folder(out);
+    let past = Past::open(&folder)?;
+    let (Part::Drag(_), Some(equal)) = (past.part(&difference.stage)?, difference.equal) else {
+        return Ok(false);
+    };
+    let stretch = Stretch {
+        stage: difference.stage.clone(),
+        from: equal,
+        save: Some(out.join(STATE)),
+    };
+    let what = Replay {
+        steps: 0,
+        every: 1,
+        contacts: false,
+        energy: false,
+        digests: true,
+    };
+    let nothing = &mut std::io::sink();
+    replay_run(&folder, &stretch, &what, progress, nothing)?;
+    Ok(true)
+}
+
+/// Writes `difference.json`.
+fn write(out: &Path, difference: &Difference) -> Result<PathBuf> {
     let path = out.join(DIFFERENCE);
     let mut text = serde_json::to_string_pretty(difference).expect("words and numbers are JSON");
     text.push('\n');
     write_whole(&path, text.as_bytes())?;
-    let Difference { stage, differ, .. } = difference;
+    Ok(path)
+}
+
+/// Writes `difference.json`, says what is in it, and keeps the state to replay.
+fn tell(
+    out: &Path,
+    mut difference: Difference,
+    progress: &Progress,
+    say: &mut impl FnMut(&str) -> Result<()>,
+) -> Result<()> {
+    let path = write(out, &difference)?;
+    let Difference { stage, differ, .. } = &difference;
     let equal = difference
         .equal
         .map(|step| format!("the same to step {step}, "));
@@ -328,5 +373,27 @@ fn tell(
         say(note)?;
     }
     say(&format!("written to {}", path.display()))?;
+    let mut replay = difference.replay.clone();
+    match save_state(out, &difference, progress) {
+        Err(e @ Error::Interrupted { .. }) => return Err(e),
+        Err(e) => say(&format!("no state to replay was kept: {e}"))?,
+        Ok(false) => {}
+        Ok(true) => {
+            let steps = difference.differ - difference.equal.unwrap_or_default();
+            let command = |file: &Path| {
+                format!(
+                    "bitgrain replay {} --steps {steps} --contacts",
+                    file.display()
+                )
+            };
+            difference.state = Some(STATE);
+            difference.replay = command(Path::new(STATE));
+            write(out, &difference)?;
+            let state = out.join(STATE);
+            say(&format!("the last equal state is {}", state.display()))?;
+            replay = command(&state);
+        }
+    }
+    say(&format!("replay the difference with\n  {replay}"))?;
     Err(Error::Parted)
 }

@@ -63,8 +63,11 @@ pub fn bisect(
     let [one, other] = sides;
     let mut links = 0;
     for stage in one.stages()? {
-        let (Some(a), Some(b)) = (one.chain(&stage)?, other.chain(&stage)?) else {
-            say(&format!("{stage}: only the first has it"))?;
+        let (Some(a), Some(b)) = (
+            chain_of(&one.folder, &stage)?,
+            chain_of(&other.folder, &stage)?,
+        ) else {
+            say(&format!("{stage}: the second run has none"))?;
             continue;
         };
         let common = common(&a.links, &b.links);
@@ -73,7 +76,7 @@ pub fn bisect(
         if last(&a) != last(&b) {
             let (a, b) = (last(&a), last(&b));
             say(&format!(
-                "{stage}: the first goes to step {a}, the second to step {b}"
+                "{stage}: the first run goes to step {a}, the second to step {b}"
             ))?;
         }
         let Some(at) = common.iter().position(|(a, b)| a.parts != b.parts) else {
@@ -104,6 +107,38 @@ pub fn bisect(
         ));
     }
     Ok(None)
+}
+
+/// The chain of digests of a stage, as the run's manifest vouches for it; `None` where there is none. A chain that is
+/// another run's is no record of this one.
+///
+/// # Errors
+/// Where it is not as it was written, or cannot be read.
+pub(crate) fn chain_of(root: &Path, stage: &str) -> Result<Option<Chain>> {
+    let folder = Folder(root);
+    let paths = [folder.bed_chain(stage), folder.chain(stage)];
+    let manifest = Manifest::of(root)?;
+    let listed = |path: &&PathBuf| {
+        let name = manifest::relative(root, path)?;
+        manifest.as_ref()?.entry(&name).cloned()
+    };
+    let found = paths.iter().find(|path| listed(path).is_some());
+    let found = found.or_else(|| paths.iter().find(|path| disk::is_there(path)));
+    let Some(path) = found else {
+        return Ok(None);
+    };
+    let text = match listed(&path) {
+        Some(entry) => {
+            let place = path.display().to_string();
+            let bytes = entry.read(root).map_err(|what| match what {
+                Departure::Changed(how) => Error::input(&place, how),
+                Departure::Unreadable(e) => e,
+            })?;
+            text_of(bytes, &place)?
+        }
+        None => read_text(path)?,
+    };
+    Chain::parse(&text, &path.display().to_string()).map(Some)
 }
 
 /// Runs a scenario with two programs, each into a folder of its own and with beds of its own.
@@ -173,34 +208,6 @@ impl Side {
             return Err(Error::input(self.folder.display().to_string(), problem));
         }
         Ok(stages)
-    }
-
-    fn chain(&self, stage: &str) -> Result<Option<Chain>> {
-        let folder = Folder(&self.folder);
-        let paths = [folder.bed_chain(stage), folder.chain(stage)];
-        let manifest = Manifest::of(&self.folder)?;
-        let listed = |path: &&PathBuf| {
-            let name = manifest::relative(&self.folder, path)?;
-            manifest.as_ref()?.entry(&name).cloned()
-        };
-        let found = paths.iter().find(|path| listed(path).is_some());
-        let found = found.or_else(|| paths.iter().find(|path| disk::is_there(path)));
-        let Some(path) = found else {
-            return Ok(None);
-        };
-        // A chain that is another run's is no record of this one.
-        let text = match listed(&path) {
-            Some(entry) => {
-                let place = path.display().to_string();
-                let bytes = entry.read(&self.folder).map_err(|what| match what {
-                    Departure::Changed(how) => Error::input(&place, how),
-                    Departure::Unreadable(e) => e,
-                })?;
-                text_of(bytes, &place)?
-            }
-            None => read_text(path)?,
-        };
-        Chain::parse(&text, &path.display().to_string()).map(Some)
     }
 
     /// Has the program replay a stretch of a stage, and gives each of its lines to `take`, which says

@@ -1,8 +1,11 @@
 //! Checkpoints: a whole state in one safetensors file, from which a run goes on with the same bits.
 
+mod arrays;
+
 use std::collections::HashMap;
 use std::path::Path;
 
+use arrays::Arrays;
 use bitgrain_kernel::{BITS_VERSION, Bond, Domain, Fault, Group, Obstacle, Row};
 use safetensors::tensor::{Dtype, SafeTensors, TensorView, serialize};
 use serde::{Deserialize, Serialize};
@@ -25,6 +28,8 @@ pub struct Note {
     pub course: String,
     /// The sums of its fields, little-endian words; empty where there are none.
     pub fields: Vec<u8>,
+    /// Frames that no file holds yet; empty in a checkpoint that is kept.
+    pub frames: String,
 }
 
 /// What is not an array of grains or contacts. One text under one key, so that a file's bytes do
@@ -93,8 +98,9 @@ impl Head {
 
 const KEY: &str = "bitgrain";
 
-/// The array that only states of drags with fields have.
+/// The arrays that only states of drags with fields have, and only those that are saved between two kept ones.
 const FIELDS: &str = "fields";
+const FRAMES: &str = "frames";
 
 /// Writes the state of a simulation.
 ///
@@ -192,11 +198,15 @@ fn arrays(sim: &mut Sim, note: &Note) -> Vec<Array> {
         ("torque", rows(&sim.torque)),
         ("velocity", rows(&sim.velocity)),
     ];
-    if !note.fields.is_empty() {
-        let sums = (Dtype::U8, vec![note.fields.len()], note.fields.clone());
-        // They go by name.
-        let place = all.partition_point(|(name, _)| *name < FIELDS);
-        all.insert(place, (FIELDS, sums));
+    for (name, bytes) in [(FIELDS, &note.fields[..]), (FRAMES, note.frames.as_bytes())] {
+        if !bytes.is_empty() {
+            // They go by name.
+            let place = all.partition_point(|(other, _)| *other < name);
+            all.insert(
+                place,
+                (name, (Dtype::U8, vec![bytes.len()], bytes.to_vec())),
+            );
+        }
     }
     all
 }
@@ -346,110 +356,4 @@ fn restore(bytes: &[u8], head: &Head, name: &str) -> Result<(Sim, Note)> {
     }
     let note = arrays.note(head).map_err(&damaged)?;
     Ok((sim, note))
-}
-
-struct Arrays<'a> {
-    file: &'a SafeTensors<'a>,
-}
-
-impl Arrays<'_> {
-    /// The bytes of a named array in words of `N`, with its type checked.
-    fn words<const N: usize>(
-        &self,
-        name: &str,
-        dtype: Dtype,
-    ) -> std::result::Result<Vec<[u8; N]>, String> {
-        let view = self
-            .file
-            .tensor(name)
-            .map_err(|e| format!("`{name}`: {e}"))?;
-        if view.dtype() != dtype {
-            return Err(format!("`{name}` is {:?}, not {dtype:?}", view.dtype()));
-        }
-        let (words, rest) = view.data().as_chunks::<N>();
-        if rest.is_empty() {
-            Ok(words.to_vec())
-        } else {
-            Err(format!("`{name}` is cut off"))
-        }
-    }
-
-    fn reals<const W: usize>(&self, name: &str) -> std::result::Result<Vec<[f64; W]>, String> {
-        let words = self.words::<8>(name, Dtype::F64)?;
-        let reals: Vec<f64> = words.into_iter().map(f64::from_le_bytes).collect();
-        Ok(reals.as_chunks::<W>().0.to_vec())
-    }
-
-    fn sim(&self, head: &Head) -> std::result::Result<Sim, String> {
-        let id = self.words::<4>("id", Dtype::U32)?;
-        let group: Vec<[u8; 1]> = self.words("group", Dtype::U8)?;
-        let mut sim = Sim::new(
-            head.law,
-            head.domain,
-            head.dt,
-            head.groups.clone(),
-            &[],
-            vec![],
-        );
-        sim.obstacles = head.obstacles.clone();
-        sim.id = id.into_iter().map(u32::from_le_bytes).collect();
-        sim.group = group.into_iter().map(|[g]| g).collect();
-        sim.position = self.reals("position")?;
-        sim.velocity = self.reals("velocity")?;
-        sim.spin = self.reals("spin")?;
-        sim.force = self.reals("force")?;
-        sim.torque = self.reals("torque")?;
-        let image = self.words::<4>("image", Dtype::I32)?;
-        let image: Vec<i32> = image.into_iter().map(i32::from_le_bytes).collect();
-        sim.image = image.as_chunks::<3>().0.to_vec();
-        sim.fit_storage();
-        sim.choose_skin();
-        Ok(sim)
-    }
-
-    fn note(&self, head: &Head) -> std::result::Result<Note, String> {
-        let fields = match self.file.names().contains(&FIELDS) {
-            true => self.words::<1>(FIELDS, Dtype::U8)?.into_flattened(),
-            false => Vec::new(),
-        };
-        Ok(Note {
-            recipe: head.recipe.clone(),
-            link: head.link.clone(),
-            course: self.course()?,
-            fields,
-        })
-    }
-
-    fn course(&self) -> std::result::Result<String, String> {
-        let bytes = self.words::<1>("course", Dtype::U8)?;
-        String::from_utf8(bytes.into_flattened()).map_err(|e| format!("`course`: {e}"))
-    }
-
-    fn bonds(&self) -> std::result::Result<Vec<Bond<f64>>, String> {
-        let kinds: Vec<[u8; 1]> = self.words("bond_kind", Dtype::U8)?;
-        let bodies = self.words::<4>("bond_bodies", Dtype::U32)?;
-        let bodies: Vec<u32> = bodies.into_iter().map(u32::from_le_bytes).collect();
-        let springs = self.reals::<3>("bond_spring")?;
-        if bodies.len() != 2 * kinds.len() || springs.len() != kinds.len() {
-            return Err("its contact arrays differ in length".into());
-        }
-        let pairs = bodies.as_chunks::<2>().0;
-        let bond = |k: usize| {
-            let (spring, [i, partner]) = (springs[k], pairs[k]);
-            match kinds[k] {
-                [0] => Ok(Bond::Pair {
-                    i,
-                    j: partner,
-                    spring,
-                }),
-                [1] => Ok(Bond::Touch {
-                    i,
-                    obstacle: partner,
-                    spring,
-                }),
-                [other] => Err(format!("contact {k} is of the unknown kind {other}")),
-            }
-        };
-        (0..kinds.len()).map(bond).collect()
-    }
 }

@@ -115,6 +115,9 @@ pub struct Dragging {
     /// Sums of the fields, where they were asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fields: Option<FieldsGauge>,
+    /// Frames of the checkpoint that it was read from, which no file holds yet.
+    #[serde(skip)]
+    pub frames: String,
 }
 
 impl Dragging {
@@ -155,6 +158,7 @@ impl Dragging {
             around: Surroundings::default(),
             audit: scenario.measure.energy.then(|| Audit::new(sim)),
             fields: FieldsGauge::new(scenario, plan),
+            frames: String::new(),
         })
     }
 
@@ -281,6 +285,7 @@ impl Dragging {
             link: self.chain.end().to_string(),
             course: serde_json::to_string(self).expect("what is measured is finite"),
             fields: self.fields.as_ref().map_or(Vec::new(), FieldsGauge::array),
+            frames: String::new(),
         }
     }
 
@@ -295,6 +300,7 @@ impl Dragging {
             let whole = fields.with_array(&note.fields);
             read.fields = Some(whole.ok_or("holds other sums of fields than its grid has")?);
         }
+        read.frames.clone_from(&note.frames);
         if read.chain.end() == note.link && read.record.angles.is_whole() {
             Ok(read)
         } else {

@@ -1,5 +1,6 @@
 //! Errors of the harness: what, where, why and what to do, and the exit status each ends with.
 
+use bitgrain_sim::threads::ThreadsError;
 use std::path::{Path, PathBuf};
 
 use bitgrain_kernel::Fault;
@@ -144,6 +145,15 @@ pub enum Error {
     /// Standard output went away.
     #[error("cannot write to standard output: {0}")]
     Output(std::io::Error),
+}
+
+impl From<ThreadsError> for Error {
+    fn from(why: ThreadsError) -> Self {
+        match why {
+            ThreadsError::Start { .. } => Self::input("--threads", why.to_string()),
+            ThreadsError::Arithmetic(fault) => Self::run("a thread", 0, fault),
+        }
+    }
 }
 
 impl Error {

@@ -220,6 +220,11 @@ impl Folder<'_> {
         self.of_run(run, &format!("checkpoints/{step:012}.safetensors"))
     }
 
+    /// The frames of a drag up to a checkpoint that is kept, from the one before it on.
+    pub fn frames(&self, run: &str, step: u64) -> PathBuf {
+        self.of_run(run, &format!("frames/{step:012}.csv"))
+    }
+
     /// The checkpoint that a drag goes on from where it is stopped; gone when it has come to its end.
     pub fn latest(&self, run: &str) -> PathBuf {
         self.of_run(run, "latest.safetensors")
@@ -304,7 +309,7 @@ impl Folder<'_> {
             self.0.join("beds/imported"),
         ];
         for run in scenario.runs() {
-            let runs = ["forces.csv", "checkpoints/0", "snapshots/0"];
+            let runs = ["forces.csv", "checkpoints/0", "snapshots/0", "frames/0"];
             let files = runs.map(|file| self.of_run(&run.name, file));
             own.extend(
                 files

@@ -22,6 +22,9 @@ const CHECKPOINT: f64 = 290.0;
 const DATA: f64 = 300.0;
 /// Bytes of a grain in a snapshot: dump, VTK grains, VTK contacts.
 const SNAPSHOT: f64 = 1400.0;
+/// Circles of a frame for each square d, and bytes of one.
+const CUTS: f64 = 1.3;
+const CUT: f64 = 55.0;
 /// Bytes of a point of the fields in VTK image data.
 const IMAGE: f64 = 95.0;
 /// The same in a checkpoint.
@@ -359,17 +362,24 @@ pub(crate) fn disk(scenario: &Scenario, runs: &[RunPlan], grains: usize, beds: u
     let rows = |run: &RunPlan| (run.steps / scenario.measure.every) as f64;
     let states = |run: &RunPlan| run.checkpoints.len() as f64 * grains * CHECKPOINT;
     let shown = |run: &RunPlan| run.snapshots.len() as f64 * grains * SNAPSHOT;
-    let points = points(scenario);
+    let (points, plans) = (points(scenario), scenario.beds());
     let fields = |run: &RunPlan| {
         let whole = points[0] * points[1] * points[2];
         whole * (IMAGE + SUMS * run.checkpoints.len() as f64) + points[0] * points[2] * PLANE
     };
-    let drag = |run: &RunPlan| rows(run) * ROW + states(run) + shown(run) + fields(run);
+    let d = scenario.mean_diameter();
+    let frames = |run: &RunPlan| {
+        let reach = crate::frames::reach(0.5 * plans[run.bed].diameter / d);
+        let width = (2.0 * reach).min(scenario.bed.size[0] / d);
+        run.frames.len() as f64 * width * 2.0 * reach * CUTS * CUT
+    };
+    let drag =
+        |run: &RunPlan| rows(run) * ROW + states(run) + shown(run) + fields(run) + frames(run);
     beds as f64 * bed + runs.iter().map(drag).sum::<f64>()
 }
 
 /// Grains of the trial's bed.
-const TRIAL_GRAINS: usize = 500;
+const TRIAL_GRAINS: usize = 300;
 
 /// Grain-steps a second on one thread: a small bed of the quick scenario's soft grains, poured just
 /// now, with the scenario's friction.
@@ -377,8 +387,8 @@ pub(crate) fn trial(scenario: &Scenario) -> Result<f64> {
     let sets = [
         "name=trial".to_string(),
         format!("bed.grains={TRIAL_GRAINS}"),
-        "bed.box=[8.0, 8.0, 8.0]".into(),
-        "bed.settled=1e-3".into(),
+        "bed.box=[6.4, 6.4, 8.0]".into(),
+        "bed.settled=1e-2".into(),
         "intruder.diameter=1.5".into(),
         "intruder.froude=1.0".into(),
         "drag.distance=6.0".into(),

@@ -13,10 +13,13 @@ use crate::fields::{Hole, hole};
 use crate::files::packed_name;
 use crate::flow::{parse_flow, parse_profile};
 use crate::folder::Folder;
+use crate::frames::{self, Frame, Slice};
 use crate::lammps::{Atom, parse_dump};
 use crate::manifest::{Of, Vouched};
 use crate::observe::INTRUDER;
-use crate::report::{self, BedPicture, Course, FieldPicture, FlowGrain, FlowPicture, PictureGrain};
+use crate::report::{
+    self, BedPicture, Course, Drawings, FieldPicture, Film, FlowGrain, FlowPicture, PictureGrain,
+};
 use crate::scenario::{Moves, RunPlan, Scenario};
 use crate::series::{SeriesRow, parse_series};
 use crate::sim::Role;
@@ -49,11 +52,28 @@ pub fn write_report(folder: &Folder<'_>) -> Result<()> {
         let found = beds.find(|still| still.picture.name == run.bed);
         found.ok_or_else(|| unplanned(&run.bed))
     };
-    let flows = planned
-        .iter()
-        .map(|(run, plan)| flow(folder, vouched, run, plan, still_of(run)?, packed));
-    let flows: Vec<Option<FlowPicture>> = flows.collect::<Result<_>>()?;
-    let flows: Vec<FlowPicture> = flows.into_iter().flatten().collect();
+    let d = whole.inputs.mean_diameter();
+    let (mut flows, mut films) = (Vec::new(), Vec::new());
+    for (run, plan) in &planned {
+        let still = still_of(run)?;
+        let frames = frames_of(folder, vouched, run, plan)?;
+        let panel = frames.iter().find(|frame| frame.step == plan.panel);
+        match panel {
+            Some(frame) => flows.push(panel_of(frame, run, still, d)),
+            None => flows.extend(flow(folder, vouched, (run, plan), still, (packed, d))?),
+        }
+        // Frames of a drag that was saved without them begin on its way.
+        if frames.len() > 1 && frames.len() == plan.frames.len() {
+            let (centre, radius) = still.picture.intruder;
+            films.push(Film {
+                run: run.name.clone(),
+                radius: radius / d,
+                floor: (centre[2] - still.picture.lo[2]) / d,
+                moves: still.picture.moves,
+                frames,
+            });
+        }
+    }
     let maps = whole
         .runs
         .iter()
@@ -61,12 +81,32 @@ pub fn write_report(folder: &Folder<'_>) -> Result<()> {
     let maps: Vec<Option<FieldPicture>> = maps.collect::<Result<_>>()?;
     let maps: Vec<FieldPicture> = maps.into_iter().flatten().collect();
     let pictures: Vec<BedPicture> = stills.into_iter().map(|still| still.picture).collect();
+    let closing = match vouched.manifest.finished {
+        true => vouched.manifest.closing.as_str(),
+        false => "",
+    };
+    let drawings = Drawings {
+        closing,
+        series: &series,
+        beds: &pictures,
+        flows: &flows,
+        films: &films,
+        ..Drawings::default()
+    };
     let page = if whole.runs.iter().any(|run| run.flow.is_some()) {
         let courses = whole.runs.iter().map(|run| course(folder, vouched, run));
         let courses: Vec<Course> = courses.collect::<Result<_>>()?;
-        report::flowing_page(&whole, &text, &series, &pictures, &flows, &courses, &maps)
+        report::flowing_page(
+            &whole,
+            &text,
+            &Drawings {
+                courses: &courses,
+                maps: &maps,
+                ..drawings
+            },
+        )
     } else {
-        report::page(&whole, &text, &series, &pictures, &flows)
+        report::page(&whole, &text, &drawings)
     };
     write_whole(&folder.report(), page.as_bytes())
 }
@@ -98,15 +138,7 @@ fn still(folder: &Folder<'_>, vouched: &Vouched, bed: &BedSummary, moves: Moves)
     let path = folder.bed(&bed.name);
     let sim = checkpoint::unpack(&vouched.read(&path)?, &path.display().to_string())?.0;
     let body = &sim.obstacles[INTRUDER as usize];
-    let [x, y, z] = body.point;
-    let off = |i: &usize| (sim.position[*i][1] - y).abs();
-    let row = (0..sim.count()).filter(|&i| sim.role(i) == Role::Lid);
-    let row = row.min_by(|a, b| off(a).total_cmp(&off(b)));
-    // A cylinder looks alike everywhere: it is cut through a row of the lid, not between two.
-    let y = match (body.shape, row) {
-        (Shape::Cylinder { .. }, Some(i)) => sim.position[i][1],
-        _ => y,
-    };
+    let ([x, _, z], y) = (body.point, frames::plane(&sim));
     let grain = |i: usize| PictureGrain {
         position: [sim.position[i][0], sim.position[i][1], sim.position[i][2]],
         radius: sim.position[i][3],
@@ -124,6 +156,7 @@ fn still(folder: &Folder<'_>, vouched: &Vouched, bed: &BedSummary, moves: Moves)
             surface: bed.surface,
             grains: (0..sim.count()).map(grain).collect(),
             intruder: ([x, y, z], body.reach()),
+            endless: matches!(body.shape, Shape::Cylinder { .. }),
             moves,
         },
     })
@@ -137,7 +170,7 @@ fn course(folder: &Folder<'_>, vouched: &Vouched, run: &RunSummary) -> Result<Co
     let read = |file: &str| {
         let path = folder.of_run(&run.name, file);
         let text = vouched.text(&path)?;
-        Ok((path.display().to_string(), text))
+        Ok::<_, Error>((path.display().to_string(), text))
     };
     let damaged = |path: String| {
         move |line: usize| {
@@ -183,20 +216,68 @@ fn map(
     }))
 }
 
-/// The snapshot nearest to half way, where the intruder has not yet come to its own wake; `None` of a
-/// drag without snapshots.
-fn flow(
+/// The frames of a run; none where it was run without.
+fn frames_of(
     folder: &Folder<'_>,
     vouched: &Vouched,
     run: &RunSummary,
     plan: &RunPlan,
+) -> Result<Vec<Frame>> {
+    let mut all = Vec::new();
+    for &step in &plan.checkpoints {
+        let path = folder.frames(&run.name, step);
+        if !vouched.lists(&path) {
+            continue;
+        }
+        let found = frames::parse(&vouched.text(&path)?).map_err(|line| {
+            let problem = "is no row of a frame; is the file cut off? The same run writes it anew";
+            Error::input(format!("{}:{line}", path.display()), problem)
+        })?;
+        all.extend(found);
+    }
+    Ok(all)
+}
+
+/// A frame as a picture.
+fn panel_of(frame: &Frame, run: &RunSummary, still: &Still, d: f64) -> FlowPicture {
+    let bed = &still.picture;
+    let (centre, radius) = bed.intruder;
+    let half = 0.5 * (bed.hi[0] - bed.lo[0]);
+    // Each grain once: the picture draws its images itself.
+    let once = frame.cuts.iter().filter(|cut| cut.x.abs() * d <= half);
+    let grain = |cut: &Slice| FlowGrain {
+        position: [centre[0] + cut.x * d, centre[1], centre[2] + cut.z * d],
+        radius: cut.radius * d,
+        velocity: {
+            let rest = cut.speed * cut.speed - cut.u * cut.u - cut.w * cut.w;
+            [cut.u, rest.max(0.0).sqrt(), cut.w].map(|v| v * run.speed)
+        },
+        role: cut.role,
+    };
+    FlowPicture {
+        run: run.name.clone(),
+        froude: run.froude,
+        speed: run.speed,
+        travel: frame.travel * d,
+        lo: bed.lo,
+        hi: bed.hi,
+        intruder: (centre, radius),
+        reach: frames::reach(radius / d) * d,
+        moves: bed.moves,
+        grains: once.map(grain).collect(),
+    }
+}
+
+/// The snapshot nearest to the travel at which all drags are compared; `None` of a drag without snapshots.
+fn flow(
+    folder: &Folder<'_>,
+    vouched: &Vouched,
+    (run, plan): (&RunSummary, &RunPlan),
     still: &Still,
-    packed: bool,
+    (packed, d): (bool, f64),
 ) -> Result<Option<FlowPicture>> {
-    let Some(&step) = plan
-        .snapshots
-        .get(plan.snapshots.len().saturating_sub(1) / 2)
-    else {
+    let off = |step: &&u64| step.abs_diff(plan.panel);
+    let Some(&step) = plan.snapshots.iter().min_by_key(off) else {
         return Ok(None);
     };
     let mut path = folder.snapshot(&run.name, "grains", step, "dump");
@@ -247,6 +328,7 @@ fn flow(
         lo: [frame.lo[0], frame.lo[1], 0.0],
         hi: frame.hi,
         intruder,
+        reach: frames::reach(intruder.1 / d) * d,
         moves: picture.moves,
         grains: grains.iter().map(grain).collect(),
     }))

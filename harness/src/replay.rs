@@ -98,36 +98,45 @@ pub struct ContactState {
     pub tangential_force: [f64; 3],
 }
 
-/// Replays the case in `path` and writes JSON Lines to `out`.
+/// Replays the case in `path`, or goes on from the checkpoint there, and writes JSON Lines to `out`. Steps count
+/// from the case or the checkpoint; of the latter the first sample has no contacts.
 ///
 /// # Errors
-/// A refused case, a run that went wrong (what was sampled before has been written), or `out`.
+/// A refused case, a damaged checkpoint, a run that went wrong (what was sampled before has been written), or `out`.
 pub fn replay(path: &Path, what: &Replay, out: &mut impl Write) -> Result<()> {
     let name = path.display().to_string();
-    let case = case::read(path)?;
     let mut seen = Vec::new();
-    let mut sim = case.start(&name, |p| seen.push(p))?;
+    let saved = path.extension().is_some_and(|end| end == "safetensors");
+    let mut sim = match saved {
+        true => checkpoint::read(path)?,
+        false => case::read(path)?.start(&name, |p| seen.push(p))?,
+    };
+    let begin = sim.step_count();
     let mut audit = what.energy.then(|| Audit::new(&mut sim));
     let energy = |step, audit: &Option<Audit>| audit.map(|audit| audit.row(step));
-    write_sample(0, &mut sim, what, (&seen, energy(0, &audit)), out)?;
-    let every = what.every.max(1);
-    while sim.step_count() < what.steps {
-        let next = (sim.step_count() / every * every + every).min(what.steps);
-        let fault = |sim: &Sim, f| Error::run(&name, sim.step_count() + 1, f);
-        let between = next - 1 - sim.step_count();
-        let done = match &mut audit {
+    let first = Replay {
+        contacts: what.contacts && !saved,
+        ..what.clone()
+    };
+    write_sample(0, &mut sim, &first, (&seen, energy(0, &audit)), out)?;
+    let (every, mut done) = (what.every.max(1), 0);
+    while done < what.steps {
+        let next = (done / every * every + every).min(what.steps);
+        let fault = |sim: &Sim, f| Error::run(&name, sim.step_count() - begin + 1, f);
+        let between = next - 1 - done;
+        let went = match &mut audit {
             None => sim.steps(between),
             Some(audit) => (0..between).try_for_each(|_| audit.step(&mut sim)),
         };
-        done.map_err(|f| fault(&sim, f))?;
+        went.map_err(|f| fault(&sim, f))?;
         seen.clear();
-        let done = match &mut audit {
+        let went = match &mut audit {
             None => sim.step_watched(|p| seen.push(p)),
             Some(audit) => audit.step_watched(&mut sim, |p| seen.push(p)),
         };
-        done.map_err(|f| fault(&sim, f))?;
-        let step = sim.step_count();
-        write_sample(step, &mut sim, what, (&seen, energy(step, &audit)), out)?;
+        went.map_err(|f| fault(&sim, f))?;
+        done = sim.step_count() - begin;
+        write_sample(done, &mut sim, what, (&seen, energy(done, &audit)), out)?;
     }
     out.flush().map_err(Error::Output)
 }

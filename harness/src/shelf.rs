@@ -171,8 +171,9 @@ pub fn remove(library: &Library, names: &[String], all: bool) -> Result<String> 
     let freed: u64 = beds.iter().map(|bed| bed.bytes).sum();
     let _ = writeln!(
         out,
-        "{} bed(s) removed, {}",
+        "{} bed(s) removed from {}, {}",
         beds.len(),
+        library.folder().display(),
         bytes(freed as f64)
     );
     Ok(out)

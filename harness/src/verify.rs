@@ -1,6 +1,7 @@
 //! Verification: pieces of a run are executed again, and every link of their chains of digests, the states
 //! at their ends and the tables made from them are held against what the run wrote.
 
+mod check;
 mod ends;
 mod folder;
 mod scope;
@@ -9,23 +10,20 @@ pub(crate) use ends::check_ends;
 pub(crate) use folder::{Cause, Problems, check_manifest};
 pub use scope::{Scope, Segment};
 
-use std::fmt::Write;
-
-use bitgrain_kernel::{PARTS, Pushed};
+use check::{Check, Finding};
 
 use crate::bed::Course;
-use crate::chain::{Link, differing};
 use crate::checkpoint;
 use crate::disk;
 use crate::drag::Dragging;
 use crate::error::{Error, Result};
+use crate::frames;
 use crate::manifest::Manifest;
 use crate::progress::Progress;
 use crate::random::{Purpose, uniforms};
 use crate::rerun::{Part, Past};
-use crate::run::{self, DragPlan, side_by_side};
+use crate::run::{self, side_by_side};
 use crate::scenario::{BedPlan, RunPlan};
-use crate::sim::Sim;
 use crate::witness::Witness;
 
 /// Steps between two states that were kept, or a whole bed.
@@ -50,13 +48,6 @@ impl Piece<'_> {
         };
         segment.stage == self.name() && overlap
     }
-}
-
-/// What a piece gave: how many links held, and what does not.
-struct Finding {
-    text: String,
-    links: usize,
-    holds: bool,
 }
 
 /// Verifies a run: its manifest against its folder, then what is asked for by execution. Tells of each finding
@@ -84,7 +75,9 @@ pub fn verify(
         let problem = format!("{} of {count} pieces do not hold", done.wrong);
         problems.add(Cause::Changed, problem);
     } else {
-        problems.take("", check_ends(past, manifest.as_ref(), &mut say)?);
+        if scope.is_all() {
+            problems.take("", check_ends(past, manifest.as_ref(), &mut say)?);
+        }
         let asked = if scope.is_all() { "" } else { "the " };
         let those = if scope.is_all() { "" } else { " asked for" };
         say(&format!(
@@ -241,106 +234,6 @@ fn again(past: &Past<'_>, piece: Piece<'_>, progress: &Progress) -> Result<Findi
     }
 }
 
-/// Holds links against the recorded ones, and stops at the first that does not hold; holds snapshots
-/// against those that were written.
-struct Check<'a> {
-    drag: Option<DragPlan<'a>>,
-    recorded: &'a [Link],
-    ends: u64,
-    held: usize,
-    broken: Option<String>,
-}
-
-impl<'a> Check<'a> {
-    fn new(recorded: &'a [Link], ends: u64) -> Self {
-        Self {
-            drag: None,
-            recorded,
-            ends,
-            held: 0,
-            broken: None,
-        }
-    }
-}
-
-impl Witness for Check<'_> {
-    fn linked(&mut self, link: &Link) -> Result<()> {
-        let recorded = self.recorded.iter().find(|one| one.step == link.step);
-        match recorded {
-            Some(one) if one == link => self.held += 1,
-            Some(one) => {
-                let parts = differing(&one.parts, &link.parts);
-                let parts = match parts.len() {
-                    0 => "a link before it".to_string(),
-                    n if n == PARTS.len() => "every part".into(),
-                    _ => parts.join(", "),
-                };
-                let text = format!(
-                    "the link at step {} does not hold: {parts} differ",
-                    link.step
-                );
-                self.broken = Some(text);
-            }
-            None => self.broken = Some(format!("no link was recorded at step {}", link.step)),
-        }
-        Ok(())
-    }
-
-    fn looks_at(&self, step: u64) -> bool {
-        let shown = |drag: &DragPlan<'_>| drag.plan.snapshots.binary_search(&step).is_ok();
-        self.drag.as_ref().is_some_and(shown)
-    }
-
-    fn look(&mut self, step: u64, sim: &mut Sim, contacts: &[Pushed<f64>]) -> Result<()> {
-        let Some(drag) = self.drag else {
-            return Ok(());
-        };
-        for (path, bytes) in drag.snapshot_files(step, sim, contacts)? {
-            if disk::read(&path).ok() != Some(bytes) {
-                let name = path.display();
-                self.broken = Some(format!("{name} is missing or not as it was written"));
-            }
-        }
-        Ok(())
-    }
-
-    fn ends(&self) -> u64 {
-        if self.broken.is_some() { 0 } else { self.ends }
-    }
-}
-
-impl Check<'_> {
-    /// What to say of the piece, whose last state was found `same`.
-    fn finding(&self, name: &str, [from, to]: [u64; 2], same: bool, more: &str) -> Finding {
-        let mut text = format!("{name}: steps {from} to {to}: ");
-        let links = |n: usize| format!("{n} link{}", if n == 1 { "" } else { "s" });
-        let holds = match &self.broken {
-            Some(broken) => {
-                let _ = write!(text, "{broken}; {} before it hold", links(self.held));
-                false
-            }
-            None if !same => {
-                let _ = write!(
-                    text,
-                    "{} hold, but the state at the end, or what was measured on the way, is not what \
-                     was written",
-                    links(self.held)
-                );
-                false
-            }
-            None => {
-                let _ = write!(text, "{} hold{more}", links(self.held));
-                true
-            }
-        };
-        Finding {
-            text,
-            links: self.held,
-            holds,
-        }
-    }
-}
-
 /// Pours a bed again, or takes it over again.
 fn bed_again(past: &Past<'_>, plan: &BedPlan, progress: &Progress) -> Result<Finding> {
     let path = past.folder.bed(&plan.name);
@@ -391,6 +284,8 @@ fn drag_again(
     let (mut sim, mut dragging) = past.state(drag, from)?;
     let mut check = Check::new(&recorded.chain.links, to);
     check.drag = Some(drag);
+    let earlier = plan.checkpoints.iter().rev().find(|n| **n < to);
+    check.frames_after = earlier.copied().unwrap_or(0);
     // What the checkpoint that it begins from says of the way up to there.
     let before = dragging.chain.links.last().map_or(0, |link| link.step);
     let same = |one: &Dragging, other: &Dragging| {
@@ -411,6 +306,12 @@ fn drag_again(
     let mut stage = progress.stage(&format!("{} from {from}", plan.name), to);
     stage.resume(from);
     dragging.go_on(&mut sim, &past.scenario, plan, &stage, &mut check)?;
+    // There may be none: they are there to look at, and not all runs have them.
+    let film = past.folder.frames(&plan.name, to);
+    if disk::is_there(&film) && disk::read(&film)? != frames::text(&check.frames).into_bytes() {
+        let problem = format!("{} is not as it was written", film.display());
+        check.broken.get_or_insert(problem);
+    }
     let note = dragging.note();
     let mut same = checkpoint::pack(&mut sim, &note)? == bytes;
     let mut more = String::new();

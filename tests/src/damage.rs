@@ -61,7 +61,7 @@ pub const fn kind(name: &'static str, twin: &'static str, foreign: &'static str)
 }
 
 /// Those of a run.
-pub const RUN: [Kind; 17] = [
+pub const RUN: [Kind; 18] = [
     kind(
         "run/scenario.toml",
         "run/manifest.json",
@@ -142,6 +142,11 @@ pub const RUN: [Kind; 17] = [
         "run/runs/run-1/snapshots/contacts.000000002084.vtk",
         "run/runs/run-1/snapshots/grains.000000002084.vtk",
         "other/runs/run-1/snapshots/contacts.000000002084.vtk",
+    ),
+    kind(
+        "run/runs/run-1/frames/000000001389.csv",
+        "run/runs/run-1/frames/000000002778.csv",
+        "other/runs/run-1/frames/000000001389.csv",
     ),
 ];
 

@@ -138,10 +138,3 @@ pub fn tail(chi_square: f64, degrees: u32) -> f64 {
     }
     sum
 }
-
-#[test]
-fn tails_are_those_of_tables() {
-    for (chi_square, degrees, p) in [(32.0, 16, 0.01), (23.542, 16, 0.1), (9.210, 2, 0.01)] {
-        assert!((tail(chi_square, degrees) / p - 1.0).abs() < 1e-3);
-    }
-}

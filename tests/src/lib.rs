@@ -1,11 +1,9 @@
-//! What several tests share: where the goldens are, how the peers' data is read, and small cases; and
-//! other machines.
+//! What several tests share: where the goldens are, how the peers' data is read, and small cases.
 
 pub mod damage;
 pub mod drags;
 pub mod fuzzing;
 pub mod notices;
-pub mod targets;
 pub mod wee;
 
 use std::collections::BTreeMap;

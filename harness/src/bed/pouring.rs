@@ -241,8 +241,8 @@ impl Course {
                 String::new()
             },
             link: self.chain.end().to_string(),
-            fields: Vec::new(),
             course: serde_json::to_string(self).expect("what is measured is finite"),
+            ..Note::default()
         }
     }
 

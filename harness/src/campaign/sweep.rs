@@ -126,6 +126,8 @@ impl Under<'_> {
             // Stages are side by side already, each on its share of the threads.
             threads: 1,
             save: self.what.save,
+            // Nobody looks at hundreds of them.
+            frames: false,
             only: &[],
             progress,
         }

@@ -91,7 +91,8 @@ pub fn verify(
         let problem = format!("{} of {} pieces do not hold", done.wrong, done.pieces);
         problems.add(Cause::Changed, problem);
     } else {
-        for (past, manifest, label) in &pasts {
+        let whole = scope.is_all().then_some(&pasts);
+        for (past, manifest, label) in whole.into_iter().flatten() {
             let mut tell = |line: &str| say(&format!("{label}{line}"));
             problems.take(label, check_ends(past, manifest.as_ref(), &mut tell)?);
         }

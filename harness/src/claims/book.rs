@@ -13,7 +13,7 @@ use crate::report::{number_with_error, short};
 const CLAIMS_MAX: usize = 10_000;
 
 /// The book that ships with the program.
-pub const SHIPPED: &str = include_str!("../../../golden/claims.toml");
+pub const SHIPPED: &str = include_str!("../../data/claims.toml");
 
 /// One statement of a paper.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -233,15 +233,85 @@ impl Claim {
         }
     }
 
-    /// Whether the last measurement that has a number agrees.
-    pub fn verdict(&self) -> Verdict {
+    /// The measurement that counts: the last one that has a number.
+    fn counted(&self) -> Option<&Measured> {
         let mut numbers = self.measured.iter().filter(|m| m.value.is_some());
-        let last = numbers.next_back();
-        last.map_or(Verdict::NotResolved, |measured| self.agreement(measured))
+        numbers.next_back()
+    }
+
+    /// Whether the measurement that counts agrees.
+    pub fn verdict(&self) -> Verdict {
+        let counted = self.counted();
+        counted.map_or(Verdict::NotResolved, |measured| self.agreement(measured))
+    }
+
+    /// How far a measurement is off the paper's number, or off a bound that it does not keep: in percent, and in its
+    /// errors.
+    fn deviation(&self, measured: &Measured) -> [String; 2] {
+        let off = measured.value.and_then(|x| {
+            let beyond = self.most.filter(|most| x > *most);
+            let aim = self
+                .value
+                .or(beyond)
+                .or(self.least.filter(|least| x < *least))?;
+            Some((x - aim, aim))
+        });
+        let Some((off, aim)) = off else {
+            return ["-".into(), "-".into()];
+        };
+        let percent = match aim {
+            0.0 => "-".into(),
+            aim => format!("{:+.0} %", 100.0 * off / aim.abs()),
+        };
+        let errors = match measured.error {
+            Some(error) if error > 0.0 => format!("{:+.1}", off / error),
+            _ => "-".into(),
+        };
+        [percent, errors]
     }
 }
 
-/// The book as a table: verdict, statement, the paper's number, ours.
+/// The book in a line for each claim: verdict, name, the paper's number, ours, how far apart they are, and what
+/// measured it.
+pub fn lines(book: &Book) -> String {
+    let row = |cells: [&str; 7]| {
+        let [verdict, id, paper, ours, percent, errors, by] = cells;
+        let line =
+            format!("{verdict:<13} {id:<31} {paper:<26} {ours:<17} {percent:>7} {errors:>7}  {by}");
+        line.trim_end().to_string()
+    };
+    let mut out = vec![row([
+        "verdict", "claim", "paper", "measured", "off", "errors", "by",
+    ])];
+    let mut counts = [0; 3];
+    for claim in &book.claim {
+        let verdict = claim.verdict();
+        counts[verdict as usize] += 1;
+        let (ours, [percent, errors], by) = match claim.counted() {
+            Some(one) => (one.number(), claim.deviation(one), one.by.as_str()),
+            None => ("-".into(), ["-".into(), "-".into()], ""),
+        };
+        let paper = claim.expected();
+        out.push(row([
+            verdict.words(),
+            &claim.id,
+            &paper,
+            &ours,
+            &percent,
+            &errors,
+            by,
+        ]));
+    }
+    let [agrees, disagrees, open] = counts;
+    out.push(format!(
+        "\n{agrees} agree, {disagrees} disagree, {open} are not resolved. A number agrees if it lies within the \
+         paper's tolerance and\nits error is no larger. `off` is its distance from the paper's number, `errors` the \
+         same in its own standard errors.\n--full says what each claim is, from where, and every measurement of it."
+    ));
+    out.join("\n") + "\n"
+}
+
+/// The book in full: verdict, statement, what is measured, the paper's number, every one of ours.
 pub fn table(book: &Book) -> String {
     let mut lines = Vec::new();
     let mut paper = "";
@@ -302,6 +372,22 @@ mod tests {
     fn verdict(bounds: &str, value: f64, error: f64) -> Verdict {
         let found = Ok((Value { value, error }, String::new()));
         claim(bounds).agreement(&Measured::new("x", "", found))
+    }
+
+    #[test]
+    fn deviations_are_from_the_number_or_from_the_bound_that_is_not_kept() {
+        let off = |bounds: &str, value: f64, error: f64| {
+            let found = Ok((Value { value, error }, String::new()));
+            claim(bounds)
+                .deviation(&Measured::new("x", "", found))
+                .join(" ")
+        };
+        assert_eq!(off("value = 2.0\ntolerance = 0.1", 2.5, 0.25), "+25 % +2.0");
+        assert_eq!(off("value = -2.0\ntolerance = 0.1", -2.5, 0.0), "-25 % -");
+        assert_eq!(off("value = 0.0\ntolerance = 0.1", 0.2, 0.1), "- +2.0");
+        assert_eq!(off("least = 2.0", 2.5, 0.4), "- -");
+        assert_eq!(off("least = 2.0", 1.0, 0.5), "-50 % -2.0");
+        assert_eq!(off("least = 0.0\nmost = 1.0", 1.5, 0.5), "+50 % +1.0");
     }
 
     #[test]

@@ -7,7 +7,7 @@ use clap::Args;
 use super::print;
 use crate::analysis::words;
 use crate::campaign::folder::CampaignFolder;
-use crate::claims::book::{Book, table};
+use crate::claims::book::{Book, lines, table};
 use crate::claims::evidence::{Evidence, record_direct};
 use crate::disk::{is_folder, write_whole};
 use crate::error::Result;
@@ -40,6 +40,9 @@ pub(super) struct Claims {
     /// A book of claims to read instead of the one that ships, and to write what was measured into.
     #[arg(long, value_name = "FILE")]
     book: Option<PathBuf>,
+    /// Print what each claim says, every measurement of it, and what that rests on.
+    #[arg(long)]
+    full: bool,
 }
 
 /// Runs `bitgrain analyse`.
@@ -80,5 +83,8 @@ pub(super) fn run_claims(what: Claims) -> Result<()> {
             write_whole(path, book.text(&before).as_bytes())?;
         }
     }
-    print(&table(&book))
+    print(&match what.full {
+        true => table(&book),
+        false => lines(&book),
+    })
 }

@@ -7,26 +7,31 @@ use super::channels::shown;
 use crate::error::Result;
 use crate::folder::Folder;
 use crate::manifest::{Manifest, Of, Vouched};
-use crate::plug::Plug;
-use crate::report::short;
-use crate::summary::{RunSummary, Summary, read_folder};
+use crate::remarks::remarks;
+use crate::report::{number_with_error, short};
+use crate::summary::{Summary, read_folder};
 
 /// The drag of each run with its error, what to know before it is believed, the last link, the report, and what to
 /// do next.
 ///
 /// # Errors
 /// Where the folder is not what the run left.
-pub(super) fn told(out: &Path) -> Result<(String, Manifest)> {
+pub(super) fn told(out: &Path, beds: &Path, executed: bool) -> Result<(String, Manifest)> {
     let vouched = Vouched::open(out, Of::Run)?;
     let folder = Folder(out);
     let (_, summary) = read_folder(&folder, &vouched)?;
     let mut text = drags(&summary);
-    for warning in warnings(&summary.runs) {
-        let _ = writeln!(text, "before you believe it: {warning}");
+    for remark in remarks(&summary) {
+        let words = remark.words.replace('`', "");
+        let _ = writeln!(text, "before you believe it: {}. {words}", remark.title);
+    }
+    if !executed {
+        text += "nothing was executed: the run had come to its end before\n";
     }
     if let Some(last) = summary.runs.last() {
         let _ = writeln!(text, "last link of {}: {}", last.name, last.chain);
     }
+    let _ = writeln!(text, "settled beds: {} (--beds)", shown(beds));
     let _ = writeln!(text, "report: {}", shown(&folder.report()));
     let _ = writeln!(text, "closing hash: {}", vouched.manifest.closing);
     let _ = writeln!(text, "next: bitgrain verify {} --sample 3", shown(out));
@@ -50,11 +55,7 @@ fn drags(summary: &Summary) -> String {
     }
     text.push('\n');
     for run in &summary.runs {
-        let drag = format!(
-            "{} +- {}",
-            short(run.drag.mean),
-            short(run.drag.standard_error)
-        );
+        let drag = plain(run.drag.mean, run.drag.standard_error);
         let _ = write!(
             text,
             "{:<width$} {:>8} {drag:>22}",
@@ -62,8 +63,7 @@ fn drags(summary: &Summary) -> String {
             short(run.froude)
         );
         if let Some(flow) = &run.flow {
-            let lift = short(flow.lift_over_buoyancy);
-            let lift = format!("{lift} +- {}", short(flow.lift_over_buoyancy_error));
+            let lift = plain(flow.lift_over_buoyancy, flow.lift_over_buoyancy_error);
             let _ = write!(text, " {lift:>22}");
         }
         text.push('\n');
@@ -71,27 +71,10 @@ fn drags(summary: &Summary) -> String {
     text
 }
 
-/// What is to be known before numbers are believed.
-fn warnings(runs: &[RunSummary]) -> Vec<String> {
-    let names = |choose: &dyn Fn(&RunSummary) -> bool| {
-        let chosen = runs.iter().filter(|run| choose(run));
-        chosen
-            .map(|run| &run.name[..])
-            .collect::<Vec<_>>()
-            .join(", ")
-    };
-    let open = names(&|run| !run.drag.converged);
-    let slides = names(&|run| run.plug == Plug::Slides);
-    let mut found = Vec::new();
-    if !open.is_empty() {
-        found.push(format!(
-            "the error of the drag is not converged (drag longer: drag.distance): {open}"
-        ));
-    }
-    if !slides.is_empty() {
-        found.push(format!(
-            "the bed above the intruder slides along with it (make bed.box wider): {slides}"
-        ));
-    }
-    found
+/// A number to the second digit of its error, in signs that every terminal has.
+fn plain(value: f64, error: f64) -> String {
+    let text = number_with_error(value, error);
+    text.replace('\u{a0}', " ")
+        .replace('\u{b1}', "+-")
+        .replace('\u{2212}', "-")
 }

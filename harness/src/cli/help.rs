@@ -1,5 +1,31 @@
 //! What `--help` of each command says below its options: examples, and how it ends.
 
+use clap::Command;
+
+/// The commands by what they are for.
+const GROUPS: [(&str, &[&str]); 4] = [
+    ("Make", &["new", "run", "sweep"]),
+    ("Check", &["verify", "bisect", "replay", "selftest"]),
+    ("Look", &["report", "analyse", "claims", "bed", "bench"]),
+    ("Other", &["completions", "man", "help"]),
+];
+
+/// The same command, whose help lists its commands in groups.
+pub(super) fn grouped(command: Command) -> Command {
+    let mut text = "{about}\n\n{usage-heading} {usage}\n".to_string();
+    for (title, names) in GROUPS {
+        text += &format!("\n{title}:\n");
+        for name in names {
+            let about = match command.find_subcommand(name) {
+                Some(found) => found.get_about().map_or(String::new(), |a| a.to_string()),
+                None => "Say this, or what a command takes".into(),
+            };
+            text += &format!("  {name:<12} {about}\n");
+        }
+    }
+    command.help_template(text + "\nOptions:\n{options}{after-help}\n")
+}
+
 pub(super) const RUN_HELP: &str = "\
 Examples:
   bitgrain run quick
@@ -43,6 +69,7 @@ exponent known too badly.";
 pub(super) const CLAIMS_HELP: &str = "\
 Examples:
   bitgrain claims
+  bitgrain claims --full
   bitgrain claims out/kumar-small
   bitgrain claims out/kumar-small --book golden/claims.toml
 
@@ -99,3 +126,25 @@ Examples:
 A grain's motion in a case is \"free\", \"weightless\", \"frozen\", {\"carried\": [vx, vy, vz]} or, as a grain of
 a lid, {\"lid\": [vx, vy]}; the guide (harness/guide/src/cases-and-energy.md) shows a whole case, and what the
 terms of --energy are.";
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::*;
+
+    #[test]
+    fn every_command_is_in_one_group() {
+        let whole = super::super::Cli::command();
+        let mut names: Vec<&str> = whole.get_subcommands().map(Command::get_name).collect();
+        names.push("help");
+        let mut grouped: Vec<&str> = GROUPS
+            .iter()
+            .flat_map(|(_, names)| *names)
+            .copied()
+            .collect();
+        names.sort_unstable();
+        grouped.sort_unstable();
+        assert_eq!(names, grouped);
+    }
+}

@@ -9,10 +9,11 @@ mod start;
 mod sweep;
 
 use std::io::{BufWriter, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
+use etcetera::{BaseStrategy, choose_base_strategy};
 
 use crate::against::{self, Reference};
 use crate::bed::library::Library;
@@ -29,12 +30,17 @@ use crate::{forecast, present, scenario, shelf};
 use channels::{heed_full_files, print, shown, stoppable};
 use help::{
     ANALYSE_HELP, BED_HELP, BENCH_HELP, BISECT_HELP, CLAIMS_HELP, REPLAY_HELP, RUN_HELP,
-    SELFTEST_HELP, SWEEP_HELP, VERIFY_HELP,
+    SELFTEST_HELP, SWEEP_HELP, VERIFY_HELP, grouped,
 };
 
 /// Granular beds whose every run is reproducible to the last bit.
 #[derive(Parser)]
-#[command(name = "bitgrain", version, arg_required_else_help = true)]
+#[command(
+    name = "bitgrain",
+    version,
+    arg_required_else_help = true,
+    after_help = "Begin with\n  bitgrain run quick\nand see `bitgrain COMMAND --help` for examples."
+)]
 struct Cli {
     /// Largest file that is read, unpacked, in MiB.
     #[arg(long, global = true, value_name = "MIB", default_value_t = 512,
@@ -138,9 +144,39 @@ struct Run {
 /// Where settled beds are kept.
 #[derive(Args)]
 struct Beds {
-    /// Folder of the settled beds that runs share.
-    #[arg(long = "beds", value_name = "DIR", default_value = "beds")]
-    folder: PathBuf,
+    /// Folder of the settled beds that runs share [default: bitgrain/beds in the folder where your system keeps
+    /// caches, such as ~/.cache].
+    #[arg(long = "beds", value_name = "DIR")]
+    folder: Option<PathBuf>,
+}
+
+impl Beds {
+    /// The library of beds, which is at `home` where none is named.
+    fn library(self, home: &Path) -> Library {
+        Library::new(self.folder.unwrap_or_else(|| home.to_path_buf()))
+    }
+
+    /// That there are beds where earlier versions kept them, if they would not be found.
+    fn hint(&self, home: &Path) -> Option<String> {
+        let here = Path::new("beds");
+        let unseen = self.folder.is_none() && home != here;
+        let beds = || Library::new(here.to_path_buf()).list();
+        (unseen && is_folder(here) && beds().is_ok_and(|beds| !beds.is_empty())).then(|| {
+            format!(
+                "settled beds are kept in {}; those in the folder beds here are not looked at: --beds beds uses them",
+                shown(home)
+            )
+        })
+    }
+}
+
+/// Where settled beds are kept unless `--beds` says otherwise: in the user's cache, or, where the system names no
+/// such folder, in `beds` here.
+fn own_beds() -> PathBuf {
+    match choose_base_strategy() {
+        Ok(places) => places.cache_dir().join("bitgrain").join("beds"),
+        Err(_) => "beds".into(),
+    }
 }
 
 #[derive(Subcommand)]
@@ -198,7 +234,8 @@ struct Bench {
 
 #[derive(Args)]
 struct Case {
-    /// The case: one JSON file with the whole state and law, plain or gzip; or the folder of a run.
+    /// The case: one JSON file with the whole state and law, plain or gzip; or a checkpoint, to go on from; or the
+    /// folder of a run.
     case: PathBuf,
     /// Steps to run.
     #[arg(long)]
@@ -229,8 +266,14 @@ struct Case {
 
 /// Runs the command that the process was called with.
 pub fn main() -> ExitCode {
+    main_with_beds(&own_beds())
+}
+
+/// The same with settled beds at `home` unless `--beds` says otherwise.
+pub fn main_with_beds(home: &Path) -> ExitCode {
     let told_of_full_files = heed_full_files();
-    let command = match Cli::try_parse() {
+    let words = grouped(Cli::command()).try_get_matches();
+    let command = match words.and_then(|found| Cli::from_arg_matches(&found)) {
         Ok(cli) => {
             set_most(cli.max_input << 20);
             cli.command
@@ -245,7 +288,7 @@ pub fn main() -> ExitCode {
             return ExitCode::SUCCESS;
         }
     };
-    match told_of_full_files.and_then(|()| run(command)) {
+    match told_of_full_files.and_then(|()| run(command, home)) {
         Ok(()) => ExitCode::SUCCESS,
         // A reader that has seen enough of a replay (`| head`) is not an error.
         Err(Error::Output(e)) if e.kind() == std::io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
@@ -257,10 +300,10 @@ pub fn main() -> ExitCode {
     }
 }
 
-fn run(command: Command) -> Result<()> {
+fn run(command: Command, home: &Path) -> Result<()> {
     match command {
-        Command::Run(run) => run_scenario(run),
-        Command::Sweep(what) => sweep::run(what),
+        Command::Run(run) => run_scenario(run, home),
+        Command::Sweep(what) => sweep::run(what, home),
         Command::Analyse(what) => analyse::run(what),
         Command::Claims(what) => analyse::run_claims(what),
         Command::Report { folder } => {
@@ -268,7 +311,7 @@ fn run(command: Command) -> Result<()> {
             present::write_report(&folder)?;
             print(&format!("report: {}\n", shown(&folder.report())))
         }
-        Command::Bed(bed) => run_bed(bed),
+        Command::Bed(bed) => run_bed(bed, home),
         Command::Bench(what) => run_bench(&what),
         Command::Selftest => selftest(|line| print(&format!("{line}\n"))),
         Command::Replay(case) => run_replay(case),
@@ -317,7 +360,7 @@ fn processors(asked: Option<u16>) -> usize {
     asked.map_or_else(processors, usize::from)
 }
 
-fn run_scenario(run: Run) -> Result<()> {
+fn run_scenario(run: Run, home: &Path) -> Result<()> {
     if run.scenario.is_none() && run.resume.is_none() {
         return start::list();
     }
@@ -331,32 +374,36 @@ fn run_scenario(run: Run) -> Result<()> {
             (scenario, run.out.unwrap_or(own))
         }
     };
-    let library = Library::new(run.beds.folder);
+    let hint = run.beds.hint(home);
+    let library = run.beds.library(home);
     let threads = processors(run.threads);
     if run.dry_run {
         return print(&forecast::forecast(&scenario, &library, threads)?);
     }
     let progress = stoppable(run.verbose);
+    hint.iter().for_each(|hint| progress.warn(hint));
     let done = crate::run::run_in(Setting {
         scenario: &scenario,
         folder: &Folder(&out),
         library: &library,
         threads,
         save: run.save_every.unwrap_or_default(),
+        frames: true,
         only: &run.only,
         progress: &progress,
     })?;
-    if done.is_none() {
+    let Some(done) = done else {
         return print(&format!(
             "done: {}; the same command without --only does the others\n",
             run.only.join(", ")
         ));
-    }
-    let (text, manifest) = ending::told(&out)?;
+    };
+    let (text, manifest) = ending::told(&out, library.folder(), done.executed)?;
     print(&text)?;
     if let Some(against) = &against {
         let this = std::env::current_exe().map_err(Error::Output)?;
-        against::check(&out, against, &this, |line| print(&format!("{line}\n")))?;
+        let say = |line: &str| print(&format!("{line}\n"));
+        against::check(&out, against, &this, &progress, say)?;
     }
     match run.expect.iter().find(|link| !manifest.has_link(link)) {
         None => Ok(()),
@@ -373,12 +420,12 @@ fn run_scenario(run: Run) -> Result<()> {
     }
 }
 
-fn run_bed(bed: Bed) -> Result<()> {
+fn run_bed(bed: Bed, home: &Path) -> Result<()> {
     match bed {
-        Bed::List { beds } => print(&shelf::list(&Library::new(beds.folder))?),
-        Bed::Show { name, beds } => print(&shelf::show(&Library::new(beds.folder), &name)?),
+        Bed::List { beds } => print(&shelf::list(&beds.library(home))?),
+        Bed::Show { name, beds } => print(&shelf::show(&beds.library(home), &name)?),
         Bed::Remove { names, all, beds } => {
-            print(&shelf::remove(&Library::new(beds.folder), &names, all)?)
+            print(&shelf::remove(&beds.library(home), &names, all)?)
         }
     }
 }

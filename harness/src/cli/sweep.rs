@@ -1,11 +1,10 @@
 //! `bitgrain sweep`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
 use super::{Beds, print, processors, shown, stoppable};
-use crate::bed::library::Library;
 use crate::campaign::folder::CampaignFolder;
 use crate::campaign::only::Only;
 use crate::campaign::table::Table;
@@ -58,14 +57,15 @@ pub(super) struct Sweep {
 }
 
 /// Runs it.
-pub(super) fn run(what: Sweep) -> Result<()> {
+pub(super) fn run(what: Sweep, home: &Path) -> Result<()> {
     let plan = campaign::load(&what.campaign, &what.sets)?;
     let only = Only::new(what.only, &plan)?;
     let against = what
         .against
         .map(|path| Ok::<_, Error>((Table::read(&path)?, path)))
         .transpose()?;
-    let library = Library::new(what.beds.folder);
+    let hint = what.beds.hint(home);
+    let library = what.beds.library(home);
     let threads = processors(what.threads);
     let jobs = what.jobs.map_or(threads, usize::from);
     if what.dry_run {
@@ -73,6 +73,8 @@ pub(super) fn run(what: Sweep) -> Result<()> {
     }
     let own = PathBuf::from("out").join(&plan.campaign.name);
     let out = what.out.unwrap_or(own);
+    let progress = stoppable(what.verbose);
+    hint.iter().for_each(|hint| progress.warn(hint));
     let outcome = sweep::sweep(&sweep::Sweep {
         plan: &plan,
         only: &only,
@@ -82,7 +84,7 @@ pub(super) fn run(what: Sweep) -> Result<()> {
         jobs,
         save: what.save_every.unwrap_or_default(),
         retry: what.retry,
-        progress: &stoppable(what.verbose),
+        progress: &progress,
     })?;
     let folder = CampaignFolder(&out);
     let evidence = Evidence::read(&out, false)?;

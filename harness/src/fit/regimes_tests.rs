@@ -66,6 +66,7 @@ fn exact_points_give_back_their_regimes() {
 /// second of which is the harder one behind a plateau, the first one behind a power. Root mean squares are
 /// known to a sixth from 20.
 #[test]
+#[ignore = "half a minute: `.ci/run long`"]
 fn crossovers_are_recovered() {
     for (first, slope, n, rms) in [
         (First::Flat, 130.0, 1280, [0.021, 0.06]),
@@ -132,6 +133,7 @@ fn intervals_hold_the_truth_nineteen_times_in_twenty() {
 
 /// The same with the exponent fitted, of 100 sets: 95, give or take 2.2.
 #[test]
+#[ignore = "half a minute: `.ci/run long`"]
 fn intervals_hold_the_truth_where_the_exponent_is_fitted() {
     let held = held(First::Power, 30.0, 160, 100);
     assert!(held.iter().all(|h| (87..=100).contains(h)), "{held:?}");

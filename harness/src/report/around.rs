@@ -53,10 +53,9 @@ pub(super) fn section(summary: &Summary, flows: &[FlowPicture], places: &[usize]
         out.push_str(&format!(
             "<p>Vertical slices through the intruder&rsquo;s centre, which stays in the middle and \
              {way}. Each circle is the cut of one grain; its colour is the \
-             size of the grain&rsquo;s velocity, all three components, over V: the darker, the \
-             faster. Arrows are velocities in the plane of the slice, drawn from {}&nbsp;V on; \
-             the intruder&rsquo;s own, to the same scale, is V. Velocities are relative to the \
-             {frame} and all pictures have the same scale.</p>\n{}<div class=\"grid\">\n\
+             size of the grain&rsquo;s velocity, all three components, over V. Arrows are velocities in the plane \
+             of the slice, drawn from {}&nbsp;V on; the intruder&rsquo;s own, to the same scale, is V. Velocities are \
+             relative to the {frame} and all pictures have the same scale.</p>\n{}<div class=\"grid\">\n\
              {figures}</div>\n",
             short(MOVING),
             key(lid)
@@ -72,7 +71,7 @@ pub(super) fn section(summary: &Summary, flows: &[FlowPicture], places: &[usize]
 }
 
 /// The colours and their names, once for all pictures.
-fn key(lid: bool) -> String {
+pub(super) fn key(lid: bool) -> String {
     let swatch = |(colour, name): (&str, &str)| {
         format!(
             "<span><svg class=\"key\" viewBox=\"0 0 24 24\" aria-hidden=\"true\"><circle \

@@ -1,11 +1,12 @@
-//! Charts of a report: a force against time or travel, and the drags against Froude number.
+//! Charts of a report: a force against travel, and the drags against Froude number.
 
 use plotters::prelude::*;
 
 use super::plot::{
-    BAND, INK, THIN, axis, bar, chart, dashes, draw_marker, drawable, mesh, padded, svg,
+    BAND, INK, THIN, axis, bar, chart, chart_with_top, dashes, draw_cross, draw_marker, drawable,
+    mesh, padded, svg,
 };
-use super::text::{number, typeset};
+use super::text::typeset;
 use crate::series::SeriesRow;
 use crate::summary::RunSummary;
 use crate::units::Units;
@@ -63,41 +64,8 @@ fn reduced(points: &[Point], limit: usize) -> Vec<Point> {
     points.chunks(group).filter_map(mean).collect()
 }
 
-/// Time at which the intruder had travelled so far, on the lines between rows.
-fn time_at(rows: &[SeriesRow], travel: f64) -> Option<f64> {
-    let mut before = (0.0, 0.0);
-    for row in rows {
-        if row.distance >= travel {
-            let (time, distance) = before;
-            let part = (travel - distance) / (row.distance - distance);
-            let part = if part.is_finite() { part } else { 1.0 };
-            return Some(time + part * (row.time - time)).filter(|t| drawable(*t));
-        }
-        before = (row.time, row.distance);
-    }
-    rows.last().map(|r| r.time).filter(|t| drawable(*t))
-}
-
-/// Drag against time of one of `runs` drags: thin the series, thick its average from the start,
-/// shaded the averaging window. `None` where there is nothing to draw.
-pub(super) fn force(
-    run: &RunSummary,
-    rows: &[SeriesRow],
-    units: &Units,
-    runs: usize,
-) -> Option<String> {
-    let curve = points(rows, |row| (row.time, row.force_mean[0]));
-    let window = time_at(rows, run.window_start).zip(time_at(rows, run.window_end));
-    let labels = [
-        format!("time t ({})", typeset(&units.time)),
-        format!("drag F ({})", typeset(&units.force)),
-    ];
-    let title = format!("Drag against time at Froude number {}", number(run.froude));
-    course(&title, &labels, &curve, runs, window)
-}
-
-/// Drag, or lift, against travel of one of `runs` runs, drawn as [`force`] draws. `None` where there is
-/// nothing to draw.
+/// Drag, or lift, against travel of one of `runs` runs, with the time along the top: thin the series, thick its
+/// average from the start, shaded the averaging window. `None` where there is nothing to draw.
 pub(super) fn along_travel(
     run: &RunSummary,
     rows: &[SeriesRow],
@@ -107,39 +75,30 @@ pub(super) fn along_travel(
 ) -> Option<String> {
     let (name, k) = if lift { ("lift", 1) } else { ("drag", 0) };
     let curve = points(rows, |row| (row.distance, row.force_mean[k]));
+    let limit = (POINTS / runs.max(1)).clamp(200, 1500);
+    let curve = reduced(&curve, limit);
+    let end = curve.last()?.x;
     let window = [run.window_start, run.window_end];
     let window = window.iter().all(|x| drawable(*x));
     let window = window.then_some((run.window_start, run.window_end));
-    let labels = [
-        format!("travel ({})", typeset(&units.length)),
-        format!("{name} F ({})", typeset(&units.force)),
-    ];
-    let title = format!("The {name} against travel of {}", run.name);
-    course(&title, &labels, &curve, 2 * runs, window)
-}
-
-/// One of `charts` charts of a fluctuating force: thin the force, thick its average, shaded the window.
-fn course(
-    title: &str,
-    labels: &[String; 2],
-    curve: &[Point],
-    charts: usize,
-    window: Option<(f64, f64)>,
-) -> Option<String> {
-    let limit = (POINTS / charts.max(1)).clamp(200, 1500);
-    let curve = reduced(curve, limit);
-    let end = curve.last()?.x;
     let low = curve.iter().fold(0.0, |a: f64, p| a.min(p.value));
     let high = curve.iter().fold(0.0, |a: f64, p| a.max(p.value));
     let x = axis(0.0, end, 6);
     let y = padded(low, high);
-    Some(svg(title, |area| {
-        let mut chart = chart(area, &x, &y)?;
+    let time = axis(0.0, end / run.speed, 6);
+    let labels = [
+        format!("travel ({})", typeset(&units.length)),
+        format!("{name} F ({})", typeset(&units.force)),
+    ];
+    let top = format!("time ({})", typeset(&units.time));
+    let title = format!("The {name} against travel of {}", run.name);
+    Some(svg(&title, |area| {
+        let mut chart = chart_with_top(area, &x, &y, &time, &top)?;
         if let Some((from, to)) = window {
             let band = [(from.min(x.hi), y.lo), (to.min(x.hi), y.hi)];
             chart.draw_series([Rectangle::new(band, BAND.filled())])?;
         }
-        mesh(&mut chart, labels)?;
+        mesh(&mut chart, &labels)?;
         let thin = curve.iter().map(|p| (p.x, p.value));
         chart.draw_series(LineSeries::new(thin, THIN.stroke_width(3)))?;
         if let Some((from, _)) = window {
@@ -151,7 +110,8 @@ fn course(
     }))
 }
 
-/// Means of the drag with standard errors against Froude number, a marker shape for each of `beds`.
+/// Means of the drag with standard errors against Froude number, a marker shape for each of `beds`, hollow where the
+/// error did not converge; a cross is the mean from the start.
 /// `None` where there is nothing to draw.
 pub(super) fn froude(runs: &[RunSummary], beds: &[&str], units: &Units) -> Option<String> {
     let good = |r: &&RunSummary| drawable(r.froude) && drawable(r.drag.mean);
@@ -159,12 +119,14 @@ pub(super) fn froude(runs: &[RunSummary], beds: &[&str], units: &Units) -> Optio
     runs.first()?;
     let error = |r: &RunSummary| Some(r.drag.standard_error).filter(|e| drawable(*e));
     let reach = |r: &RunSummary| error(r).unwrap_or(0.0);
-    let low = runs
-        .iter()
-        .fold(0.0, |a: f64, r| a.min(r.drag.mean - reach(r)));
-    let high = runs
-        .iter()
-        .fold(0.0, |a: f64, r| a.max(r.drag.mean + reach(r)));
+    let uncut = |r: &RunSummary| Some(r.drag_uncut).filter(|x| drawable(*x));
+    let both = |r: &RunSummary| {
+        let whole = uncut(r).unwrap_or(r.drag.mean);
+        let ends = [r.drag.mean - reach(r), r.drag.mean + reach(r)];
+        [ends[0].min(whole), ends[1].max(whole)]
+    };
+    let low = runs.iter().fold(0.0, |a: f64, r| a.min(both(r)[0]));
+    let high = runs.iter().fold(0.0, |a: f64, r| a.max(both(r)[1]));
     let x = axis(
         0.0,
         runs.iter().fold(0.0, |a: f64, r| a.max(r.froude)) * 1.06,
@@ -184,7 +146,10 @@ pub(super) fn froude(runs: &[RunSummary], beds: &[&str], units: &Units) -> Optio
                 chart.draw_series(bar(at.0, at.1 - e, at.1 + e, &x))?;
             }
             let shape = beds.iter().position(|b| *b == run.bed).unwrap_or(0);
-            draw_marker(&mut chart, at, shape)?;
+            if let Some(whole) = uncut(run) {
+                draw_cross(&mut chart, (run.froude, whole))?;
+            }
+            draw_marker(&mut chart, at, shape, !run.drag.converged)?;
         }
         Ok(())
     }))
@@ -239,14 +204,5 @@ mod tests {
         assert_eq!(few.last().unwrap().average, all.last().unwrap().average);
         assert_eq!(reduced(&all[..1500], 1500), &all[..1500]);
         assert!(reduced(&[], 1500).is_empty());
-    }
-
-    #[test]
-    fn the_window_begins_between_rows() {
-        let rows = [row(1, 1.0, 0.0), row(2, 2.0, 0.0)];
-        assert_eq!(time_at(&rows, 0.0), Some(0.0));
-        assert_eq!(time_at(&rows, 3.0), Some(1.5));
-        assert_eq!(time_at(&rows, 9.0), Some(2.0));
-        assert_eq!(time_at(&[], 9.0), None);
     }
 }

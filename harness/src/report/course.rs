@@ -52,7 +52,7 @@ pub(super) fn section(summary: &Summary, groups: &[Group], courses: &[Course]) -
                 far_chart(group, summary, courses),
                 "Mean speed of the grains far from the intruder over the speed asked for, by height, \
                  from displacements in the averaging window. Thick line: 1, a bed \
-                 that follows its base. Light line: 0.95, below which it slips.",
+                 that follows its base. Thin line: 0.95, below which it slips.",
             ),
         ];
         for (chart, words) in charts {

@@ -5,6 +5,7 @@ use super::arrow::arrow;
 use super::picture::{Cut, INK, LID, Scale, circles, open, push, ticks};
 use super::plot::drawable;
 use super::text::short;
+use crate::frames::nearest;
 use crate::scenario::Moves;
 use crate::sim::Role;
 
@@ -25,6 +26,8 @@ pub struct FlowPicture {
     pub hi: [f64; 3],
     /// Centre and radius of the intruder.
     pub intruder: ([f64; 3], f64),
+    /// How far from its centre grains are drawn.
+    pub reach: f64,
     /// Which of bed and intruder moves along +x.
     pub moves: Moves,
     /// All grains, frozen ones included, the intruder not.
@@ -44,8 +47,6 @@ pub struct FlowGrain {
     pub role: Role,
 }
 
-/// Half the width of a picture over the intruder's diameter; also its reach up and down.
-const REACH: f64 = 3.5;
 /// Bounds between the colours, as speed over V: half-decades, because speeds fall off by decades
 /// away from the intruder.
 const BOUNDS: [f64; 4] = [0.03, 0.1, 0.3, 1.0];
@@ -92,7 +93,7 @@ pub(super) struct Seen {
 pub(super) fn shows(flow: &FlowPicture) -> bool {
     let (centre, radius) = flow.intruder;
     let places = centre.iter().chain(&flow.lo).chain(&flow.hi);
-    let sizes = [radius, flow.speed, flow.hi[0] - flow.lo[0]];
+    let sizes = [radius, flow.speed, flow.hi[0] - flow.lo[0], flow.reach];
     places.chain(&sizes).all(|x| drawable(*x)) && sizes.iter().all(|x| *x > 0.0)
 }
 
@@ -105,7 +106,7 @@ pub(super) fn window(flows: &[&FlowPicture]) -> Window {
     };
     for flow in flows {
         let (centre, radius) = flow.intruder;
-        let reach = 2.0 * REACH * radius;
+        let reach = flow.reach;
         let tops = flow.grains.iter().map(|g| g.position[2] + g.radius);
         let top = tops
             .filter(|z| drawable(*z))
@@ -117,14 +118,6 @@ pub(super) fn window(flows: &[&FlowPicture]) -> Window {
         window.up = window.up.max(reach.min(1.03 * (top - centre[2])));
     }
     window
-}
-
-/// `x` less the multiple of `size` that brings it nearest to zero; unchanged without a size.
-fn nearest(x: f64, size: f64) -> f64 {
-    match size > 0.0 {
-        true => x - size * (x / size).round(),
-        false => x,
-    }
 }
 
 /// Cuts of the grains by the plane through the intruder's centre, as far as they reach into the
@@ -168,6 +161,45 @@ fn class(ratio: f64) -> usize {
     BOUNDS.iter().filter(|bound| ratio >= **bound).count()
 }
 
+/// Groups of circles of one look: those of the speeds, base, lid.
+pub(super) const GROUPS: usize = RAMP.len() + 2;
+
+/// The place of the group that a grain belongs to, by its speed over V.
+pub(super) fn group(role: Role, ratio: f64) -> usize {
+    match role {
+        Role::Free => class(ratio),
+        Role::Base => RAMP.len(),
+        Role::Lid => RAMP.len() + 1,
+    }
+}
+
+/// The cuts of each group in its look, and the intruder in the middle.
+pub(super) fn coloured(
+    out: &mut String,
+    scale: &Scale,
+    id: &str,
+    cuts: impl Fn(usize) -> Vec<Cut>,
+    radius: f64,
+) {
+    let speeds = RAMP.map(|colour| format!("fill=\"{colour}\" {OUTLINE}"));
+    let base = format!("fill=\"url(#hatch-{id})\" stroke=\"{INK}\"");
+    let looks = speeds.into_iter().chain([base, LID.to_string()]);
+    for (place, look) in looks.enumerate() {
+        circles(out, scale, &cuts(place), &look);
+    }
+    let body = [Cut {
+        x: 0.0,
+        z: 0.0,
+        radius,
+    }];
+    circles(
+        out,
+        scale,
+        &body,
+        &format!("fill=\"{INK}\" stroke=\"#fff\""),
+    );
+}
+
 /// One picture as SVG, or `None` where the window has no extent.
 pub(super) fn drawing(
     flow: &FlowPicture,
@@ -178,8 +210,9 @@ pub(super) fn drawing(
     let radius = flow.intruder.1;
     let scale = Scale::new([-window.half, -window.down], [window.half, window.up])?;
     let seen = seen(flow, &window);
-    let cuts = |wanted: &dyn Fn(&Seen) -> bool| -> Vec<Cut> {
-        seen.iter().filter(|s| wanted(s)).map(|s| s.cut).collect()
+    let cuts = |place: usize| -> Vec<Cut> {
+        let own = seen.iter().filter(|s| group(s.role, s.ratio) == place);
+        own.map(|s| s.cut).collect()
     };
     let mut out = String::new();
     let id = format!("flow-{index}");
@@ -189,24 +222,7 @@ pub(super) fn drawing(
         Moves::Bed => format!("{title} in {}", flow.run),
     };
     open(&mut out, "flow", &title, &id, &scale);
-    for (k, colour) in RAMP.iter().enumerate() {
-        let style = format!("fill=\"{colour}\" {OUTLINE}");
-        let free = cuts(&|s| s.role == Role::Free && class(s.ratio) == k);
-        circles(&mut out, &scale, &free, &style);
-    }
-    let hatch = format!("fill=\"url(#hatch-{id})\" stroke=\"{INK}\"");
-    circles(&mut out, &scale, &cuts(&|s| s.role == Role::Base), &hatch);
-    let lid = cuts(&|s| s.role == Role::Lid);
-    if !lid.is_empty() {
-        circles(&mut out, &scale, &lid, LID);
-    }
-    let body = [Cut {
-        x: 0.0,
-        z: 0.0,
-        radius,
-    }];
-    let style = format!("fill=\"{INK}\" stroke=\"#fff\"");
-    circles(&mut out, &scale, &body, &style);
+    coloured(&mut out, &scale, &id, cuts, radius);
     arrows(
         &mut out,
         &scale,
@@ -254,7 +270,7 @@ fn arrows(out: &mut String, scale: &Scale, seen: &[Seen], length: f64, forward: 
 }
 
 /// The edges of the window, thick where one is the floor.
-fn frame(out: &mut String, scale: &Scale, floor: f64) {
+pub(super) fn frame(out: &mut String, scale: &Scale, floor: f64) {
     let (x0, x1) = (scale.x(scale.lo[0]), scale.x(scale.hi[0]));
     let (z0, z1) = (scale.z(scale.lo[1]), scale.z(scale.hi[1]));
     push(
@@ -297,6 +313,7 @@ mod tests {
             lo: [0.0; 3],
             hi: [20.0, 10.0, 30.0],
             intruder: ([19.0, 9.5, 4.0], 1.0),
+            reach: 7.0,
             moves: Moves::Intruder,
             grains: grains.to_vec(),
         }
@@ -332,7 +349,7 @@ mod tests {
     #[test]
     fn a_window_as_wide_as_the_box_shows_a_grain_at_both_edges() {
         let mut flow = flow(&[grain([9.2, 9.5, 5.0], [0.0; 3])]);
-        flow.intruder.1 = 4.0;
+        flow.reach = 28.0;
         let window = window(&[&flow]);
         assert_eq!(window.half, 10.0);
         let places: Vec<f64> = seen(&flow, &window)

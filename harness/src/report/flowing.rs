@@ -1,48 +1,32 @@
 //! The page of beds that flow past their intruder.
 
-use super::course::{self, Course};
-use super::fields::{self, FieldPicture};
+use super::page::{Top, assembled};
 use super::text::{escape, number_with_error, short, typeset};
-use super::{BedPicture, FlowPicture, around, chart, head, inputs, numbers, picture, repeat};
-use super::{loads, rig_table, scaling, span, statements};
-use crate::claims::{self, FAR_FIELD_LEAST, Group, Verdict, drag_slope};
+use super::{BedPicture, Drawings, around, bed_figure, before, chart, course, fields, film};
+use super::{inputs, loads, numbers, player, repeat, rig_table, scaling, span, statements};
+use crate::claims::{self, Group, Verdict, drag_slope};
 use crate::scenario::{Moves, Shape};
 use crate::series::SeriesRow;
 use crate::summary::{Flow, RunSummary, Summary};
 
-/// Packing fraction above which equal spheres are no random packing (random close packing).
-const CLOSE: f64 = 0.64;
-
-/// One self-contained HTML page of beds that flow. The series and courses come in the order of the runs
-/// of the summary, the pictures in that of its beds, the flows name their runs; where one is missing, the
-/// page says so.
-pub fn flowing_page(
-    summary: &Summary,
-    scenario_text: &str,
-    series: &[Vec<SeriesRow>],
-    pictures: &[BedPicture],
-    flows: &[FlowPicture],
-    courses: &[Course],
-    maps: &[FieldPicture],
-) -> String {
+/// One self-contained HTML page of beds that flow.
+pub fn flowing_page(summary: &Summary, scenario_text: &str, drawings: &Drawings<'_>) -> String {
     let groups = claims::groups(summary);
     // One run of each point stands for its seeds where grains are drawn.
     let first: Vec<usize> = groups
         .iter()
         .flat_map(|group| group.points.iter().filter_map(|p| p.runs.first().copied()))
         .collect();
-    let kind = format!("Drag and lift on a {} in a flowing bed", shape(summary));
-    let mut out = head(&escape(&summary.scenario), &kind, STYLE);
-    out.push_str(&in_words(summary, &groups));
-    out.push_str(&remarks(summary));
-    out.push_str(&bed_figures(summary, pictures, &first));
-    out.push_str(&force_figures(summary, series));
+    let mut out = String::new();
     out.push_str(&scaling::section(summary, &groups));
-    out.push_str(&course::section(summary, &groups, courses));
-    out.push_str(&around::section(summary, flows, &first));
-    out.push_str(&fields::section(summary, &groups, maps));
-    out.push_str(&loads::section(summary, &groups));
     out.push_str(&statements::section(summary));
+    out.push_str(&force_figures(summary, drawings.series));
+    out.push_str(&film::section(summary, drawings.films));
+    out.push_str(&bed_figures(summary, drawings.beds, &first));
+    out.push_str(&course::section(summary, &groups, drawings.courses));
+    out.push_str(&around::section(summary, drawings.flows, &first));
+    out.push_str(&fields::section(summary, &groups, drawings.maps));
+    out.push_str(&loads::section(summary, &groups));
     out.push_str(&numbers(
         summary,
         &rig_table::rig_table(&summary.beds, &summary.units),
@@ -51,8 +35,15 @@ pub fn flowing_page(
     out.push_str(&rig_table::law_table(summary));
     out.push_str(&inputs::section(scenario_text, &summary.units));
     out.push_str(&repeat(summary, scenario_text));
-    out.push_str("</main>\n</body>\n</html>\n");
-    out
+    let top = Top {
+        name: &summary.scenario,
+        kind: &format!("Drag and lift on a {} in a flowing bed", shape(summary)),
+        style: STYLE,
+        lead: in_words(summary, &groups),
+        remarks: before::remarks(summary),
+        about: before::about(summary, drawings.closing),
+    };
+    assembled(&top, &out)
 }
 
 fn shape(summary: &Summary) -> &'static str {
@@ -149,67 +140,6 @@ fn several(n: usize, one: &str, many: &str) -> String {
     }
 }
 
-/// What to beware of, in words.
-fn remarks(summary: &Summary) -> String {
-    let mut out = String::new();
-    let mut add = |title: &str, words: String| {
-        out.push_str(&format!(
-            "<p class=\"remark\"><b>{title}.</b> {words}</p>\n"
-        ));
-    };
-    let planned = summary.inputs.runs().len();
-    if summary.runs.len() < planned {
-        let done = summary.runs.len();
-        add(
-            "A part",
-            format!("{done} of {planned} drags are done; all that is said here is of these."),
-        );
-    }
-    let names = |fits: &dyn Fn(&Flow) -> bool| -> String {
-        let runs = passages(summary).filter(|(_, f)| fits(f));
-        let names: Vec<String> = runs.map(|(run, _)| escape(&run.name)).collect();
-        names.join(", ")
-    };
-    let slow = names(&|f| f.far_field < FAR_FIELD_LEAST || f.far_field.is_nan());
-    if !slow.is_empty() {
-        add(
-            "The bed slips",
-            format!(
-                "In {slow} the grains far from the intruder move at less than {FAR_FIELD_LEAST} of the \
-                 speed of the base: forces there belong to another speed, and to a bed that shears. A \
-                 longer box lets base and lid carry more."
-            ),
-        );
-    }
-    let [least, most] = summary.inputs.bed.diameters;
-    let close = names(&|f| f.packing_fraction > CLOSE);
-    if least == most && !close.is_empty() {
-        add(
-            "The bed crystallises",
-            format!(
-                "In {close} the packing fraction is above {CLOSE}, which no random packing of equal \
-                 spheres has."
-            ),
-        );
-    }
-    let floating: u64 = passages(summary)
-        .map(|(_, f)| f.floating)
-        .max()
-        .unwrap_or(0);
-    if floating > 0 {
-        add(
-            "Grains above the lid",
-            format!(
-                "Up to {} came to lie above the lid at one time (in {}): counted here, and left where \
-                 they are.",
-                several(floating as usize, "free grain", "free grains"),
-                names(&|f| f.floating > 0)
-            ),
-        );
-    }
-    out
-}
-
 /// A slice of the first bed of each point.
 fn bed_figures(summary: &Summary, pictures: &[BedPicture], first: &[usize]) -> String {
     let unit = escape(&typeset(&summary.units.length));
@@ -223,32 +153,36 @@ fn bed_figures(summary: &Summary, pictures: &[BedPicture], first: &[usize]) -> S
         false => "the motion of the intruder",
     };
     out.push_str(&format!(
-        "<p>Each circle is the cut of one grain, to scale, so cuts off centre are small. Light: free \
-         grains. Hatched: the base. Blue: the lid. Black: the intruder. Arrow: {moving}. Dashed: free \
+        "<p>Each circle is the cut of one grain, to scale, so cuts off centre are small. \
+         Hatched: the base; bluish: the lid. Arrow: {moving}. Dashed: free \
          surface. The box repeats along x and y.</p>\n"
     ));
     out.push_str("<div class=\"grid\">\n");
     let mut shown: Vec<&str> = Vec::new();
+    let mut room = player::ROOM;
     for run in first.iter().filter_map(|&k| summary.runs.get(k)) {
         let name = run.bed.as_str();
         if shown.contains(&name) {
             continue;
         }
         shown.push(name);
-        let drawn = pictures.iter().find(|p| p.name == name);
-        let drawn =
-            drawn.and_then(|p| Some((p, picture::slice(p, &summary.units.length, shown.len())?)));
-        let Some((picture, svg)) = drawn else {
+        let Some(picture) = pictures.iter().find(|p| p.name == name) else {
             out.push_str(&format!("<p>No picture of bed {}.</p>\n", escape(name)));
             continue;
         };
-        out.push_str(&format!(
-            "<figure class=\"bed\">{svg}<figcaption><b>{}</b>{}. Slice at y&nbsp;=&nbsp;{}&nbsp;{unit}; \
-             free surface at z&nbsp;=&nbsp;{}&nbsp;{unit}.</figcaption></figure>\n",
+        let caption = format!(
+            "<b>{}</b>{}. Slice at y&nbsp;=&nbsp;{}&nbsp;{unit}; free surface at z&nbsp;=&nbsp;{}&nbsp;{unit}.",
             escape(name),
             depth_words(summary, run),
             short(picture.intruder.0[1]),
             short(picture.surface),
+        );
+        out.push_str(&bed_figure(
+            picture,
+            &summary.units.length,
+            shown.len(),
+            &caption,
+            &mut room,
         ));
     }
     out + "</div>\n</section>\n"
@@ -280,7 +214,7 @@ fn force_figures(summary: &Summary, series: &[Vec<SeriesRow>]) -> String {
     for (k, run) in runs.iter().enumerate() {
         let rows = series.get(k).map_or(&[][..], |s| s.as_slice());
         for (lift, mean) in [(false, run.drag), (true, run.lift)] {
-            let chart = chart::along_travel(run, rows, units, runs.len(), lift);
+            let chart = chart::along_travel(run, rows, units, 2 * runs.len(), lift);
             let chart = chart.unwrap_or_else(|| "<p class=\"none\">No series.</p>".to_owned());
             figures.push_str(&format!(
                 "<figure>{chart}<figcaption><b>{}, {}</b>{}. Mean of the window {}&nbsp;{force}.\
@@ -302,5 +236,4 @@ fn force_figures(summary: &Summary, series: &[Vec<SeriesRow>]) -> String {
 /// What this page has beside the others.
 const STYLE: &str = "\nsvg.scale{width:22rem;max-width:100%;vertical-align:middle}\n\
     \n.statements td{min-width:14rem;max-width:24rem}\n\
-    .statements td:nth-child(2){min-width:6rem}\n\
-    .statements .agrees{color:#12562f}.statements .differs{color:#8f1d14}\n";
+    .statements td:nth-child(2){min-width:6rem}\n";

@@ -78,6 +78,7 @@ fn marks(values: &[Value], shape: usize) -> Vec<Mark> {
         at,
         bar: (low.1, high.1),
         shape,
+        hollow: false,
     })
     .skip(APART / 2)
     .step_by(APART)
@@ -92,7 +93,8 @@ fn figure(svg: Option<String>, keys: &[(usize, String)], caption: &str) -> Strin
     let Some(svg) = svg else {
         return String::new();
     };
-    let key = |(shape, name): &(usize, String)| format!("<span>{}{name}</span>", marker(*shape));
+    let key =
+        |(shape, name): &(usize, String)| format!("<span>{}{name}</span>", marker(*shape, false));
     let keys: String = keys.iter().map(key).collect();
     format!(
         "<figure><div class=\"legend\">{keys}</div>{svg}<figcaption>{caption}</figcaption></figure>\n"
@@ -271,7 +273,7 @@ fn differences(loads: &[PointLoad], name: &str) -> String {
             .into_iter()
             .collect(),
         caption: format!(
-            "{name}. What a pressure gradient adds to the normal stress, over &rho;gD. Light line: what eq. 4 \
+            "{name}. What a pressure gradient adds to the normal stress, over &rho;gD. Thin line: what eq. 4 \
              makes of the stress without a gradient and the local hydrostatic pressure."
         ),
     };
@@ -309,7 +311,7 @@ fn parts(loads: &[PointLoad], name: &str) -> String {
         light: without.map(|l| plain(&l.normal)).collect(),
         caption: format!(
             "{name}. Slope of the normal stress against P<sub>0</sub> at each angle, with a gradient (appendix B of \
-             Guillard 2014). Light lines: normal stress over P<sub>0</sub> without a gradient."
+             Guillard 2014). Thin lines: normal stress over P<sub>0</sub> without a gradient."
         ),
     };
     let intercept = Curves {
@@ -321,7 +323,7 @@ fn parts(loads: &[PointLoad], name: &str) -> String {
             .map(|pair| plain(&difference(pair)))
             .collect(),
         caption: format!(
-            "{name}. Intercept of the same lines over &rho;gD. Light lines: differences with and without a \
+            "{name}. Intercept of the same lines over &rho;gD. Thin lines: differences with and without a \
              gradient, as above. Both parts come from the runs with a gradient alone."
         ),
     };

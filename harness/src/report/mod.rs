@@ -5,16 +5,20 @@
 
 mod around;
 mod arrow;
+mod before;
 mod campaign;
 mod chart;
 mod course;
 mod fieldmap;
 mod fields;
+mod film;
 mod flow;
 mod flowing;
 mod inputs;
 mod loads;
+mod page;
 mod picture;
+mod player;
 mod plot;
 mod rig_table;
 mod scaling;
@@ -26,10 +30,12 @@ mod text;
 pub use campaign::{Shown, campaign_page};
 pub use course::Course;
 pub use fields::FieldPicture;
+pub use film::Film;
 pub use flow::{FlowGrain, FlowPicture};
 pub use flowing::flowing_page;
-use table::{bed_table, overlap_remark, plug_remark, rest_remark, run_table};
-use text::{escape, plus_minus, typeset};
+use page::{Top, assembled};
+use table::{bed_table, run_table};
+use text::{escape, plus_minus, to_error, typeset};
 pub(crate) use text::{number_with_error, short};
 
 use crate::scenario::Moves;
@@ -52,6 +58,8 @@ pub struct BedPicture {
     pub grains: Vec<PictureGrain>,
     /// Centre and radius of the intruder.
     pub intruder: ([f64; 3], f64),
+    /// Whether it is as long as the box is wide, and looks alike at every y.
+    pub endless: bool,
     /// Which of bed and intruder is to move along +x.
     pub moves: Moves,
 }
@@ -67,43 +75,46 @@ pub struct PictureGrain {
     pub role: Role,
 }
 
-/// One self-contained HTML page. The series come in the order of the runs of the summary, the
-/// pictures in that of its beds, the flows name their runs; where one is missing, the page says so.
-pub fn page(
-    summary: &Summary,
-    scenario_text: &str,
-    series: &[Vec<SeriesRow>],
-    pictures: &[BedPicture],
-    flows: &[FlowPicture],
-) -> String {
-    let kind = "Drag of a sphere through a bed of grains";
-    let mut out = head(&escape(&summary.scenario), kind, "");
-    out.push_str(&in_words(summary));
-    out.push_str(&bed_figures(summary, pictures));
-    out.push_str(&force_figures(summary, series));
+/// What a page draws beside the numbers of a summary; where one is missing, the page says so.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Drawings<'a> {
+    /// Closing hash of the run; empty before its end.
+    pub closing: &'a str,
+    /// Force series, in the order of the runs of the summary.
+    pub series: &'a [Vec<SeriesRow>],
+    /// Settled beds, in the order of the summary's.
+    pub beds: &'a [BedPicture],
+    /// Grains round the intruder of the runs they name.
+    pub flows: &'a [FlowPicture],
+    /// Frames of the runs they name.
+    pub films: &'a [Film],
+    /// Flow series, in the order of the runs.
+    pub courses: &'a [Course],
+    /// Fields of the runs they name.
+    pub maps: &'a [FieldPicture],
+}
+
+/// One self-contained HTML page of drags of a sphere.
+pub fn page(summary: &Summary, scenario_text: &str, drawings: &Drawings<'_>) -> String {
+    let mut out = String::new();
+    out.push_str(&force_figures(summary, drawings.series));
     out.push_str(&froude_figure(summary));
+    out.push_str(&bed_figures(summary, drawings.beds));
+    out.push_str(&film::section(summary, drawings.films));
     let all: Vec<usize> = (0..summary.runs.len()).collect();
-    out.push_str(&around::section(summary, flows, &all));
+    out.push_str(&around::section(summary, drawings.flows, &all));
     out.push_str(&numbers(summary, "", ""));
     out.push_str(&inputs::section(scenario_text, &summary.units));
     out.push_str(&repeat(summary, scenario_text));
-    out.push_str("</main>\n</body>\n</html>\n");
-    out
-}
-
-/// The page up to what it shows: its name and, as title and line below it, its kind, which begins with a
-/// capital of its own.
-fn head(name: &str, kind: &str, style: &str) -> String {
-    let (first, rest) = kind.split_at(1);
-    let title = first.to_lowercase() + rest;
-    format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <title>{name}: {title}</title>\n\
-         <style>{CSS}{style}</style>\n</head>\n<body>\n<main>\n\
-         <header><h1>{name}</h1>\n\
-         <p class=\"kind\">{kind}</p></header>\n"
-    )
+    let top = Top {
+        name: &summary.scenario,
+        kind: "Drag of a sphere through a bed of grains",
+        style: "",
+        lead: in_words(summary),
+        remarks: before::remarks(summary),
+        about: before::about(summary, drawings.closing),
+    };
+    assembled(&top, &out)
 }
 
 /// The main numbers as a paragraph.
@@ -176,55 +187,75 @@ fn span(values: impl Iterator<Item = f64>, unit: &str) -> String {
 
 fn bed_figures(summary: &Summary, pictures: &[BedPicture]) -> String {
     let unit = &summary.units.length;
-    let mut out = "<section>\n<h2>The settled bed</h2>\n".to_owned();
+    let mut out = "<section>\n<h2>The settled bed</h2>\n<p>Slices, to scale: each circle is the cut of one grain, so \
+                   cuts off centre are small. Hatched: frozen base. The arrow, on the intruder, is the direction of \
+                   drag. Dashed: free surface. The box repeats along x and y.</p>\n"
+        .to_owned();
+    let mut room = player::ROOM;
     for (k, bed) in summary.beds.iter().enumerate() {
         let name = escape(&bed.name);
-        let drawn = pictures
-            .get(k)
-            .and_then(|p| Some((p, picture::slice(p, unit, k)?)));
-        let Some((picture, svg)) = drawn else {
+        let Some(picture) = pictures.get(k) else {
             out.push_str(&format!("<p>No picture of bed {name}.</p>\n"));
             continue;
         };
-        let unit = escape(&typeset(unit));
-        out.push_str(&format!(
-            "<figure class=\"bed\">{svg}<figcaption><b>{name}</b>, slice at \
-             y&nbsp;=&nbsp;{}&nbsp;{unit} through the intruder&rsquo;s centre. Each circle is the \
-             cut of one grain, to scale, so cuts off centre are small. Light: free grains. \
-             Hatched: frozen base. Black: the intruder. Arrow: direction of drag, +x. Dashed: \
-             free surface at \
-             z&nbsp;=&nbsp;{}&nbsp;{unit}. The box repeats along x and y.</figcaption></figure>\n",
+        let unit_set = escape(&typeset(unit));
+        let caption = format!(
+            "<b>{name}</b>, through the intruder&rsquo;s centre at y&nbsp;=&nbsp;{}&nbsp;{unit_set}; free surface at \
+             z&nbsp;=&nbsp;{}&nbsp;{unit_set}.",
             short(picture.intruder.0[1]),
             short(picture.surface),
-        ));
+        );
+        out.push_str(&bed_figure(picture, unit, k, &caption, &mut room));
     }
     out + "</section>\n"
 }
 
+/// A slice of a bed: one to step through while there is room for it.
+fn bed_figure(
+    picture: &BedPicture,
+    unit: &str,
+    index: usize,
+    caption: &str,
+    room: &mut usize,
+) -> String {
+    if let Some((html, circles)) = picture::stepped(picture, unit, index, caption, *room) {
+        *room -= circles;
+        return html;
+    }
+    match picture::slice(picture, unit, index) {
+        Some(svg) => {
+            format!("<figure class=\"bed\">{svg}<figcaption>{caption}</figcaption></figure>\n")
+        }
+        None => format!("<p>No picture of bed {}.</p>\n", escape(&picture.name)),
+    }
+}
+
 fn force_figures(summary: &Summary, series: &[Vec<SeriesRow>]) -> String {
     let units = &summary.units;
+    let force = escape(&typeset(&units.force));
     let runs = &summary.runs;
-    let mut out = "<section>\n<h2>Drag against time</h2>\n".to_owned();
+    let mut out = "<section>\n<h2>Drag against travel</h2>\n".to_owned();
     if !runs.is_empty() {
         out.push_str(&format!("<p class=\"legend\">{LEGEND}</p>\n"));
     }
     out.push_str("<div class=\"grid\">\n");
     for (k, run) in runs.iter().enumerate() {
         let rows = series.get(k).map_or(&[][..], |s| s.as_slice());
-        let chart = chart::force(run, rows, units, runs.len());
+        let chart = chart::along_travel(run, rows, units, runs.len(), false);
         let chart = chart.unwrap_or_else(|| "<p class=\"none\">No series.</p>".to_owned());
         let place = match summary.beds.len() {
             0 | 1 => String::new(),
             _ => format!(", {}", escape(&run.bed)),
         };
         out.push_str(&format!(
-            "<figure>{chart}<figcaption><b>Fr = {}</b>{place}. Speed {}&nbsp;{}; mean drag of the \
-             window {}&nbsp;{}.</figcaption></figure>\n",
+            "<figure>{chart}<figcaption><b>{}, Fr = {}</b>{place}. Speed {}&nbsp;{}; mean drag of the window \
+             {}&nbsp;{force}, from the start {}&nbsp;{force}.</figcaption></figure>\n",
+            escape(&run.name),
             short(run.froude),
             short(run.speed),
             escape(&typeset(&units.speed)),
             plus_minus(run.drag),
-            escape(&typeset(&units.force)),
+            to_error(run.drag_uncut, run.drag.standard_error),
         ));
     }
     out + "</div>\n</section>\n"
@@ -244,25 +275,26 @@ fn froude_figure(summary: &Summary) -> String {
         );
         format!(
             "<span>{}{}, depth {depth}</span>",
-            plot::marker(k),
+            plot::marker(k, false),
             escape(&bed.name)
         )
     };
-    let legend = match beds.len() {
-        0 | 1 => String::new(),
-        _ => {
-            let keys: String = summary.beds.iter().enumerate().map(key).collect();
-            format!("<p class=\"legend\">{keys}</p>\n")
-        }
-    };
+    let several = beds.len() > 1;
+    let beds = summary.beds.iter().enumerate().filter(|_| several);
+    let keys: String = beds.map(key).collect();
     let points = match summary.runs.len() {
         1 => "1 point".to_owned(),
         n => format!("{n} points"),
     };
     format!(
-        "{head}{legend}<figure class=\"narrow\">{svg}<figcaption>Mean drag \
-         of each averaging window with bars of one standard error each way. No curve is fitted: \
-         {points} cannot carry one.</figcaption></figure>\n</section>\n"
+        "{head}<p class=\"legend\">{keys}<span>{}mean of the averaging window</span><span>{}its error did not \
+         converge</span><span>{}mean from the start</span></p>\n<figure class=\"narrow\">{svg}<figcaption>Bars: one \
+         standard error each way. No curve is fitted: {points} cannot carry one. Kumar&rsquo;s Table I and Fig. 5 are \
+         not drawn: they are drags in beds of other depth and stiffness, and only fits over many depths and sizes, \
+         which a campaign makes, can be held against them.</figcaption></figure>\n</section>\n",
+        plot::marker(0, false),
+        plot::marker(0, true),
+        plot::CROSS,
     )
 }
 
@@ -288,14 +320,11 @@ fn numbers(summary: &Summary, rigs: &str, flows: &str) -> String {
         _ => "",
     };
     format!(
-        "<section>\n<h2>Numbers</h2>\n<p>Units: {}{symbols}.</p>\n<h3>Beds</h3>\n{}{}{rigs}\
-         <h3>Drags</h3>\n{}{}{}{flows}</section>\n",
+        "<section>\n<h2>Numbers</h2>\n<p>Units: {}{symbols}.</p>\n<h3>Beds</h3>\n{}{rigs}\
+         <h3>Drags</h3>\n{}{flows}</section>\n",
         list.join(", "),
         bed_table(&summary.beds, units),
-        rest_remark(&summary.beds),
         run_table(&summary.runs, units),
-        plug_remark(&summary.runs),
-        overlap_remark(&summary.runs),
     )
 }
 
@@ -326,8 +355,6 @@ stroke-width=\"6\"/></svg>its average from the start</span><span>\
 <svg class=\"key\" viewBox=\"0 0 60 30\" aria-hidden=\"true\">\
 <rect x=\"10\" width=\"50\" height=\"30\" fill=\"#f1ede2\"/><path d=\"M10 0V30\" \
 stroke=\"#161b22\" stroke-width=\"3\" stroke-dasharray=\"6 4\"/></svg>averaging window</span>";
-
-const CSS: &str = include_str!("style.css");
 
 #[cfg(test)]
 mod tests;

@@ -3,8 +3,9 @@
 use std::fmt::Write;
 
 use super::BedPicture;
+use super::player::{State, figure};
 use super::plot::{Axis, axis};
-use super::text::{escape, typeset};
+use super::text::{escape, short, typeset};
 use crate::scenario::Moves;
 use crate::sim::Role;
 
@@ -105,25 +106,95 @@ fn cuts(bed: &BedPicture, y: f64, position: [f64; 3], radius: f64) -> Vec<Cut> {
         .collect()
 }
 
-/// The slice as SVG, or `None` where the box has no extent. `index` keeps the names of clips and
-/// patterns of several pictures on a page apart.
-pub(super) fn slice(bed: &BedPicture, unit: &str, index: usize) -> Option<String> {
+/// What a plane at `y` cuts of each kind of body: free grains, base, lid, intruder.
+fn kinds(bed: &BedPicture, y: f64) -> [Vec<Cut>; 4] {
     let (centre, radius) = bed.intruder;
     let all = |role: Role| -> Vec<Cut> {
         let grains = bed.grains.iter().filter(|g| g.role == role);
         grains
-            .flat_map(|g| cuts(bed, centre[1], g.position, g.radius))
+            .flat_map(|g| cuts(bed, y, g.position, g.radius))
             .collect()
     };
-    let (free, frozen, lid) = (all(Role::Free), all(Role::Base), all(Role::Lid));
-    let intruder = cuts(bed, centre[1], centre, radius);
-    let drawn = || free.iter().chain(&frozen).chain(&lid).chain(&intruder);
+    let [free, frozen, lid] = [Role::Free, Role::Base, Role::Lid].map(all);
+    let intruder = match bed.endless {
+        true => cuts(bed, centre[1], centre, radius),
+        false => cuts(bed, y, centre, radius),
+    };
+    [free, frozen, lid, intruder]
+}
+
+/// The scale of a slice, to what is filled of the box; `None` where that has no extent.
+fn scale(bed: &BedPicture, drawn: &[Vec<Cut>; 4]) -> Option<Scale> {
+    let drawn = || drawn.iter().flatten();
     // The box may reach far above the bed, to where the grains fell from: draw what is filled.
     let top = drawn().fold(bed.surface, |top, c| top.max(c.z + c.radius));
     let low = drawn().fold(bed.lo[2], |low, c| low.min(c.z - c.radius));
     let top = if top > low { top } else { bed.hi[2] };
     let top = top + 0.03 * (top - low);
-    let scale = Scale::new([bed.lo[0], low], [bed.hi[0], top])?;
+    Scale::new([bed.lo[0], low], [bed.hi[0], top])
+}
+
+/// Most planes that a bed can be stepped through at.
+const PLANES: usize = 40;
+
+/// The slice as a figure that can be stepped through along y, and how many circles that takes; `None` where there is
+/// nothing to step through, or no `room` for it.
+pub(super) fn stepped(
+    bed: &BedPicture,
+    unit: &str,
+    index: usize,
+    caption: &str,
+    room: usize,
+) -> Option<(String, usize)> {
+    let (lo, size) = (bed.lo[1], bed.hi[1] - bed.lo[1]);
+    let radii: f64 = bed.grains.iter().map(|g| g.radius).sum();
+    // A grain is cut twice.
+    let apart = radii / bed.grains.len() as f64;
+    let count = ((size / apart) as usize).min(PLANES);
+    if count < 2 || !apart.is_finite() || !size.is_finite() {
+        return None;
+    }
+    let home = kinds(bed, bed.intruder.0[1]);
+    let scale = scale(bed, &home)?;
+    // Where the intruder's own plane comes among the others.
+    let middle = bed.intruder.0[1];
+    let mut planes: Vec<f64> = (0..count)
+        .map(|k| lo + size * (k as f64 + 0.5) / count as f64)
+        .collect();
+    let place = planes.partition_point(|y| *y < middle);
+    planes.insert(place, middle);
+    // A lid that is not there has no group.
+    let there = [true, true, !home[2].is_empty(), true];
+    let group = |kind: usize| there[..kind].iter().filter(|own| **own).count();
+    let state = |y: &f64| {
+        let kinds = kinds(bed, *y);
+        let all = kinds.iter().enumerate().filter(|(kind, _)| there[*kind]);
+        State {
+            label: format!("y = {} {}", short(*y), typeset(unit)),
+            cuts: all
+                .flat_map(|(kind, cuts)| cuts.iter().map(move |cut| (*cut, kind)))
+                .map(|(cut, kind)| (cut, group(kind)))
+                .collect(),
+        }
+    };
+    let states: Vec<State> = planes.iter().map(state).collect();
+    let circles = states.iter().map(|s| s.cuts.len()).sum();
+    let title = format!("Slices of the settled bed {}", bed.name);
+    if circles > room {
+        return None;
+    }
+    let svg = slice(bed, unit, index)?;
+    let words = (&title[..], caption);
+    let html = figure("played bed", &svg, words, &scale, group(4), &states, place);
+    Some((html, circles))
+}
+
+/// The slice as SVG, or `None` where the box has no extent. `index` keeps the names of clips and
+/// patterns of several pictures on a page apart.
+pub(super) fn slice(bed: &BedPicture, unit: &str, index: usize) -> Option<String> {
+    let drawn = kinds(bed, bed.intruder.0[1]);
+    let scale = scale(bed, &drawn)?;
+    let [free, frozen, lid, intruder] = drawn;
     let mut out = String::new();
     let title = format!(
         "Slice of the settled bed {} through the intruder's centre",
@@ -325,6 +396,7 @@ mod tests {
             surface: 6.0,
             grains: grains.iter().map(grain).collect(),
             intruder: ([5.0, 1.0, 3.0], 1.0),
+            endless: false,
             moves: Moves::Intruder,
         }
     }

@@ -4,6 +4,7 @@ use plotters::chart::ChartContext;
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::text::{escape, number};
 
@@ -191,11 +192,21 @@ pub(super) fn chart<'a, 'b>(
     x: &Axis,
     y: &Axis,
 ) -> Result<Chart<'a, 'b>, DrawingAreaErrorKind<std::io::Error>> {
+    below(area, x, y, 24)
+}
+
+/// A chart below so much room.
+fn below<'a, 'b>(
+    area: &'a Area<'b>,
+    x: &Axis,
+    y: &Axis,
+    room: u32,
+) -> Result<Chart<'a, 'b>, DrawingAreaErrorKind<std::io::Error>> {
     let longest = y.ticks.iter().map(|t| t.1.chars().count()).max();
     let labels = 26 * u32::try_from(longest.unwrap_or(1)).unwrap_or(1);
     ChartBuilder::on(area)
-        .margin_top(24)
-        .margin_right(56)
+        .margin_top(room)
+        .margin_right(84)
         .margin_bottom(6)
         .margin_left(22)
         .x_label_area_size(140)
@@ -219,6 +230,32 @@ pub(super) fn mesh(chart: &mut Chart, labels: &[String; 2]) -> Drawn {
         .draw()
 }
 
+/// A chart with a second axis along its top, from zero to the same end as `x`, and its label.
+pub(super) fn chart_with_top<'a, 'b>(
+    area: &'a Area<'b>,
+    x: &Axis,
+    y: &Axis,
+    top: &Axis,
+    label: &str,
+) -> Result<Chart<'a, 'b>, DrawingAreaErrorKind<std::io::Error>> {
+    let chart = below(area, x, y, 150)?;
+    let text = ("sans-serif", FONT).into_font().color(&INK);
+    let centred = text.pos(Pos::new(HPos::Center, VPos::Bottom));
+    let place = |part: f64| chart.backend_coord(&(x.at(part), y.hi));
+    for (value, words) in &top.ticks {
+        let (across, down) = place(top.part(*value));
+        let tick = [(across, down), (across, down - 14)];
+        area.draw(&PathElement::new(tick, INK.stroke_width(3)))?;
+        let at = (across, down - 18);
+        area.draw(&Text::new(words.clone(), at, centred.clone()))?;
+    }
+    let ends = [place(0.0), place(1.0)];
+    area.draw(&PathElement::new(ends, INK.stroke_width(3)))?;
+    let at = ((ends[0].0 + ends[1].0) / 2, ends[0].1 - 74);
+    area.draw(&Text::new(label.to_owned(), at, centred))?;
+    Ok(chart)
+}
+
 /// A dashed vertical line over the whole height.
 pub(super) fn dashes(x: f64, y: &Axis) -> Vec<PathElement<(f64, f64)>> {
     let piece = (y.hi - y.lo) / 47.0;
@@ -235,43 +272,52 @@ pub(super) fn bar(x: f64, low: f64, high: f64, axis: &Axis) -> Vec<PathElement<(
     vec![line((x, low), (x, high)), across(low), across(high)]
 }
 
-/// Corners of the marker of a bed; none for a circle.
+/// Markers that differ from one another, each filled or hollow.
+pub(super) const SHAPES: usize = 8;
+
+/// Corners of a marker; none for a circle.
 fn corners(shape: usize) -> &'static [(i32, i32)] {
-    match shape % 4 {
+    match shape % SHAPES {
         0 => &[],
         1 => &[(-12, -12), (12, -12), (12, 12), (-12, 12)],
         2 => &[(0, -16), (15, 11), (-15, 11)],
-        _ => &[(0, -18), (15, 0), (0, 18), (-15, 0)],
+        3 => &[(0, -18), (15, 0), (0, 18), (-15, 0)],
+        4 => &[(0, 16), (15, -11), (-15, -11)],
+        5 => &[(-16, 0), (11, 15), (11, -15)],
+        6 => &[(16, 0), (-11, 15), (-11, -15)],
+        _ => &[(-14, -14), (14, -14), (-14, 14), (14, 14)],
     }
 }
 
-/// Every other four shapes are open.
-fn fill(shape: usize) -> RGBColor {
-    if (shape / 4).is_multiple_of(2) {
-        INK
-    } else {
-        WHITE
-    }
-}
-
-pub(super) fn draw_marker(chart: &mut Chart, at: (f64, f64), shape: usize) -> Drawn {
+/// Draws a marker, hollow where a point is less sure than the others.
+pub(super) fn draw_marker(chart: &mut Chart, at: (f64, f64), shape: usize, hollow: bool) -> Drawn {
     let corners = corners(shape);
+    let fill = if hollow { WHITE } else { INK };
     if corners.is_empty() {
-        chart.draw_series([Circle::new(at, 13, fill(shape).filled())])?;
+        chart.draw_series([Circle::new(at, 13, fill.filled())])?;
         chart.draw_series([Circle::new(at, 13, INK.stroke_width(5))])?;
         return Ok(());
     }
     let closed: Vec<_> = corners.iter().chain(&corners[..1]).copied().collect();
-    let inner = Polygon::new(corners, fill(shape).filled());
+    let inner = Polygon::new(corners, fill.filled());
     let outer = PathElement::new(closed, INK.stroke_width(5));
     chart.draw_series([EmptyElement::at(at) + inner + outer])?;
     Ok(())
 }
 
-/// The marker of a bed for the legend.
-pub(super) fn marker(shape: usize) -> String {
-    let RGBColor(r, g, b) = fill(shape);
-    let style = format!("fill=\"rgb({r},{g},{b})\" stroke=\"#161b22\" stroke-width=\"5\"");
+/// Draws a cross, for a second reading of a point.
+pub(super) fn draw_cross(chart: &mut Chart, at: (f64, f64)) -> Drawn {
+    for line in [vec![(-13, -13), (13, 13)], vec![(-13, 13), (13, -13)]] {
+        let line = PathElement::new(line, THIN.stroke_width(6));
+        chart.draw_series([EmptyElement::at(at) + line])?;
+    }
+    Ok(())
+}
+
+/// A marker for the legend.
+pub(super) fn marker(shape: usize, hollow: bool) -> String {
+    let fill = if hollow { "#fff" } else { "#161b22" };
+    let style = format!("fill=\"{fill}\" stroke=\"#161b22\" stroke-width=\"5\"");
     let corners = corners(shape);
     let points: Vec<String> = corners.iter().map(|(x, y)| format!("{x},{y}")).collect();
     let body = match corners.is_empty() {
@@ -280,6 +326,10 @@ pub(super) fn marker(shape: usize) -> String {
     };
     format!("<svg class=\"key\" viewBox=\"-22 -22 44 44\" aria-hidden=\"true\">{body}</svg>")
 }
+
+/// A cross for the legend.
+pub(super) const CROSS: &str = "<svg class=\"key\" viewBox=\"-22 -22 44 44\" aria-hidden=\"true\"><path \
+    d=\"M-13 -13L13 13M-13 13L13 -13\" stroke=\"#68778a\" stroke-width=\"6\"/></svg>";
 
 #[cfg(test)]
 mod tests {

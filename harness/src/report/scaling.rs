@@ -9,12 +9,12 @@ use crate::claims::{Group, Way, drag_slope, lift_coefficient, plateau};
 use crate::scenario::DRAG_COEFFICIENT;
 use crate::summary::Summary;
 
-/// Number of the marker of a way: filled with a pressure gradient, open without.
+/// Number of the marker of a way.
 pub(super) fn shape(way: Way) -> usize {
     match way {
         Way::Own => 0,
         Way::Lid => 1,
-        Way::LidAlone => 6,
+        Way::LidAlone => 4,
     }
 }
 
@@ -25,7 +25,13 @@ pub(super) fn legend(groups: &[Group]) -> String {
             .iter()
             .any(|g| g.points.iter().any(|p| p.way == *way))
     };
-    let key = |way: Way| format!("<span>{}{}</span>", marker(shape(way)), escape(way.name()));
+    let key = |way: Way| {
+        format!(
+            "<span>{}{}</span>",
+            marker(shape(way), false),
+            escape(way.name())
+        )
+    };
     let keys: String = Way::ALL.into_iter().filter(there).map(key).collect();
     format!("<p class=\"legend\">{keys}</p>\n")
 }
@@ -65,12 +71,13 @@ pub(super) fn section(summary: &Summary, groups: &[Group]) -> String {
     add(
         size_chart(groups),
         "C<sub>l</sub>, the lift over buoyancy with a pressure gradient, against the size of the \
-         cylinder. Filled: mean of a plateau; open: the deepest point, where there is no plateau. Bars: \
+         cylinder. Filled: mean of a plateau; hollow: the deepest point, where there is no plateau. Bars: \
          least and largest of the runs of these points."
             .to_owned(),
     );
     format!(
-        "<section>\n<h2>Drag and lift against depth</h2>\n{}<div class=\"grid\">\n{figures}</div>\n\
+        "<section>\n<h2>Drag and lift against depth</h2>\n{}<p>Hollow: a point of which a run&rsquo;s error did not \
+         converge.</p>\n<div class=\"grid\">\n{figures}</div>\n\
          </section>\n",
         legend(groups)
     )
@@ -98,7 +105,7 @@ fn slope_words(group: &Group) -> String {
             number_with_error(fit.slope, fit.error)
         )
     });
-    format!("{fit}Light line: C<sub>d</sub>&nbsp;=&nbsp;{DRAG_COEFFICIENT}, as in the paper.")
+    format!("{fit}Thin line: C<sub>d</sub>&nbsp;=&nbsp;{DRAG_COEFFICIENT}, as in the paper.")
 }
 
 fn drag_chart(group: &Group, summary: &Summary) -> Option<String> {
@@ -111,6 +118,7 @@ fn drag_chart(group: &Group, summary: &Summary) -> Option<String> {
         at: (p.pressure, p.drag.mean),
         bar: (p.drag.mean - p.drag.bar(), p.drag.mean + p.drag.bar()),
         shape: shape(p.way),
+        hollow: !p.converged[0],
     };
     let marks: Vec<Mark> = group.points.iter().map(mark).collect();
     let end = marks.iter().fold(0.0, |a: f64, m| a.max(m.at.0));
@@ -154,6 +162,7 @@ fn lift_chart(group: &Group) -> Option<String> {
         at: (over(p.effective_depth), p.lift.mean),
         bar: (p.lift.mean - p.lift.bar(), p.lift.mean + p.lift.bar()),
         shape: shape(p.way),
+        hollow: !p.converged[1],
     };
     let marks: Vec<Mark> = group.points.iter().map(mark).collect();
     let points = group.with_gradient(true);
@@ -191,8 +200,8 @@ fn size_chart(groups: &[Group]) -> Option<String> {
         .map(|c| Mark {
             at: (c.over_grain, c.mean),
             bar: (c.least, c.most),
-            // Open where there is no plateau.
-            shape: if c.saturated { 0 } else { 4 },
+            shape: 0,
+            hollow: !c.saturated,
         })
         .collect();
     scatter(

@@ -15,6 +15,8 @@ pub(super) struct Mark {
     pub bar: (f64, f64),
     /// Its marker.
     pub shape: usize,
+    /// Whether it is less sure than the others.
+    pub hollow: bool,
 }
 
 impl Mark {
@@ -24,6 +26,7 @@ impl Mark {
             at,
             bar: (at.1, at.1),
             shape,
+            hollow: false,
         }
     }
 }
@@ -122,7 +125,7 @@ pub(super) fn scatter(
             if low < high {
                 chart.draw_series(bar(mark.at.0, low, high, &x))?;
             }
-            draw_marker(&mut chart, mark.at, mark.shape)?;
+            draw_marker(&mut chart, mark.at, mark.shape, mark.hollow)?;
         }
         Ok(())
     }))
@@ -157,6 +160,7 @@ mod tests {
             at: (1.0, 2.0),
             bar: (-1.0, 3.0),
             shape: 0,
+            hollow: false,
         };
         let svg = draw(&[barred]).unwrap();
         assert!(!svg.contains("NaN") && !svg.contains("inf"));

@@ -1,10 +1,8 @@
 //! Tables of the page: every number of the beds and drags.
 
-use super::text::{count, digest, escape, exact, number_with_error, plus_minus, short, typeset};
+use super::text::{brief, count, escape, number_with_error, plus_minus, to_error, typeset};
 use crate::audit::EnergyRow;
 use crate::blocks::Mean;
-use crate::claims;
-use crate::plug::Plug;
 use crate::summary::{BedSummary, RunSummary};
 use crate::units::Units;
 
@@ -53,6 +51,22 @@ impl<'a, T> Table<'a, T> {
     }
 }
 
+/// A digest of which the first digits are shown, and all where it is opened.
+fn digest(hex: &str) -> String {
+    folded(hex, &escape(hex))
+}
+
+/// HTML that is shown where the first digits of a digest are opened.
+pub(super) fn folded(hex: &str, html: &str) -> String {
+    match hex.get(..8) {
+        Some(first) => format!(
+            "<details class=\"digest\"><summary><code>{}&hellip;</code></summary><code>{html}</code></details>",
+            escape(first)
+        ),
+        None => format!("<code>{html}</code>"),
+    }
+}
+
 pub(super) fn bed_table(beds: &[BedSummary], units: &Units) -> String {
     let mut t = Table::new("Beds", beds, |b| &b.name);
     let (length, force) = (&units.length, &units.force);
@@ -75,30 +89,30 @@ pub(super) fn bed_table(beds: &[BedSummary], units: &Units) -> String {
         "Free surface",
         length,
         "height, a median over columns",
-        |b| exact(b.surface),
+        |b| brief(b.surface),
     );
     t.row(
         "Depth",
         length,
         "of the intruder's centre below the surface",
-        |b| exact(b.depth),
+        |b| brief(b.depth),
     );
     let note = "from z = 1 d to 2 d below the surface";
-    t.row("Packing fraction", "", note, |b| exact(b.packing_fraction));
+    t.row("Packing fraction", "", note, |b| brief(b.packing_fraction));
     let note = "contacts of a free grain below the surface layer";
     t.row("Coordination number", "", note, |b| {
-        exact(b.coordination_number)
+        brief(b.coordination_number)
     });
     t.row("Deepest overlap", "", "over the mean diameter", |b| {
-        exact(b.overlap_max)
+        brief(b.overlap_max)
     });
     let note = "per free grain, over its weight times d";
     t.row("Kinetic energy", "", note, |b| {
-        exact(b.kinetic_energy_over_weight_d)
+        brief(b.kinetic_energy_over_weight_d)
     });
-    t.row("Weight", force, "of the free grains", |b| exact(b.weight));
+    t.row("Weight", force, "of the free grains", |b| brief(b.weight));
     let note = "upward force on the free grains; at rest their weight";
-    t.row("Support", force, note, |b| exact(b.support));
+    t.row("Support", force, note, |b| brief(b.support));
     t.row("Digest", "", "of the settled state", |b| digest(&b.digest));
     let note = "the last link of its chain of digests";
     t.row("Chain", "", note, |b| digest(&b.chain));
@@ -112,22 +126,22 @@ pub(super) fn run_table(runs: &[RunSummary], units: &Units) -> String {
     let flows = runs.iter().any(|r| r.flow.is_some());
     if !flows {
         t.row("Froude number", "", "2 V &radic;(2 D/g)/(D + d)", |r| {
-            exact(r.froude)
+            brief(r.froude)
         });
     }
     let note = match flows {
         true => "of base and bed past the intruder along x",
         false => "of the intruder along x",
     };
-    t.row("Speed V", &units.speed, note, |r| exact(r.speed));
+    t.row("Speed V", &units.speed, note, |r| brief(r.speed));
     t.row("Diameter D", length, "of the intruder", |r| {
-        exact(r.diameter)
+        brief(r.diameter)
     });
     t.row(
         "Depth",
         length,
         "of its centre below the free surface",
-        |r| exact(r.depth),
+        |r| brief(r.depth),
     );
     t.row("Drag", force, "force against the motion", |r| {
         plus_minus(r.drag)
@@ -153,34 +167,35 @@ pub(super) fn run_table(runs: &[RunSummary], units: &Units) -> String {
     );
     around_rows(&mut t, runs);
     t.row("Drag, uncut", force, "mean over all steps", |r| {
-        exact(r.drag_uncut)
+        to_error(r.drag_uncut, r.drag.standard_error)
     });
     let note = "drag over the weight of the bed above the intruder's lowest point";
     if !flows {
-        t.row("Plug ratio", "", note, |r| exact(r.plug_ratio));
+        t.row("Plug ratio", "", note, |r| brief(r.plug_ratio));
     }
     let note = "at any row, over the mean diameter";
-    t.row("Deepest overlap", "", note, |r| exact(r.overlap_max));
+    t.row("Deepest overlap", "", note, |r| brief(r.overlap_max));
     energy_rows(&mut t, runs, &units.energy);
-    t.row("Distance", length, "travelled", |r| exact(r.distance));
+    t.row("Distance", length, "travelled", |r| brief(r.distance));
     t.row("Steps", "", "of the drag", |r| count(r.steps));
     t.row(
         "Window start",
         length,
         "travel at which averaging began",
-        |r| exact(r.window_start),
+        |r| brief(r.window_start),
     );
     t.row(
         "Window end",
         length,
         "travel at which averaging ended",
-        |r| exact(r.window_end),
+        |r| brief(r.window_end),
     );
     t.row("Window steps", "", "averaged", |r| count(r.window_steps));
     t.row(
         "Blocks of the drag",
         "",
-        "that its error comes from: doubled in length until that changes it no more",
+        "that its error comes from: doubled in length until that changes it no more; not converged: the window is \
+         too short for that, or the force drifts",
         |r| blocks(&r.drag),
     );
     t.row("Digest", "", "of the final state", |r| digest(&r.digest));
@@ -249,7 +264,7 @@ fn blocks(mean: &Mean) -> String {
     let steps = count(mean.block_length);
     let short = match mean.converged {
         true => "",
-        false => "; longer ones were wanted: the window is short, or the force drifts",
+        false => "; not converged",
     };
     format!("{} of {steps} steps{short}", mean.blocks)
 }
@@ -275,31 +290,6 @@ fn digest_rows(t: &mut Table<RunSummary>, runs: &[RunSummary]) {
             },
         );
     }
-}
-
-/// A remark where a bed is not at rest, as one from a file may be, in words.
-pub(super) fn rest_remark(beds: &[BedSummary]) -> String {
-    let moving = |b: &&BedSummary| (b.support / b.weight - 1.0).abs() > 1e-3;
-    let remark = |b: &BedSummary| {
-        format!(
-            "<p class=\"remark\"><b>{} is not at rest.</b> Base, floor and intruder carry {} of its \
-             weight, and its kinetic energy per grain is {} of the weight times d: what is measured \
-             first is the bed as it comes to rest.</p>\n",
-            escape(&b.name),
-            short(b.support / b.weight),
-            short(b.kinetic_energy_over_weight_d)
-        )
-    };
-    beds.iter().filter(moving).map(remark).collect()
-}
-
-/// A remark where grains went deep into each other, in words.
-pub(super) fn overlap_remark(runs: &[RunSummary]) -> String {
-    let deepest = runs.iter().map(|r| r.overlap_max);
-    let deepest = deepest.fold(0.0, |a, b| if b > a { b } else { a });
-    claims::overlap_remark(deepest).map_or(String::new(), |text| {
-        format!("<p class=\"remark\"><b>Soft contacts.</b> {text}</p>\n")
-    })
 }
 
 /// Rows of where the energy of each drag went.
@@ -336,7 +326,7 @@ fn energy_rows(t: &mut Table<RunSummary>, runs: &[RunSummary], unit: &str) {
         return;
     }
     let cell = |r: &RunSummary, of: &dyn Fn(&EnergyRow) -> f64| {
-        r.energy.as_ref().map_or("none".into(), |e| exact(of(e)))
+        r.energy.as_ref().map_or("none".into(), |e| brief(of(e)))
     };
     for (name, note, of) in terms {
         t.row(name, unit, note, |r| cell(r, &of));
@@ -346,46 +336,4 @@ fn energy_rows(t: &mut Table<RunSummary>, runs: &[RunSummary], unit: &str) {
     t.row("Energy unaccounted for", "", note, |r| {
         cell(r, &EnergyRow::closure)
     });
-}
-
-/// A remark where the drag is more of the weight above than friction holds, in words.
-pub(super) fn plug_remark(runs: &[RunSummary]) -> String {
-    let moved = runs
-        .iter()
-        .filter(|r| matches!(r.plug, Plug::Drifts | Plug::Slides));
-    let Some(most) = moved.max_by(|a, b| a.plug_ratio.total_cmp(&b.plug_ratio)) else {
-        return String::new();
-    };
-    let what = match most.plug {
-        Plug::Slides => {
-            "slides along, and the drag is the box&rsquo;s as much as the intruder&rsquo;s"
-        }
-        _ => "drifts along by up to a fifth of the speed, and the drag may be too small",
-    };
-    format!(
-        "<p class=\"remark\"><b>Plug ratio.</b> The drag reaches {} of the weight of the bed above \
-         the intruder. In a periodic box nothing but friction holds that part of the bed back: at this \
-         ratio and friction it {what}. A wider box lowers the ratio; for numbers to quote, see that a \
-         wider box gives the same drag.</p>\n",
-        short(most.plug_ratio)
-    )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::tests::run;
-    use super::*;
-
-    #[test]
-    fn a_drag_that_moves_the_layers_above_is_remarked_on() {
-        let remark = |plug| {
-            let mut run = run(1.5);
-            run.plug_ratio = 0.2;
-            run.plug = plug;
-            plug_remark(&[run])
-        };
-        assert_eq!(remark(Plug::Sound), "");
-        assert!(remark(Plug::Drifts).contains("The drag reaches 0.2 of the weight"));
-        assert!(remark(Plug::Slides).contains("slides along"));
-    }
 }

@@ -115,7 +115,47 @@ fn picture(x: f64) -> BedPicture {
         surface: x,
         grains: vec![grain(0.5), grain(1.5), grain(x)],
         intruder: ([5.0, 3.0, 4.0], 1.0),
+        endless: false,
         moves: Moves::Intruder,
+    }
+}
+
+/// Three frames of one grain.
+fn film(x: f64) -> Film {
+    let frame = |step: u64| crate::frames::Frame {
+        step,
+        travel: step as f64,
+        cuts: vec![crate::frames::Slice {
+            x,
+            z: 0.5,
+            radius: 0.4,
+            u: 0.1,
+            w: 0.1,
+            speed: 0.2,
+            role: Role::Free,
+        }],
+    };
+    Film {
+        run: "fr".into(),
+        radius: 1.0,
+        floor: 4.0,
+        moves: Moves::Intruder,
+        frames: (1..4).map(frame).collect(),
+    }
+}
+
+fn drawn<'a>(
+    series: &'a [Vec<SeriesRow>],
+    beds: &'a [BedPicture],
+    flows: &'a [FlowPicture],
+    films: &'a [Film],
+) -> Drawings<'a> {
+    Drawings {
+        series,
+        beds,
+        flows,
+        films,
+        ..Drawings::default()
     }
 }
 
@@ -134,6 +174,7 @@ fn flow(x: f64) -> FlowPicture {
         lo: [0.0; 3],
         hi: [10.0; 3],
         intruder: ([5.0, 3.0, 4.0], 1.0),
+        reach: 7.0,
         moves: Moves::Intruder,
         grains: vec![grain(0.5), grain(1.5), grain(x)],
     }
@@ -145,9 +186,7 @@ fn the_same_input_gives_the_same_bytes() {
         page(
             &summary(0.5),
             "a = 1",
-            &series(0.1),
-            &[picture(5.0)],
-            &[flow(5.0)],
+            &drawn(&series(0.1), &[picture(5.0)], &[flow(5.0)], &[film(1.0)]),
         )
     };
     assert_eq!(make(), make());
@@ -158,19 +197,32 @@ fn the_page_is_self_contained_small_and_complete() {
     let text = page(
         &summary(0.5),
         "a = 1",
-        &series(0.1),
-        &[picture(5.0)],
-        &[flow(5.0)],
+        &drawn(&series(0.1), &[picture(5.0)], &[flow(5.0)], &[film(1.0)]),
     );
-    assert!(!text.contains("http") && !text.contains("<script") && !text.contains("src="));
+    assert!(!text.contains("http") && !text.contains("src=") && !text.contains("import"));
+    assert_eq!(text.matches("<figure class=\"played").count(), 2);
     assert!(text.len() < 200_000, "{}", text.len());
     let parts = ["0123abcd", "89ef", "4567", "1.2.3", "value=\"12345\""];
     assert!(parts.iter().all(|part| text.contains(part)));
 }
 
+/// A page that has nothing to play but its bed has the script too.
+#[test]
+fn what_can_be_played_has_its_script() {
+    let plays = |beds: &[BedPicture]| {
+        let page = page(&summary(0.5), "a = 1", &drawn(&[], beds, &[], &[]));
+        (
+            page.contains("<figure class=\"played"),
+            page.contains("\"use strict\""),
+        )
+    };
+    assert_eq!(plays(&[picture(5.0)]), (true, true));
+    assert_eq!(plays(&[]), (false, false));
+}
+
 #[test]
 fn nothing_in_the_text_is_taken_for_html() {
-    let text = page(&summary(0.5), "x = \"<script>&\"", &[], &[], &[]);
+    let text = page(&summary(0.5), "x = \"<script>&\"", &Drawings::default());
     assert!(text.contains("x = &quot;&lt;script&gt;&amp;&quot;"));
     assert!(text.contains("a &lt;b&gt; &amp; c") && !text.contains("a <b>"));
 }
@@ -178,7 +230,11 @@ fn nothing_in_the_text_is_taken_for_html() {
 #[test]
 fn what_is_no_number_is_a_dash() {
     for x in [f64::NAN, f64::INFINITY, -0.0, 1e-300, 1e300] {
-        let text = page(&summary(x), "", &series(x), &[picture(x)], &[flow(x)]);
+        let text = page(
+            &summary(x),
+            "",
+            &drawn(&series(x), &[picture(x)], &[flow(x)], &[film(x)]),
+        );
         assert!(
             !text.contains("NaN") && !text.contains("inf"),
             "{x}: {text}"
@@ -189,21 +245,21 @@ fn what_is_no_number_is_a_dash() {
 #[test]
 fn a_page_of_nothing_is_a_page() {
     let mut empty = summary(1.0);
-    page(&empty, "", &[], &[], &[]);
+    page(&empty, "", &Drawings::default());
     empty.runs.clear();
-    page(&empty, "", &[], &[], &[]);
+    page(&empty, "", &Drawings::default());
     empty.beds.clear();
-    assert!(page(&empty, "", &[], &[], &[]).ends_with("</html>\n"));
+    assert!(page(&empty, "", &Drawings::default()).ends_with("</html>\n"));
 }
 
 #[test]
 fn runs_without_a_picture_of_their_grains_are_named() {
     let mut two = summary(0.5);
     two.runs[1].name = "other".into();
-    let text = page(&two, "", &[], &[], &[flow(5.0)]);
+    let text = page(&two, "", &drawn(&[], &[], &[flow(5.0)], &[]));
     assert_eq!(text.matches("class=\"flow\"").count(), 1);
     assert!(text.contains("No picture of other."));
-    assert!(page(&two, "", &[], &[], &[]).contains("No run has a picture of its grains."));
+    assert!(page(&two, "", &Drawings::default()).contains("No run has a picture of its grains."));
 }
 
 /// A page of flowing beds as [`crate::claims`] makes them up, with one picture of each kind.
@@ -233,11 +289,10 @@ fn flowing(change: impl Fn(&mut Summary)) -> String {
     flowing_page(
         &whole,
         &text,
-        &series(0.1),
-        &[picture],
-        &[flow],
-        &[course],
-        &[],
+        &Drawings {
+            courses: &[course],
+            ..drawn(&series(0.1), &[picture], &[flow], &[])
+        },
     )
 }
 
@@ -246,7 +301,7 @@ fn a_flowing_bed_has_a_page_of_its_own() {
     let page = flowing(|_| ());
     let parts = [
         "Drag and lift on a cylinder in a flowing bed",
-        "<h2>Beside the paper</h2>",
+        ">Beside the paper</h2>",
         "C<sub>d</sub>&nbsp;=&nbsp;10",
         "<b>agrees</b>",
         "86162",
@@ -263,9 +318,9 @@ fn a_flowing_bed_has_a_page_of_its_own() {
         "of a sphere",
         "NaN",
         "http",
-        "class=\"remark\"",
+        "did not converge.</b>",
     ] {
-        let inputs = page.find("<h2>Inputs").unwrap();
+        let inputs = page.find("id=\"inputs\"").unwrap();
         assert!(!page[..inputs].contains(part), "{part}");
     }
     assert_eq!(page, flowing(|_| ()));
@@ -288,7 +343,7 @@ fn what_spoils_a_flowing_bed_is_remarked_on() {
 
 #[test]
 fn a_flowing_page_of_nothing_is_a_page() {
-    let page = |whole: &Summary| flowing_page(whole, "", &[], &[], &[], &[], &[]);
+    let page = |whole: &Summary| flowing_page(whole, "", &Drawings::default());
     let mut whole = crate::claims::synthetic::summary(&Default::default());
     assert!(page(&whole).contains("No series of the flow."));
     for run in &mut whole.runs {

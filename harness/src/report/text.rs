@@ -80,6 +80,27 @@ pub(super) fn exact(x: f64) -> String {
     }
 }
 
+/// Four digits to read, all of them in the markup.
+pub(super) fn brief(x: f64) -> String {
+    match x.is_finite() {
+        true => format!("<data value=\"{x:?}\" title=\"{x:?}\">{}</data>", short(x)),
+        false => short(x),
+    }
+}
+
+/// A number to the second digit of an error that is not its own, all digits in the markup.
+pub(super) fn to_error(x: f64, error: f64) -> String {
+    if !x.is_finite() || !error.is_finite() || error <= 0.0 {
+        return brief(x);
+    }
+    let whole = number_with_error(x, error);
+    let text = match (whole.split_once('\u{a0}'), whole.starts_with('(')) {
+        (Some((text, _)), false) => text.to_owned(),
+        _ => short(x),
+    };
+    format!("<data value=\"{x:?}\" title=\"{x:?}\">{text}</data>")
+}
+
 /// A whole number in groups of three.
 pub(super) fn count(n: u64) -> String {
     let digits = n.to_string();
@@ -133,10 +154,6 @@ pub(crate) fn number_with_error(mean: f64, error: f64) -> String {
         false => text,
     };
     text.replace('-', "\u{2212}")
-}
-
-pub(super) fn digest(hex: &str) -> String {
-    format!("<code class=\"digest\">{}</code>", escape(hex))
 }
 
 #[cfg(test)]

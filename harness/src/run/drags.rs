@@ -4,6 +4,7 @@ use std::path::Path;
 
 use bitgrain_kernel::{BITS_VERSION, Pushed};
 
+use super::film::Frames;
 use super::saving::{SaveEvery, Saver};
 use super::summarise::summarise;
 use super::{StagePerformance, json_text, timed};
@@ -44,6 +45,7 @@ pub(super) fn drag_one(
     drag: DragPlan<'_>,
     ledger: &Ledger,
     save: SaveEvery,
+    frames: bool,
     progress: &Progress,
 ) -> Result<(RunSummary, StagePerformance)> {
     let DragPlan {
@@ -70,6 +72,7 @@ pub(super) fn drag_one(
         drag,
         ledger,
         saver: Saver::new(ledger, save, folder.latest(&plan.name), began),
+        frames: Frames::go_on(drag, frames, &mut dragging),
     };
     let went = dragging.go_on(&mut sim, scenario, plan, &stage, &mut files);
     if let Err(error @ Error::Contract { .. }) = went {
@@ -88,7 +91,9 @@ pub(super) fn drag_one(
         let _ = ledger.write(&folder.chain(&plan.name), chain.as_bytes());
         let _ = ledger.save();
         if matches!(error, Error::Interrupted { .. }) {
-            files.saver.save(&mut sim, &dragging.note())?;
+            files
+                .saver
+                .save(&mut sim, &files.frames.note(dragging.note()))?;
         }
         return Err(error.saved());
     }
@@ -193,8 +198,26 @@ impl DragPlan<'_> {
         let snapshots = self.plan.snapshots.iter().filter(|n| **n <= step);
         let kept = self.plan.checkpoints.iter().filter(|n| **n <= step);
         let mut shown = snapshots.flat_map(|&n| self.snapshot(n));
-        let mut kept = kept.map(|&n| self.folder.checkpoint(&self.plan.name, n));
-        shown.all(|path| ledger.vouches(&path)) && kept.all(|path| ledger.vouches(&path))
+        let mut kept = kept.map(|&n| {
+            let name = &self.plan.name;
+            (self.folder.checkpoint(name, n), self.folder.frames(name, n))
+        });
+        // There may be no frames: they are there to look at, and not all runs have them.
+        shown.all(|path| ledger.vouches(&path))
+            && kept.all(|(state, frames)| {
+                ledger.vouches(&state) && (!ledger.lists(&frames) || ledger.vouches(&frames))
+            })
+    }
+
+    /// Whether a snapshot is taken after this step.
+    pub fn shows(&self, step: u64) -> bool {
+        // They ascend, and there may be thousands.
+        self.plan.snapshots.binary_search(&step).is_ok()
+    }
+
+    /// Whether the state after this step is a frame of its moving picture.
+    pub fn films(&self, step: u64) -> bool {
+        self.plan.frames.binary_search(&step).is_ok()
     }
 
     /// The files of a snapshot.
@@ -242,15 +265,21 @@ struct Files<'a> {
     drag: DragPlan<'a>,
     ledger: &'a Ledger,
     saver: Saver<'a>,
+    frames: Frames,
 }
 
 impl Witness for Files<'_> {
     fn looks_at(&self, step: u64) -> bool {
-        // They ascend, and there may be thousands.
-        self.drag.plan.snapshots.binary_search(&step).is_ok()
+        self.drag.shows(step) || self.frames.wants(self.drag, step)
     }
 
     fn look(&mut self, step: u64, sim: &mut Sim, contacts: &[Pushed<f64>]) -> Result<()> {
+        if self.frames.wants(self.drag, step) {
+            self.frames.add(self.drag, step, sim);
+        }
+        if !self.drag.shows(step) {
+            return Ok(());
+        }
         for (path, bytes) in self.drag.snapshot_files(step, sim, contacts)? {
             self.ledger.write(&path, &bytes)?;
         }
@@ -259,7 +288,12 @@ impl Witness for Files<'_> {
 
     fn pause(&mut self, step: u64, sim: &mut Sim, note: &dyn Fn() -> Note) -> Result<()> {
         if self.drag.plan.checkpoints.binary_search(&step).is_err() {
-            return self.saver.pause(step, sim, note);
+            let frames = &self.frames;
+            return self.saver.pause(step, sim, &|| frames.note(note()));
+        }
+        if let Some(text) = self.frames.take() {
+            let path = self.drag.folder.frames(&self.drag.plan.name, step);
+            self.ledger.write(&path, text.as_bytes())?;
         }
         let path = self.drag.folder.checkpoint(&self.drag.plan.name, step);
         self.ledger.write(&path, &checkpoint::pack(sim, &note())?)?;
@@ -349,7 +383,7 @@ fn tell(scenario: &Scenario, run: &RunSummary, how: &str, seconds: f64, progress
             run.plug_ratio,
             run.drift.map(|drift| drift.mean),
         );
-        progress.warn(&format!(
+        progress.line(&format!(
             "{}: {found}: the bed slides along, and the drag is the box's as much as the intruder's; make bed.box \
              wider",
             run.name

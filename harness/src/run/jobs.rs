@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
 use crate::error::Result;
-use crate::threads::{no_threads, on_threads};
+use crate::threads::{ThreadsError, on_threads};
 
 /// Does `count` jobs, the longest first, at most `most` at a time, and returns their results in order.
 ///
@@ -45,7 +45,7 @@ pub(crate) fn side_by_side<T: Send>(
         let mut outcome = Ok(());
         for handle in started {
             let ended = handle
-                .map_err(|e| no_threads(threads, &e))
+                .map_err(|e| ThreadsError::start(threads, &e).into())
                 .and_then(|handle| {
                     handle
                         .join()

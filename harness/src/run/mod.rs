@@ -4,6 +4,7 @@
 mod beds;
 mod claim;
 mod drags;
+mod film;
 mod jobs;
 mod saving;
 mod summarise;
@@ -71,6 +72,8 @@ pub struct Setting<'a> {
     pub threads: usize,
     /// How often a stage under way is saved.
     pub save: SaveEvery,
+    /// Whether frames of the drags are written, for a moving picture.
+    pub frames: bool,
     /// Names of the drags to do, with their beds; all where there is none.
     pub only: &'a [String],
     /// Bars, lines and the wish to stop.
@@ -94,14 +97,24 @@ pub fn run(
         library,
         threads,
         save: SaveEvery::default(),
+        frames: true,
         only: &[],
         progress,
     })
-    .map(|report| report.expect("all drags were wanted"))
+    .map(|done| done.expect("all drags were wanted").report)
 }
 
-/// Runs a scenario into its folder, or what is left of it, and returns the path of its report; `None` where only
-/// some of its drags were wanted, and summary and report are left to the others.
+/// What came of a run whose drags are all done.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Done {
+    /// Its report.
+    pub report: PathBuf,
+    /// Whether a step was executed: else all of it was there already.
+    pub executed: bool,
+}
+
+/// Runs a scenario into its folder, or what is left of it, and says where its report is; `None` where only some of
+/// its drags were wanted, and summary and report are left to the others.
 ///
 /// Beds come from the library or are poured and kept there, side by side and then the drags, on so many
 /// threads, several for each where there are fewer of them. Each goes on from where it was saved.
@@ -109,7 +122,7 @@ pub fn run(
 ///
 /// # Errors
 /// The first stage that went wrong, in the order of the scenario; what the others wrote stays.
-pub fn run_in(setting: Setting<'_>) -> Result<Option<PathBuf>> {
+pub fn run_in(setting: Setting<'_>) -> Result<Option<Done>> {
     let Setting {
         scenario,
         folder,
@@ -160,6 +173,7 @@ pub fn run_in(setting: Setting<'_>) -> Result<Option<PathBuf>> {
     if whole {
         conclude(folder, ledger, scenario, beds, runs)?;
     }
+    let executed = stages.iter().any(|stage| stage.steps > 0);
     let performance = Performance {
         bits_version: BITS_VERSION,
         threads,
@@ -168,7 +182,8 @@ pub fn run_in(setting: Setting<'_>) -> Result<Option<PathBuf>> {
     };
     let path = folder.performance();
     write_whole(&path, json_text(&path, &performance)?.as_bytes())?;
-    Ok(whole.then(|| folder.report()))
+    let report = folder.report();
+    Ok(whole.then_some(Done { report, executed }))
 }
 
 /// Refuses a library of beds that would lie among the run's own beds.
@@ -283,7 +298,7 @@ pub fn drag(
         plan,
         bed,
     };
-    drag_one(drag, ledger, setting.save, setting.progress)
+    drag_one(drag, ledger, setting.save, setting.frames, setting.progress)
 }
 
 /// Writes the summary and the report of a run whose stages are all done, and returns the closing hash of its

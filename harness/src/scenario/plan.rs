@@ -59,6 +59,10 @@ pub struct RunPlan {
     pub snapshots: Vec<u64>,
     /// Steps after which a checkpoint is kept, ascending; the last is the last step.
     pub checkpoints: Vec<u64>,
+    /// Steps of its frames, ascending: of a moving picture, or the panel's alone.
+    pub frames: Vec<u64>,
+    /// Step of the frame at the travel at which all drags of the scenario are compared.
+    pub panel: u64,
 }
 
 impl RunPlan {
@@ -76,11 +80,16 @@ impl RunPlan {
     }
 }
 
+/// Frames of a drag, and the most travel from one to the next in mean diameters: what moves further jumps.
+const FRAMES: u64 = 60;
+const FRAME: f64 = 0.25;
+
 /// The last of `steps` steps and others before it, so many in all, evenly spaced.
 fn evenly(steps: u64, count: u64) -> Vec<u64> {
     let share = |k: u64| (u128::from(steps) * u128::from(k)).div_ceil(count.into());
     let mut chosen: Vec<u64> = (1..=count).map(|k| share(k) as u64).collect();
     chosen.dedup();
+    chosen.retain(|step| *step > 0);
     chosen
 }
 
@@ -319,10 +328,32 @@ impl Scenario {
                     snapshots: evenly(steps, self.measure.snapshots),
                     checkpoints: evenly(steps, self.measure.checkpoints),
                     discard: self.drag.discard.unwrap_or(default),
+                    frames: Vec::new(),
+                    panel: 0,
                 });
             }
         }
+        self.plan_frames(&mut runs);
         runs
+    }
+
+    /// Where frames are taken: of each drag at one travel, and of the first, the middle and the last, which
+    /// show the range, many of a travel that a moving picture can show.
+    fn plan_frames(&self, runs: &mut [RunPlan]) {
+        let most = FRAMES as f64 * FRAME * self.mean_diameter();
+        let common = runs.iter().map(|run| 0.5 * run.distance);
+        let common = common.fold(most, f64::min);
+        let last = runs.len().saturating_sub(1);
+        for (k, run) in runs.iter_mut().enumerate() {
+            let step = |travel: f64| (run.steps as f64 * (travel / run.distance).min(1.0)) as u64;
+            run.panel = step(common).max(1);
+            if [0, last / 2, last].contains(&k) {
+                run.frames = evenly(step(most), FRAMES);
+            }
+            if let Err(place) = run.frames.binary_search(&run.panel) {
+                run.frames.insert(place, run.panel);
+            }
+        }
     }
 
     /// Travel left out of the averages where the scenario does not say: the larger of D and a tenth

@@ -3,7 +3,7 @@
 use super::{Cause, Problems};
 use crate::checkpoint;
 use crate::disk;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::manifest::{Manifest, NAME};
 use crate::rerun::{Part, Past};
 use crate::run;
@@ -22,7 +22,7 @@ pub(crate) fn check_ends(
     let mut wrong = |problem: String| {
         say(&problem)?;
         problems.add(Cause::Changed, problem);
-        Ok(())
+        Ok::<_, Error>(())
     };
     for stage in manifest.map_or(&[][..], |manifest| &manifest.stages) {
         let Ok(part) = past.part(&stage.name) else {

@@ -1,10 +1,15 @@
 //! Runs the reference worlds on other machines, in emulators, and compares every bit with the golden text.
 
+// Its tests use the rest.
+#[allow(dead_code)]
+#[path = "../../machines/mod.rs"]
+mod machines;
+
 use std::process::ExitCode;
 
 use bitgrain_tests::golden;
-use bitgrain_tests::targets::list::{TARGETS, Target, find};
-use bitgrain_tests::targets::{check, firmware, machine, report};
+use machines::list::{TARGETS, Target, find};
+use machines::{check, firmware, machine, report};
 
 const HELP: &str = "\
 Builds the reference worlds for other machines, runs them and compares every bit with

@@ -9,7 +9,7 @@ use bitgrain::campaign::table::{Table, of_run};
 use bitgrain::campaign::{plan, written};
 use bitgrain::claims::book::{self, Book};
 use bitgrain::claims::evidence::Evidence;
-use bitgrain::report;
+use bitgrain::report::{self, Drawings};
 use bitgrain::series::SeriesRow;
 use bitgrain::summary::{RunRecord, Summary, parse_record, parse_summary};
 use serde_json::Value;
@@ -92,9 +92,14 @@ fn told(read: Summary, text: &str) -> bool {
     let page = match read.runs.iter().any(|run| run.flow.is_some()) {
         true => {
             let courses = vec![report::Course::default(); runs];
-            report::flowing_page(&read, text, &none, &[], &[], &courses, &[])
+            let drawings = Drawings {
+                series: &none,
+                courses: &courses,
+                ..Drawings::default()
+            };
+            report::flowing_page(&read, text, &drawings)
         }
-        false => report::page(&read, text, &none, &[], &[]),
+        false => report::page(&read, text, &Drawings::default()),
     };
     assert!(!page.contains("<script>alert"), "what is read is no markup");
     let evidence = Evidence {

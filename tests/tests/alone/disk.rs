@@ -186,6 +186,7 @@ impl Work for Run {
             library: &library,
             threads: 1,
             save: SaveEvery::Steps(900),
+            frames: true,
             only: &[],
             progress: &Progress::new(false),
         };

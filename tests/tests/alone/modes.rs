@@ -164,6 +164,7 @@ fn a_run_under_a_mode_writes_nothing_and_goes_on_after_it() {
             library: &bitgrain::bed::library::Library::new(room.join("beds")),
             threads: 1,
             save: run::SaveEvery::Steps(900),
+            frames: true,
             only: &[],
             progress: &Progress::new(false),
         };

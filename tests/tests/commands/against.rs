@@ -1,20 +1,12 @@
 //! A run is held against another one, and what newcomers ask the command for first.
 
 use std::process::Command;
-use std::sync::LazyLock;
 
 use bitgrain::manifest::Manifest;
 use bitgrain_tests::wee::{Room, copy_all};
 use bitgrain_tests::{output, root};
 
-const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
-
-/// A finished run, and its bed.
-static FURNISHED: LazyLock<Room> = LazyLock::new(|| {
-    let room = Room::new(PROGRAM);
-    room.done("run wee.toml --out run");
-    room
-});
+use crate::{FURNISHED, PROGRAM};
 
 /// Status 0 only where every link is the same; else the first step, body and number, in words and in a file.
 #[test]
@@ -36,6 +28,9 @@ fn a_run_is_held_against_another() {
     }
     assert!(!room.path("new/difference.json").exists());
 
+    let told = room.done("run wee.toml --out new --against run");
+    assert!(told.contains("nothing was executed"), "{told}");
+
     // Half a unit in the last place of a friction coefficient.
     let changed = "run wee.toml --out other --set law.mu=0.50000000000000011";
     let told = room.says(&format!("{changed} --against run"), 3);
@@ -56,6 +51,43 @@ fn a_run_is_held_against_another() {
     assert!(told.contains("run-2: different"), "{told}");
     let told = room.says(&format!("{changed} --against {}", manifest.closing), 3);
     assert!(told.contains("neither its closing hash"), "{told}");
+
+    // A chain that parts in a drag: the state before it is kept, and leads there.
+    let text = String::from_utf8(room.read(chain)).unwrap();
+    let last = text.lines().last().unwrap();
+    room.write(
+        "short.csv",
+        text.strip_suffix(&format!("{last}\n")).unwrap(),
+    );
+    let told = room.says("run wee.toml --out new --against short.csv", 3);
+    assert!(told.contains("difference.safetensors"), "{told}");
+    let found: serde_json::Value =
+        serde_json::from_slice(&room.read("new/difference.json")).unwrap();
+    assert_eq!(found["state"], "difference.safetensors");
+    let again = found["replay"].as_str().unwrap();
+    let again = again.strip_prefix("bitgrain ").unwrap();
+    let told = room.done(&again.replace("difference.safetensors", "new/difference.safetensors"));
+    let sample: serde_json::Value = serde_json::from_str(told.lines().last().unwrap()).unwrap();
+    let steps = found["differ"].as_u64().unwrap() - found["equal"].as_u64().unwrap();
+    assert_eq!(sample["step"], steps);
+    let whole = room.done(&format!(
+        "replay new --stage run-2 --from {} --steps 0",
+        found["differ"]
+    ));
+    let whole: serde_json::Value = serde_json::from_str(&whole).unwrap();
+    assert_eq!(sample["digest"], whole["digest"]);
+    room.done("run wee.toml --out new --against run");
+    assert!(!room.path("new/difference.safetensors").exists());
+
+    // A drag that only one of them has is a difference.
+    room.done("run wee.toml --out fewer --set intruder.speed=0.6");
+    for (scenario, other) in [("", "fewer"), (" --set intruder.speed=0.6", "run")] {
+        let told = room.says(
+            &format!("run wee.toml --out one-{other}{scenario} --against {other}"),
+            3,
+        );
+        assert!(told.contains("run-2: different at step"), "{told}");
+    }
 
     // A word that is nothing is refused before any work.
     let told = room.says("run wee.toml --out none --against nothing", 2);
@@ -85,9 +117,15 @@ fn the_regression_example_holds_and_finds_a_bit() {
         out.status.success() && told.contains("links are those of pinned.chain.csv"),
         "{told}"
     );
+    // What was computed before proves nothing of a program built since.
+    let again = check(&[]);
+    let told = String::from_utf8_lossy(&again.stdout);
+    assert!(
+        again.status.success() && !told.contains("nothing was executed"),
+        "{told}"
+    );
     let out = check(&["--set", "law.mu=0.50000000000000011", "--out", "changed"]);
     assert_eq!(out.status.code(), Some(2), "--out is given twice");
-    std::fs::remove_dir_all(folder.path().join("out")).unwrap();
     let out = check(&["--set", "law.mu=0.50000000000000011"]);
     assert_eq!(out.status.code(), Some(3));
     assert!(folder.path().join("out/difference.json").exists());

@@ -1,25 +1,16 @@
 //! Where two runs, or two builds, part.
 
 use std::path::Path;
-use std::sync::LazyLock;
 
 use bitgrain::checkpoint;
 use bitgrain::manifest::Of;
+use bitgrain_tests::HALF;
 use bitgrain_tests::wee::forge_manifest;
-use bitgrain_tests::{HALF, copied};
 
-const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
+use crate::{PROGRAM, RUN, copy};
 
 fn printed(folder: &Path, args: &[&str], status: i32) -> String {
     bitgrain_tests::printed(PROGRAM, folder, args, status)
-}
-
-/// A run to look at.
-static RUN: LazyLock<tempfile::TempDir> = LazyLock::new(|| bitgrain_tests::made_run(PROGRAM));
-
-/// A copy of it, to be changed.
-fn copy() -> tempfile::TempDir {
-    copied(RUN.path())
 }
 
 /// Two runs that differ in one coefficient part where a contact first slides; the same run does not part.

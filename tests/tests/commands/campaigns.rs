@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use bitgrain_tests::{CAMPAIGN, CampaignDesk, golden, output, results, told};
 
-const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
+use crate::PROGRAM;
 
 /// Campaigns that are refused before anything is begun, by what is wrong with them.
 fn wrong() -> Vec<(&'static str, String)> {

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use bitgrain_tests::{SMALL, copied, golden, made_run, output};
 
-const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
+use crate::PROGRAM;
 
 /// Runs a line of a shell, in which `$0` is the program.
 fn shell(folder: &Path, line: &str) -> Output {

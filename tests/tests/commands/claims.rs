@@ -6,7 +6,7 @@ use bitgrain::claims::evidence::{DIRECT, Evidence, record_direct};
 use bitgrain::disk::write_whole;
 use bitgrain_tests::{golden, printed};
 
-const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
+use crate::PROGRAM;
 
 /// Goldens that the book's measurements come from.
 const GOLDENS: [&str; 4] = [
@@ -83,12 +83,18 @@ fn every_claim_can_be_checked() {
     }
 }
 
-/// The command prints each claim once, with its verdict.
+/// The command prints each claim once, with its verdict: in a line, or in full.
 #[test]
 fn the_command_prints_the_book() {
     let folder = tempfile::tempdir().unwrap();
-    let text = printed(PROGRAM, folder.path(), &["claims"], 0);
     let (book, _) = book();
+    let short = printed(PROGRAM, folder.path(), &["claims"], 0);
+    for (line, claim) in short.lines().skip(1).zip(&book.claim) {
+        let begin = format!("{:<13} {} ", claim.verdict().words(), claim.id);
+        assert!(line.starts_with(&begin), "{line}");
+        assert!(line.contains(&claim.expected()), "{line}");
+    }
+    let text = printed(PROGRAM, folder.path(), &["claims", "--full"], 0);
     assert_eq!(text, table(&book));
     for claim in &book.claim {
         assert_eq!(text.matches(&claim.statement).count(), 1, "{}", claim.id);

@@ -11,11 +11,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use bitgrain_tests::damage::{CAMPAIGN, DAMAGES, Damage, Kind, RUN, kind, spoil};
 use bitgrain_tests::wee::Room;
 
-const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
-
 /// A finished run, another one, a finished campaign and their library, to be copied.
 static FURNISHED: LazyLock<Room> = LazyLock::new(|| {
-    let room = Room::furnished(PROGRAM);
+    let room = crate::FURNISHED.copy();
     room.done("run wee.toml --out other --beds other-beds --set seed=2");
     room.write("others/canary.txt", "mine");
     room

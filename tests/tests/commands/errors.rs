@@ -10,7 +10,7 @@ use std::process::{Command, Output, Stdio};
 
 use bitgrain_tests::{RIG, SMALL, golden, output, small_from_file, told};
 
-const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
+use crate::PROGRAM;
 
 /// A folder with a sound scenario and bed, and the table as it grows.
 struct Desk {

@@ -14,7 +14,7 @@ use bitgrain_tests::wee::forge_manifest;
 use bitgrain_tests::{CAMPAIGN, golden, output, root, small_from_file};
 use serde_json::{Value, json};
 
-const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
+use crate::PROGRAM;
 
 /// Most memory of a command that reads one of them, in KiB.
 const MEMORY: u64 = 2_000_000;

@@ -1,15 +1,10 @@
 //! Who changes results and makes their manifest again is found by execution, and each refusal says what to do.
 
 use std::path::Path;
-use std::sync::LazyLock;
 
 use bitgrain::manifest::{Entry, Manifest};
-use bitgrain_tests::wee::Room;
 
-const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
-
-/// A finished run, a finished campaign and their library, to be copied.
-static FURNISHED: LazyLock<Room> = LazyLock::new(|| Room::furnished(PROGRAM));
+use crate::FURNISHED;
 
 /// Makes a manifest fit what lies in its folder, closing hash and all, and says no more of what is finished.
 fn remake_manifest(root: &Path) {
@@ -98,6 +93,26 @@ fn what_a_finished_run_must_have_is_missed() {
         let told = room.says(&verify, 3);
         assert!(told.contains("summary.json: not what"), "{told}");
     }
+}
+
+/// Frames may be missing, as of a run that was made without; those that are there are what the run gives.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn forged_frames_are_found() {
+    let name = "run/runs/run-2/frames/000000000695.csv";
+    let room = FURNISHED.copy();
+    let text = String::from_utf8(room.read(name)).unwrap();
+    room.write(name, text.replacen(",free", ",base", 1));
+    remake_manifest(&room.path("run"));
+    let told = room.says("verify run --segment run-2", 3);
+    assert!(
+        told.contains("000000000695.csv is not as it was written"),
+        "{told}"
+    );
+    std::fs::remove_file(room.path(name)).unwrap();
+    remake_manifest(&room.path("run"));
+    room.done("verify run");
+    room.done("report run");
 }
 
 /// A link that a forger wrote into a manifest is held against the stage's own, and a member's summary against

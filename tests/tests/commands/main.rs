@@ -1,5 +1,10 @@
 //! The program as its users run it: commands, their messages, their files, and the documents about them.
 
+use std::sync::LazyLock;
+
+use bitgrain_tests::wee::Room;
+use bitgrain_tests::{copied, made_run};
+
 mod against;
 mod bisect;
 mod campaigns;
@@ -14,6 +19,7 @@ mod export;
 mod figures;
 mod foreign;
 mod forged;
+mod formats;
 mod memory;
 mod notices;
 mod packed;
@@ -23,3 +29,16 @@ mod safety;
 mod sweep;
 mod tidy;
 mod verify;
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
+
+/// A finished run, a finished campaign and their library, to be copied.
+static FURNISHED: LazyLock<Room> = LazyLock::new(|| Room::furnished(PROGRAM));
+
+/// A finished run of two drags.
+static RUN: LazyLock<tempfile::TempDir> = LazyLock::new(|| made_run(PROGRAM));
+
+/// A copy of it, to be changed.
+fn copy() -> tempfile::TempDir {
+    copied(RUN.path())
+}

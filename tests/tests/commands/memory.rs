@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use bitgrain_tests::{SMALL, output};
 
-const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
+use crate::PROGRAM;
 
 /// Runs the command with at most so many KiB of memory, on one thread.
 fn limited(folder: &Path, memory: u64, args: &str) -> Output {

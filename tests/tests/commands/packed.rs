@@ -9,7 +9,7 @@ use std::process::Command;
 
 use object::{Object, ObjectSymbol};
 
-const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
+use crate::PROGRAM;
 
 /// Start and end of every function whose name holds this.
 fn functions(name: &str) -> Vec<(u64, u64)> {

@@ -10,7 +10,7 @@ use bitgrain::checkpoint;
 use bitgrain::random::{Purpose, uniforms};
 use bitgrain_tests::{output, results, two_drags};
 
-const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
+use crate::PROGRAM;
 
 type Files = BTreeMap<String, Vec<u8>>;
 
@@ -178,7 +178,7 @@ fn kept(run: &Path) -> Vec<PathBuf> {
 
 /// Whatever is taken away between two commands is made again.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+#[ignore = "half a minute: `.ci/run long`"]
 fn missing_files_are_made_again() {
     let (want, _) = alone();
     let names: Vec<&String> = want.keys().collect();
@@ -372,6 +372,7 @@ fn every_flipped_bit_and_every_truncation_is_seen() {
         link: "a link".into(),
         course: "{\"step\": 20}".into(),
         fields: vec![1, 2, 3],
+        frames: "a frame".into(),
     };
     let whole = checkpoint::pack(&mut sim, &note).unwrap();
     let (mut again, read) = checkpoint::unpack(&whole, "state").unwrap();

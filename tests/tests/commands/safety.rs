@@ -1,16 +1,12 @@
 //! What is not the program's own stays as it is, and what was changed is not believed.
 
 use std::io::Write;
-use std::sync::LazyLock;
 
 use bitgrain::campaign::table::Table;
 use bitgrain::checkpoint;
 use bitgrain_tests::wee::Room;
 
-const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
-
-/// A finished run, a finished campaign and their library, to be copied.
-static FURNISHED: LazyLock<Room> = LazyLock::new(|| Room::furnished(PROGRAM));
+use crate::{FURNISHED, PROGRAM};
 
 /// Files that end like half files of ours, but are others', and files of other runs, stay where they are.
 #[test]
@@ -287,7 +283,7 @@ fn a_report_mixes_no_runs() {
     for name in [
         "scenario.toml",
         "runs/run-1/forces.csv",
-        "runs/run-2/snapshots/grains.000000001042.dump",
+        "runs/run-2/frames/000000000695.csv",
         "beds/bed.safetensors",
         "summary.json",
     ] {

@@ -364,3 +364,19 @@ fn files_are_touched_in_one_place() {
     }
     assert!(read > 150, "{read}");
 }
+
+/// The program carries copies of two goldens, so that its crate can be packed.
+#[test]
+fn what_the_program_carries_is_golden() {
+    let same = [
+        ("harness/data/claims.toml", "golden/claims.toml"),
+        (
+            "harness/data/reference.txt",
+            "golden/digests/reference.snap.txt",
+        ),
+    ];
+    for (copy, golden) in same {
+        let read = |name: &str| std::fs::read(root().join(name)).unwrap();
+        assert!(read(copy) == read(golden), "cp {golden} {copy}");
+    }
+}

@@ -1,26 +1,17 @@
 //! A run executed again: what holds, what does not, and where two runs part.
 
 use std::path::{Path, PathBuf};
-use std::sync::LazyLock;
 
 use bitgrain::chain::Chain;
 use bitgrain::checkpoint;
 use bitgrain::drag::Dragging;
 use bitgrain::folder::Folder;
-use bitgrain_tests::{HALF, copied, golden, small_from_file};
+use bitgrain_tests::{HALF, golden, small_from_file};
 
-const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
+use crate::{PROGRAM, RUN, copy};
 
 fn printed(folder: &Path, args: &[&str], status: i32) -> String {
     bitgrain_tests::printed(PROGRAM, folder, args, status)
-}
-
-/// A run to look at.
-static RUN: LazyLock<tempfile::TempDir> = LazyLock::new(|| bitgrain_tests::made_run(PROGRAM));
-
-/// A copy of it, to be changed.
-fn copy() -> tempfile::TempDir {
-    copied(RUN.path())
 }
 
 /// Changes a file of the run.

@@ -33,7 +33,7 @@ fn poured(mu: &str) -> BedSummary {
 /// friction the packing is denser, near random close packing (0.64), and has the six contacts a grain
 /// that make it just rigid, less its rattlers, a little more by overlap.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "seconds in release, minutes in debug")]
+#[ignore = "half a minute: `.ci/run long`"]
 fn packings_are_those_of_the_field() {
     let (rough, smooth) = std::thread::scope(|scope| {
         let smooth = scope.spawn(|| poured("law.mu=0.0"));

@@ -9,7 +9,7 @@
 //!
 //! The whole of it takes half an hour on two quiet cores:
 //! `cargo test -p bitgrain-tests --release --test physics drag:: -- --ignored`. The ordinary tests hold the numbers
-//! that came out of it against LAMMPS', and run fixed pieces of it again.
+//! that came out of it against LAMMPS'; `.ci/run long` runs fixed pieces of it again.
 
 use std::fmt::Write;
 
@@ -441,7 +441,7 @@ fn frictionless_grains_need_the_floor() {
 
 /// The fastest drag from its beginning, and a piece of the slowest from a checkpoint.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "half a minute in release")]
+#[ignore = "half a minute: `.ci/run long`"]
 fn pieces_of_the_drags_run_again() {
     let (again, _) = line(&BEDS[0], 8.0, 0);
     assert!(

@@ -158,6 +158,7 @@ fn no_knob_changes_a_bit_of_the_quick_bed() {
 }
 
 #[test]
+#[ignore = "half a minute: `.ci/run long`"]
 fn no_knob_changes_a_bit_of_ten_thousand_grains() {
     compare("large", steps(45), &large());
     compare("large, hertz_tsuji", steps(45), &tsuji(large()));

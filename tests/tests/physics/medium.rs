@@ -130,7 +130,7 @@ impl Witness for Until {
 /// From a state of its own a drag goes on to the link that the whole drag had there. The sums of fields and load,
 /// of which no link tells, are those that this test had when it was written.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "ten seconds in release")]
+#[ignore = "half a minute: `.ci/run long`"]
 fn a_piece_done_again_gives_the_same_links_and_sums() {
     let (scenario, links) = (shipped(), links());
     let plan = scenario

@@ -397,3 +397,11 @@ fn check_contacts(sim: &Sim, seen: &[bitgrain_kernel::Pushed<f64>], theirs: &Val
         }
     }
 }
+
+/// The tail of chi-square that drags are judged by.
+#[test]
+fn tails_are_those_of_tables() {
+    for (chi_square, degrees, p) in [(32.0, 16, 0.01), (23.542, 16, 0.1), (9.210, 2, 0.01)] {
+        assert!((bitgrain_tests::drags::tail(chi_square, degrees) / p - 1.0).abs() < 1e-3);
+    }
+}

@@ -7,7 +7,8 @@
 use std::path::Path;
 use std::process::Command;
 
-use bitgrain::report::{self, BedPicture, FlowGrain, FlowPicture, PictureGrain};
+use bitgrain::frames::{Frame, Slice};
+use bitgrain::report::{self, BedPicture, Drawings, Film, FlowGrain, FlowPicture, PictureGrain};
 use bitgrain::scenario::{self, Moves};
 use bitgrain::series::SeriesRow;
 use bitgrain::sim::Role;
@@ -103,6 +104,7 @@ fn bed_picture(name: &str, unit: f64) -> BedPicture {
         surface: 9.0 * unit,
         grains: sites(unit).into_iter().map(grain).collect(),
         intruder: ([10.0, 6.5, 4.0].map(|x| x * unit), unit),
+        endless: false,
         moves: Moves::Intruder,
     }
 }
@@ -132,8 +134,34 @@ fn flow_picture(run: &str, froude: f64, unit: f64) -> FlowPicture {
         lo: [0.0; 3],
         hi: [20.0, 13.0, 40.0].map(|x| x * unit),
         intruder: (centre, unit),
+        reach: 7.0 * unit,
         moves: Moves::Intruder,
         grains: sites(unit).into_iter().map(grain).collect(),
+    }
+}
+
+/// A drag past a lattice, forty frames of it.
+fn film(run: &str) -> Film {
+    let cut = |n: u64, travel: f64| Slice {
+        x: (n % 14) as f64 - 7.0 - travel % 1.0,
+        z: (n / 14) as f64 - 4.0,
+        radius: 0.3 + 0.2 * noise(n),
+        u: 0.0,
+        w: 0.0,
+        speed: noise(n + 7),
+        role: if n < 14 { Role::Base } else { Role::Free },
+    };
+    let frame = |k: u64| Frame {
+        step: k,
+        travel: 0.25 * k as f64,
+        cuts: (0..140).map(|n| cut(n, 0.25 * k as f64)).collect(),
+    };
+    Film {
+        run: run.into(),
+        radius: 1.0,
+        floor: 4.0,
+        moves: Moves::Intruder,
+        frames: (1..=40).map(frame).collect(),
     }
 }
 
@@ -152,7 +180,15 @@ fn pages() -> Vec<(&'static str, String)> {
             .iter()
             .map(|run| flow_picture(&run.name, run.froude, unit))
             .collect();
-        report::page(whole, text, &rows, &beds, &flows)
+        let films: Vec<_> = runs.iter().map(|run| film(&run.name)).collect();
+        let drawings = Drawings {
+            series: &rows,
+            beds: &beds,
+            flows: &flows,
+            films: &films[..2],
+            ..Drawings::default()
+        };
+        report::page(whole, text, &drawings)
     };
     let reduced = scenario::load("quick", &[]).unwrap().to_toml();
     let si = scenario::parse(SI, "si", &[], Path::new(""))

@@ -5,7 +5,8 @@
 use std::collections::BTreeSet;
 
 use bitgrain_tests::root;
-use bitgrain_tests::targets::machine::asked_by_the_kernel;
+
+use crate::machines::machine::asked_by_the_kernel;
 
 /// What the rig's panic handler calls, and nobody defines.
 const PANICS: &str = "a_panic_is_reachable";

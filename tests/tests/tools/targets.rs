@@ -6,10 +6,11 @@ use std::process::Output;
 use bitgrain_kernel::Real;
 use bitgrain_kernel::blake3::Hasher;
 use bitgrain_kernel::reference::{self, Line, Room};
-use bitgrain_tests::targets::compare::first_difference;
-use bitgrain_tests::targets::firmware::{QUANTITIES, bounds};
-use bitgrain_tests::targets::list::TARGETS;
 use bitgrain_tests::{golden, output};
+
+use crate::machines::compare::first_difference;
+use crate::machines::firmware::{QUANTITIES, bounds};
+use crate::machines::list::TARGETS;
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_targets");
 

@@ -13,7 +13,7 @@ use crate::plug::bounds;
 const ANGLE: [f64; 3] = [-0.15, 0.38, 2.45];
 const KAPPA: [f64; 2] = [0.887, 0.185];
 
-/// Place of the last marker, which is open.
+/// Place of the last marker, which is hollow.
 const OPEN: usize = 7;
 
 type Reading = fn(&Point) -> Option<Value>;
@@ -59,10 +59,9 @@ fn angles(shown: &Shown, around: &Around) -> String {
     series.truncate(OPEN);
     series.resize_with(OPEN, || Series::new(String::new(), []));
     let begins = curves.iter().flat_map(|c| points(c, |p| p.new_angle));
-    series.push(Series::new(
-        "where contacts begin, all of them".into(),
-        begins,
-    ));
+    let begins = Series::new("where contacts begin, all of them".into(), begins);
+    let hollow = vec![true; begins.points.len()];
+    series.push(begins.with_hollow(hollow));
     let law = |x: f64, [y1, y2, y3]: [f64; 3]| y1 * libm::pow(x, y2) + std::f64::consts::PI / y3;
     let mut lines = Vec::new();
     if let Some([from, to]) = ends(&series) {
@@ -74,7 +73,7 @@ fn angles(shown: &Shown, around: &Around) -> String {
         }
     }
     let caption = format!(
-        "<b>{}</b>, contact angle. Thick line: {}; upper one, where contacts begin: {}. Light: the paper&rsquo;s law \
+        "<b>{}</b>, contact angle. Thick line: {}; upper one, where contacts begin: {}. Thin: the paper&rsquo;s law \
          for &mu;&nbsp;=&nbsp;0.5.",
         escape(&material(&around.material)),
         words_of(&around.contacts.law),
@@ -103,7 +102,7 @@ fn kappas(shown: &Shown, around: &Around) -> String {
         }
     }
     let caption = format!(
-        "<b>{}</b>, normalised coordination number of the intruder. Thick line: {}. Light: the paper&rsquo;s law for \
+        "<b>{}</b>, normalised coordination number of the intruder. Thick line: {}. Thin: the paper&rsquo;s law for \
          &mu;&nbsp;=&nbsp;0.5.",
         escape(&material(&around.material)),
         words_of(&around.kappa)

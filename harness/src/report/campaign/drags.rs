@@ -1,10 +1,13 @@
 //! Charts of the drag against the Froude number (Kumar 2018, Figs. 5, 10 and 16).
 
+use super::super::plot::SHAPES;
 use super::super::scatter::{Line, Range};
 use super::super::text::escape;
-use super::figure::{Figure, SHAPES, Series, ends, section, straight, traced};
+use super::figure::{Figure, Series, ends, section, straight, traced};
 use super::{Shown, intruder, material};
-use crate::analysis::{Analysis, Curve, Finding, Material, Method, Pooled, Speeds, Yield};
+use crate::analysis::{
+    Analysis, Curve, Finding, Material, Method, Point, Pooled, Speeds, Value, Yield,
+};
 
 type Of<'a> = (&'a Curve, &'a Speeds, &'a Yield);
 
@@ -27,12 +30,14 @@ pub(super) fn figures(shown: &Shown) -> String {
         let some = curves
             .chunks(SHAPES)
             .map(|some| each(shown, pooled.material, some));
-        some.collect::<String>() + &together(shown, pooled)
+        some.collect::<String>() + &together(shown, pooled) + &uncut(shown, pooled)
     };
     let all: String = shown.analysis.pooled.iter().map(own).collect();
     section(
         "Drag against Froude number",
-        "<p>Bars are one standard error each way; axes are logarithmic.</p>\n",
+        "<p>Bars are one standard error each way; axes are logarithmic. Hollow: the error of the mean did not \
+         converge. Kumar&rsquo;s absolute drags (Table I) are not drawn over these: they are of other depths and \
+         stiffnesses; his exponents and laws stand below, beside ours.</p>\n",
         &all,
         "There is no drag to show.",
     )
@@ -44,7 +49,8 @@ fn each(shown: &Shown, own: Material, curves: &[Of]) -> String {
         .iter()
         .map(|(curve, ..)| {
             let points = curve.points.iter().map(|p| (p.froude, p.drag));
-            Series::new(intruder(curve), points)
+            let hollow = curve.points.iter().map(|p| shown.is_open(&p.name));
+            Series::new(intruder(curve), points).with_hollow(hollow)
         })
         .collect();
     let line = |((_, speeds, own), series): (&Of, &Series)| -> Option<Line> {
@@ -75,6 +81,37 @@ fn each(shown: &Shown, own: Material, curves: &[Of]) -> String {
     .html()
 }
 
+/// The mean drag from the start over that of the averaging window, which leaves the start out.
+fn uncut(shown: &Shown, pooled: &Pooled) -> String {
+    let curves = of(shown.analysis, pooled.material);
+    let series: Vec<Series> = curves
+        .iter()
+        .map(|(curve, ..)| {
+            let point = |p: &Point| {
+                let whole = shown.cell(&p.name, "drag_uncut")?.parse::<f64>().ok()?;
+                let error = p.drag.error * whole / (p.drag.value * p.drag.value);
+                Some((p.froude, Value::new(whole / p.drag.value, error)))
+            };
+            Series::new(intruder(curve), curve.points.iter().filter_map(point))
+        })
+        .collect();
+    let line = ends(&series).map(|[from, to]| straight(from, to, |_| 1.0, false));
+    let caption = format!(
+        "<b>{}</b>, mean drag from the start over that of the averaging window. Where it is not 1, start-up counts. \
+         Bars: the error of the window&rsquo;s mean alone.",
+        escape(&material(&pooled.material))
+    );
+    Figure {
+        title: &format!("Start-up, {}", material(&pooled.material)),
+        labels: ["Froude number Fr", "uncut over cut mean"],
+        ranges: [Range::Ratios, Range::Tight],
+        series: &series,
+        lines: line.as_slice(),
+        caption: &caption,
+    }
+    .html()
+}
+
 /// The same over their yield forces.
 fn together(shown: &Shown, pooled: &Pooled) -> String {
     let curves = of(shown.analysis, pooled.material);
@@ -83,7 +120,8 @@ fn together(shown: &Shown, pooled: &Pooled) -> String {
         .filter_map(|(curve, _, own)| {
             let force = *own.force.found()?;
             let points = curve.points.iter().map(|p| (p.froude, p.drag.over(force)));
-            Some(Series::new(intruder(curve), points))
+            let hollow = curve.points.iter().map(|p| shown.is_open(&p.name));
+            Some(Series::new(intruder(curve), points).with_hollow(hollow))
         })
         .collect();
     let (mut lines, mut words) = (Vec::new(), String::new());

@@ -1,6 +1,6 @@
 //! A chart of several series with its key and its words.
 
-use super::super::plot::marker;
+use super::super::plot::{SHAPES, marker};
 use super::super::scatter::{Line, Mark, Range, scatter};
 use super::super::text::escape;
 use crate::analysis::Value;
@@ -11,6 +11,8 @@ pub(super) struct Series {
     pub name: String,
     /// Where they are.
     pub points: Vec<(f64, Value)>,
+    /// Which of them are less sure than the others, by place; what is left out is not.
+    pub hollow: Vec<bool>,
 }
 
 impl Series {
@@ -18,6 +20,15 @@ impl Series {
         Self {
             name,
             points: points.into_iter().collect(),
+            hollow: Vec::new(),
+        }
+    }
+
+    /// The same with these points hollow.
+    pub(super) fn with_hollow(self, hollow: impl IntoIterator<Item = bool>) -> Self {
+        Self {
+            hollow: hollow.into_iter().collect(),
+            ..self
         }
     }
 }
@@ -58,19 +69,17 @@ pub(super) struct Figure<'a> {
     pub caption: &'a str,
 }
 
-/// How many markers differ from one another.
-pub(super) const SHAPES: usize = 8;
-
 impl Figure<'_> {
     /// As HTML; nothing where nothing is to be drawn.
     pub(super) fn html(&self) -> String {
         let mark = |(k, series): (usize, &Series)| -> Vec<Mark> {
-            let one = |(x, v): &(f64, Value)| Mark {
+            let one = |(place, (x, v)): (usize, &(f64, Value))| Mark {
                 at: (*x, v.value),
                 bar: (v.value - v.error, v.value + v.error),
                 shape: k % SHAPES,
+                hollow: series.hollow.get(place).is_some_and(|hollow| *hollow),
             };
-            series.points.iter().map(one).collect()
+            series.points.iter().enumerate().map(one).collect()
         };
         let marks: Vec<Mark> = self.series.iter().enumerate().flat_map(mark).collect();
         let labels = self.labels.map(str::to_owned);
@@ -80,7 +89,8 @@ impl Figure<'_> {
         let there =
             |(_, series): &(usize, &Series)| !series.name.is_empty() && !series.points.is_empty();
         let key = |(k, series): (usize, &Series)| {
-            let marker = marker(k % SHAPES);
+            let hollow = !series.hollow.is_empty() && series.hollow.iter().all(|hollow| *hollow);
+            let marker = marker(k, hollow);
             format!("<span>{marker}{}</span>", escape(&series.name))
         };
         let keys: String = self

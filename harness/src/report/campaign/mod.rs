@@ -6,11 +6,13 @@ mod drags;
 mod figure;
 mod yields;
 
+use super::page::{Top, assembled, remark, row};
+use super::span;
 use super::text::{escape, exact, number_with_error, short, typeset};
-use super::{head, span};
 use crate::analysis::{self, Analysis, Curve, Finding, Material, Point, Value, words};
 use crate::campaign::folder::Beside;
 use crate::campaign::table::Table;
+use crate::claims::OVERLAP_MAX;
 use crate::claims::book::Book;
 use crate::files::bits;
 use crate::fit::Fit;
@@ -30,6 +32,21 @@ pub struct Shown<'a> {
 }
 
 impl Shown<'_> {
+    /// What the table holds of a run, `member/run`.
+    fn cell(&self, name: &str, column: &str) -> Option<&str> {
+        let (member, run) = name.split_once('/')?;
+        let mut rows = 0..self.table.len();
+        let is = |row: &usize| {
+            self.table.text(*row, "member") == member && self.table.text(*row, "run") == run
+        };
+        rows.find(is).map(|row| self.table.text(row, column))
+    }
+
+    /// Whether the error of a run's drag did not converge.
+    fn is_open(&self, name: &str) -> bool {
+        self.cell(name, "drag_converged") == Some("false")
+    }
+
     /// A quantity with the unit of a column, plain text.
     fn label(&self, name: &str, column: &str) -> String {
         match typeset(&self.table.unit(column)) {
@@ -41,17 +58,112 @@ impl Shown<'_> {
 
 /// One self-contained HTML page, a pure function of what it shows.
 pub fn campaign_page(shown: &Shown) -> String {
-    let mut out = head(&escape(shown.name), "Drags of many runs", "");
-    out.push_str(&lead(shown));
+    let mut out = String::new();
     out.push_str(&drags::figures(shown));
+    out.push_str(&claims::section(shown.book, shown.name));
     out.push_str(&around::figures(shown));
     out.push_str(&yields::figures(shown));
     out.push_str(&around::drifts(shown));
-    out.push_str(&claims::section(shown.book, shown.name));
     out.push_str(&fits(shown.analysis));
     out.push_str(&runs(shown));
     out.push_str(&repeat(shown));
-    out.push_str("</main>\n</body>\n</html>\n");
+    let top = Top {
+        name: shown.name,
+        kind: "Drags of many runs",
+        style: "",
+        lead: lead(shown),
+        remarks: remarks(shown),
+        about: about(shown),
+    };
+    assembled(&top, &out)
+}
+
+/// What speaks against the numbers.
+fn remarks(shown: &Shown) -> Vec<String> {
+    let (a, table) = (shown.analysis, shown.table);
+    let mut out = Vec::new();
+    if let Some(beside) = shown.beside.filter(|beside| beside.planned > a.rows) {
+        let words = format!(
+            "{} of {} runs are done; all that is said here is of these.",
+            a.rows, beside.planned
+        );
+        out.push(remark("A part", &words));
+    }
+    let failed = (0..table.len()).filter(|&row| table.text(row, "status") != "done");
+    out.extend(failed.map(|row| {
+        let cell = |column| escape(table.text(row, column));
+        let title = format!("{}/{} failed", cell("member"), cell("run"));
+        remark(&title, &cell("reason"))
+    }));
+    if a.sliding > 0 {
+        let n = a.sliding;
+        let what = match a.plugs {
+            true => "count all the same (<code>--plugs</code>)",
+            false => "are left out",
+        };
+        let words = format!(
+            "In {n} runs the bed above the intruder slid along with it: their drag is the box&rsquo;s as much as the \
+             intruder&rsquo;s. They {what}."
+        );
+        out.push(remark("Plug", &words));
+    }
+    let rows = || 0..table.len();
+    let open = rows().filter(|&row| table.text(row, "drag_converged") == "false");
+    let (open, all) = (open.count(), table.len());
+    if open > 0 {
+        let words = format!(
+            "In {open} of {all} runs the averaging window is too short to tell the error of the mean drag: it may be \
+             larger than is said. Their points are hollow."
+        );
+        out.push(remark("Errors that did not converge", &words));
+    }
+    let soft = rows().filter(|&row| {
+        let deepest = table.real(row, "overlap_max");
+        deepest.is_some_and(|deepest| deepest > OVERLAP_MAX)
+    });
+    let soft = soft.count();
+    if soft > 0 {
+        let words = format!(
+            "In {soft} of {all} runs grains overlap by more than {OVERLAP_MAX} of their diameter: too soft for \
+             Hertz&rsquo;s law, which takes contacts for narrow, and forces may depend on the stiffness."
+        );
+        out.push(remark("Soft contacts", &words));
+    }
+    let started = rows().filter(|&row| {
+        let read = |column| table.real(row, column);
+        let all = read("drag_uncut").zip(read("drag")).zip(read("drag_error"));
+        all.is_some_and(|((whole, cut), error)| (whole - cut).abs() > 2.0 * error)
+    });
+    let started = started.count();
+    if started > 0 {
+        let words = format!(
+            "In {started} of {all} runs the mean drag from the start is more than two standard errors off that of the \
+             averaging window. Before you compare, check which of the two means the other work tells: Kumar 2018 \
+             averages from the start (Fig. 4)."
+        );
+        out.push(remark("Start-up", &words));
+    }
+    out
+}
+
+/// Where the numbers come from.
+fn about(shown: &Shown) -> String {
+    let mut out = row(
+        "Made with",
+        &format!("{}: any machine gives the same bits", escape(&bits())),
+    );
+    if shown.beside.is_some() {
+        out += &row(
+            "Check it",
+            "<code>bitgrain verify . --sample 3</code> in the folder of this page runs parts again and holds them \
+             against every link; without <code>--sample</code> all of it",
+        );
+        out += &row(
+            "Files",
+            "<a href=\"results.csv\">results.csv</a>: a row for each run, with units; <code>results.parquet</code>: \
+             the same; <code>members</code>: each run&rsquo;s own folder and report",
+        );
+    }
     out
 }
 
@@ -91,7 +203,7 @@ fn words_of(found: &Finding<Fit>) -> String {
     }
 }
 
-/// What there is, in a paragraph, and what failed.
+/// What there is, in a paragraph.
 fn lead(shown: &Shown) -> String {
     let (a, table) = (shown.analysis, shown.table);
     if a.rows == 0 {
@@ -110,21 +222,10 @@ fn lead(shown: &Shown) -> String {
         (n, true) => format!(" Of {n} the bed above slid along; they count all the same."),
         (n, false) => format!(" {n} are left out because the bed above slid along."),
     };
-    let failed = (0..table.len()).filter(|&row| table.text(row, "status") != "done");
-    let failure = |row| {
-        let cell = |column| escape(table.text(row, column));
-        format!(
-            "<p class=\"remark\"><b>{}/{} failed.</b> {}</p>\n",
-            cell("member"),
-            cell("run"),
-            cell("reason")
-        )
-    };
-    let failures: String = failed.map(failure).collect();
     format!(
         "<p class=\"lead\">Runs: {}{open}, in beds of {} grains; intruders of diameter {} at depths of {}, Froude \
          numbers {}, friction coefficients {}.{slid} Errors are standard errors; depths h are those of the \
-         settled beds.</p>\n{failures}",
+         settled beds.</p>\n",
         a.rows,
         range("grains"),
         range("diameter"),

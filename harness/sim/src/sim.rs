@@ -326,6 +326,10 @@ impl Sim {
     /// # Errors
     /// As [`Sim::start`].
     pub fn start_watched(&mut self, mut watch: impl FnMut(Pushed<f64>)) -> Result<(), Fault> {
+        self.start_shown(&mut watch)
+    }
+
+    fn start_shown(&mut self, mut watch: &mut dyn FnMut(Pushed<f64>)) -> Result<(), Fault> {
         self.check_crowds()?;
         self.grow_while_full(|sim| match sim.law {
             AnyLaw::HertzHistory(law) => start_watched(&mut sim.world(), &law, &mut watch),
@@ -338,6 +342,10 @@ impl Sim {
     /// # Errors
     /// As [`Sim::steps`].
     pub fn step_watched(&mut self, mut watch: impl FnMut(Pushed<f64>)) -> Result<(), Fault> {
+        self.step_shown(&mut watch)
+    }
+
+    fn step_shown(&mut self, mut watch: &mut dyn FnMut(Pushed<f64>)) -> Result<(), Fault> {
         self.grow_while_full(|sim| match sim.law {
             AnyLaw::HertzHistory(law) => step_watched(&mut sim.world(), &law, &mut watch),
             AnyLaw::HertzTsuji(law) => step_watched(&mut sim.world(), &law, &mut watch),

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use super::firmware;
 use super::list::{self, Need, Rig, Target};
-use crate::root;
+use bitgrain_tests::root;
 
 /// Longest time that a build may take: a cold one takes half a minute of a quiet core.
 const BUILD: Duration = Duration::from_secs(900);

@@ -4,10 +4,32 @@
 use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use bitgrain_kernel::check_arithmetic;
+use bitgrain_kernel::{Fault, check_arithmetic};
 use rayon::ThreadPoolBuilder;
 
-use crate::error::{Error, Result};
+/// Why a job was not done on so many threads.
+#[derive(Debug, thiserror::Error)]
+pub enum ThreadsError {
+    /// So many could not be started.
+    #[error("{threads} threads cannot be started: {why}")]
+    Start {
+        /// How many were wanted.
+        threads: usize,
+        /// What the system says.
+        why: String,
+    },
+    /// One of them computes otherwise than the bit contract has it.
+    #[error("{0}")]
+    Arithmetic(Fault),
+}
+
+impl ThreadsError {
+    /// That so many could not be started.
+    pub fn start(threads: usize, why: &dyn std::error::Error) -> Self {
+        let why = why.to_string();
+        Self::Start { threads, why }
+    }
+}
 
 /// Threads of the pool that this is called in; 1 outside of any.
 pub(crate) fn threads() -> usize {
@@ -21,25 +43,21 @@ pub(crate) fn threads() -> usize {
 /// Does a job on this many threads: those of a pool round it, or, for one, where it is called.
 ///
 /// # Errors
-/// [`Error::Input`] where so many cannot be started, [`Error::Contract`] where one of them computes
-/// otherwise than the bit contract has it.
-pub fn on_threads<T: Send>(threads: usize, job: impl FnOnce() -> T + Send) -> Result<T> {
+/// [`ThreadsError`].
+pub fn on_threads<T: Send>(
+    threads: usize,
+    job: impl FnOnce() -> T + Send,
+) -> Result<T, ThreadsError> {
     if threads <= 1 {
         return Ok(job());
     }
     let pool = ThreadPoolBuilder::new().num_threads(threads).build();
-    let pool = pool.map_err(|e| no_threads(threads, &e))?;
+    let pool = pool.map_err(|e| ThreadsError::start(threads, &e))?;
     // Each thread has a rounding mode of its own.
     for checked in pool.broadcast(|_| check_arithmetic::<f64>()) {
-        checked.map_err(|fault| Error::run("a thread", 0, fault))?;
+        checked.map_err(ThreadsError::Arithmetic)?;
     }
     Ok(pool.install(job))
-}
-
-/// The refusal of a number of threads.
-pub(crate) fn no_threads(threads: usize, why: &dyn std::error::Error) -> Error {
-    let problem = format!("{threads} threads cannot be started: {why}");
-    Error::input("--threads", problem)
 }
 
 /// Does a job on one thread of a pool while the others keep looking for parts of it: a phase is so
