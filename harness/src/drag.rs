@@ -13,9 +13,10 @@ use crate::fields::FieldsGauge;
 use crate::flow::{FlowGauge, FlowMeans};
 use crate::histogram::{Angles, Coordination};
 use crate::memory::room;
+use crate::motion::Moves;
 use crate::observe::{self, INTRUDER};
 use crate::progress::Stage;
-use crate::scenario::{History, Moves, RunPlan, Scenario};
+use crate::scenario::{DragPlan, History};
 use crate::series::SeriesRow;
 use crate::sim::{Role, Sim};
 use crate::surroundings::{SurroundingMeans, Surroundings};
@@ -129,25 +130,25 @@ impl Dragging {
     ///
     /// # Errors
     /// [`Error::Run`] where the kernel refuses the motion.
-    pub fn begin(sim: &mut Sim, scenario: &Scenario, plan: &RunPlan, link: &str) -> Result<Self> {
-        let points = scenario.fields_grid().map_or(0, |grid| grid.points());
+    pub fn begin(sim: &mut Sim, plan: &DragPlan, link: &str) -> Result<Self> {
+        let points = plan.fields.map_or(0, |fields| fields.grid.points());
         room(
             FIELDS * points as f64,
             &format!("the fields of {}", plan.name),
         )?;
         let wrong = |fault| Error::run(&plan.name, 0, fault);
-        if scenario.drag.history == History::Empty {
+        if plan.history == History::Empty {
             sim.start().map_err(wrong)?;
         }
-        let surface = observe::surface_height(sim, scenario.mean_diameter());
-        set_off(sim, scenario.drag.moves, plan.speed).map_err(wrong)?;
-        let flow = scenario
-            .flows()
-            .then(|| FlowGauge::new(sim, scenario, plan, surface));
-        let mut chain = Chain::new(link.to_string(), scenario.measure.digest_every);
+        let surface = observe::surface_height(sim, plan.motion.grain_diameter);
+        set_off(sim, plan.motion.moves, plan.motion.speed).map_err(wrong)?;
+        let flow = plan
+            .flows
+            .then(|| FlowGauge::new(sim, &plan.motion, surface));
+        let mut chain = Chain::new(link.to_string(), plan.digest_every);
         chain.add(0, &sim.digest().map_err(wrong)?);
         Ok(Self {
-            key: scenario.key(&plan.name),
+            key: plan.key.clone(),
             step: 0,
             chain,
             record: Record {
@@ -156,8 +157,10 @@ impl Dragging {
             },
             gauges: Gauges::default(),
             around: Surroundings::default(),
-            audit: scenario.measure.energy.then(|| Audit::new(sim)),
-            fields: FieldsGauge::new(scenario, plan),
+            audit: plan.energy.then(|| Audit::new(sim)),
+            fields: plan
+                .fields
+                .map(|fields| FieldsGauge::new(&fields, &plan.motion)),
             frames: String::new(),
         })
     }
@@ -172,8 +175,7 @@ impl Dragging {
     pub fn go_on(
         &mut self,
         sim: &mut Sim,
-        scenario: &Scenario,
-        plan: &RunPlan,
+        plan: &DragPlan,
         stage: &Stage,
         witness: &mut impl Witness,
     ) -> Result<()> {
@@ -182,7 +184,7 @@ impl Dragging {
         let wrong = |fault| Error::run(&plan.name, at, fault);
         // Each step is looked at, and none is written to.
         sim.hold().map_err(wrong)?;
-        let went = self.steps(sim, scenario, plan, stage, witness);
+        let went = self.steps(sim, plan, stage, witness);
         if matches!(went, Ok(()) | Err(Error::Interrupted { .. })) {
             sim.release().map_err(wrong)?;
         }
@@ -193,14 +195,13 @@ impl Dragging {
     fn steps(
         &mut self,
         sim: &mut Sim,
-        scenario: &Scenario,
-        plan: &RunPlan,
+        plan: &DragPlan,
         stage: &Stage,
         witness: &mut impl Witness,
     ) -> Result<()> {
-        let first = plan.first_averaged(sim.dt);
+        let first = plan.motion.window[0];
         let mut seen = Vec::new();
-        while self.step < plan.steps && self.step < witness.ends() {
+        while self.step < plan.steps() && self.step < witness.ends() {
             let n = self.step + 1;
             let wrong = |fault| Error::run(&plan.name, n, fault);
             let looks = witness.looks_at(n);
@@ -212,12 +213,12 @@ impl Dragging {
                 None => sim.steps(1),
             }
             .map_err(wrong)?;
-            self.measure(sim, scenario, n, n >= first, plan);
+            self.measure(sim, n, n >= first, plan);
             if let Some(fields) = self.fields.as_mut().filter(|_| sampled) {
                 fields.add(sim, &seen, n);
             }
             self.step = n;
-            if self.chain.is_due(n) || n == plan.steps {
+            if self.chain.is_due(n) || n == plan.steps() {
                 let link = self.chain.add(n, &sim.digest().map_err(wrong)?);
                 link.map_or(Ok(()), |link| witness.linked(link))?;
             }
@@ -228,7 +229,7 @@ impl Dragging {
             }
             witness.pause(n, sim, &|| self.note())?;
             if n.is_multiple_of(SHOW) {
-                let drag = crate::report::short(self.gauges.all.mean()[0]);
+                let drag = crate::format::short(self.gauges.all.mean()[0]);
                 stage.at(n, sim.count(), &format!("drag so far {drag}"))?;
             }
         }
@@ -236,20 +237,13 @@ impl Dragging {
     }
 
     /// Takes the readings of step `n`.
-    fn measure(
-        &mut self,
-        sim: &mut Sim,
-        scenario: &Scenario,
-        n: u64,
-        counted: bool,
-        plan: &RunPlan,
-    ) {
-        let row = n.is_multiple_of(scenario.measure.every) || n == plan.steps;
-        let force = force_on_intruder(sim, scenario.drag.moves);
+    fn measure(&mut self, sim: &mut Sim, n: u64, counted: bool, plan: &DragPlan) {
+        let row = n.is_multiple_of(plan.every) || n == plan.steps();
+        let force = force_on_intruder(sim, plan.motion.moves);
         if let Some(flow) = &mut self.record.flow {
             flow.read(sim, n, force);
         }
-        let (record, moves) = (&mut self.record, scenario.drag.moves);
+        let (record, moves) = (&mut self.record, plan.motion.moves);
         let angles = &mut record.angles;
         self.around.touched(sim, moves, counted, angles);
         self.gauges.read(sim, force, counted);
@@ -264,11 +258,11 @@ impl Dragging {
         let sums = counted.then_some((angles, &mut record.coordination));
         let sample = self
             .around
-            .sample(sim, moves, scenario.mean_diameter(), sums);
+            .sample(sim, moves, plan.motion.grain_diameter, sums);
         record.series.push(SeriesRow {
             step: n,
             time: n as f64 * sim.dt,
-            distance: n as f64 * sim.dt * plan.speed,
+            distance: plan.motion.travel(n),
             force,
             force_mean: std::mem::take(&mut self.gauges.since_row).mean(),
             torque: sim.obstacles[INTRUDER as usize].torque,
@@ -312,9 +306,9 @@ impl Dragging {
     ///
     /// # Errors
     /// [`Error::Input`] where the window is too short for any.
-    pub fn means(&self, plan: &RunPlan, dt: f64) -> Result<Means> {
+    pub fn means(&self, plan: &DragPlan, dt: f64) -> Result<Means> {
         let short = || Error::input(&plan.name, "has too few steps to average");
-        let steps = self.step + 1 - plan.first_averaged(dt);
+        let steps = self.step + 1 - plan.motion.window[0];
         let mut means = self.gauges.means(steps).ok_or_else(short)?;
         means.around = self.around.means();
         means.flow = self.record.flow.as_ref().and_then(|flow| flow.means(dt));
@@ -327,14 +321,9 @@ impl Dragging {
 ///
 /// # Errors
 /// As those.
-pub fn drag(
-    sim: &mut Sim,
-    scenario: &Scenario,
-    plan: &RunPlan,
-    witness: &mut impl Witness,
-) -> Result<(Means, Record)> {
-    let mut dragging = Dragging::begin(sim, scenario, plan, "")?;
-    dragging.go_on(sim, scenario, plan, &Stage::silent(), witness)?;
+pub fn drag(sim: &mut Sim, plan: &DragPlan, witness: &mut impl Witness) -> Result<(Means, Record)> {
+    let mut dragging = Dragging::begin(sim, plan, "")?;
+    dragging.go_on(sim, plan, &Stage::silent(), witness)?;
     Ok((dragging.means(plan, sim.dt)?, dragging.record))
 }
 

@@ -126,7 +126,7 @@ pub enum Error {
     /// There is not so much memory.
     #[error(
         "{what}: {} of memory are wanted, more than there is; ask for less (fewer grains, points or runs side by \
-         side: --threads, --jobs), or take a larger machine", crate::forecast::bytes(*.bytes)
+         side: --threads, --jobs), or take a larger machine", crate::format::bytes(*.bytes)
     )]
     Memory {
         /// What it is for.

@@ -9,8 +9,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::files::bits;
+use crate::motion::{Motion, Moves};
 use crate::observe::{INTRUDER, packing_fraction, pressure_at};
-use crate::scenario::{Moves, RunPlan, Scenario};
 use crate::series::finite;
 use crate::sim::{Role, Sim};
 
@@ -233,16 +233,16 @@ pub struct FlowGauge {
 impl FlowGauge {
     /// A gauge for a bed that is about to move; `first` is the first step of the averaging window and
     /// `surface` the height of the settled bed's.
-    pub fn new(sim: &Sim, scenario: &Scenario, plan: &RunPlan, surface: f64) -> Self {
-        let d = scenario.mean_diameter();
+    pub fn new(sim: &Sim, motion: &Motion, surface: f64) -> Self {
+        let d = motion.grain_diameter;
         let of = |role: Role| (0..sim.count()).filter(|&i| sim.role(i) == role).collect();
-        let every = (EVERY * d / (plan.speed * sim.dt)).round() as u64;
-        let bed_moves = scenario.drag.moves == Moves::Bed;
+        let every = (EVERY * d / (motion.speed * sim.dt)).round() as u64;
+        let bed_moves = motion.moves == Moves::Bed;
         let mut gauge = Self {
-            sign: -scenario.drag.moves.forward(),
-            frame: if bed_moves { 0.0 } else { plan.speed },
+            sign: -motion.moves.forward(),
+            frame: if bed_moves { 0.0 } else { motion.speed },
             every: every.max(1),
-            speed: plan.speed,
+            speed: motion.speed,
             base: of(Role::Base),
             lid: of(Role::Lid),
             packing_top: surface - 2.0 * d,
@@ -254,7 +254,7 @@ impl FlowGauge {
                 layers: Vec::new(),
                 thickness: d,
             },
-            first: plan.first_averaged(sim.dt),
+            first: motion.window[0],
             begin: None,
         };
         gauge.before = gauge.far_places(sim);

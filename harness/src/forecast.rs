@@ -9,13 +9,12 @@ use crate::bed::library::Library;
 use crate::bed::recipe::Recipe;
 use crate::coefficients::table_text;
 use crate::error::{Error, Result};
+use crate::format::{bytes, short};
 use crate::law::{CONTACT_FRACTION_MAX, RAYLEIGH_FRACTION_MAX};
+use crate::memory::PER_GRAIN;
 use crate::progress::Stage;
-use crate::report::short;
-use crate::scenario::{self, BedPlan, PACKING_GUESS, RunPlan, Scenario, UnitSystem};
+use crate::scenario::{self, BedPlan, DragPlan, PACKING_GUESS, Scenario, UnitSystem};
 
-/// Bytes of memory a grain takes, from beds of 10,000 and 70,000 grains.
-pub(crate) const MEMORY: f64 = 510.0;
 /// Bytes of a grain in a checkpoint with its contacts.
 const CHECKPOINT: f64 = 290.0;
 /// Bytes of a grain in a data file.
@@ -84,7 +83,7 @@ impl Work {
                 }
                 work.missing.push(plan.name);
             }
-            for plan in crate::run::bare_beds(scenario) {
+            for plan in scenario.bare_beds() {
                 if absent(&plan)? {
                     work.poured.push(bed::pouring_steps(scenario, &plan));
                 }
@@ -94,8 +93,8 @@ impl Work {
     }
 
     /// Steps that the last of so many threads has done when all is done.
-    fn longest(&self, runs: &[RunPlan], threads: usize) -> u64 {
-        let dragged: Vec<u64> = runs.iter().map(|run| run.steps).collect();
+    fn longest(&self, runs: &[DragPlan], threads: usize) -> u64 {
+        let dragged: Vec<u64> = runs.iter().map(|run| run.steps()).collect();
         let stages = [&self.poured, &self.covered, &dragged];
         stages.iter().map(|jobs| side_by_side(jobs, threads)).sum()
     }
@@ -182,7 +181,7 @@ fn cost(scenario: &Scenario, work: &Work, threads: usize, speed: f64, out: &mut 
     let (beds, runs) = (scenario.beds(), scenario.runs());
     let grains = largest(scenario, &beds);
     let whole = work.longest(&runs, threads);
-    let drags: u64 = runs.iter().map(|run| run.steps).sum();
+    let drags: u64 = runs.iter().map(|run| run.steps()).sum();
     let beds_steps: u64 = work.poured.iter().chain(&work.covered).sum();
     let steps = beds_steps + drags;
 
@@ -218,7 +217,7 @@ fn cost(scenario: &Scenario, work: &Work, threads: usize, speed: f64, out: &mut 
     let at_once = threads.min(runs.len());
     // Sums of fields, and twice as much where a state is saved.
     let sums = 3.0 * SUMS * points(scenario).iter().product::<f64>();
-    let memory = (MEMORY * grains as f64 + sums) * at_once as f64;
+    let memory = (PER_GRAIN * grains as f64 + sums) * at_once as f64;
     out.add("memory", bytes(memory));
     out.add("disk", bytes(disk(scenario, &runs, grains, beds.len())));
     let million = 1e-6 * speed;
@@ -281,15 +280,15 @@ fn runs(scenario: &Scenario, speed: f64, out: &mut Lines) {
         let plan = &beds[run.bed];
         let depth = planned_depth(scenario, plan);
         let contact = scenario.law.contact_duration(
-            run.speed,
+            run.motion.speed,
             0.5 * scenario.mean_diameter(),
             scenario.bed.density,
         ) / scenario.drag.dt;
         rows.push([
             run.name.clone(),
-            run.steps.to_string(),
-            range(run.steps, scenario.grain_count(plan.diameter), speed),
-            short(run.speed),
+            run.steps().to_string(),
+            range(run.steps(), scenario.grain_count(plan.diameter), speed),
+            short(run.motion.speed),
             short(run.froude),
             short(inertial(scenario, &run, plan.diameter, depth)),
             short(contact),
@@ -355,26 +354,26 @@ fn points(scenario: &Scenario) -> [f64; 3] {
     grid.map_or([0; 3], |grid| grid.counts).map(|n| n as f64)
 }
 
-pub(crate) fn disk(scenario: &Scenario, runs: &[RunPlan], grains: usize, beds: usize) -> f64 {
+pub(crate) fn disk(scenario: &Scenario, runs: &[DragPlan], grains: usize, beds: usize) -> f64 {
     let grains = grains as f64;
     // Twice: in the library and in the run directory.
     let bed = grains * (2.0 * CHECKPOINT + DATA);
-    let rows = |run: &RunPlan| (run.steps / scenario.measure.every) as f64;
-    let states = |run: &RunPlan| run.checkpoints.len() as f64 * grains * CHECKPOINT;
-    let shown = |run: &RunPlan| run.snapshots.len() as f64 * grains * SNAPSHOT;
+    let rows = |run: &DragPlan| (run.steps() / scenario.measure.every) as f64;
+    let states = |run: &DragPlan| run.checkpoints.len() as f64 * grains * CHECKPOINT;
+    let shown = |run: &DragPlan| run.snapshots.len() as f64 * grains * SNAPSHOT;
     let (points, plans) = (points(scenario), scenario.beds());
-    let fields = |run: &RunPlan| {
+    let fields = |run: &DragPlan| {
         let whole = points[0] * points[1] * points[2];
         whole * (IMAGE + SUMS * run.checkpoints.len() as f64) + points[0] * points[2] * PLANE
     };
     let d = scenario.mean_diameter();
-    let frames = |run: &RunPlan| {
+    let frames = |run: &DragPlan| {
         let reach = crate::frames::reach(0.5 * plans[run.bed].diameter / d);
         let width = (2.0 * reach).min(scenario.bed.size[0] / d);
         run.frames.len() as f64 * width * 2.0 * reach * CUTS * CUT
     };
     let drag =
-        |run: &RunPlan| rows(run) * ROW + states(run) + shown(run) + fields(run) + frames(run);
+        |run: &DragPlan| rows(run) * ROW + states(run) + shown(run) + fields(run) + frames(run);
     beds as f64 * bed + runs.iter().map(drag).sum::<f64>()
 }
 
@@ -413,19 +412,9 @@ fn stiffness(scenario: &Scenario) -> f64 {
 }
 
 /// `(V/D) d / sqrt(P/rho)` with the pressure `P = phi rho g h` at the intruder's depth.
-fn inertial(scenario: &Scenario, run: &RunPlan, diameter: f64, depth: f64) -> f64 {
-    let rate = run.speed / diameter;
+fn inertial(scenario: &Scenario, run: &DragPlan, diameter: f64, depth: f64) -> f64 {
+    let rate = run.motion.speed / diameter;
     rate * scenario.mean_diameter() / (PACKING_GUESS * scenario.gravity * depth).sqrt()
-}
-
-/// Bytes in words.
-pub fn bytes(count: f64) -> String {
-    match count {
-        0.0..1e3 => format!("{count:.0} B"),
-        1e3..1e6 => format!("{:.0} kB", 1e-3 * count),
-        1e6..1e9 => format!("{:.0} MB", 1e-6 * count),
-        _ => format!("{:.1} GB", 1e-9 * count),
-    }
 }
 
 /// Seconds in words.
@@ -450,8 +439,7 @@ mod tests {
     }
 
     #[test]
-    fn sizes_and_times_are_told_in_words() {
-        assert_eq!(bytes(1.3e6), "1 MB");
+    fn times_are_told_in_words() {
         assert_eq!(duration(7200.0), "2.0 h");
     }
 }

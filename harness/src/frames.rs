@@ -4,8 +4,8 @@
 use bitgrain_kernel::Shape;
 
 use crate::files::bits;
+use crate::motion::{Motion, Moves};
 use crate::observe::INTRUDER;
-use crate::scenario::{Moves, RunPlan, Scenario};
 use crate::series::finite;
 use crate::sim::{Role, Sim};
 
@@ -77,19 +77,19 @@ pub fn plane(sim: &Sim) -> f64 {
 }
 
 /// The rows of one frame: numbers to a thousandth, which is finer than any screen shows.
-pub fn rows(sim: &Sim, scenario: &Scenario, plan: &RunPlan, step: u64) -> String {
-    let d = scenario.mean_diameter();
+pub fn rows(sim: &Sim, motion: &Motion, step: u64) -> String {
+    let d = motion.grain_diameter;
     let body = &sim.obstacles[INTRUDER as usize];
     let (centre, y) = (body.point, plane(sim));
     let reach = reach(body.reach() / d);
     let size = sim.domain.hi();
     let size = [size[0] - sim.domain.lo()[0], size[1] - sim.domain.lo()[1]];
     let half = reach.min(0.5 * size[0] / d);
-    let frame = match scenario.drag.moves {
+    let frame = match motion.moves {
         Moves::Intruder => 0.0,
-        Moves::Bed => plan.speed,
+        Moves::Bed => motion.speed,
     };
-    let travel = step as f64 * sim.dt * plan.speed / d;
+    let travel = motion.travel(step) / d;
     let mut out = String::new();
     for i in 0..sim.count() {
         let [px, py, pz, radius] = sim.position[i];
@@ -102,7 +102,7 @@ pub fn rows(sim: &Sim, scenario: &Scenario, plan: &RunPlan, step: u64) -> String
         let x = nearest(px - centre[0], size[0]) / d;
         let z = (pz - centre[2]) / d;
         let [u, v, w, _] = sim.velocity[i];
-        let [u, v, w] = [u - frame, v, w].map(|v| v / plan.speed);
+        let [u, v, w] = [u - frame, v, w].map(|v| v / motion.speed);
         let speed = (u * u + v * v + w * w).sqrt();
         let role = match sim.role(i) {
             Role::Free => "free",
@@ -236,15 +236,15 @@ mod tests {
         let ball = Obstacle::sphere([19.0, 4.0, 3.0], 1.0);
         let law = AnyLaw::HertzHistory(reference::history(0.0));
         let sim = Sim::new(law, domain, 1e-3, groups, &grains, vec![ball]);
-        let mut quick = crate::scenario::load("quick", &[]).unwrap();
+        let quick = crate::scenario::load("quick", &[]).unwrap();
         let mut plan = quick.runs()[0].clone();
-        plan.speed = 2.0;
+        (plan.motion.speed, plan.motion.dt) = (2.0, sim.dt);
         let still = "50,0.100,1.500,1.000,0.400,0.500,0.250,0.559,free\n\
                      50,0.100,-1.000,-2.500,0.500,0.000,0.000,0.000,base\n";
-        assert_eq!(rows(&sim, &quick, &plan, 50), still);
+        assert_eq!(rows(&sim, &plan.motion, 50), still);
         // Relative to a base that moves with V.
-        quick.drag.moves = Moves::Bed;
-        let moving = rows(&sim, &quick, &plan, 50);
+        plan.motion.moves = Moves::Bed;
+        let moving = rows(&sim, &plan.motion, 50);
         assert!(
             moving.starts_with("50,0.100,1.500,1.000,0.400,-0.500,0.250,0.559"),
             "{moving}"

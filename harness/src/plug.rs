@@ -24,7 +24,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::report::short;
+use crate::format::short;
 
 /// What the ratio says of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -1,9 +1,11 @@
 //! From the files of a run directory to its report.
 
 use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
 
 use bitgrain_kernel::Shape;
 
+use crate::bed::library::Library;
 use crate::checkpoint;
 use crate::disk::write_whole;
 use crate::error::{Error, Result};
@@ -16,11 +18,14 @@ use crate::folder::Folder;
 use crate::frames::{self, Frame, Slice};
 use crate::lammps::{Atom, parse_dump};
 use crate::manifest::{Of, Vouched};
+use crate::motion::Moves;
 use crate::observe::INTRUDER;
+use crate::progress::Progress;
 use crate::report::{
     self, BedPicture, Course, Drawings, FieldPicture, Film, FlowGrain, FlowPicture, PictureGrain,
 };
-use crate::scenario::{Moves, RunPlan, Scenario};
+use crate::run::{self, Setting};
+use crate::scenario::{DragPlan, Scenario};
 use crate::series::{SeriesRow, parse_series};
 use crate::sim::Role;
 use crate::summary::{BedSummary, RunSummary, Summary, read_folder};
@@ -111,8 +116,33 @@ pub fn write_report(folder: &Folder<'_>) -> Result<()> {
     write_whole(&folder.report(), page.as_bytes())
 }
 
+/// Runs a scenario into a folder, saving now and then, and returns the path of its report: [`run::run_in`].
+///
+/// # Errors
+/// As [`run::run_in`].
+pub fn run(
+    scenario: &Scenario,
+    out: &Path,
+    library: &Library,
+    threads: usize,
+    progress: &Progress,
+) -> Result<PathBuf> {
+    run::run_in(Setting {
+        scenario,
+        folder: &Folder(out),
+        library,
+        threads,
+        save: run::SaveEvery::default(),
+        frames: true,
+        only: &[],
+        write_report,
+        progress,
+    })
+    .map(|done| done.expect("all drags were wanted").report)
+}
+
 /// The drags of a summary with their plans.
-fn plans(whole: &Summary) -> Result<Vec<(&RunSummary, RunPlan)>> {
+fn plans(whole: &Summary) -> Result<Vec<(&RunSummary, DragPlan)>> {
     let plans = whole.inputs.runs();
     let plan = |run: &RunSummary| plans.iter().find(|plan| plan.name == run.name).cloned();
     let each = whole.runs.iter();
@@ -221,7 +251,7 @@ fn frames_of(
     folder: &Folder<'_>,
     vouched: &Vouched,
     run: &RunSummary,
-    plan: &RunPlan,
+    plan: &DragPlan,
 ) -> Result<Vec<Frame>> {
     let mut all = Vec::new();
     for &step in &plan.checkpoints {
@@ -272,7 +302,7 @@ fn panel_of(frame: &Frame, run: &RunSummary, still: &Still, d: f64) -> FlowPictu
 fn flow(
     folder: &Folder<'_>,
     vouched: &Vouched,
-    (run, plan): (&RunSummary, &RunPlan),
+    (run, plan): (&RunSummary, &DragPlan),
     still: &Still,
     (packed, d): (bool, f64),
 ) -> Result<Option<FlowPicture>> {

@@ -1,8 +1,8 @@
 //! What to know before the numbers of a run are believed: told when it ends, and at the top of its report.
 
 use crate::claims::{FAR_FIELD_LEAST, overlap_remark};
+use crate::format::short;
 use crate::plug::Plug;
-use crate::report::short;
 use crate::summary::{BedSummary, Flow, RunSummary, Summary};
 
 /// Packing fraction above which equal spheres are no random packing (random close packing).

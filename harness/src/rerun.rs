@@ -7,8 +7,8 @@ use crate::drag::Dragging;
 use crate::error::{Error, Result};
 use crate::folder::Folder;
 use crate::progress::{Progress, Stage};
-use crate::run::{self, DragPlan, bare_beds, surveyed};
-use crate::scenario::{BedPlan, RunPlan, Scenario};
+use crate::run::{self, DragTask, surveyed};
+use crate::scenario::{BedPlan, DragPlan, Scenario};
 use crate::sim::Sim;
 use crate::summary::BedSummary;
 use crate::witness::Witness;
@@ -22,7 +22,7 @@ pub struct Past<'a> {
     /// Its beds: those below lids, then those that are dragged through.
     pub beds: Vec<BedPlan>,
     /// Its drags.
-    pub runs: Vec<RunPlan>,
+    pub runs: Vec<DragPlan>,
 }
 
 /// A stage of a run.
@@ -31,7 +31,7 @@ pub enum Part<'a> {
     /// A bed, from release to rest.
     Bed(&'a BedPlan),
     /// A drag.
-    Drag(&'a RunPlan),
+    Drag(&'a DragPlan),
 }
 
 impl Part<'_> {
@@ -51,7 +51,7 @@ impl<'a> Past<'a> {
     /// As [`Folder::saved_scenario`].
     pub fn open(folder: &'a Folder<'a>) -> Result<Self> {
         let scenario = folder.saved_scenario()?;
-        let mut beds = bare_beds(&scenario);
+        let mut beds = scenario.bare_beds();
         for plan in scenario.beds() {
             if !beds.contains(&plan) {
                 beds.push(plan);
@@ -93,7 +93,7 @@ impl<'a> Past<'a> {
     ///
     /// # Errors
     /// Where its checkpoint cannot be read.
-    pub fn bed_of(&self, run: &RunPlan) -> Result<BedSummary> {
+    pub fn bed_of(&self, run: &DragPlan) -> Result<BedSummary> {
         self.bed(&self.scenario.beds()[run.bed])
     }
 
@@ -107,8 +107,8 @@ impl<'a> Past<'a> {
     }
 
     /// A drag with its bed.
-    pub fn drag<'b>(&'b self, plan: &'b RunPlan, bed: &'b BedSummary) -> DragPlan<'b> {
-        DragPlan {
+    pub fn drag<'b>(&'b self, plan: &'b DragPlan, bed: &'b BedSummary) -> DragTask<'b> {
+        DragTask {
             folder: self.folder,
             scenario: &self.scenario,
             plan,
@@ -120,7 +120,7 @@ impl<'a> Past<'a> {
     ///
     /// # Errors
     /// Where the checkpoint cannot be read or is another drag's.
-    pub fn state(&self, drag: DragPlan<'_>, step: u64) -> Result<(Sim, Dragging)> {
+    pub fn state(&self, drag: DragTask<'_>, step: u64) -> Result<(Sim, Dragging)> {
         if step == 0 {
             return run::begin(drag);
         }
@@ -128,7 +128,7 @@ impl<'a> Past<'a> {
     }
 
     /// The last step at or before this one at which the state of a drag was kept.
-    pub fn kept_before(&self, plan: &RunPlan, step: u64) -> u64 {
+    pub fn kept_before(&self, plan: &DragPlan, step: u64) -> u64 {
         let kept = plan.checkpoints.iter().rev().copied();
         let mut kept = kept.filter(|&n| n <= step);
         let is_there = |&n: &u64| disk::is_there(&self.folder.checkpoint(&plan.name, n));
@@ -157,7 +157,7 @@ impl<'a> Past<'a> {
                 let drag = self.drag(plan, &bed);
                 let (mut sim, mut dragging) = self.state(drag, self.kept_before(plan, from))?;
                 stage.resume(dragging.step);
-                dragging.go_on(&mut sim, &self.scenario, plan, &stage, witness)?;
+                dragging.go_on(&mut sim, plan, &stage, witness)?;
             }
         }
         Ok(())

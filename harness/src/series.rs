@@ -6,7 +6,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
 use crate::files::{bits, read_text};
-use crate::scenario::Measure;
 use crate::units::Units;
 
 /// One row of a force series.
@@ -52,13 +51,30 @@ pub const SERIES_COLUMNS: [&str; 15] = [
     "coordination",
 ];
 
+/// Which of the columns that may be left out a series file has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Columns {
+    /// The torque.
+    pub torque: bool,
+    /// The three about contacts.
+    pub contacts: bool,
+}
+
+impl Columns {
+    /// All of them.
+    pub const ALL: Self = Self {
+        torque: true,
+        contacts: true,
+    };
+}
+
 /// The text of a series file: a line of units, the column names, the rows; shortest decimals that
 /// read back to the same bits, nothing where there is none. Torque and the three columns about
-/// contacts are there as `measure` says.
-pub fn series_text(units: &Units, measure: &Measure, rows: &[SeriesRow]) -> String {
+/// contacts are there as `asked`.
+pub fn series_text(units: &Units, asked: Columns, rows: &[SeriesRow]) -> String {
     let wanted = |name: &str| match name {
-        "torque_x" | "torque_y" | "torque_z" => measure.torque,
-        "contacts" | "angle" | "coordination" => measure.contacts,
+        "torque_x" | "torque_y" | "torque_z" => asked.torque,
+        "contacts" | "angle" | "coordination" => asked.contacts,
         _ => true,
     };
     let columns: Vec<&str> = SERIES_COLUMNS
@@ -194,7 +210,7 @@ mod tests {
         };
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("series.csv");
-        std::fs::write(&path, series_text(&units, &Measure::default(), &[row, row])).unwrap();
+        std::fs::write(&path, series_text(&units, Columns::ALL, &[row, row])).unwrap();
         assert_eq!(read_series(&path).unwrap(), [row, row]);
         std::fs::write(&path, "step,time\n1,2\n3\n").unwrap();
         let error = read_series(&path).unwrap_err().to_string();

@@ -6,8 +6,8 @@ use crate::bed::library::{Entry, Library};
 use crate::bed::{self, recipe::Recipe};
 use crate::checkpoint;
 use crate::error::{Error, Result};
-use crate::forecast::bytes;
-use crate::report::short;
+use crate::format::bytes;
+use crate::format::short;
 use crate::scenario::UnitSystem;
 
 /// The beds as a table with the disk they use.

@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::blocks::{BlockSums, Mean};
 use crate::histogram::{Angles, Coordination};
+use crate::motion::Moves;
 use crate::observe::{self, INTRUDER};
-use crate::scenario::Moves;
 use crate::sim::{Role, Sim};
 
 /// Grains whose centres lie within so many mean diameters of the intruder's surface are its

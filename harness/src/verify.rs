@@ -23,14 +23,14 @@ use crate::progress::Progress;
 use crate::random::{Purpose, uniforms};
 use crate::rerun::{Part, Past};
 use crate::run::{self, side_by_side};
-use crate::scenario::{BedPlan, RunPlan};
+use crate::scenario::{BedPlan, DragPlan};
 use crate::witness::Witness;
 
 /// Steps between two states that were kept, or a whole bed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Piece<'a> {
     Bed(&'a BedPlan),
-    Drag(&'a RunPlan, u64, u64),
+    Drag(&'a DragPlan, u64, u64),
 }
 
 impl Piece<'_> {
@@ -271,7 +271,7 @@ fn bed_again(past: &Past<'_>, plan: &BedPlan, progress: &Progress) -> Result<Fin
 /// Drags again from one kept state to the next.
 fn drag_again(
     past: &Past<'_>,
-    plan: &RunPlan,
+    plan: &DragPlan,
     steps: [u64; 2],
     progress: &Progress,
 ) -> Result<Finding> {
@@ -305,7 +305,7 @@ fn drag_again(
     }
     let mut stage = progress.stage(&format!("{} from {from}", plan.name), to);
     stage.resume(from);
-    dragging.go_on(&mut sim, &past.scenario, plan, &stage, &mut check)?;
+    dragging.go_on(&mut sim, plan, &stage, &mut check)?;
     // There may be none: they are there to look at, and not all runs have them.
     let film = past.folder.frames(&plan.name, to);
     if disk::is_there(&film) && disk::read(&film)? != frames::text(&check.frames).into_bytes() {
@@ -315,7 +315,7 @@ fn drag_again(
     let note = dragging.note();
     let mut same = checkpoint::pack(&mut sim, &note)? == bytes;
     let mut more = String::new();
-    if same && check.broken.is_none() && to == plan.steps {
+    if same && check.broken.is_none() && to == plan.steps() {
         let (tables, summary) = run::results(drag, &dragging, &mut sim)?;
         let place = past.folder.of_run(&plan.name, "summary.json");
         let summary = run::json_text(

@@ -31,7 +31,8 @@ pub use yields::{Method, Yield};
 use serde::{Deserialize, Serialize};
 
 use crate::campaign::table::Table;
-use crate::fit::{Refusal, round10};
+use crate::fit::Refusal;
+use crate::format::round10;
 
 /// What was found, or why it was not.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -6,7 +6,7 @@ use super::{
 };
 use crate::fit::Fit;
 use crate::fit::regimes::Regimes;
-use crate::report::{number_with_error, short};
+use crate::format::{number_with_error, short};
 
 fn value(v: &Value) -> String {
     number_with_error(v.value, v.error)

@@ -9,6 +9,7 @@
 //! once more under its own law.
 
 mod assemble;
+mod course;
 pub mod import;
 mod lattice;
 pub mod library;
@@ -21,18 +22,18 @@ mod survey;
 #[cfg(test)]
 mod tests;
 
-pub use pouring::{Course, Phase, Pouring};
+pub use course::{Course, Phase, Pouring};
 pub use proof::prove;
-pub use settle::energy_of_borne;
-pub use survey::{Measures, survey};
+pub use survey::{Measures, energy_of_borne, survey};
 
 use bitgrain_kernel::{Domain, Fault, Group, Obstacle, Shape as Body};
 
 use crate::error::{Error, Result};
+use crate::motion::Moves;
 use crate::observe;
 use crate::order::spatial_order;
 use crate::progress::Stage;
-use crate::scenario::{BedPlan, Moves, PACKING_GUESS, Pouring as Order, Scenario, Shape};
+use crate::scenario::{BedPlan, PACKING_GUESS, Pouring as Order, Scenario, Shape};
 use crate::sim::{Sim, sphere_mass};
 use assemble::{Member, assemble};
 use lattice::Lattice;

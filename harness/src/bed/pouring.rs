@@ -1,17 +1,16 @@
 //! A bed on its way from the first grain's release to rest: phase by phase, from a checkpoint on where it
 //! was stopped.
 
-use serde::{Deserialize, Serialize};
-
+use super::course::{Course, Phase, Pouring};
 use super::lattice::Lattice;
 use super::recipe::Recipe;
-use super::settle::{fallen, rest, settle, stopped, upward};
+use super::settle::{fallen, rest, settle, upward};
+use super::survey::stopped;
 use super::{buried, dropped, freeze_base, lid, renumbered};
 use crate::chain::{self, Chain};
 use crate::checkpoint::Note;
 use crate::error::Result;
-use crate::forecast::MEMORY;
-use crate::memory::room;
+use crate::memory::{PER_GRAIN, room};
 use crate::progress::Stage;
 use crate::scenario::{BedPlan, Pouring as Order, Scenario};
 use crate::sim::Sim;
@@ -19,47 +18,6 @@ use crate::witness::Witness;
 
 /// Steps between links of a bed's chain: beds are shared by scenarios, so it is the same for all.
 const LINKS: u64 = 1000;
-
-/// Where a bed is on its way.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Phase {
-    /// Grains fall, all of them or those below the intruder.
-    Fall,
-    /// The rest of them falls, over the intruder.
-    Fill,
-    /// What motion is left is taken out with more damping.
-    Quench,
-    /// The bed rests under its own law.
-    Rest,
-    /// It is settled.
-    Settled,
-}
-
-/// All that one look at a bed hands to the next besides the state itself.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Course {
-    /// Digest of the bed's recipe; empty for a bed of others.
-    key: String,
-    phase: Phase,
-    /// Step at which the phase began.
-    pub(super) begin: u64,
-    /// Upward force on the intruder at the look before.
-    pub(super) before: f64,
-    /// Height that the grains fall from.
-    top: f64,
-    /// Digests of its states.
-    chain: Chain,
-}
-
-/// A bed under way.
-pub struct Pouring {
-    /// The state.
-    pub sim: Sim,
-    /// What belongs to it.
-    pub course: Course,
-}
 
 impl Pouring {
     /// The grains of a bed as they are let fall; its lid is not yet on it.
@@ -70,7 +28,7 @@ impl Pouring {
         let lowest = plan.center[2] - 0.5 * plan.diameter;
         let count = scenario.grain_count(plan.diameter);
         room(
-            MEMORY * count as f64,
+            PER_GRAIN * count as f64,
             &format!("{count} grains of {}", plan.name),
         )?;
         let (first, beside) = match scenario.bed.pouring {
@@ -166,7 +124,7 @@ impl Pouring {
             let phase = self.course.phase;
             let goal = match phase {
                 Phase::Fall | Phase::Fill => fallen(scenario, self.course.top),
-                _ => rest(scenario, plan, phase),
+                _ => rest(scenario, plan, phase == Phase::Quench),
             };
             if !settle(self, scenario, plan, &goal, stage, witness)? {
                 return Ok(false);
@@ -228,50 +186,4 @@ pub(super) fn quenching(scenario: &Scenario) -> crate::sim::AnyLaw {
     scenario
         .law
         .quenching(scenario.drag.dt, scenario.mean_diameter())
-}
-
-impl Course {
-    /// What a checkpoint holds of it. Only a settled bed has its recipe's digest.
-    pub fn note(&self) -> Note {
-        let settled = self.phase == Phase::Settled;
-        Note {
-            recipe: if settled {
-                self.key.clone()
-            } else {
-                String::new()
-            },
-            link: self.chain.end().to_string(),
-            course: serde_json::to_string(self).expect("what is measured is finite"),
-            ..Note::default()
-        }
-    }
-
-    /// Reads it from a checkpoint's note.
-    ///
-    /// # Errors
-    /// What is wrong with the note.
-    pub fn of(note: &Note) -> std::result::Result<Self, String> {
-        let read: Self =
-            serde_json::from_str(&note.course).map_err(|e| format!("holds no bed: {e}"))?;
-        if read.chain.end() == note.link {
-            Ok(read)
-        } else {
-            Err("does not hold the bed that its chain of digests is of".into())
-        }
-    }
-
-    /// Whether the bed is in this phase.
-    pub fn is_in(&self, phase: Phase) -> bool {
-        self.phase == phase
-    }
-
-    /// Whether this is a bed by that recipe.
-    pub fn is_by(&self, recipe: &Recipe) -> bool {
-        self.key == recipe.digest()
-    }
-
-    /// Digests of its states.
-    pub fn chain(&self) -> &Chain {
-        &self.chain
-    }
 }

@@ -1,6 +1,6 @@
 //! Whether the bytes of a checkpoint are a settled bed by a recipe, as far as they themselves can tell.
 
-use super::pouring::{Course, Phase};
+use super::course::{Course, Phase};
 use super::recipe::Recipe;
 use crate::chain::{self, Chain};
 use crate::checkpoint;

@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::checkpoint::FORMAT;
 use crate::law::LawSpec;
-use crate::scenario::{BedPlan, LidPlan, Moves, Pouring, Scenario, Shape, UnitSystem};
+use crate::motion::Moves;
+use crate::scenario::{BedPlan, LidPlan, Pouring, Scenario, Shape, UnitSystem};
 use crate::sim::hex;
 
 /// Names the procedure of pouring. A change that gives other beds from equal scenarios raises it.

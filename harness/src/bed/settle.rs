@@ -1,14 +1,15 @@
 //! Rest: when the fall is over, how the motion left is taken out, and when a bed counts as settled.
 
-use bitgrain_kernel::{Bond, Fault};
+use bitgrain_kernel::Fault;
 
-use super::Measures;
-use super::pouring::{Phase, Pouring};
+use super::course::Pouring;
+use super::survey::{energy_of_borne, energy_per_grain, stopped};
 use crate::error::{Error, Result};
+use crate::motion::Moves;
 use crate::observe::{INTRUDER, weight_and_support};
 use crate::progress::Stage;
-use crate::scenario::{BedPlan, Moves, Scenario, Shape};
-use crate::sim::{Role, Sim, sphere_mass};
+use crate::scenario::{BedPlan, Scenario, Shape};
+use crate::sim::Sim;
 use crate::witness::Witness;
 
 /// Steps between looks at the kinetic energy. Part of the recipe: it decides where settling ends.
@@ -56,7 +57,7 @@ pub struct Goal {
 /// spins on a point. There, under more damping, all grains are stopped each time the kinetic energy passes
 /// a maximum, where a mode of oscillation is at its equilibrium: the kinetic damping of dynamic relaxation
 /// (Cundall 1976).
-pub fn rest(scenario: &Scenario, plan: &BedPlan, phase: Phase) -> Goal {
+pub fn rest(scenario: &Scenario, plan: &BedPlan, quench: bool) -> Goal {
     let lattice_fall = scenario.expected_surface(plan.diameter);
     let sphere = scenario.intruder.shape == Shape::Sphere;
     Goal {
@@ -64,7 +65,7 @@ pub fn rest(scenario: &Scenario, plan: &BedPlan, phase: Phase) -> Goal {
         carried: true,
         steady: (!sphere || plan.lid.is_some()).then_some(STEADY),
         borne: plan.lid.is_some_and(|lid| !lid.pressure_gradient),
-        halting: phase == Phase::Quench && halts(scenario, plan),
+        halting: quench && halts(scenario, plan),
         least: 2 * LOOK,
         fall_steps: steps_of_fall(scenario, lattice_fall),
     }
@@ -95,10 +96,6 @@ pub fn fallen(scenario: &Scenario, height: f64) -> Goal {
         least: fall_steps,
         fall_steps,
     }
-}
-
-pub fn stopped(bed: &str, sim: &Sim, fault: Fault) -> Error {
-    Error::run(format!("pouring {bed}"), sim.step_count() + 1, fault)
 }
 
 /// Steps on until the goal is reached. Says whether it was: not where `witness` has seen enough before.
@@ -229,44 +226,12 @@ fn halt(sim: &mut Sim) -> std::result::Result<(), Fault> {
     sim.resume(&bonds)
 }
 
-/// Kinetic energy of the grains with two contacts or more, per free grain, over a grain's mean weight
-/// times its mean diameter: what says that a bed without weight rests, for a grain that was squeezed
-/// out of one flies on.
-pub fn energy_of_borne(sim: &mut Sim, measures: &Measures) -> f64 {
-    let mut contacts = vec![0u32; sim.count()];
-    for bond in sim.bonds() {
-        match bond {
-            Bond::Pair { i, j, .. } => {
-                contacts[i as usize] += 1;
-                contacts[j as usize] += 1;
-            }
-            Bond::Touch { i, .. } => contacts[i as usize] += 1,
-        }
-    }
-    let borne = (0..sim.count()).filter(|&i| contacts[i] > 1);
-    let energy = borne.map(|i| sim.kinetic_energy_of(i)).sum::<f64>();
-    per_grain(energy, sim, measures)
-}
-
-/// Kinetic energy per free grain over a grain's mean weight times its mean diameter.
-pub fn energy_per_grain(sim: &Sim, measures: &Measures) -> f64 {
-    per_grain(sim.kinetic_energy(), sim, measures)
-}
-
-fn per_grain(energy: f64, sim: &Sim, measures: &Measures) -> f64 {
-    let free = (0..sim.count())
-        .filter(|&i| sim.role(i) == Role::Free)
-        .count();
-    let free = free.max(1) as f64;
-    let weight = sphere_mass(measures.diameter, measures.density) * measures.gravity;
-    energy / free / (weight * measures.diameter)
-}
-
 #[cfg(test)]
 mod tests {
     use bitgrain_kernel::{Domain, Group, Obstacle};
 
     use super::*;
+    use crate::bed::survey::Measures;
     use crate::law::LawSpec;
     use crate::sim::Grain;
 

@@ -1,10 +1,10 @@
 //! What is read off a settled bed.
 
-use super::settle::{energy_per_grain, stopped};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::observe::{self, INTRUDER};
-use crate::sim::{Role, Sim, hex};
+use crate::sim::{Role, Sim, hex, sphere_mass};
 use crate::summary::BedSummary;
+use bitgrain_kernel::{Bond, Fault};
 
 /// What a survey must know besides the state.
 #[derive(Clone, Copy, Debug)]
@@ -46,4 +46,41 @@ pub fn survey(name: &str, measures: &Measures, sim: &mut Sim) -> Result<BedSumma
         digest: hex(&digest.whole),
         rig: None,
     })
+}
+
+pub fn stopped(bed: &str, sim: &Sim, fault: Fault) -> Error {
+    Error::run(format!("pouring {bed}"), sim.step_count() + 1, fault)
+}
+
+/// Kinetic energy of the grains with two contacts or more, per free grain, over a grain's mean weight
+/// times its mean diameter: what says that a bed without weight rests, for a grain that was squeezed
+/// out of one flies on.
+pub fn energy_of_borne(sim: &mut Sim, measures: &Measures) -> f64 {
+    let mut contacts = vec![0u32; sim.count()];
+    for bond in sim.bonds() {
+        match bond {
+            Bond::Pair { i, j, .. } => {
+                contacts[i as usize] += 1;
+                contacts[j as usize] += 1;
+            }
+            Bond::Touch { i, .. } => contacts[i as usize] += 1,
+        }
+    }
+    let borne = (0..sim.count()).filter(|&i| contacts[i] > 1);
+    let energy = borne.map(|i| sim.kinetic_energy_of(i)).sum::<f64>();
+    per_grain(energy, sim, measures)
+}
+
+/// Kinetic energy per free grain over a grain's mean weight times its mean diameter.
+pub fn energy_per_grain(sim: &Sim, measures: &Measures) -> f64 {
+    per_grain(sim.kinetic_energy(), sim, measures)
+}
+
+fn per_grain(energy: f64, sim: &Sim, measures: &Measures) -> f64 {
+    let free = (0..sim.count())
+        .filter(|&i| sim.role(i) == Role::Free)
+        .count();
+    let free = free.max(1) as f64;
+    let weight = sphere_mass(measures.diameter, measures.density) * measures.gravity;
+    energy / free / (weight * measures.diameter)
 }

@@ -1,7 +1,8 @@
 //! Pouring in turn from inside, and states taken apart and put together again.
 
 use super::pouring::quenching;
-use super::settle::{energy_per_grain, fallen, rest, settle};
+use super::settle::{fallen, rest, settle};
+use super::survey::energy_per_grain;
 use super::*;
 use crate::observe::INTRUDER;
 use crate::scenario;
@@ -95,7 +96,7 @@ fn the_cylinder_comes_into_a_bed_at_rest() {
     bed.sim.law = quenching(&scenario);
     for phase in [Phase::Quench, Phase::Rest] {
         bed.enter(phase);
-        let goal = rest(&scenario, plan, phase);
+        let goal = rest(&scenario, plan, phase == Phase::Quench);
         settle(&mut bed, &scenario, plan, &goal, stage, &mut ()).unwrap();
         bed.sim.law = whole.law;
     }

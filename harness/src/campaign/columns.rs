@@ -1,9 +1,9 @@
 //! The columns of a campaign's table: inputs, observables with their standard errors, digests.
 
 use crate::blocks::Mean;
-use crate::fit::round10;
+use crate::format::round10;
 use crate::law::LawSpec;
-use crate::scenario::{RunPlan, Scenario};
+use crate::scenario::{DragPlan, Scenario};
 use crate::summary::{Flow, RunRecord};
 
 /// Grains with so many contacts or more share the last of the columns of coordination numbers.
@@ -26,7 +26,7 @@ pub struct Row<'a> {
     /// The member's scenario.
     pub scenario: &'a Scenario,
     /// The run.
-    pub plan: RunPlan,
+    pub plan: DragPlan,
     /// How it ended.
     pub status: &'a Status,
 }
@@ -203,12 +203,12 @@ fn inputs(all: &mut Vec<Column>) {
     real(all, "effective_depth_asked", Unit::Length, move |row| {
         plan(row).lid?.effective_depth
     });
-    real(all, "speed", Unit::Speed, |row| Some(row.plan.speed));
+    real(all, "speed", Unit::Speed, |row| Some(row.plan.motion.speed));
     real(all, "froude", Unit::None, |row| Some(row.plan.froude));
     real(all, "dt", Unit::Time, |row| Some(row.scenario.drag.dt));
     real(all, "distance", Unit::Length, |row| Some(row.plan.distance));
     real(all, "discard", Unit::Length, |row| Some(row.plan.discard));
-    whole(all, "steps", |row| Some(row.plan.steps));
+    whole(all, "steps", |row| Some(row.plan.steps()));
     whole(all, "every", |row| Some(row.scenario.measure.every));
 }
 

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::plan::{Member, Plan};
-use super::{changes, written};
+use super::written;
+use crate::changes;
 use crate::disk::{self, Kind};
 use crate::error::{Error, Result};
 use crate::files::bits;

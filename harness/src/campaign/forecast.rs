@@ -7,8 +7,8 @@ use super::plan::Plan;
 use crate::bed::{self, library::Library, recipe::Recipe};
 use crate::error::Result;
 use crate::forecast::{disk, side_by_side, trial};
-use crate::report::short;
-use crate::scenario::{RunPlan, Scenario};
+use crate::format::short;
+use crate::scenario::{DragPlan, Scenario};
 
 /// Grain-steps of a job that are counted as one, so that sums stay far below 2^64.
 const GRAIN_STEPS: f64 = 1e6;
@@ -40,8 +40,8 @@ pub fn forecast(
     let (mut bytes, mut count) = (0.0, 0);
     for member in &plan.members {
         let scenario = &member.scenario;
-        let wanted = |run: &RunPlan| only.wants(&member.name, &run.name);
-        let plans: Vec<RunPlan> = scenario.runs().into_iter().filter(wanted).collect();
+        let wanted = |run: &DragPlan| only.wants(&member.name, &run.name);
+        let plans: Vec<DragPlan> = scenario.runs().into_iter().filter(wanted).collect();
         if plans.is_empty() {
             continue;
         }
@@ -148,12 +148,12 @@ fn pouring(scenario: &Scenario, library: &Library, recipes: &mut Vec<String>) ->
 }
 
 /// Million grain-steps of each drag.
-fn dragging(scenario: &Scenario, runs: &[RunPlan]) -> Vec<f64> {
+fn dragging(scenario: &Scenario, runs: &[DragPlan]) -> Vec<f64> {
     let beds = scenario.beds();
     runs.iter()
         .map(|run| {
             let grains = scenario.grain_count(beds[run.bed].diameter) as f64;
-            run.steps as f64 * grains / GRAIN_STEPS
+            run.steps() as f64 * grains / GRAIN_STEPS
         })
         .collect()
 }

@@ -4,7 +4,6 @@
 //! its own whose speeds share a bed, [`sweep`] runs what is left of them, and [`table`] holds a row for
 //! every drag: inputs, observables, digest. [`written`] reads back what lies in a campaign's folder.
 
-pub(crate) mod changes;
 pub mod columns;
 pub mod folder;
 pub mod forecast;

@@ -9,7 +9,7 @@ use super::rules::{Rule, damping, followers};
 use crate::disk;
 use crate::error::{Error, Result, wrong_toml};
 use crate::files::read_text;
-use crate::scenario::{self, RunPlan, Scenario};
+use crate::scenario::{self, DragPlan, Scenario};
 
 /// Most members: a guard against a slip of the pen.
 const MEMBERS_MAX: usize = 10_000;
@@ -388,7 +388,13 @@ impl Maker<'_> {
         let speeds = |s: &Scenario| -> Vec<(f64, f64)> {
             // The runs of every bed are alike: the first bed's tell.
             let runs = s.runs().into_iter().filter(|run| run.bed == 0);
-            let speed = |run: &RunPlan| if by_froude { run.froude } else { run.speed };
+            let speed = |run: &DragPlan| {
+                if by_froude {
+                    run.froude
+                } else {
+                    run.motion.speed
+                }
+            };
             runs.map(|run| (speed(&run), run.distance)).collect()
         };
         let mut all = speeds(&member.scenario);

@@ -19,7 +19,7 @@ use crate::files::read_text;
 use crate::folder::{Claim, Folder};
 use crate::manifest::Ledger;
 use crate::progress::{Overall, Progress};
-use crate::run::{self, SaveEvery, Setting, side_by_side};
+use crate::run::{self, SaveEvery, Setting, WriteReport, side_by_side};
 use crate::scenario::{BedPlan, Scenario};
 use crate::summary::{BedSummary, parse_record};
 use jobs::{Job, jobs};
@@ -42,6 +42,8 @@ pub struct Sweep<'a> {
     pub save: SaveEvery,
     /// Whether what failed before is tried again.
     pub retry: bool,
+    /// Writes the report of a member whose drags are all done.
+    pub write_report: WriteReport,
     /// Bars, lines and the wish to stop.
     pub progress: &'a Progress,
 }
@@ -129,6 +131,7 @@ impl Under<'_> {
             // Nobody looks at hundreds of them.
             frames: false,
             only: &[],
+            write_report: self.what.write_report,
             progress,
         }
     }

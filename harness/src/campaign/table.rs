@@ -5,7 +5,7 @@ use std::path::Path;
 use super::columns::{Cell, Row, Status, Unit, columns};
 use crate::error::{CHANGED, Error, Result};
 use crate::files::{bits, read_text};
-use crate::scenario::RunPlan;
+use crate::scenario::DragPlan;
 use crate::summary::{RunRecord, RunSummary, Summary};
 use crate::units::Units;
 
@@ -70,7 +70,7 @@ pub fn of_run(whole: &Summary) -> String {
     let row = |(plan, status)| Row {
         member: &whole.scenario,
         scenario: &whole.inputs,
-        plan: RunPlan::clone(plan),
+        plan: DragPlan::clone(plan),
         status,
     };
     let rows: Vec<Row> = ended

@@ -14,7 +14,7 @@ use crate::manifest::{Manifest, NAME, Of, Vouched};
 use crate::progress::Progress;
 use crate::rerun::Past;
 use crate::run;
-use crate::scenario::RunPlan;
+use crate::scenario::DragPlan;
 use crate::summary::parse_record;
 use crate::verify::{Cause, Job, Scope, check_ends, check_manifest, execute, pieces, sampled};
 
@@ -127,7 +127,7 @@ fn disagreement(
 
 /// Whether the tables are those of the runs that the members' manifests vouch for.
 fn table_holds(folder: &CampaignFolder<'_>, plan: &Plan) -> std::result::Result<(), String> {
-    let mut ended: Vec<(&Member, RunPlan, Status)> = Vec::new();
+    let mut ended: Vec<(&Member, DragPlan, Status)> = Vec::new();
     for member in &plan.members {
         let place = folder.member(&member.name);
         let vouched = Vouched::open(&place, Of::Run).map_err(|e| e.to_string())?;

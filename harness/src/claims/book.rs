@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 use super::verdict::Verdict;
 use crate::analysis::Value;
 use crate::error::{Error, Result, wrong_toml};
-use crate::fit::round10;
-use crate::report::{number_with_error, short};
+use crate::format::round10;
+use crate::format::{number_with_error, short};
 
 /// Most claims of a book.
 const CLAIMS_MAX: usize = 10_000;

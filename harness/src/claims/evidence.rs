@@ -12,7 +12,6 @@ use crate::error::{Error, Result};
 use crate::files::read_text;
 use crate::folder::{Folder, is_of};
 use crate::manifest::{Of, Vouched};
-use crate::report::{Shown, campaign_page};
 use crate::scenario::source::hash;
 use crate::summary::{Summary, parse_summary, read_folder};
 
@@ -98,19 +97,6 @@ impl Evidence {
     /// All findings as JSON.
     pub fn text(&self) -> String {
         text(&self.analysis)
-    }
-
-    /// All findings as a page.
-    pub fn page(&self) -> String {
-        let mut book = Book::shipped();
-        self.record(&mut book);
-        campaign_page(&Shown {
-            name: &self.by,
-            beside: self.beside.as_ref(),
-            table: &self.table,
-            analysis: &self.analysis,
-            book: &book,
-        })
     }
 
     /// How much of a run is done, where it has not come to its end.

@@ -2,9 +2,10 @@
 
 use super::fits::{drag_slope, plateau, same_depth};
 use super::judged::{FAR_FIELD_LEAST, TRAVEL_LEAST, least};
-use super::kumar::{Found, farthest};
+use super::kumar_curves::{Found, farthest};
 use super::load::loads;
 use super::load_claims::measure as measure_loads;
+use super::points::{DEEP, SEEDS};
 use super::points::{Group, Point, Spread, Way, groups};
 use crate::analysis::Value;
 use crate::scenario::Shape;
@@ -16,10 +17,6 @@ const THIN: f64 = 3.3;
 const NEAR: f64 = 0.05;
 /// Lift over buoyancy of the experiment below D/d = 5, as far as the text names it (Guillard 2014, Fig. 5).
 const EXPERIMENT: f64 = 60.0;
-/// Effective depth over D from which a lift counts as saturated without a plateau to tell it.
-pub(super) const DEEP: f64 = 16.0;
-/// Fewest seeds of every point whose lift is told.
-pub(super) const SEEDS: usize = 2;
 
 /// The measurement of a claim of Guillard 2014; `None` where this paper has no such claim, or nothing here
 /// measures it.

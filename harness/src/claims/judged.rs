@@ -1,9 +1,9 @@
 //! A finding with its verdict, and what must hold before a steady value counts.
 
 use super::points::Point;
-use super::statements::Statement;
+use super::verdict::Statement;
 use super::verdict::Verdict;
-use crate::report::short;
+use crate::format::short;
 
 /// Least speed of the far grains over the speed asked for in a bed that follows its base.
 pub const FAR_FIELD_LEAST: f64 = 0.95;

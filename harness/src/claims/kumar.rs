@@ -1,105 +1,12 @@
 //! What a campaign's analysis says of each claim of Kumar 2018.
 
+use super::kumar_curves::{Found, MU, Of, farthest, found, least, mean, name, parameter};
 use super::kumar_scaling::{collapses, exponents, stiffness, yields};
-use crate::analysis::{Analysis, Around, Curve, Finding, Pooled, Scaling, Speeds, Value, Yield};
-use crate::fit::Fit;
+use crate::analysis::{Analysis, Value};
 use crate::fit::regimes::Crossover;
 
-/// A number with what it rests on, or why there is none.
-pub type Found = Result<(Value, String), String>;
-
-/// Friction coefficient of most of the paper.
-pub(super) const MU: f64 = 0.5;
 /// Normal quantile of 97.5 %: a 95 % interval is so many standard errors each way.
 const WIDE: f64 = 1.96;
-
-pub(super) fn parameter(fit: &Fit, name: &str) -> Result<Value, String> {
-    let found = fit.parameter(name).map(Value::from);
-    found.ok_or_else(|| format!("the fit has no {name}"))
-}
-
-pub(super) fn found<T>(finding: &Finding<T>) -> Result<&T, String> {
-    match finding {
-        Finding::Found(found) => Ok(found),
-        Finding::Refused(why) => Err(why.to_string()),
-    }
-}
-
-/// The farthest of some from a number.
-pub(super) fn farthest(all: Vec<(Value, String)>, from: f64, none: &str) -> Found {
-    let far = |v: &Value| (v.value - from).abs();
-    let most = all
-        .into_iter()
-        .reduce(|a, b| if far(&b.0) > far(&a.0) { b } else { a });
-    most.ok_or_else(|| none.to_string())
-}
-
-/// The least of some.
-pub(super) fn least(all: Vec<(Value, String)>, none: &str) -> Found {
-    let less = all
-        .into_iter()
-        .reduce(|a, b| if b.0.value < a.0.value { b } else { a });
-    less.ok_or_else(|| none.to_string())
-}
-
-/// The material that most of a paper is about: of the friction asked for, that with the most curves.
-pub(super) struct Of<'a> {
-    pub(super) analysis: &'a Analysis,
-}
-
-impl<'a> Of<'a> {
-    /// The yield force of the same intruder in grains of another friction.
-    pub(super) fn yield_at(&self, mu: f64, like: &Curve) -> Option<Value> {
-        let same = |c: &Curve| {
-            (c.material.mu - mu).abs() < 1e-9
-                && c.material.kn == like.material.kn
-                && c.diameter == like.diameter
-                && (c.depth_asked - like.depth_asked).abs() < 1e-6
-        };
-        let found = self.curves().find(|(c, ..)| same(c));
-        found.and_then(|(_, _, own)| own.force.found().copied())
-    }
-
-    pub(super) fn curves(&self) -> impl Iterator<Item = (&'a Curve, &'a Speeds, &'a Yield)> {
-        let a = self.analysis;
-        let all = a.curves.iter().zip(&a.speeds).zip(&a.yields);
-        all.map(|((curve, speeds), own)| (curve, speeds, own))
-    }
-
-    fn most<T>(
-        &self,
-        list: &'a [T],
-        mu: f64,
-        of: impl Fn(&T) -> (crate::analysis::Material, usize),
-    ) -> Result<&'a T, String> {
-        let own = list.iter().filter(|x| (of(x).0.mu - mu).abs() < 1e-9);
-        let most = own.reduce(|a, b| if of(b).1 > of(a).1 { b } else { a });
-        most.ok_or_else(|| format!("no run has mu = {mu}"))
-    }
-
-    fn pooled(&self, mu: f64) -> Result<&'a Pooled, String> {
-        self.most(&self.analysis.pooled, mu, |p| (p.material, p.runs))
-    }
-
-    fn around(&self, mu: f64) -> Result<&'a Around, String> {
-        self.most(&self.analysis.around, mu, |a| {
-            (a.material, a.floating.len())
-        })
-    }
-
-    pub(super) fn scaling(&self, mu: f64) -> Result<&'a Scaling, String> {
-        self.most(&self.analysis.scaling, mu, |s| {
-            (s.material, s.phi.len() + s.alpha.len())
-        })
-    }
-}
-
-pub(super) fn name(curve: &Curve) -> String {
-    format!(
-        "mu = {}, D = {}, h = {:.1}",
-        curve.material.mu, curve.diameter, curve.depth
-    )
-}
 
 /// Ratios of drags below Fr = 1 of curves with such friction.
 fn flat(of: &Of, which: impl Fn(f64) -> bool) -> Vec<(Value, String)> {
@@ -110,22 +17,6 @@ fn flat(of: &Of, which: impl Fn(f64) -> bool) -> Vec<(Value, String)> {
         Some((f.ratio, note))
     })
     .collect()
-}
-
-/// Weighted mean of ratios; the error has their scatter in it.
-pub(super) fn mean(all: &[(Value, String)], none: &str) -> Found {
-    let mean = Value::mean(all.iter().map(|(v, _)| *v)).ok_or(none)?;
-    let square = |v: &Value| v.weight() * (v.value - mean.value) * (v.value - mean.value);
-    let scatter =
-        all.iter().map(|(v, _)| square(v)).sum::<f64>() / (all.len() as f64 - 1.0).max(1.0);
-    let scale = if scatter > 1.0 { scatter.sqrt() } else { 1.0 };
-    Ok((
-        Value::new(mean.value, scale * mean.error),
-        match all {
-            [(_, only)] => only.clone(),
-            _ => format!("mean of {} curves", all.len()),
-        },
-    ))
 }
 
 /// The measurement of a claim of Kumar 2018; `None` where this paper has no such claim.

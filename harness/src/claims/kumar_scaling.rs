@@ -1,6 +1,6 @@
 //! What a campaign's analysis says of the claims about yield forces and how they scale.
 
-use super::kumar::{Found, MU, Of, farthest, found, least, mean, name, parameter};
+use super::kumar_curves::{Found, MU, Of, farthest, found, least, mean, name, parameter};
 use crate::analysis::{
     Collapse, Curve, Exponent, Finding, Scaling, Speeds, Stiffness, Value, Yield,
 };

@@ -1,7 +1,7 @@
 //! What runs say together of the load on the cylinder (Guillard 2014, section IV and appendix B).
 
 use super::fits::same_depth;
-use super::guillard::DEEP;
+use super::points::DEEP;
 use super::points::{Group, Point, Spread, axis_stress};
 use crate::analysis::Value;
 use crate::fields::load::{Load, POINTS, Sum, odd, theta};

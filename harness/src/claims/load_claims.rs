@@ -1,9 +1,9 @@
 //! What loads say of each claim of Guillard 2014, section IV and appendix B.
 
-use super::guillard::{DEEP, SEEDS};
-use super::kumar::{Found, farthest};
+use super::kumar_curves::{Found, farthest};
 use super::load::{PointLoad, deep, difference, equation_4, highest, is_deep, odd_part, pairs};
 use super::points::Spread;
+use super::points::{DEEP, SEEDS};
 use crate::analysis::Value;
 use crate::fields::load::{POINTS, WIDTH, theta};
 use crate::fit::Datum;

@@ -7,6 +7,7 @@ mod fits;
 pub mod guillard;
 mod judged;
 pub mod kumar;
+pub mod kumar_curves;
 mod kumar_scaling;
 pub mod load;
 mod load_claims;
@@ -25,5 +26,5 @@ pub use fits::{
 pub use judged::{FAR_FIELD_LEAST, TRAVEL_LEAST};
 pub use points::{Group, Point, Spread, Way, groups};
 pub use soundness::{OVERLAP_MAX, overlap_remark};
-pub use statements::{DRAG_COEFFICIENT_NEAR, Statement, statements};
-pub use verdict::Verdict;
+pub use statements::{DRAG_COEFFICIENT_NEAR, statements};
+pub use verdict::{Statement, Verdict};

@@ -4,6 +4,11 @@ use crate::blocks::Mean;
 use crate::scenario::LidPlan;
 use crate::summary::{Flow, Rig, RunSummary, Summary};
 
+/// Effective depth over D from which a lift counts as saturated without a plateau to tell it.
+pub(super) const DEEP: f64 = 16.0;
+/// Fewest seeds of every point whose lift is told.
+pub(super) const SEEDS: usize = 2;
+
 /// How an effective depth is made (Guillard 2014, section III A).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Way {

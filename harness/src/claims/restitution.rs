@@ -3,7 +3,7 @@
 
 use bitgrain_kernel::law::{HertzHistory, Law, Squeeze};
 
-use super::kumar::Found;
+use super::kumar_curves::Found;
 use crate::analysis::Value;
 
 /// K_n and gamma_n of the paper.

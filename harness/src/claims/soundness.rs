@@ -1,9 +1,9 @@
 //! Whether the runs are what they must be: the bed follows its base, forces balance, the state is steady.
 
 use super::judged::{FAR_FIELD_LEAST, Judged, TRAVEL_LEAST};
-use super::statements::Statement;
+use super::verdict::Statement;
 use super::verdict::Verdict;
-use crate::report::{number_with_error, short};
+use crate::format::{number_with_error, short};
 use crate::summary::{Flow, RunSummary, Summary};
 
 /// Largest part of the drag that base and lid may not carry.

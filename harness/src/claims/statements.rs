@@ -4,8 +4,8 @@
 use super::fits::{SAME_DEPTH, both, depths, drag_slope, flat, plateau};
 use super::judged::{Judged, verdict_of};
 use super::points::{Group, Point, groups};
-use super::verdict::Verdict;
-use crate::report::{number_with_error, short};
+use super::verdict::{Statement, Verdict};
+use crate::format::{number_with_error, short};
 use crate::scenario::{DRAG_COEFFICIENT, Shape};
 use crate::summary::Summary;
 
@@ -33,21 +33,6 @@ const OVER_GRAIN_NEAR: f64 = 0.05;
 const LIFT_NEAR: f64 = 0.2;
 /// A lift is none below so many standard errors, and below this part of the lift with a gradient.
 const NO_LIFT: (f64, f64) = (3.0, 0.2);
-
-/// One statement of the paper against the runs.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Statement {
-    /// What it is about, in a few words.
-    pub subject: String,
-    /// What the paper says, or what a sound run must show.
-    pub expected: String,
-    /// What these runs measured, with errors.
-    pub measured: String,
-    /// Whether the two agree.
-    pub verdict: Verdict,
-    /// Why, in a sentence.
-    pub reason: String,
-}
 
 /// All statements: four for each cylinder and speed, then three about the runs. Empty where no bed flows;
 /// of a sphere the paper says nothing.

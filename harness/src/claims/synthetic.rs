@@ -67,7 +67,15 @@ pub(crate) fn summary(asked: &Asked) -> Summary {
     let runs = inputs.runs();
     let runs = runs
         .iter()
-        .map(|plan| run(asked, &inputs, &plan.name, &beds[plan.bed], plan.speed))
+        .map(|plan| {
+            run(
+                asked,
+                &inputs,
+                &plan.name,
+                &beds[plan.bed],
+                plan.motion.speed,
+            )
+        })
         .collect();
     Summary {
         version: "1.2.3".into(),

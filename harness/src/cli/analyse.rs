@@ -12,6 +12,7 @@ use crate::claims::evidence::{Evidence, record_direct};
 use crate::disk::{is_folder, write_whole};
 use crate::error::Result;
 use crate::files::read_text;
+use crate::report::campaign_page;
 
 /// What `bitgrain analyse` takes.
 #[derive(Args)]
@@ -60,7 +61,7 @@ pub(super) fn run(what: Analyse) -> Result<()> {
         write_whole(&path, evidence.text().as_bytes())?;
     }
     if let Some(path) = page {
-        write_whole(&path, evidence.page().as_bytes())?;
+        write_whole(&path, campaign_page(&evidence).as_bytes())?;
     }
     Ok(())
 }

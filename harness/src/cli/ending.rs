@@ -6,9 +6,9 @@ use std::path::Path;
 use super::channels::shown;
 use crate::error::Result;
 use crate::folder::Folder;
+use crate::format::{number_with_error, short};
 use crate::manifest::{Manifest, Of, Vouched};
 use crate::remarks::remarks;
-use crate::report::{number_with_error, short};
 use crate::summary::{Summary, read_folder};
 
 /// The drag of each run with its error, what to know before it is believed, the last link, the report, and what to

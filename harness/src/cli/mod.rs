@@ -390,6 +390,7 @@ fn run_scenario(run: Run, home: &Path) -> Result<()> {
         save: run.save_every.unwrap_or_default(),
         frames: true,
         only: &run.only,
+        write_report: present::write_report,
         progress: &progress,
     })?;
     let Some(done) = done else {

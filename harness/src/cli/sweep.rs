@@ -12,6 +12,7 @@ use crate::campaign::{self, forecast, sweep};
 use crate::claims::evidence::Evidence;
 use crate::disk::write_whole;
 use crate::error::{Error, Result};
+use crate::report::campaign_page;
 use crate::run::SaveEvery;
 
 /// What the command takes.
@@ -84,12 +85,13 @@ pub(super) fn run(what: Sweep, home: &Path) -> Result<()> {
         jobs,
         save: what.save_every.unwrap_or_default(),
         retry: what.retry,
+        write_report: crate::present::write_report,
         progress: &progress,
     })?;
     let folder = CampaignFolder(&out);
     let evidence = Evidence::read(&out, false)?;
     write_whole(&folder.analysis(), evidence.text().as_bytes())?;
-    write_whole(&folder.report(), evidence.page().as_bytes())?;
+    write_whole(&folder.report(), campaign_page(&evidence).as_bytes())?;
     print(&format!(
         "table: {}\nreport: {}\n",
         shown(&outcome.table),

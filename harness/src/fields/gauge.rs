@@ -3,12 +3,24 @@
 use bitgrain_kernel::{Partner, Pushed, Shape};
 use serde::{Deserialize, Serialize};
 
+use super::grid::Grid;
 use super::load::{Load, LoadSums, PARTS};
 use super::plane::{Fields, Hole, plane, points};
 use super::sums::{Ball, Branch, NUMBERS, Sums};
+use crate::motion::Motion;
 use crate::observe::{INTRUDER, offset};
-use crate::scenario::{RunPlan, Scenario};
 use crate::sim::Sim;
+
+/// Where and how often fields are taken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sampling {
+    /// Points.
+    pub grid: Grid,
+    /// Radius of the averaging window about each point.
+    pub window: f64,
+    /// Steps between samples, at least 1.
+    pub every: u64,
+}
 
 /// What is summed on the way.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -25,16 +37,15 @@ pub struct FieldsGauge {
 }
 
 impl FieldsGauge {
-    /// A gauge for a bed that is about to move; `None` where the scenario asks for no fields.
-    pub fn new(scenario: &Scenario, plan: &RunPlan) -> Option<Self> {
-        let grid = scenario.fields_grid()?;
-        Some(Self {
-            every: scenario.fields_every(plan.speed),
-            steps: [plan.first_averaged(scenario.drag.dt), plan.steps],
-            forward: scenario.drag.moves.forward(),
-            sums: Sums::new(grid, scenario.fields_window()),
+    /// A gauge for a bed that is about to move.
+    pub fn new(sampling: &Sampling, motion: &Motion) -> Self {
+        Self {
+            every: sampling.every,
+            steps: motion.window,
+            forward: motion.moves.forward(),
+            sums: Sums::new(sampling.grid, sampling.window),
             load: LoadSums::default(),
-        })
+        }
     }
 
     /// Whether the state and the contacts after this step are a sample.

@@ -15,6 +15,7 @@ pub mod text;
 pub mod window;
 pub mod zone;
 
+pub use gauge::Sampling;
 pub use gauge::{FieldsGauge, hole};
 pub use load::Load;
 pub use plane::{Fields, Flag, Hole, Point};

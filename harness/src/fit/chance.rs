@@ -6,7 +6,7 @@
 use statrs::distribution::{ContinuousCDF, FisherSnedecor, StudentsT};
 use statrs::function::{beta, gamma};
 
-use super::round10;
+use crate::format::round10;
 
 /// Chance of a chi-square so large or larger with so many degrees of freedom; 1 without any.
 pub fn chi_square_tail(chi_square: f64, degrees: usize) -> f64 {

@@ -11,8 +11,8 @@
 //! too large on the average, since chance scatter counts and chance agreement does not: by 9 % with ten
 //! degrees of freedom, by 3 % with a hundred.
 
+mod breakpoints;
 pub mod chance;
-mod joints;
 pub mod limit;
 pub mod linear;
 pub mod offset_power;
@@ -25,7 +25,7 @@ pub(crate) mod synthetic;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-use crate::report::number_with_error;
+use crate::format::number_with_error;
 
 /// Exponents known worse than this are not reported.
 pub const EXPONENT_ERROR_MAX: f64 = 0.25;
@@ -132,12 +132,6 @@ pub enum Exact {
     Permitted,
     /// There must be more points than numbers.
     Refused,
-}
-
-/// A number to ten significant digits, as fitted numbers are written to files: rounding as the last digits
-/// go does not show there.
-pub fn round10(x: f64) -> f64 {
-    format!("{x:.9e}").parse().unwrap_or(x)
 }
 
 /// Refuses what is no number, and errors that are not above zero.
@@ -310,6 +304,7 @@ fn transformed(jacobian: &[Vec<f64>], covariance: &[Vec<f64>]) -> Vec<Vec<f64>> 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::format::round10;
 
     #[test]
     fn numbers_are_rounded_to_ten_digits() {

@@ -36,15 +36,14 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::joints::{Search, least, within};
+pub use super::breakpoints::{CONFIDENCE, Crossover, First};
+
+use super::breakpoints::{Search, least, within};
 use super::linear::{Solution, constant, line, parabola, solve};
 use super::offset_power::EXPONENTS;
 use super::segments::Table;
 use super::{Datum, Exact, Fit, Found, Refusal, chance, check, check_positive, distinct};
-use crate::report::short;
-
-/// The part of crossovers' intervals that hold the truth.
-pub const CONFIDENCE: f64 = 0.95;
+use crate::format::short;
 
 /// Fewest values of x for three regimes of which the first is flat; one more for each of b and c.
 pub const POINTS_MIN: usize = 8;
@@ -54,30 +53,6 @@ pub const POINTS_OF_A_REGIME: usize = 2;
 
 /// Chance below which a simpler curve is not believed.
 pub const SIGNIFICANCE: f64 = 0.05;
-
-/// The first regime.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum First {
-    /// `a`, as with friction.
-    Flat,
-    /// `a + b x^c`, as without.
-    Power,
-    /// The same with an exponent that is known from elsewhere, above zero, and not fitted.
-    Given(f64),
-}
-
-/// Where one regime goes over into the next.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Crossover {
-    /// The best place.
-    pub at: f64,
-    /// Least place of the interval of [`CONFIDENCE`]; none where it reaches the least x of the points.
-    pub low: Option<f64>,
-    /// Largest place; none where it reaches the largest x of the points.
-    pub high: Option<f64>,
-}
 
 /// A curve with fewer regimes beside that with three.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,13 +1,15 @@
 //! The section of a page with the pictures of the grains round the intruder: its words, its key and its
 //! captions.
 
+use super::caption::depth_words;
 use super::flow::{
     FlowPicture, MOVING, NAMES, OUTLINE, RAMP, Seen, Window, drawing, seen, shows, window,
 };
-use super::flowing::depth_words;
-use super::picture::{INK, LID};
-use super::text::{count, escape, short, typeset};
-use crate::scenario::Moves;
+use super::picture::LID;
+use super::scale::INK;
+use super::text::{count, escape, typeset};
+use crate::format::short;
+use crate::motion::Moves;
 use crate::sim::Role;
 use crate::summary::{RunSummary, Summary};
 

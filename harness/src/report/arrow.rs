@@ -1,6 +1,6 @@
 //! Outlines of arrows.
 
-use super::picture::push;
+use super::scale::push;
 
 /// Adds to the data of a path the outline of an arrow of a length and a thickness in the direction
 /// of a unit vector; a short one is nearly all head.

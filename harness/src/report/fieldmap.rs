@@ -1,9 +1,10 @@
 //! A map of one field in the plane x, z about the intruder, drawn from the points as bands of colour.
 
-use super::picture::{INK, Scale, open, push, ticks};
-use super::text::short;
+use super::scale::Scale;
+use super::scale::{INK, open, push, ticks};
 use crate::fields::Hole;
 use crate::fields::grid::Grid;
+use crate::format::short;
 
 /// Matplotlib's viridis at twelve steps: equal steps look equally far apart, to the colour-blind and in grey too.
 const RAMP: [&str; 12] = [

@@ -1,8 +1,8 @@
 //! The section of a page with maps of pressure and velocity, with a pressure gradient and without side by
 //! side (Guillard 2014, Figs. 9 and 13).
 
+use super::caption::depth_words;
 use super::fieldmap::{Map, key, map, top};
-use super::flowing::depth_words;
 use super::text::escape;
 use crate::claims::{Group, same_depth};
 use crate::fields::streamlines::streamline;

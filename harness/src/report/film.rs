@@ -2,14 +2,16 @@
 //! other.
 
 use super::around::key;
+use super::caption::depth_words;
 use super::flow::{GROUPS, coloured, group};
-use super::flowing::depth_words;
-use super::picture::{Cut, Scale, open, ticks};
 use super::player::{ROOM, State, figure};
 use super::plot::drawable;
-use super::text::{escape, short};
+use super::scale::{Cut, Scale};
+use super::scale::{open, ticks};
+use super::text::escape;
+use crate::format::short;
 use crate::frames::{Frame, Slice, reach};
-use crate::scenario::Moves;
+use crate::motion::Moves;
 use crate::sim::Role;
 use crate::summary::{RunSummary, Summary};
 

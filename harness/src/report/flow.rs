@@ -2,11 +2,13 @@
 //! centre, with the intruder in the middle.
 
 use super::arrow::arrow;
-use super::picture::{Cut, INK, LID, Scale, circles, open, push, ticks};
+use super::picture::LID;
 use super::plot::drawable;
-use super::text::short;
+use super::scale::{Cut, Scale};
+use super::scale::{INK, circles, open, push, ticks};
+use crate::format::short;
 use crate::frames::nearest;
-use crate::scenario::Moves;
+use crate::motion::Moves;
 use crate::sim::Role;
 
 /// The grains round the intruder at one instant of a drag.

@@ -1,11 +1,14 @@
 //! The page of beds that flow past their intruder.
 
+use super::caption::depth_words;
 use super::page::{Top, assembled};
-use super::text::{escape, number_with_error, short, typeset};
+use super::text::{escape, typeset};
 use super::{BedPicture, Drawings, around, bed_figure, before, chart, course, fields, film};
 use super::{inputs, loads, numbers, player, repeat, rig_table, scaling, span, statements};
 use crate::claims::{self, Group, Verdict, drag_slope};
-use crate::scenario::{Moves, Shape};
+use crate::format::{number_with_error, short};
+use crate::motion::Moves;
+use crate::scenario::Shape;
 use crate::series::SeriesRow;
 use crate::summary::{Flow, RunSummary, Summary};
 
@@ -186,24 +189,6 @@ fn bed_figures(summary: &Summary, pictures: &[BedPicture], first: &[usize]) -> S
         ));
     }
     out + "</div>\n</section>\n"
-}
-
-/// Effective depth, gradient and seed of a run.
-pub(super) fn depth_words(summary: &Summary, run: &RunSummary) -> String {
-    let bed = summary.beds.iter().find(|bed| bed.name == run.bed);
-    let (Some(flow), Some(rig)) = (&run.flow, bed.and_then(|bed| bed.rig.as_ref())) else {
-        return String::new();
-    };
-    let gradient = match flow.pressure_gradient {
-        true => "with",
-        false => "without",
-    };
-    format!(
-        ", h\u{303}&nbsp;=&nbsp;{}&nbsp;{}, {gradient} pressure gradient, seed {}",
-        short(flow.effective_depth),
-        escape(&typeset(&summary.units.length)),
-        rig.seed
-    )
 }
 
 /// Drag and lift against travel, side by side, for every run.

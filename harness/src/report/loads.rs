@@ -1,17 +1,18 @@
 //! The section of a page with the load on the cylinder by angle (Guillard 2014, Figs. 11 and 12, and appendix
 //! B).
 
-use super::picture::{INK, push};
 use super::plot::{axis, marker};
+use super::scale::{INK, push};
 use super::scaling::subject;
 use super::scatter::{Line, Mark, Range, scatter};
-use super::text::{escape, number_with_error, short};
+use super::text::escape;
 use crate::analysis::Value;
 use crate::claims::Group;
 use crate::claims::load::{
     PointLoad, difference, equation_4, highest, loads, odd_part, pairs, split,
 };
 use crate::fields::load::{POINTS, theta};
+use crate::format::{number_with_error, short};
 use crate::summary::Summary;
 
 /// Points of a curve from one marker to the next.

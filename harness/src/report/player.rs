@@ -1,7 +1,7 @@
 //! Figures that can be stepped through and played: a drawing whose circles a small script of the page puts
 //! in other places. Without scripts, and in print, the drawing is as it was drawn.
 
-use super::picture::{Cut, Scale};
+use super::scale::{Cut, Scale};
 use super::text::escape;
 
 /// Signs of which two make a number and which mean nothing in HTML or JSON.

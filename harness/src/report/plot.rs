@@ -6,7 +6,8 @@ use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, Value
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::text::{escape, number};
+use super::text::escape;
+use crate::format::number;
 
 /// Size of a drawing: three times that of the smallest screen it must be read on, because
 /// coordinates are whole numbers and curves would show steps at a coarser scale.

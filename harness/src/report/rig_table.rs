@@ -3,8 +3,9 @@
 
 use super::inputs::pressure_unit;
 use super::table::Table;
-use super::text::{count, exact, number_with_error, short};
+use super::text::{count, exact};
 use crate::coefficients::table_one;
+use crate::format::{number_with_error, short};
 use crate::scenario::UnitSystem;
 use crate::summary::{BedSummary, Flow, Rig, RunSummary, Summary};
 use crate::units::Units;

@@ -4,8 +4,9 @@
 use super::inputs::pressure_unit;
 use super::plot::marker;
 use super::scatter::{Line, Mark, Range, scatter};
-use super::text::{escape, number_with_error, short, typeset};
+use super::text::{escape, typeset};
 use crate::claims::{Group, Way, drag_slope, lift_coefficient, plateau};
+use crate::format::{number_with_error, short};
 use crate::scenario::DRAG_COEFFICIENT;
 use crate::summary::Summary;
 

@@ -1,8 +1,9 @@
 //! Tables of the page: every number of the beds and drags.
 
-use super::text::{brief, count, escape, number_with_error, plus_minus, to_error, typeset};
+use super::text::{brief, count, escape, plus_minus, to_error, typeset};
 use crate::audit::EnergyRow;
 use crate::blocks::Mean;
+use crate::format::number_with_error;
 use crate::summary::{BedSummary, RunSummary};
 use crate::units::Units;
 

@@ -11,52 +11,20 @@ use crate::disk::{self, Kind};
 use crate::error::{Error, Result};
 use crate::files::{bits, text_file};
 use crate::folder::Folder;
+use crate::format::short;
 use crate::manifest::Ledger;
 use crate::progress::Stage;
 use crate::scenario::{BedPlan, Scenario};
 use crate::sim::Sim;
 use crate::summary::BedSummary;
-use crate::{bed, export, lammps, report};
+use crate::{bed, export, lammps};
 
 use super::summarise::rig;
 
-/// The beds to pour, each once: those without a lid, and what lies below the lids of the others. A
-/// bed that only lies below lids is named after them.
-pub fn bare_beds(scenario: &Scenario) -> Vec<BedPlan> {
-    let mut bare: Vec<BedPlan> = Vec::new();
-    let plans = scenario.beds();
-    let (plain, covered): (Vec<&BedPlan>, Vec<&BedPlan>) =
-        plans.iter().partition(|plan| plan.lid.is_none());
-    bare.extend(plain.into_iter().cloned());
-    for plan in covered {
-        let below = bare_of(plan);
-        let same = |other: &BedPlan| {
-            let named = BedPlan {
-                name: below.name.clone(),
-                ..other.clone()
-            };
-            named == below
-        };
-        if !bare.iter().any(same) {
-            bare.push(below);
-        }
-    }
-    bare
-}
-
-/// The bed below the lid of another.
-fn bare_of(plan: &BedPlan) -> BedPlan {
-    BedPlan {
-        name: format!("{}-bare", plan.name),
-        lid: None,
-        ..plan.clone()
-    }
-}
-
 /// Where the bed below a lid is in the run directory.
 pub(super) fn below(scenario: &Scenario, plan: &BedPlan) -> BedPlan {
-    let wanted = Recipe::new(scenario, &bare_of(plan));
-    let mut bare = bare_beds(scenario).into_iter();
+    let wanted = Recipe::new(scenario, &plan.bare());
+    let mut bare = scenario.bare_beds().into_iter();
     let found = bare.find(|other| Recipe::new(scenario, other) == wanted);
     found.expect("every lid lies on one of the bare beds")
 }
@@ -112,8 +80,8 @@ pub(super) fn settle_one(
         summary.grains,
         summary.steps,
         performance.seconds,
-        report::short(summary.surface),
-        report::short(summary.depth),
+        short(summary.surface),
+        short(summary.depth),
         summary.packing_fraction,
         summary.coordination_number,
         summary.support / summary.weight,
@@ -123,9 +91,9 @@ pub(super) fn settle_one(
             "{}: effective depth {} ({:.1} D), lid of density {}, upward force on the intruder {:.1} \
              buoyancies",
             plan.name,
-            report::short(rig.effective_depth),
+            short(rig.effective_depth),
             rig.effective_depth / rig.diameter,
-            report::short(rig.lid_density),
+            short(rig.lid_density),
             rig.reaction_over_buoyancy
         ));
     }

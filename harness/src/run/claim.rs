@@ -3,11 +3,10 @@
 
 use std::path::Path;
 
-use super::beds::bare_beds;
 use crate::bed::Course;
 use crate::bed::recipe::Recipe;
-use crate::campaign::changes;
 use crate::chain;
+use crate::changes;
 use crate::checkpoint::{self, Note};
 use crate::disk::{self, Kind};
 use crate::drag::Dragging;
@@ -51,7 +50,7 @@ pub fn claim(folder: &Folder<'_>, scenario: &Scenario) -> Result<Claim> {
 /// Names of the stages of a run, in order.
 pub fn stages(scenario: &Scenario) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
-    let bare = bare_beds(scenario);
+    let bare = scenario.bare_beds();
     let beds = bare.iter().map(|bed| bed.name.clone());
     let own = scenario.beds().into_iter().map(|bed| bed.name);
     let runs = scenario.runs().into_iter().map(|run| run.name);
@@ -67,7 +66,7 @@ pub fn stages(scenario: &Scenario) -> Vec<String> {
 fn survey(folder: &Folder<'_>, scenario: &Scenario, ledger: &Ledger) -> Result<()> {
     refuse_other_scenario(folder, scenario, ledger)?;
     let each = Looking { ledger };
-    let mut beds = bare_beds(scenario);
+    let mut beds = scenario.bare_beds();
     beds.extend(scenario.beds());
     for plan in &beds {
         let begins = match &scenario.bed.hash {

@@ -7,6 +7,7 @@ use bitgrain_kernel::{BITS_VERSION, Pushed};
 use super::film::Frames;
 use super::saving::{SaveEvery, Saver};
 use super::summarise::summarise;
+use super::task::DragTask;
 use super::{StagePerformance, json_text, timed};
 use crate::audit::energy_text;
 use crate::blocks::METHOD;
@@ -17,44 +18,35 @@ use crate::error::{Error, Result};
 use crate::fields::hole;
 use crate::files::{bits, packed_name, text_file};
 use crate::folder::Folder;
+use crate::format::short;
 use crate::manifest::Ledger;
 use crate::plug::{self, Plug};
 use crate::progress::Progress;
-use crate::scenario::{RunPlan, Scenario};
+use crate::scenario::Scenario;
 use crate::series::series_text;
 use crate::sim::Sim;
 use crate::summary::{BedSummary, RunRecord, RunSummary};
 use crate::witness::Witness;
-use crate::{export, fields, flow, lammps, report};
-
-/// One drag: where it lies and what it is.
-#[derive(Clone, Copy)]
-pub struct DragPlan<'a> {
-    /// The run directory.
-    pub folder: &'a Folder<'a>,
-    /// The scenario.
-    pub scenario: &'a Scenario,
-    /// The drag.
-    pub plan: &'a RunPlan,
-    /// Its settled bed.
-    pub bed: &'a BedSummary,
-}
+use crate::{export, fields, flow, lammps};
 
 /// Does one drag, or what is left of it, and writes down what it measured.
 pub(super) fn drag_one(
-    drag: DragPlan<'_>,
+    drag: DragTask<'_>,
     ledger: &Ledger,
     save: SaveEvery,
     frames: bool,
     progress: &Progress,
 ) -> Result<(RunSummary, StagePerformance)> {
-    let DragPlan {
+    let DragTask {
         folder,
         scenario,
         plan,
         ..
     } = drag;
-    let mut stage = progress.stage(&format!("{} Fr {:.2}", plan.name, plan.froude), plan.steps);
+    let mut stage = progress.stage(
+        &format!("{} Fr {:.2}", plan.name, plan.froude),
+        plan.steps(),
+    );
     // Asked to stop before it began.
     stage.look().map_err(Error::saved)?;
     let (mut sim, mut dragging) = match take_up(drag, ledger, progress)? {
@@ -65,7 +57,7 @@ pub(super) fn drag_one(
     stage.resume(began);
     let how = match began {
         0 => "dragged",
-        n if n < plan.steps => "resumed",
+        n if n < plan.steps() => "resumed",
         _ => "kept",
     };
     let mut files = Files {
@@ -74,7 +66,7 @@ pub(super) fn drag_one(
         saver: Saver::new(ledger, save, folder.latest(&plan.name), began),
         frames: Frames::go_on(drag, frames, &mut dragging),
     };
-    let went = dragging.go_on(&mut sim, scenario, plan, &stage, &mut files);
+    let went = dragging.go_on(&mut sim, plan, &stage, &mut files);
     if let Err(error @ Error::Contract { .. }) = went {
         // What was measured since the last save may be wrong: none of it is written.
         return Err(error);
@@ -82,7 +74,7 @@ pub(super) fn drag_one(
     if let Err(error) = went {
         let text = series_text(
             &scenario.units(),
-            &scenario.measure,
+            scenario.measure.columns(),
             &dragging.record.series,
         );
         // To look at, and to bisect; why the drag stopped is what must be told.
@@ -97,7 +89,7 @@ pub(super) fn drag_one(
         }
         return Err(error.saved());
     }
-    let performance = timed(stage, how, &sim, plan.steps - began);
+    let performance = timed(stage, how, &sim, plan.steps() - began);
     let (tables, summary) = results(drag, &dragging, &mut sim)?;
     for (file, text) in tables {
         ledger.write(&folder.of_run(&plan.name, file), text.as_bytes())?;
@@ -116,17 +108,17 @@ pub(super) fn drag_one(
 ///
 /// # Errors
 /// Where the bed cannot be read or its drag not begun.
-pub fn begin(drag: DragPlan<'_>) -> Result<(Sim, Dragging)> {
+pub fn begin(drag: DragTask<'_>) -> Result<(Sim, Dragging)> {
     let path = drag.folder.bed(&drag.bed.name);
     let (mut sim, note) = checkpoint::read_noted(&path)?;
-    let dragging = Dragging::begin(&mut sim, drag.scenario, drag.plan, &note.link)?;
+    let dragging = Dragging::begin(&mut sim, drag.plan, &note.link)?;
     Ok((sim, dragging))
 }
 
 /// The drag as its furthest sound checkpoint has it, but for those that come after a file which is missing or
 /// not as it was written; `None` where there is none. Damaged ones are told and passed over.
 fn take_up(
-    drag: DragPlan<'_>,
+    drag: DragTask<'_>,
     ledger: &Ledger,
     progress: &Progress,
 ) -> Result<Option<(Sim, Dragging)>> {
@@ -172,7 +164,7 @@ fn take_up(
 ///
 /// # Errors
 /// [`Error::Damaged`], and [`Error::Input`] where it is another drag's or another version's.
-pub fn read(drag: DragPlan<'_>, path: &Path) -> Result<(Sim, Dragging)> {
+pub fn read(drag: DragTask<'_>, path: &Path) -> Result<(Sim, Dragging)> {
     let (sim, note) = checkpoint::read_noted(path)?;
     let place = path.display().to_string();
     let dragging = Dragging::of(&note).map_err(|problem| Error::Damaged {
@@ -192,7 +184,7 @@ pub fn read(drag: DragPlan<'_>, path: &Path) -> Result<(Sim, Dragging)> {
     Ok((sim, dragging))
 }
 
-impl DragPlan<'_> {
+impl DragTask<'_> {
     /// Whether everything that the drag wrote up to a step is there as it was written.
     fn has_files_until(&self, step: u64, ledger: &Ledger) -> bool {
         let snapshots = self.plan.snapshots.iter().filter(|n| **n <= step);
@@ -262,7 +254,7 @@ impl DragPlan<'_> {
 
 /// Writes what a drag leaves behind on its way.
 struct Files<'a> {
-    drag: DragPlan<'a>,
+    drag: DragTask<'a>,
     ledger: &'a Ledger,
     saver: Saver<'a>,
     frames: Frames,
@@ -308,17 +300,17 @@ impl Witness for Files<'_> {
 /// # Errors
 /// [`Error::Input`] where the window is too short for a mean.
 pub fn results(
-    drag: DragPlan<'_>,
+    drag: DragTask<'_>,
     dragging: &Dragging,
     sim: &mut Sim,
 ) -> Result<(Vec<(&'static str, String)>, RunSummary)> {
-    let DragPlan { scenario, plan, .. } = drag;
+    let DragTask { scenario, plan, .. } = drag;
     let means = dragging.means(plan, sim.dt)?;
     let (units, record) = (scenario.units(), &dragging.record);
     let mut tables = vec![
         (
             "forces.csv",
-            series_text(&units, &scenario.measure, &record.series),
+            series_text(&units, scenario.measure.columns(), &record.series),
         ),
         ("angles.csv", record.angles.text()),
         ("coordination.csv", record.coordination.text()),
@@ -337,7 +329,7 @@ pub fn results(
             units: &units,
             diameter: scenario.mean_diameter(),
             density: scenario.bed.density,
-            far: scenario.far_velocity(plan.speed),
+            far: scenario.far_velocity(plan.motion.speed),
         };
         tables.push(("fields.vti", fields::text::vti(&gauge.points(hole), scales)));
         let plane = fields::text::plane_text(&gauge.plane(hole), scales);
@@ -372,9 +364,9 @@ fn tell(scenario: &Scenario, run: &RunSummary, how: &str, seconds: f64, progress
     progress.line(&format!(
         "{}: Fr {}, drag {} +- {} {} ({how}, {seconds:.1} s)",
         run.name,
-        report::short(run.froude),
-        report::short(run.drag.mean),
-        report::short(run.drag.standard_error),
+        short(run.froude),
+        short(run.drag.mean),
+        short(run.drag.standard_error),
         scenario.units().force,
     ));
     if run.plug == Plug::Slides {

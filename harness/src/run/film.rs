@@ -1,7 +1,7 @@
 //! The frames of a drag on their way to their files, one for each checkpoint that is kept. In between they
 //! go with the checkpoint that the drag is saved in, so that a drag that is stopped writes the same.
 
-use super::DragPlan;
+use super::task::DragTask;
 use crate::checkpoint::Note;
 use crate::drag::Dragging;
 use crate::frames;
@@ -18,7 +18,7 @@ pub struct Frames {
 impl Frames {
     /// Those of a drag that begins or goes on, if they are `wanted`. Where a drag was saved without them, none
     /// are written up to its next kept checkpoint.
-    pub fn go_on(drag: DragPlan<'_>, wanted: bool, dragging: &mut Dragging) -> Self {
+    pub fn go_on(drag: DragTask<'_>, wanted: bool, dragging: &mut Dragging) -> Self {
         let rows = std::mem::take(&mut dragging.frames);
         let (plan, at) = (drag.plan, dragging.step);
         let kept = plan.checkpoints.iter().rev().find(|n| **n <= at);
@@ -33,13 +33,13 @@ impl Frames {
     }
 
     /// Whether the state after this step is one of them.
-    pub fn wants(&self, drag: DragPlan<'_>, step: u64) -> bool {
+    pub fn wants(&self, drag: DragTask<'_>, step: u64) -> bool {
         self.whole && drag.films(step)
     }
 
     /// Adds the state after this step.
-    pub fn add(&mut self, drag: DragPlan<'_>, step: u64, sim: &Sim) {
-        self.rows += &frames::rows(sim, drag.scenario, drag.plan, step);
+    pub fn add(&mut self, drag: DragTask<'_>, step: u64, sim: &Sim) {
+        self.rows += &frames::rows(sim, &drag.plan.motion, step);
     }
 
     /// What is saved of a drag, these with it.

@@ -8,12 +8,14 @@ mod film;
 mod jobs;
 mod saving;
 mod summarise;
+mod task;
 
-pub use beds::{bare_beds, begin_bed, data_file, surveyed};
+pub use beds::{begin_bed, data_file, surveyed};
 pub use claim::{claim, stages};
-pub use drags::{DragPlan, begin, read, record, results};
+pub use drags::{begin, read, record, results};
 pub(crate) use jobs::side_by_side;
 pub use saving::SaveEvery;
+pub use task::DragTask;
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -29,9 +31,8 @@ use crate::disk::{check_writable, write_whole};
 use crate::error::{Error, Result};
 use crate::folder::{Claim, Folder};
 use crate::manifest::Ledger;
-use crate::present;
 use crate::progress::{Progress, Stage};
-use crate::scenario::{BedPlan, RunPlan, Scenario, UnitSystem};
+use crate::scenario::{BedPlan, DragPlan, Scenario, UnitSystem};
 use crate::sim::Sim;
 use crate::summary::{BedSummary, RunSummary, Summary};
 use beds::{below, pour_bare, settle_one};
@@ -76,33 +77,14 @@ pub struct Setting<'a> {
     pub frames: bool,
     /// Names of the drags to do, with their beds; all where there is none.
     pub only: &'a [String],
+    /// Writes the report of a run whose stages are all done: pages are drawn above this layer.
+    pub write_report: WriteReport,
     /// Bars, lines and the wish to stop.
     pub progress: &'a Progress,
 }
 
-/// [`run_in`] with its own folder, saving now and then.
-///
-/// # Errors
-/// As [`run_in`].
-pub fn run(
-    scenario: &Scenario,
-    out: &Path,
-    library: &Library,
-    threads: usize,
-    progress: &Progress,
-) -> Result<PathBuf> {
-    run_in(Setting {
-        scenario,
-        folder: &Folder(out),
-        library,
-        threads,
-        save: SaveEvery::default(),
-        frames: true,
-        only: &[],
-        progress,
-    })
-    .map(|done| done.expect("all drags were wanted").report)
-}
+/// Writes the report of a run directory.
+pub type WriteReport = fn(&Folder<'_>) -> Result<()>;
 
 /// What came of a run whose drags are all done.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -154,12 +136,12 @@ pub fn run_in(setting: Setting<'_>) -> Result<Option<Done>> {
     }
     progress.line(&scenario.time_step_line());
     let (beds, mut stages) = beds(setting, ledger, &places)?;
-    let bed_of = |run: &RunPlan| &beds[places.partition_point(|k| *k < run.bed)];
+    let bed_of = |run: &DragPlan| &beds[places.partition_point(|k| *k < run.bed)];
     let dragged = side_by_side(
         threads,
         threads,
         runs.len(),
-        |k| runs[k].steps,
+        |k| runs[k].steps(),
         |k| {
             let done = drag(setting, ledger, &runs[k], bed_of(&runs[k]));
             done.inspect_err(|error| tell_now(error, runs.len(), progress))
@@ -172,6 +154,7 @@ pub fn run_in(setting: Setting<'_>) -> Result<Option<Done>> {
     let whole = runs.len() == scenario.runs().len();
     if whole {
         conclude(folder, ledger, scenario, beds, runs)?;
+        (setting.write_report)(folder)?;
     }
     let executed = stages.iter().any(|stage| stage.steps > 0);
     let performance = Performance {
@@ -208,7 +191,7 @@ fn refuse_own_library(setting: Setting<'_>) -> Result<()> {
 ///
 /// # Errors
 /// [`Error::Input`] with a name that none of them has.
-fn wanted(setting: Setting<'_>) -> Result<Vec<RunPlan>> {
+fn wanted(setting: Setting<'_>) -> Result<Vec<DragPlan>> {
     let (all, only) = (setting.scenario.runs(), setting.only);
     if let Some(name) = only
         .iter()
@@ -221,7 +204,7 @@ fn wanted(setting: Setting<'_>) -> Result<Vec<RunPlan>> {
         );
         return Err(Error::input("--only", problem));
     }
-    let wants = |run: &RunPlan| only.is_empty() || only.contains(&run.name);
+    let wants = |run: &DragPlan| only.is_empty() || only.contains(&run.name);
     Ok(all.into_iter().filter(wants).collect())
 }
 
@@ -259,7 +242,7 @@ pub fn beds(
     // What lies below lids first: several lids lie on one bed.
     let lids = plans.iter().filter(|plan| plan.lid.is_some());
     let wanted: Vec<BedPlan> = lids.map(|plan| below(scenario, plan)).collect();
-    let mut bare = bare_beds(scenario);
+    let mut bare = scenario.bare_beds();
     bare.retain(|bare| wanted.contains(bare));
     let poured = side_by_side(
         threads,
@@ -289,10 +272,10 @@ pub fn beds(
 pub fn drag(
     setting: Setting<'_>,
     ledger: &Ledger,
-    plan: &RunPlan,
+    plan: &DragPlan,
     bed: &BedSummary,
 ) -> Result<(RunSummary, StagePerformance)> {
-    let drag = DragPlan {
+    let drag = DragTask {
         folder: setting.folder,
         scenario: setting.scenario,
         plan,
@@ -301,7 +284,7 @@ pub fn drag(
     drag_one(drag, ledger, setting.save, setting.frames, setting.progress)
 }
 
-/// Writes the summary and the report of a run whose stages are all done, and returns the closing hash of its
+/// Writes the summary of a run whose stages are all done, and returns the closing hash of its
 /// manifest.
 ///
 /// # Errors
@@ -317,7 +300,6 @@ pub fn conclude(
     let path = folder.summary();
     ledger.write(&path, json_text(&path, &whole)?.as_bytes())?;
     let closing = ledger.finish()?;
-    present::write_report(folder)?;
     Ok(closing)
 }
 

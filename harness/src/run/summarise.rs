@@ -9,7 +9,7 @@ use crate::fields::{Hole, hole};
 use crate::flow::FlowMeans;
 use crate::observe::{INTRUDER, pressure_at};
 use crate::plug::{self, Plug};
-use crate::scenario::{BedPlan, RunPlan, Scenario, Shape};
+use crate::scenario::{BedPlan, DragPlan, Scenario, Shape};
 use crate::sim::{Role, Sim, hex};
 use crate::summary::{BedSummary, Flow, Rig, RunSummary};
 
@@ -58,7 +58,7 @@ fn effective_depth(scenario: &Scenario, rig: &Rig, depth: f64, bulk_density: f64
 /// with the packing fraction of the run (Guillard 2014, eq. 2 and Fig. 8).
 fn flow(
     scenario: &Scenario,
-    plan: &RunPlan,
+    plan: &DragPlan,
     bed: &BedSummary,
     means: &Means,
     measured: &FlowMeans,
@@ -114,7 +114,7 @@ fn flow(
         disturbance: fields.and_then(|f| {
             let (below, above) = (hole.height, bed.surface - hole.height);
             let reach = if below < above { below } else { above } - EDGE * d;
-            disturbance(&f.plane(hole), hole, plan.speed, reach)
+            disturbance(&f.plane(hole), hole, plan.motion.speed, reach)
         }),
     })
 }
@@ -135,13 +135,13 @@ fn kappa(means: &Means, diameter: f64) -> Option<(f64, f64)> {
 
 pub(super) fn summarise(
     scenario: &Scenario,
-    plan: &RunPlan,
+    plan: &DragPlan,
     bed: &BedSummary,
     means: &Means,
     dragging: &Dragging,
     sim: &mut Sim,
 ) -> Result<RunSummary> {
-    let wrong = |fault| Error::run(&plan.name, plan.steps, fault);
+    let wrong = |fault| Error::run(&plan.name, plan.steps(), fault);
     let digest = sim.digest().map_err(wrong)?;
     let [x, y, _] = scenario.bed.size;
     let diameter = scenario.beds()[plan.bed].diameter;
@@ -154,11 +154,11 @@ pub(super) fn summarise(
         name: plan.name.clone(),
         bed: bed.name.clone(),
         froude: plan.froude,
-        speed: plan.speed,
+        speed: plan.motion.speed,
         diameter,
         depth: bed.depth,
         distance: plan.distance,
-        steps: plan.steps,
+        steps: plan.steps(),
         window_start: plan.discard,
         window_end: plan.distance,
         window_steps: means.window_steps,

@@ -1,12 +1,11 @@
 //! What is refused before anything runs.
 
 use super::limits::GRAINS_MAX;
+use super::plan::STEPS_MAX;
+use super::refusal::{Check, positive, refuse};
 use super::{History, Scenario, Several, Shape, UnitSystem};
+use crate::format::short;
 use crate::law::LawSpec;
-use crate::report::short;
-
-/// Most steps of one drag: a guard against a slip of the pen, a year on one core.
-const STEPS_MAX: u64 = 1_000_000_000_000;
 
 /// Fewest steps of an averaging window: ten for each block of the standard error.
 const AVERAGED_MIN: u64 = 80;
@@ -20,19 +19,6 @@ const DAMPED_MAX: f64 = 0.5;
 
 /// Least height of a bed in mean diameters.
 const THINNEST: f64 = 4.0;
-
-pub(crate) type Check = std::result::Result<(), (String, String)>;
-
-pub(super) fn refuse(key: &str, problem: impl Into<String>) -> Check {
-    Err((key.to_string(), problem.into()))
-}
-
-pub(super) fn positive(key: &str, value: f64) -> Check {
-    if value > 0.0 && value.is_finite() {
-        return Ok(());
-    }
-    refuse(key, format!("is {value}; expected a positive number"))
-}
 
 impl Scenario {
     /// The key that says how high the intruder lies.
@@ -396,16 +382,16 @@ impl Scenario {
             }
         }
         for run in self.runs() {
-            if run.speed * self.drag.dt > least {
+            if run.motion.speed * self.drag.dt > least {
                 return refuse("drag.dt", "lets the intruder jump over a grain in one step");
             }
             // Before anything is counted step by step.
-            if run.steps > STEPS_MAX || !(run.speed * self.drag.dt).is_normal() {
+            if run.steps() > STEPS_MAX || !(run.motion.speed * self.drag.dt).is_normal() {
                 return refuse(
                     "drag.distance",
                     format!(
                         "takes {:.0e} steps; expected at most {STEPS_MAX:.0e}",
-                        run.steps as f64
+                        run.steps() as f64
                     ),
                 );
             }
@@ -425,7 +411,7 @@ impl Scenario {
             }
             self.check_window(&run)?;
             self.check_fields_of(&run)?;
-            let averaged = run.steps + 1 - run.first_averaged(self.drag.dt);
+            let averaged = run.averaged();
             if averaged < AVERAGED_MIN {
                 let key = if self.drag.discard.is_some() {
                     "drag.discard"

@@ -1,12 +1,11 @@
 //! Fields that a scenario asks for.
 
-use serde::{Deserialize, Serialize};
-
-use super::check::{Check, positive, refuse};
-use super::{RunPlan, Scenario};
+use super::refusal::{Check, positive, refuse};
+use super::{DragPlan, Scenario};
+use crate::fields::Sampling;
 use crate::fields::grid::Grid;
 use crate::fields::load::PARTS;
-use crate::report::short;
+use crate::format::short;
 
 /// Travel between samples where nothing is said, in mean diameters.
 const EVERY: f64 = 0.1;
@@ -17,31 +16,21 @@ const POINTS_MAX: usize = 4_000_000;
 /// Fewest samples in each of the parts of the window that errors come from.
 const SAMPLES_MIN: u64 = 2;
 
-/// Continuous fields by coarse-graining, averaged over the steady state (Guillard 2014, appendix A).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct FieldsAsked {
-    /// Points along x, y and z, the paper's by default; each in the middle of its cell of `bed.box`.
-    #[serde(default = "paper")]
-    pub grid: [usize; 3],
-    /// Radius R of the averaging window about each point [default: the mean diameter].
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub window: Option<f64>,
-    /// Steps between samples [default: those of a tenth of a mean diameter of travel].
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub every: Option<u64>,
-}
-
-fn paper() -> [usize; 3] {
-    [120, 3, 120]
-}
-
 impl Scenario {
     /// Points of the fields; `None` where none are asked for.
     pub fn fields_grid(&self) -> Option<Grid> {
         self.measure.fields.as_ref().map(|asked| Grid {
             counts: asked.grid,
             size: self.bed.size,
+        })
+    }
+
+    /// The fields of a drag at this speed; `None` where none are asked for.
+    pub fn fields_sampling(&self, speed: f64) -> Option<Sampling> {
+        Some(Sampling {
+            grid: self.fields_grid()?,
+            window: self.fields_window(),
+            every: self.fields_every(speed),
         })
     }
 
@@ -101,7 +90,7 @@ impl Scenario {
     }
 
     /// A drag with samples before its steady state, or too few. (A cylinder's is seen to where it has no fields too.)
-    pub(super) fn check_fields_of(&self, run: &RunPlan) -> Check {
+    pub(super) fn check_fields_of(&self, run: &DragPlan) -> Check {
         if self.measure.fields.is_none() {
             return Ok(());
         }
@@ -116,8 +105,8 @@ impl Scenario {
                 ),
             );
         }
-        let averaged = run.steps + 1 - run.first_averaged(self.drag.dt);
-        let every = self.fields_every(run.speed);
+        let averaged = run.averaged();
+        let every = self.fields_every(run.motion.speed);
         let samples = averaged / every;
         let least = SAMPLES_MIN * PARTS as u64;
         if samples < least {

@@ -1,9 +1,9 @@
 //! The time step against what it must resolve: waves in the grains, and collisions.
 
 use super::Scenario;
-use super::check::Check;
+use super::refusal::Check;
+use crate::format::short;
 use crate::law::{CONTACT_FRACTION_MAX, RAYLEIGH_FRACTION_MAX};
-use crate::report::short;
 
 impl Scenario {
     /// Shortest Rayleigh time among the smallest grain and the intruder.

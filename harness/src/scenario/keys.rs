@@ -4,8 +4,9 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use super::fields::FieldsAsked;
 use crate::law::LawSpec;
+use crate::motion::Moves;
+use crate::series::Columns;
 
 /// A whole experiment: a bed poured round an intruder, and the two moved past each other.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -260,27 +261,6 @@ pub struct Drag {
     pub history: History,
 }
 
-/// Which of bed and intruder moves.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Moves {
-    /// The intruder, through a bed at rest on its base (Kumar 2018).
-    #[default]
-    Intruder,
-    /// The bed, carried by its base and its lid past an intruder at rest (Guillard 2014).
-    Bed,
-}
-
-impl Moves {
-    /// Where the intruder goes along x as seen from the bed: 1 or -1.
-    pub fn forward(self) -> f64 {
-        match self {
-            Moves::Intruder => 1.0,
-            Moves::Bed => -1.0,
-        }
-    }
-}
-
 /// Tangential springs of the settled bed as the drag begins.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -325,6 +305,35 @@ pub struct Measure {
     /// Fields of velocity and stress round the intruder, and the load on a cylinder by angle.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fields: Option<FieldsAsked>,
+}
+
+/// Continuous fields by coarse-graining, averaged over the steady state (Guillard 2014, appendix A).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FieldsAsked {
+    /// Points along x, y and z, the paper's by default; each in the middle of its cell of `bed.box`.
+    #[serde(default = "paper")]
+    pub grid: [usize; 3],
+    /// Radius R of the averaging window about each point [default: the mean diameter].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub window: Option<f64>,
+    /// Steps between samples [default: those of a tenth of a mean diameter of travel].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub every: Option<u64>,
+}
+
+fn paper() -> [usize; 3] {
+    [120, 3, 120]
+}
+
+impl Measure {
+    /// Columns of the force series.
+    pub fn columns(&self) -> Columns {
+        Columns {
+            torque: self.torque,
+            contacts: self.contacts,
+        }
+    }
 }
 
 impl Default for Measure {

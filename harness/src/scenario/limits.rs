@@ -1,8 +1,11 @@
 //! How many of everything a scenario may ask for, looked at before anything is made of it; and what is asked of
 //! one that comes from a file of results.
 
-use super::check::{Check, refuse};
+use super::refusal::{Check, refuse};
 use super::{Scenario, Several, Shape};
+
+/// Travel over D before a cylinder's steady state (Guillard 2014, section III A).
+pub(super) const STEADY: f64 = 2.0;
 
 /// Most values of one list.
 const VALUES_MAX: usize = 1000;

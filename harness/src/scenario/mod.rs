@@ -8,15 +8,15 @@ mod guard;
 mod keys;
 mod limits;
 mod plan;
+mod refusal;
 mod rig;
 pub(crate) mod source;
 
-pub use fields::FieldsAsked;
 pub use keys::{
-    Bed, Drag, Gradient, History, Intruder, Lid, Measure, Moves, Pouring, Scenario, Several, Shape,
-    UnitSystem,
+    Bed, Drag, FieldsAsked, Gradient, History, Intruder, Lid, Measure, Pouring, Scenario, Several,
+    Shape, UnitSystem,
 };
-pub use plan::{BedPlan, LidPlan, PACKING_GUESS, RunPlan};
+pub use plan::{BedPlan, DragPlan, LidPlan, PACKING_GUESS};
 pub use rig::{BULK_FRICTION, DRAG_COEFFICIENT};
 
 use crate::disk;

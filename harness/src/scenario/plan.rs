@@ -2,9 +2,14 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::rig::STEADY;
-use super::{Gradient, Moves, Scenario, Several, Shape, UnitSystem};
+use super::limits::STEADY;
+use super::{Gradient, History, Scenario, Several, Shape, UnitSystem};
+use crate::fields::Sampling;
+use crate::motion::{Motion, Moves};
 use crate::units::Units;
+
+/// Most steps of one drag: a guard against a slip of the pen, a year on one core.
+pub(super) const STEPS_MAX: u64 = 1_000_000_000_000;
 
 /// Packing fraction that plans assume before a bed has been poured.
 pub const PACKING_GUESS: f64 = 0.6;
@@ -24,6 +29,18 @@ pub struct BedPlan {
     pub lid: Option<LidPlan>,
 }
 
+impl BedPlan {
+    /// The bed below the lid of this one.
+    #[must_use]
+    pub fn bare(&self) -> Self {
+        Self {
+            name: format!("{}-bare", self.name),
+            lid: None,
+            ..self.clone()
+        }
+    }
+}
+
 /// A lid to put on a bed. One of the two numbers is given.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -38,23 +55,35 @@ pub struct LidPlan {
     pub pressure_gradient: bool,
 }
 
-/// One drag to run in a bed.
+/// One drag to run in a bed: all that is needed to do it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct RunPlan {
-    /// Name of the run and its folder.
+pub struct DragPlan {
+    /// Name of the drag and its folder.
     pub name: String,
+    /// Digest of everything that shapes it: [`Scenario::key`].
+    pub key: String,
     /// Place of its bed among the bed plans.
     pub bed: usize,
-    /// Speed of the intruder.
-    pub speed: f64,
-    /// Its Froude number.
+    /// How intruder and bed move past each other, and over which steps means are taken.
+    pub motion: Motion,
+    /// Froude number of the speed.
     pub froude: f64,
     /// Travel.
     pub distance: f64,
-    /// Steps.
-    pub steps: u64,
     /// Travel at which averaging begins.
     pub discard: f64,
+    /// Tangential springs of the settled bed as it begins.
+    pub history: History,
+    /// Steps between rows of the force series.
+    pub every: u64,
+    /// Steps between links of its chain of digests.
+    pub digest_every: u64,
+    /// Whether its energy is accounted for.
+    pub energy: bool,
+    /// Whether the flow of its bed is measured too.
+    pub flows: bool,
+    /// Fields that are averaged on the way.
+    pub fields: Option<Sampling>,
     /// Steps after which a snapshot is taken, ascending.
     pub snapshots: Vec<u64>,
     /// Steps after which a checkpoint is kept, ascending; the last is the last step.
@@ -65,18 +94,16 @@ pub struct RunPlan {
     pub panel: u64,
 }
 
-impl RunPlan {
-    /// The first step that is averaged: the first that ends beyond the discarded travel.
-    pub fn first_averaged(&self, dt: f64) -> u64 {
-        let travel = |n: u64| n as f64 * dt * self.speed;
-        let mut first = (self.discard / (self.speed * dt)) as u64;
-        while first > 0 && travel(first) > self.discard {
-            first -= 1;
-        }
-        while travel(first) <= self.discard && first < self.steps {
-            first += 1;
-        }
-        first.max(1)
+impl DragPlan {
+    /// Steps of the whole drag.
+    pub fn steps(&self) -> u64 {
+        self.motion.steps()
+    }
+
+    /// Steps that are averaged.
+    pub fn averaged(&self) -> u64 {
+        let [first, last] = self.motion.window;
+        (last + 1).saturating_sub(first)
     }
 }
 
@@ -302,8 +329,29 @@ impl Scenario {
         beds
     }
 
+    /// The beds to pour, each once: those without a lid, and what lies below the lids of the others. A
+    /// bed that only lies below lids is named after them.
+    pub fn bare_beds(&self) -> Vec<BedPlan> {
+        let (mut bare, covered): (Vec<BedPlan>, Vec<BedPlan>) =
+            self.beds().into_iter().partition(|plan| plan.lid.is_none());
+        for plan in covered {
+            let below = plan.bare();
+            let same = |other: &BedPlan| {
+                let named = BedPlan {
+                    name: below.name.clone(),
+                    ..other.clone()
+                };
+                named == below
+            };
+            if !bare.iter().any(same) {
+                bare.push(below);
+            }
+        }
+        bare
+    }
+
     /// The drags to run, by bed and then speed.
-    pub fn runs(&self) -> Vec<RunPlan> {
+    pub fn runs(&self) -> Vec<DragPlan> {
         let (beds, distances) = (self.beds(), self.drag.distance.values());
         let mut runs = Vec::new();
         for (bed, plan) in beds.iter().enumerate() {
@@ -318,16 +366,36 @@ impl Scenario {
                 };
                 let default = self.default_discard(plan.diameter, distance);
                 let steps = (distance / (speed * self.drag.dt)).round() as u64;
-                runs.push(RunPlan {
+                let discard = self.drag.discard.unwrap_or(default);
+                let motion = Motion {
+                    moves: self.drag.moves,
+                    speed,
+                    dt: self.drag.dt,
+                    grain_diameter: self.mean_diameter(),
+                    window: [steps, steps],
+                };
+                // Of a drag without end, which is refused, nothing is counted step by step.
+                let sane = steps <= STEPS_MAX && (speed * self.drag.dt).is_normal();
+                let motion = match sane {
+                    true => motion.averaged_beyond(discard, steps),
+                    false => motion,
+                };
+                runs.push(DragPlan {
+                    key: self.key(&name),
                     name,
                     bed,
-                    speed,
+                    motion,
                     froude,
                     distance,
-                    steps,
+                    discard,
+                    history: self.drag.history,
+                    every: self.measure.every,
+                    digest_every: self.measure.digest_every,
+                    energy: self.measure.energy,
+                    flows: self.flows(),
+                    fields: self.fields_sampling(speed),
                     snapshots: evenly(steps, self.measure.snapshots),
                     checkpoints: evenly(steps, self.measure.checkpoints),
-                    discard: self.drag.discard.unwrap_or(default),
                     frames: Vec::new(),
                     panel: 0,
                 });
@@ -339,13 +407,14 @@ impl Scenario {
 
     /// Where frames are taken: of each drag at one travel, and of the first, the middle and the last, which
     /// show the range, many of a travel that a moving picture can show.
-    fn plan_frames(&self, runs: &mut [RunPlan]) {
+    fn plan_frames(&self, runs: &mut [DragPlan]) {
         let most = FRAMES as f64 * FRAME * self.mean_diameter();
         let common = runs.iter().map(|run| 0.5 * run.distance);
         let common = common.fold(most, f64::min);
         let last = runs.len().saturating_sub(1);
         for (k, run) in runs.iter_mut().enumerate() {
-            let step = |travel: f64| (run.steps as f64 * (travel / run.distance).min(1.0)) as u64;
+            let (steps, distance) = (run.steps() as f64, run.distance);
+            let step = |travel: f64| (steps * (travel / distance).min(1.0)) as u64;
             run.panel = step(common).max(1);
             if [0, last / 2, last].contains(&k) {
                 run.frames = evenly(step(most), FRAMES);

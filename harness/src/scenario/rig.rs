@@ -1,8 +1,10 @@
 //! What is refused of a cylinder, of a lid, and of a bed that its base carries.
 
-use super::check::{Check, positive, refuse};
-use super::{Moves, Pouring, Scenario, Shape};
-use crate::report::short;
+use super::limits::STEADY;
+use super::refusal::{Check, positive, refuse};
+use super::{Pouring, Scenario, Shape};
+use crate::format::short;
+use crate::motion::Moves;
 
 /// Drag over `rho g h~ D L` on a cylinder (Guillard 2014, Fig. 8), by which boxes are judged before
 /// anything is measured.
@@ -11,9 +13,6 @@ pub const DRAG_COEFFICIENT: f64 = 10.0;
 /// Friction coefficient of a flowing bed as a whole. Base and lid carry a drag of at most this part of
 /// the weight, each: `C_d P D L < 2 mu P L_x L`. Half of that is allowed, so that the bed follows.
 pub const BULK_FRICTION: f64 = 0.38;
-
-/// Travel over D before a cylinder's steady state (Guillard 2014, section III A).
-pub const STEADY: f64 = 2.0;
 
 /// Largest relative difference between the box and a whole number of the lid's grains.
 const TILES: f64 = 1e-9;
@@ -126,7 +125,7 @@ impl Scenario {
     }
 
     /// A window too short for a mean of the flow.
-    pub(super) fn check_window(&self, run: &super::RunPlan) -> Check {
+    pub(super) fn check_window(&self, run: &super::DragPlan) -> Check {
         let (window, least) = (run.distance - run.discard, WINDOW * self.mean_diameter());
         if self.flows() && window < least {
             return refuse(

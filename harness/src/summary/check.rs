@@ -7,7 +7,7 @@ use bitgrain_kernel::PARTS;
 use super::{BedSummary, Flow, Rig, RunRecord, RunSummary, Summary};
 use crate::blocks::Mean;
 use crate::fields::load::{self, Load, POINTS};
-use crate::scenario::{BedPlan, RunPlan, Scenario};
+use crate::scenario::{BedPlan, DragPlan, Scenario};
 use crate::units::Units;
 
 /// Nothing, or the key that is wrong and what is wrong with it.
@@ -162,7 +162,7 @@ fn check_rig(rig: &Rig, plan: &BedPlan, at: &str) -> Check {
 fn check_run(
     run: &RunSummary,
     bed: &BedSummary,
-    (beds, runs): (&[BedPlan], &[RunPlan]),
+    (beds, runs): (&[BedPlan], &[DragPlan]),
     inputs: &Scenario,
     at: &str,
 ) -> Check {
@@ -176,7 +176,7 @@ fn check_run(
         return refuse(key("bed"), problem);
     }
     for (name, given, planned) in [
-        ("speed", run.speed, plan.speed),
+        ("speed", run.speed, plan.motion.speed),
         ("froude", run.froude, plan.froude),
         ("diameter", run.diameter, planned.diameter),
         ("depth", run.depth, bed.depth),
@@ -186,8 +186,8 @@ fn check_run(
     ] {
         same(key(name), given, planned)?;
     }
-    if run.steps != plan.steps {
-        let problem = format!("is {}, but the inputs come to {}", run.steps, plan.steps);
+    if run.steps != plan.steps() {
+        let problem = format!("is {}, but the inputs come to {}", run.steps, plan.steps());
         return refuse(key("steps"), problem);
     }
     if run.window_steps > run.steps {

@@ -8,7 +8,7 @@ use crate::chain::{Link, differing};
 use crate::disk;
 use crate::error::Result;
 use crate::frames;
-use crate::run::DragPlan;
+use crate::run::DragTask;
 use crate::sim::Sim;
 use crate::witness::Witness;
 
@@ -22,7 +22,7 @@ pub(super) struct Finding {
 /// Holds links against the recorded ones, and stops at the first that does not hold; holds snapshots
 /// against those that were written.
 pub(super) struct Check<'a> {
-    pub drag: Option<DragPlan<'a>>,
+    pub drag: Option<DragTask<'a>>,
     pub frames: String,
     pub frames_after: u64,
     pub recorded: &'a [Link],
@@ -69,7 +69,7 @@ impl Witness for Check<'_> {
     }
 
     fn looks_at(&self, step: u64) -> bool {
-        let shown = |drag: DragPlan<'_>| drag.shows(step) || drag.films(step);
+        let shown = |drag: DragTask<'_>| drag.shows(step) || drag.films(step);
         self.drag.is_some_and(shown)
     }
 
@@ -79,7 +79,7 @@ impl Witness for Check<'_> {
         };
         // A file begins after the planned checkpoint before its own, also where that one is lost.
         if drag.films(step) && step > self.frames_after {
-            self.frames += &frames::rows(sim, drag.scenario, drag.plan, step);
+            self.frames += &frames::rows(sim, &drag.plan.motion, step);
         }
         if !drag.shows(step) {
             return Ok(());

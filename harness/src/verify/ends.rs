@@ -30,7 +30,7 @@ pub(crate) fn check_ends(
         };
         let path = match part {
             Part::Bed(plan) => past.folder.bed(&plan.name),
-            Part::Drag(plan) => past.folder.checkpoint(&plan.name, plan.steps),
+            Part::Drag(plan) => past.folder.checkpoint(&plan.name, plan.steps()),
         };
         let link = checkpoint::read_noted(&path).map(|(_, note)| note.link);
         if stage.finished && !link.is_ok_and(|link| link == stage.link) {
@@ -63,7 +63,7 @@ fn summary_text(past: &Past<'_>) -> Result<String> {
     let mut runs = Vec::new();
     for plan in &past.runs {
         let drag = past.drag(plan, &beds[plan.bed]);
-        let (mut sim, dragging) = past.state(drag, plan.steps)?;
+        let (mut sim, dragging) = past.state(drag, plan.steps())?;
         runs.push(run::results(drag, &dragging, &mut sim)?.1);
     }
     let whole = run::whole_summary(past.folder, &past.scenario, beds, runs);

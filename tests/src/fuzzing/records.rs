@@ -118,7 +118,7 @@ fn told(read: Summary, text: &str) -> bool {
 fn said(evidence: &Evidence) {
     let _ = words(&evidence.analysis);
     let _ = analysis::text(&evidence.analysis);
-    let page = evidence.page();
+    let page = bitgrain::report::campaign_page(&evidence);
     assert!(!page.contains("<script>alert"), "what is read is no markup");
     let mut book = Book::shipped();
     evidence.record(&mut book);

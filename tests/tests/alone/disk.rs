@@ -188,6 +188,7 @@ impl Work for Run {
             save: SaveEvery::Steps(900),
             frames: true,
             only: &[],
+            write_report: bitgrain::present::write_report,
             progress: &Progress::new(false),
         };
         bitgrain::run::run_in(setting).map(|_| ())
@@ -208,6 +209,7 @@ impl Work for Campaign {
             save: SaveEvery::Steps(5000),
             // A disk that failed is no reason to keep a failure.
             retry: true,
+            write_report: bitgrain::present::write_report,
             progress: &Progress::new(false),
         })
         .map(|_| ())

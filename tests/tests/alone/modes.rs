@@ -127,7 +127,7 @@ fn a_mode_switched_on_by_who_looks_on_ends_the_drag_before_anything_is_written()
         };
         let mut sim = settled_quick();
         let _restored = Restored;
-        let ended = drag(&mut sim, &scenario, plan, &mut library);
+        let ended = drag(&mut sim, plan, &mut library);
         set(PLAIN);
         assert!(matches!(ended, Err(Error::Contract { .. })));
         let packed = (1..=6).map(|step| (step, step == 6)).collect::<Vec<_>>();
@@ -166,6 +166,7 @@ fn a_run_under_a_mode_writes_nothing_and_goes_on_after_it() {
             save: run::SaveEvery::Steps(900),
             frames: true,
             only: &[],
+            write_report: bitgrain::present::write_report,
             progress: &Progress::new(false),
         };
         run::run_in(setting).map(|_| ())

@@ -9,8 +9,8 @@ use bitgrain::lammps::{
     Atom, DataFile, Frame, data_text, dump_text, parse_atoms, parse_data, parse_dump, read_atoms,
 };
 use bitgrain::law::LawSpec;
-use bitgrain::scenario::{self, Measure};
-use bitgrain::series::{SeriesRow, read_series, series_text};
+use bitgrain::scenario;
+use bitgrain::series::{Columns, SeriesRow, read_series, series_text};
 use bitgrain_tests::fuzzing::assert_same_bits;
 use proptest::num::f64::{NEGATIVE, NORMAL, POSITIVE, SUBNORMAL, ZERO};
 use proptest::prelude::*;
@@ -363,7 +363,7 @@ proptest! {
         let units = scenario::load("quick", &[]).unwrap().units();
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("series.csv");
-        write(&path, &series_text(&units, &Measure::default(), &rows), false);
+        write(&path, &series_text(&units, Columns::ALL, &rows), false);
         let back = read_series(&path).unwrap();
         prop_assert_eq!(&back, &rows);
         let bits = |rows: &[SeriesRow]| -> Vec<u64> {

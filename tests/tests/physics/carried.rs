@@ -8,8 +8,9 @@ use bitgrain::bed::{self, Pouring};
 use bitgrain::checkpoint;
 use bitgrain::drag::{Means, Record, drag};
 use bitgrain::flow::FlowRow;
+use bitgrain::motion::Moves;
 use bitgrain::progress::Stage;
-use bitgrain::scenario::{self, BedPlan, Moves, RunPlan, Scenario};
+use bitgrain::scenario::{self, BedPlan, DragPlan, Scenario};
 use bitgrain::sim::{Role, Sim};
 use bitgrain_kernel::Bond;
 use bitgrain_tests::{RIG, Shown, largest};
@@ -46,28 +47,21 @@ fn places(sim: &Sim, role: Role) -> Vec<usize> {
 }
 
 /// A run of so many steps, averaged after the first `discard` of them, which shows some of its states.
-fn plan(scenario: &Scenario, speed: f64, steps: u64, discard: u64, shown: &[u64]) -> RunPlan {
-    let travel = |n: u64| n as f64 * scenario.drag.dt * speed;
-    RunPlan {
-        speed,
-        steps,
-        distance: travel(steps),
-        // Half a step early, so that rounding decides nothing.
-        discard: travel(discard) - 0.5 * travel(1),
-        // Where a test looks.
-        snapshots: shown.to_vec(),
-        ..scenario.runs()[0].clone()
-    }
+fn plan(scenario: &Scenario, speed: f64, steps: u64, discard: u64, shown: &[u64]) -> DragPlan {
+    let mut plan = scenario.runs().remove(0);
+    plan.motion.speed = speed;
+    plan.distance = plan.motion.travel(steps);
+    // Half a step early, so that rounding decides nothing.
+    plan.discard = plan.motion.travel(discard) - 0.5 * plan.motion.travel(1);
+    plan.motion = plan.motion.averaged_beyond(plan.discard, steps);
+    // Where a test looks.
+    plan.snapshots = shown.to_vec();
+    plan
 }
 
-fn run(
-    sim: &mut Sim,
-    scenario: &Scenario,
-    plan: &RunPlan,
-    mut show: impl FnMut(u64, &Sim),
-) -> (Means, Record) {
+fn run(sim: &mut Sim, plan: &DragPlan, mut show: impl FnMut(u64, &Sim)) -> (Means, Record) {
     let mut shown = Shown(&plan.snapshots, |n, sim: &mut Sim| show(n, sim));
-    drag(sim, scenario, plan, &mut shown).unwrap()
+    drag(sim, plan, &mut shown).unwrap()
 }
 
 /// Force of everything on the free grains along x.
@@ -89,9 +83,7 @@ fn what_base_and_lid_carry_is_the_drag() {
         let (first, last) = (1500, 3750);
         let plan = plan(&scenario, SPEED, last, first + 1, &[first, last]);
         let mut ends = Vec::new();
-        let (means, record) = run(&mut bed.clone(), &scenario, &plan, |_, sim| {
-            ends.push(on_free(sim))
-        });
+        let (means, record) = run(&mut bed.clone(), &plan, |_, sim| ends.push(on_free(sim)));
         let flow = means.flow.unwrap();
         assert_eq!((flow.rows, record.flow.unwrap().rows.len()), (3, 5));
         let missing = flow.base + flow.lid - flow.drag - flow.inertia;
@@ -139,7 +131,7 @@ fn base_lid_and_planes_go_by_as_one() {
     let plan = plan(&scenario, SPEED, 1500, 2, &[1500]);
     for bed in &BEDS[1..] {
         let mut sim = bed.clone();
-        run(&mut sim, &scenario, &plan, |_, _| ());
+        run(&mut sim, &plan, |_, _| ());
         let width = sim.domain.hi()[0];
         let along = |sim: &Sim, i: usize| sim.position[i][0] + f64::from(sim.image[i][0]) * width;
         let carried = [places(&sim, Role::Base), places(&sim, Role::Lid)].concat();
@@ -193,7 +185,7 @@ fn what_floats_above_the_lid_is_counted_and_held() {
     let (mut highest, mut turned) = (0.0, false);
     let all: Vec<u64> = (1..=1500).collect();
     let plan = plan(&scenario, SPEED, 1500, 2, &all);
-    let (_, record) = run(&mut sim, &scenario, &plan, |_, sim| {
+    let (_, record) = run(&mut sim, &plan, |_, sim| {
         let z = sim.position[one][2];
         highest = if z > highest { z } else { highest };
         turned |= sim.velocity[one][2] < 0.0;
@@ -206,7 +198,7 @@ fn what_floats_above_the_lid_is_counted_and_held() {
     );
     let counted = |rows: &[FlowRow]| rows.iter().map(|row| row.floating).collect::<Vec<_>>();
     assert_eq!(counted(&record.flow.unwrap().rows), [1, 1]);
-    let (_, without) = run(&mut BEDS[2].clone(), &scenario, &plan, |_, _| ());
+    let (_, without) = run(&mut BEDS[2].clone(), &plan, |_, _| ());
     assert_eq!(counted(&without.flow.unwrap().rows), [0, 0]);
 }
 
@@ -219,12 +211,7 @@ fn a_bed_under_its_lid_goes_on_from_a_checkpoint() {
     let path = folder.path().join("state.safetensors");
     for bed in &BEDS[1..] {
         let mut sim = bed.clone();
-        run(
-            &mut sim,
-            &scenario,
-            &plan(&scenario, SPEED, 300, 2, &[]),
-            |_, _| (),
-        );
+        run(&mut sim, &plan(&scenario, SPEED, 300, 2, &[]), |_, _| ());
         checkpoint::write(&path, &mut sim).unwrap();
         let mut again = checkpoint::read(&path).unwrap();
         assert_eq!(again.groups, sim.groups);
@@ -284,7 +271,7 @@ fn who_moves_does_not_matter() {
         let begin = [still.obstacles[0].force, bed.obstacles[0].force];
         let ([x, y, z], other) = (begin[0], begin[1]);
         assert_eq!([-x, y, z], other, "at rest they are mirror images exactly");
-        let (a, one) = run(&mut still, &scenario, &plan, |_, sim| {
+        let (a, one) = run(&mut still, &plan, |_, sim| {
             through.push(sim.obstacles[0].force)
         });
         scenario.drag.moves = Moves::Bed;
@@ -292,7 +279,7 @@ fn who_moves_does_not_matter() {
         for i in places(bed, Role::Free) {
             boosted.velocity[i][0] += fast;
         }
-        let (b, two) = run(&mut boosted, &scenario, &plan, |_, sim| {
+        let (b, two) = run(&mut boosted, &plan, |_, sim| {
             past.push(sim.obstacles[0].force)
         });
         for (k, row) in [0, 29].into_iter().enumerate() {

@@ -65,7 +65,7 @@ fn pull(scenario: &Scenario, marks: &[u64]) -> (Means, Vec<SeriesRow>, Vec<Sim>)
     let plan = scenario.runs().remove(0);
     let mut states = Vec::new();
     let mut mark = Shown(marks, |_, sim: &mut Sim| states.push(sim.clone()));
-    let (means, record) = drag(&mut sim, scenario, &plan, &mut mark).unwrap();
+    let (means, record) = drag(&mut sim, &plan, &mut mark).unwrap();
     (means, record.series, states)
 }
 
@@ -231,14 +231,14 @@ fn both_programs_are_asked_the_same() {
     assert!(input.contains("-var bed bedS_D4_mu0.data -var mu 0 -var floor yes"));
     let speed = word("-var V", 0);
     // The same but for how it was rounded.
-    assert!((speed / scenario.runs()[0].speed - 1.0).abs() < 1e-15);
+    assert!((speed / scenario.runs()[0].motion.speed - 1.0).abs() < 1e-15);
     for (bed, froude) in points() {
         let (scenario, row) = (bed.scenario(froude, 0), bed.lammps(froude));
         let plan = scenario.runs().remove(0);
         assert_eq!(scenario.beds()[0].diameter, bed.diameter);
-        assert!((row.speed / plan.speed - 1.0).abs() < 1e-9);
+        assert!((row.speed / plan.motion.speed - 1.0).abs() < 1e-9);
         // LAMMPS' runs end with a row of their series, 400 of them.
-        assert!(row.steps.abs_diff(plan.steps) <= 200);
+        assert!(row.steps.abs_diff(plan.steps()) <= 200);
         assert_eq!(scenario.bed.floor, bed.friction == 0.0);
     }
 }
@@ -385,10 +385,10 @@ fn first_rows(bed: &Bed, floor: bool, rows: u64) -> Result<Vec<[[f64; 2]; 2]>, E
     scenario.bed.floor = floor;
     scenario.measure.every = theirs[0][0] as u64;
     let mut plan = scenario.runs().remove(0);
-    plan.steps = rows * scenario.measure.every;
-    plan.discard = 0.1;
+    let steps = rows * scenario.measure.every;
+    plan.motion = plan.motion.averaged_beyond(0.1, steps);
     let mut sim = bitgrain::bed::import::bed(&scenario, scenario.source.as_deref().unwrap())?;
-    let (_, record) = drag(&mut sim, &scenario, &plan, &mut ())?;
+    let (_, record) = drag(&mut sim, &plan, &mut ())?;
     let pairs = record.series.iter().zip(theirs);
     let pairs = pairs.map(|(ours, theirs)| {
         assert_eq!(ours.step as f64, theirs[0]);

@@ -7,12 +7,13 @@ use bitgrain::bed::library::Library;
 use bitgrain::drag::Dragging;
 use bitgrain::fields::load::Sum;
 use bitgrain::fields::{FieldsGauge, Flag, Point, hole, read};
+use bitgrain::motion::Moves;
 use bitgrain::progress::{Progress, Stage};
-use bitgrain::scenario::{self, Moves, RunPlan, Scenario};
+use bitgrain::scenario::{self, Scenario};
 use bitgrain::sim::{Grain, Sim};
 use bitgrain::summary::{Summary, read_summary};
 use bitgrain::threads::on_threads;
-use bitgrain::{bed, checkpoint, present, run};
+use bitgrain::{bed, checkpoint, present};
 use bitgrain_kernel::{Domain, Group, Obstacle, Partner, Pushed};
 use bitgrain_tests::{RIG, SMALL, Shown, output, results};
 
@@ -58,7 +59,7 @@ fn fields_of_no_steady_state_are_refused() {
 
 fn run_into(scenario: &Scenario, out: &Path, beds: &Path, threads: usize) -> Summary {
     let library = Library::new(beds);
-    run::run(scenario, out, &library, threads, &Progress::new(false)).unwrap();
+    bitgrain::present::run(scenario, out, &library, threads, &Progress::new(false)).unwrap();
     read_summary(&out.join("summary.json")).unwrap()
 }
 
@@ -124,28 +125,26 @@ fn a_drag_in_two_parts_has_the_fields_of_one() {
         |sim: &mut Sim, dragging: &mut Dragging, witness: &mut dyn FnMut(u64), looks: &[u64]| {
             let mut witness = Shown(looks, |n, _: &mut Sim| witness(n));
             let stage = Stage::silent();
-            dragging
-                .go_on(sim, &scenario, plan, &stage, &mut witness)
-                .unwrap();
+            dragging.go_on(sim, plan, &stage, &mut witness).unwrap();
         };
     let begun = || {
         let mut sim = bed::pour(&scenario, &scenario.beds()[0], &mut Stage::silent()).unwrap();
-        let dragging = Dragging::begin(&mut sim, &scenario, plan, "").unwrap();
+        let dragging = Dragging::begin(&mut sim, plan, "").unwrap();
         (sim, dragging)
     };
     let (mut sim, mut whole) = begun();
     go(&mut sim, &mut whole, &mut |_| (), &[]);
     let (mut sim, mut part) = begun();
-    let half = plan.first_averaged(sim.dt) + 1000;
+    let half = plan.motion.window[0] + 1000;
     let mut saved = Until(half, None);
-    part.go_on(&mut sim, &scenario, plan, &Stage::silent(), &mut saved)
+    part.go_on(&mut sim, plan, &Stage::silent(), &mut saved)
         .unwrap();
     let (mut again, note) = checkpoint::unpack(&saved.1.unwrap(), "half").unwrap();
     let mut dragging = Dragging::of(&note).unwrap();
     assert_eq!(dragging.step, half);
     assert!(dragging.fields.as_ref().unwrap().samples() > 0);
     on_threads(3, || {
-        let looks: Vec<u64> = (half..plan.steps).step_by(7).collect();
+        let looks: Vec<u64> = (half..plan.steps()).step_by(7).collect();
         let mut seen = 0;
         go(&mut again, &mut dragging, &mut |_| seen += 1, &looks);
         assert!(seen > 100);
@@ -254,8 +253,8 @@ fn fields_come_to_their_grains_and_contacts() {
         .filter(|c| c.partner == Partner::Obstacle(0));
     assert_eq!((contacts.len(), on_body.count()), (5, 2), "{contacts:?}");
     let plan = &scenario.runs()[0];
-    let mut gauge = FieldsGauge::new(&scenario, plan).unwrap();
-    gauge.add(&sim, &contacts, plan.first_averaged(sim.dt));
+    let mut gauge = FieldsGauge::new(&plan.fields.unwrap(), &plan.motion);
+    gauge.add(&sim, &contacts, plan.motion.window[0]);
     let fields = gauge.points(hole(&sim));
     let cell: f64 = fields.grid.step().iter().product();
     let total = |of: &dyn Fn(&Point) -> f64| {
@@ -299,14 +298,12 @@ fn a_resting_bed_carries_its_weight() {
     let text = format!("{SMALL}\n[measure.fields]\ngrid = [20, 16, 96]\nevery = 1\n");
     let scenario = parsed(&text, &sets);
     let mut sim = bed::pour(&scenario, &scenario.beds()[0], &mut Stage::silent()).unwrap();
-    let plan = RunPlan {
-        discard: 0.0,
-        ..scenario.runs()[0].clone()
-    };
-    let mut gauge = FieldsGauge::new(&scenario, &plan).unwrap();
+    let mut plan = scenario.runs().remove(0);
+    plan.motion = plan.motion.averaged_beyond(0.0, plan.steps());
+    let mut gauge = FieldsGauge::new(&plan.fields.unwrap(), &plan.motion);
     let mut contacts = Vec::new();
     sim.step_watched(|contact| contacts.push(contact)).unwrap();
-    gauge.add(&sim, &contacts, plan.first_averaged(sim.dt));
+    gauge.add(&sim, &contacts, plan.motion.window[0]);
     let fields = gauge.points(hole(&sim));
     let [nx, ny, _] = fields.grid.counts;
     let layer = |kz: usize, of: fn(&Point) -> f64| {

@@ -72,12 +72,11 @@ fn the_first_steps_done_again_give_the_same_rows() {
         whole().beds[0].digest
     );
     let mut plan = scenario.runs()[0].clone();
-    plan.steps = AGAIN;
     // Averages are of no concern here; those of the whole run begin much later.
-    plan.discard = 0.0;
-    let (_, record) = drag(&mut bed, &scenario, &plan, &mut ()).unwrap();
+    plan.motion = plan.motion.averaged_beyond(0.0, AGAIN);
+    let (_, record) = drag(&mut bed, &plan, &mut ()).unwrap();
     assert_eq!(record.series.len(), 8);
-    let (units, measure) = (scenario.units(), &scenario.measure);
+    let (units, measure) = (scenario.units(), scenario.measure.columns());
     let again = series_text(&units, measure, &record.series);
     assert!(
         text("bed-1-run-1.forces.csv.gz").starts_with(&again),

@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use bitgrain::flow::FlowGauge;
-use bitgrain::scenario::{self, Moves, RunPlan, Scenario};
+use bitgrain::motion::{Motion, Moves};
+use bitgrain::scenario;
 use bitgrain::sim::{Grain, Sim};
 use bitgrain_kernel::{Domain, Group, Obstacle};
 use bitgrain_tests::SMALL;
@@ -17,12 +18,6 @@ const ROW: u64 = 512;
 const FREE: u8 = 0;
 const BASE: u8 = 1;
 const LID: u8 = 2;
-
-fn scenario(moves: Moves) -> Scenario {
-    let mut scenario = scenario::parse(SMALL, "small", &[], Path::new("")).unwrap();
-    scenario.drag.moves = moves;
-    scenario
-}
 
 /// Grains at these places with these velocities along x, none in touch, in a box 16 long round an intruder
 /// in its middle, high up; nothing pulls them.
@@ -43,7 +38,11 @@ fn tray(grains: &[(u8, [f64; 3], f64)]) -> Sim {
         spin: [0.0; 3],
     };
     let grains: Vec<Grain> = grains.iter().enumerate().map(grain).collect();
-    let law = scenario(Moves::Bed).law.build().unwrap();
+    let law = scenario::parse(SMALL, "small", &[], Path::new(""))
+        .unwrap()
+        .law
+        .build()
+        .unwrap();
     let body = Obstacle::sphere([8.0, 2.0, 14.0], 0.5);
     let mut sim = Sim::new(law, domain, DT, groups, &grains, vec![body]);
     sim.start().unwrap();
@@ -52,10 +51,9 @@ fn tray(grains: &[(u8, [f64; 3], f64)]) -> Sim {
 
 /// Rows of a gauge at this sim for a speed of 1; `turn` may change velocities after a step.
 fn read(sim: &mut Sim, moves: Moves, rows: u64, turn: impl Fn(&mut Sim, u64)) -> FlowGauge {
-    let scenario = scenario(moves);
-    let plan = plan(&scenario, rows, 0.0);
-    let mut gauge = FlowGauge::new(sim, &scenario, &plan, 8.0);
-    for n in 1..=plan.steps {
+    let motion = motion(moves, rows, 0.0);
+    let mut gauge = FlowGauge::new(sim, &motion, 8.0);
+    for n in 1..=motion.steps() {
         sim.steps(1).unwrap();
         turn(sim, n);
         gauge.read(sim, n, [n as f64, 2.0 * n as f64, 0.0]);
@@ -63,14 +61,15 @@ fn read(sim: &mut Sim, moves: Moves, rows: u64, turn: impl Fn(&mut Sim, u64)) ->
     gauge
 }
 
-fn plan(scenario: &Scenario, rows: u64, discard: f64) -> RunPlan {
-    RunPlan {
+fn motion(moves: Moves, rows: u64, discard: f64) -> Motion {
+    let motion = Motion {
+        moves,
         speed: 1.0,
-        steps: rows * ROW,
-        distance: (rows * ROW) as f64 * DT,
-        discard,
-        ..scenario.runs()[0].clone()
-    }
+        dt: DT,
+        grain_diameter: 1.0,
+        window: [1, 1],
+    };
+    motion.averaged_beyond(discard, rows * ROW)
 }
 
 fn speeds(gauge: &FlowGauge) -> Vec<f64> {
@@ -193,11 +192,10 @@ fn rows_and_windows_are_whole() {
     // Faster with each row, and ever more so, that no window has the means of another.
     let speed = |k: u64| 1.0 + (k * k) as f64 / 16.0;
     let windows = |discard: f64| {
-        let scenario = scenario(Moves::Bed);
-        let plan = plan(&scenario, 5, discard);
+        let motion = motion(Moves::Bed, 5, discard);
         let mut sim = tray(&line(|_| 1.0));
-        let mut gauge = FlowGauge::new(&sim, &scenario, &plan, 8.0);
-        for n in 1..=plan.steps {
+        let mut gauge = FlowGauge::new(&sim, &motion, 8.0);
+        for n in 1..=motion.steps() {
             sim.steps(1).unwrap();
             set_speed(&mut sim, speed(n / ROW));
             gauge.read(&sim, n, [n as f64, 2.0 * n as f64, 0.0]);

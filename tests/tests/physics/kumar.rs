@@ -89,8 +89,8 @@ fn tables_are_those_of_the_shipped_campaigns() {
                     let got = table.real(row, column).unwrap();
                     assert_eq!(got, want, "{}/{}: {column}", member.name, run.name);
                 };
-                near("speed", run.speed);
-                near("steps", run.steps as f64);
+                near("speed", run.motion.speed);
+                near("steps", run.steps() as f64);
                 near("mu", member.scenario.law.mu());
                 near("dt", member.scenario.drag.dt);
                 assert_eq!(table.text(row, "digest").len(), 64);
@@ -160,7 +160,7 @@ fn tables_say_what_they_said() {
 #[test]
 fn tables_have_a_page() {
     for name in TABLES {
-        let page = evidence(name).page();
+        let page = bitgrain::report::campaign_page(&evidence(name));
         assert!(page.len() < 5_000_000, "{}", page.len());
         for heading in [
             "Drag against Froude number",

@@ -70,7 +70,7 @@ fn drags_are_those_of_the_shipped_scenario() {
     assert_eq!(whole.runs.len(), plans.len());
     for (run, plan) in whole.runs.iter().zip(&plans) {
         assert_eq!(run.name, plan.name);
-        assert_eq!((run.speed, run.steps), (plan.speed, plan.steps));
+        assert_eq!((run.speed, run.steps), (plan.motion.speed, plan.steps()));
         for step in (0..=run.steps).step_by(LINKS as usize) {
             assert_eq!(links[&(run.name.clone(), step)].len(), 64);
         }
@@ -145,13 +145,7 @@ fn a_piece_done_again_gives_the_same_links_and_sums() {
     assert_eq!(dragging.fields.as_ref().unwrap().samples(), 0);
     let end = (dragging.step / LINKS + 1) * LINKS;
     dragging
-        .go_on(
-            &mut sim,
-            &scenario,
-            &plan,
-            &Stage::silent(),
-            &mut Until(end),
-        )
+        .go_on(&mut sim, &plan, &Stage::silent(), &mut Until(end))
         .unwrap();
     assert_eq!(dragging.chain.end(), links[&(plan.name, end)]);
     let fields = dragging.fields.as_ref().unwrap();

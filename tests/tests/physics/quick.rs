@@ -5,7 +5,7 @@ use std::process::Command;
 
 use bitgrain::bed::library::Library;
 use bitgrain::progress::Progress;
-use bitgrain::{run, scenario, summary};
+use bitgrain::{scenario, summary};
 use bitgrain_tests::{golden, results, unpacked};
 
 fn settings(recipe: &str) -> insta::Settings {
@@ -89,7 +89,7 @@ fn the_quick_scenario_gives_its_goldens() {
     let folder = tempfile::tempdir().unwrap();
     let library = Library::new(folder.path().join("beds"));
     let out = folder.path().join("out");
-    run::run(&quick, &out, &library, 2, &Progress::new(false)).unwrap();
+    bitgrain::present::run(&quick, &out, &library, 2, &Progress::new(false)).unwrap();
     let files = results(&out);
     check_names(&files);
     let whole = summary::read_summary(&out.join("summary.json")).unwrap();

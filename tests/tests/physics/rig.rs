@@ -34,7 +34,7 @@ fn short() -> Scenario {
 
 fn run_into(scenario: &Scenario, out: &Path, beds: &Path, threads: usize) {
     let library = Library::new(beds);
-    run::run(scenario, out, &library, threads, &Progress::new(false)).unwrap();
+    bitgrain::present::run(scenario, out, &library, threads, &Progress::new(false)).unwrap();
 }
 
 /// One run that the tests of this file share.
@@ -87,6 +87,7 @@ fn a_drag_done_alone_is_that_of_the_whole() {
             save: Default::default(),
             frames: true,
             only,
+            write_report: bitgrain::present::write_report,
             progress: &progress,
         })
     };

@@ -8,8 +8,9 @@ use std::path::Path;
 use std::process::Command;
 
 use bitgrain::frames::{Frame, Slice};
+use bitgrain::motion::Moves;
 use bitgrain::report::{self, BedPicture, Drawings, Film, FlowGrain, FlowPicture, PictureGrain};
-use bitgrain::scenario::{self, Moves};
+use bitgrain::scenario::{self};
 use bitgrain::series::SeriesRow;
 use bitgrain::sim::Role;
 use bitgrain::summary::Summary;

@@ -3,12 +3,12 @@
 use super::Slot;
 use crate::campaign::only::Only;
 use crate::campaign::plan::{Member, Plan};
-use crate::scenario::RunPlan;
+use crate::scenario::DragPlan;
 
 /// One drag of one member.
 pub(super) struct Job {
     pub(super) member: usize,
-    pub(super) plan: RunPlan,
+    pub(super) plan: DragPlan,
     pub(super) work: u64,
     pub(super) wanted: bool,
 }
@@ -29,7 +29,7 @@ pub(super) fn jobs(plan: &Plan, only: &Only) -> Vec<Job> {
             let grains = scenario.grain_count(beds[plan.bed].diameter) as u64;
             jobs.push(Job {
                 member,
-                work: plan.steps.saturating_mul(grains),
+                work: plan.steps().saturating_mul(grains),
                 wanted: only.wants(name, &plan.name),
                 plan,
             });

@@ -87,6 +87,7 @@ impl Under<'_> {
             }
             let runs = records.iter().map(|record| record.run.clone()).collect();
             let closing = run::conclude(&folder, ledger, self.scenario(member), beds, runs)?;
+            (self.what.write_report)(&folder)?;
             self.ledger.finish_stage(name, &closing)?;
         }
         self.ledger.finish()?;

@@ -1,12 +1,13 @@
 //! Charts of what goes on round the intruder (Kumar 2018, Figs. 6 to 8), and of the bed above it.
 
 use super::super::scatter::{Line, Range};
-use super::super::text::{escape, short};
+use super::super::text::escape;
 use super::drags::of;
 use super::figure::{Figure, Series, add, ends, section, straight, traced};
 use super::{Shown, intruder, material, words_of};
 use crate::analysis::{Around, Curve, Point, Value};
 use crate::fit::Fit;
+use crate::format::short;
 use crate::plug::bounds;
 
 /// The paper's laws: eq. 7 and Fig. 8.

@@ -8,27 +8,29 @@ mod yields;
 
 use super::page::{Top, assembled, remark, row};
 use super::span;
-use super::text::{escape, exact, number_with_error, short, typeset};
+use super::text::{escape, exact, typeset};
 use crate::analysis::{self, Analysis, Curve, Finding, Material, Point, Value, words};
 use crate::campaign::folder::Beside;
 use crate::campaign::table::Table;
 use crate::claims::OVERLAP_MAX;
 use crate::claims::book::Book;
+use crate::claims::evidence::Evidence;
 use crate::files::bits;
 use crate::fit::Fit;
+use crate::format::{number_with_error, short};
 
 /// What a page shows.
-pub struct Shown<'a> {
+struct Shown<'a> {
     /// Name of the campaign.
-    pub name: &'a str,
+    name: &'a str,
     /// What lies beside its table; none of a table alone.
-    pub beside: Option<&'a Beside>,
+    beside: Option<&'a Beside>,
     /// Its table.
-    pub table: &'a Table,
+    table: &'a Table,
     /// What that says.
-    pub analysis: &'a Analysis,
+    analysis: &'a Analysis,
     /// Claims with what it measured of them.
-    pub book: &'a Book,
+    book: &'a Book,
 }
 
 impl Shown<'_> {
@@ -56,8 +58,17 @@ impl Shown<'_> {
     }
 }
 
-/// One self-contained HTML page, a pure function of what it shows.
-pub fn campaign_page(shown: &Shown) -> String {
+/// What a table says as one self-contained HTML page, a pure function of it.
+pub fn campaign_page(evidence: &Evidence) -> String {
+    let mut book = Book::shipped();
+    evidence.record(&mut book);
+    let shown = &Shown {
+        name: &evidence.by,
+        beside: evidence.beside.as_ref(),
+        table: &evidence.table,
+        analysis: &evidence.analysis,
+        book: &book,
+    };
     let mut out = String::new();
     out.push_str(&drags::figures(shown));
     out.push_str(&claims::section(shown.book, shown.name));

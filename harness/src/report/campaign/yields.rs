@@ -1,12 +1,13 @@
 //! Charts of yield forces and how they scale (Kumar 2018, Figs. 11 to 15 and 17 to 20).
 
 use super::super::scatter::{Line, Range};
-use super::super::text::{escape, short};
+use super::super::text::escape;
 use super::drags::of;
 use super::figure::{Figure, Series, add, ends, section, straight};
 use super::{Shown, grains, intruder, material, words_of};
 use crate::analysis::{Collapse, Curve, Exponent, Finding, Level, Scaling, Stiffness, Value, near};
 use crate::fit::Fit;
+use crate::format::short;
 
 pub(super) fn figures(shown: &Shown) -> String {
     let mut all = friction(shown);
@@ -133,7 +134,7 @@ fn depths(shown: &Shown, own: &Scaling) -> String {
     let mean = match &own.alpha_mean {
         Finding::Found(mean) => format!(
             "; &alpha;, mean over speeds: {}",
-            super::super::text::number_with_error(mean.value, mean.error)
+            crate::format::number_with_error(mean.value, mean.error)
         ),
         Finding::Refused(_) => String::new(),
     };

@@ -1,9 +1,37 @@
 //! Where the joints of a curve of three pieces lie best, and where else they may lie.
 
 use super::offset_power::{EXPONENTS, exponents as ratios};
-use super::regimes::{CONFIDENCE, Crossover, First};
+use serde::{Deserialize, Serialize};
+
 use super::segments::{Table, sorted};
 use super::{Datum, chance};
+
+/// The part of crossovers' intervals that hold the truth.
+pub const CONFIDENCE: f64 = 0.95;
+
+/// The first regime.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum First {
+    /// `a`, as with friction.
+    Flat,
+    /// `a + b x^c`, as without.
+    Power,
+    /// The same with an exponent that is known from elsewhere, above zero, and not fitted.
+    Given(f64),
+}
+
+/// Where one regime goes over into the next.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Crossover {
+    /// The best place.
+    pub at: f64,
+    /// Least place of the interval of [`CONFIDENCE`]; none where it reaches the least x of the points.
+    pub low: Option<f64>,
+    /// Largest place; none where it reaches the largest x of the points.
+    pub high: Option<f64>,
+}
 
 /// Places of a joint on the first grid, in equal ratios.
 const GRID: usize = 64;

@@ -1,0 +1,18 @@
+//! A drag with all that belongs to it.
+
+use crate::folder::Folder;
+use crate::scenario::{DragPlan, Scenario};
+use crate::summary::BedSummary;
+
+/// One drag: where it lies and what it is.
+#[derive(Clone, Copy)]
+pub struct DragTask<'a> {
+    /// The run directory.
+    pub folder: &'a Folder<'a>,
+    /// The scenario.
+    pub scenario: &'a Scenario,
+    /// The drag.
+    pub plan: &'a DragPlan,
+    /// Its settled bed.
+    pub bed: &'a BedSummary,
+}
