@@ -1,106 +1,26 @@
 //! Checkpoints: a whole state in one safetensors file, from which a run goes on with the same bits.
 
 mod arrays;
+mod head;
+
+pub use head::Note;
+use head::{FIELDS, FRAMES, Head, Made, Part};
 
 use std::collections::HashMap;
 use std::path::Path;
 
 use arrays::Arrays;
-use bitgrain_kernel::{BITS_VERSION, Bond, Domain, Fault, Group, Obstacle, Row};
+use bitgrain_kernel::{BITS_VERSION, Bond, Fault, Row};
 use safetensors::tensor::{Dtype, SafeTensors, TensorView, serialize};
-use serde::{Deserialize, Serialize};
 
 use crate::disk::{self, write_whole};
 use crate::error::{Error, Result};
-use crate::sim::{AnyLaw, Sim, hex};
+use crate::sim::{Sim, hex};
 
 /// Version of the file's layout.
 pub const FORMAT: u32 = 3;
 
-/// What a checkpoint holds besides the state.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Note {
-    /// Digest of the recipe a bed was poured by; empty for other states.
-    pub recipe: String,
-    /// The last link of the chain of digests up to this state; empty where there is none.
-    pub link: String,
-    /// The stage under way, as JSON: its accumulators, series and chain so far; empty for a bare state.
-    pub course: String,
-    /// The sums of its fields, little-endian words; empty where there are none.
-    pub fields: Vec<u8>,
-    /// Frames that no file holds yet; empty in a checkpoint that is kept.
-    pub frames: String,
-}
-
-/// What is not an array of grains or contacts. One text under one key, so that a file's bytes do
-/// not depend on the order of a map.
-#[derive(Clone, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Head {
-    format: u32,
-    bits_version: u32,
-    step: u64,
-    dt: f64,
-    law: AnyLaw,
-    domain: Domain<f64>,
-    groups: Vec<Group<f64>>,
-    obstacles: Vec<Obstacle<f64>>,
-    recipe: String,
-    link: String,
-    /// Digest of the state, which reading computes anew.
-    digest: String,
-    /// The arrays, by name.
-    parts: Vec<Part>,
-    /// BLAKE3 over this text with the seal empty.
-    seal: String,
-}
-
-/// An array of the file: its length and its digest.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Part {
-    name: String,
-    bytes: usize,
-    blake3: String,
-}
-
-impl Part {
-    fn of(name: &str, bytes: &[u8]) -> Self {
-        Self {
-            name: name.to_string(),
-            bytes: bytes.len(),
-            blake3: hex(blake3::hash(bytes).as_bytes()),
-        }
-    }
-}
-
-/// The versions that wrote a checkpoint.
-#[derive(Deserialize)]
-struct Made {
-    format: u32,
-    bits_version: u32,
-}
-
-impl Head {
-    fn text(&self) -> String {
-        serde_json::to_string(self).expect("a finite state is JSON")
-    }
-
-    /// The seal that belongs to this head.
-    fn sealed(&self) -> String {
-        let open = Self {
-            seal: String::new(),
-            ..self.clone()
-        };
-        hex(blake3::hash(open.text().as_bytes()).as_bytes())
-    }
-}
-
 const KEY: &str = "bitgrain";
-
-/// The arrays that only states of drags with fields have, and only those that are saved between two kept ones.
-const FIELDS: &str = "fields";
-const FRAMES: &str = "frames";
 
 /// Writes the state of a simulation.
 ///

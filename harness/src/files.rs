@@ -83,3 +83,8 @@ pub fn packed_name(path: &Path) -> PathBuf {
     name.push(".gz");
     PathBuf::from(name)
 }
+
+/// A number of a table; `None` of what is no finite number.
+pub fn finite(word: &str) -> Option<f64> {
+    word.parse().ok().filter(|x: &f64| x.is_finite())
+}

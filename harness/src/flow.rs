@@ -9,9 +9,9 @@
 use serde::{Deserialize, Serialize};
 
 use crate::files::bits;
+use crate::files::finite;
 use crate::motion::{Motion, Moves};
 use crate::observe::{INTRUDER, packing_fraction, pressure_at};
-use crate::series::finite;
 use crate::sim::{Role, Sim};
 
 /// Travel between rows, in mean diameters.

@@ -4,9 +4,9 @@
 use bitgrain_kernel::Shape;
 
 use crate::files::bits;
+use crate::files::finite;
 use crate::motion::{Motion, Moves};
 use crate::observe::INTRUDER;
-use crate::series::finite;
 use crate::sim::{Role, Sim};
 
 /// Columns of the table: lengths over the mean grain diameter, from the intruder's centre; speeds over the

@@ -1,8 +1,11 @@
 //! JSON files read as data types, with the line and the key of what is wrong.
 
+use serde::Serialize;
 use serde::de::DeserializeOwned;
+use std::path::Path;
 
-use crate::error::{Error, Result, teach};
+use crate::error::{Error, Result};
+use crate::parse_errors::teach;
 
 /// Reads the text of a JSON file that holds one value; `name` is what errors call it.
 ///
@@ -32,4 +35,29 @@ pub fn parse<T: DeserializeOwned>(text: &str, name: &str) -> Result<T> {
         )
     })?;
     Ok(value)
+}
+
+/// The text of a JSON file; a number that is not finite, which JSON would turn into null, is refused.
+///
+/// # Errors
+/// [`Error::Write`] with the file's name.
+pub fn json_text(path: &Path, value: &impl Serialize) -> Result<String> {
+    let refused = |e: serde_json::Error| Error::write(path, std::io::Error::other(e));
+    let tree = serde_json::to_value(value).map_err(refused)?;
+    if has_null(&tree) {
+        let problem = std::io::Error::other("a number in it is not finite");
+        return Err(Error::write(path, problem));
+    }
+    let mut text = serde_json::to_string_pretty(value).map_err(refused)?;
+    text.push('\n');
+    Ok(text)
+}
+
+fn has_null(tree: &serde_json::Value) -> bool {
+    match tree {
+        serde_json::Value::Null => true,
+        serde_json::Value::Array(list) => list.iter().any(has_null),
+        serde_json::Value::Object(map) => map.values().any(has_null),
+        _ => false,
+    }
 }

@@ -1,5 +1,6 @@
 //! Force series: what was measured as the intruder moved, as rows of a CSV file.
 
+use crate::files::finite;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
@@ -142,11 +143,6 @@ impl SeriesRow {
         }
         Some(row)
     }
-}
-
-/// A number of a series; what is not finite is none.
-pub(crate) fn finite(word: &str) -> Option<f64> {
-    word.parse().ok().filter(|x: &f64| x.is_finite())
 }
 
 /// Reads a series file, plain or gzip; columns that it leaves out are zero.

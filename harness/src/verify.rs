@@ -318,7 +318,7 @@ fn drag_again(
     if same && check.broken.is_none() && to == plan.steps() {
         let (tables, summary) = run::results(drag, &dragging, &mut sim)?;
         let place = past.folder.of_run(&plan.name, "summary.json");
-        let summary = run::json_text(
+        let summary = crate::json::json_text(
             &place,
             &run::record(drag.folder, drag.scenario, drag.bed, &summary),
         )?;

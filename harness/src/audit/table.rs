@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::files::bits;
-use crate::series::finite;
+use crate::files::finite;
 use crate::units::Units;
 
 /// The account of a simulation's energy at one step: state, and sums since the account began.

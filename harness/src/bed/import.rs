@@ -5,7 +5,7 @@ use std::path::Path;
 
 use bitgrain_kernel::{Domain, Fault, Group, Obstacle};
 
-use super::{BASE, FREE};
+use super::groups::{BASE, FREE};
 use crate::error::{Error, Result};
 use crate::export::{FROZEN_TYPE, LID_TYPE, OBSTACLE_TYPE as INTRUDER_TYPE};
 use crate::files::read_text;

@@ -2,7 +2,8 @@
 
 use bitgrain_kernel::Domain;
 
-use super::{FREE, intruder};
+use super::groups::FREE;
+use super::intruder::intruder;
 use crate::observe::{length, offset};
 use crate::random::{Purpose, uniforms};
 use crate::scenario::{BedPlan, Scenario};

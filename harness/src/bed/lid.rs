@@ -3,7 +3,8 @@
 use bitgrain_kernel::{Fault, Group, Obstacle};
 
 use super::assemble::{Member, assemble};
-use super::{BASE, FREE, LID, survey};
+use super::groups::{BASE, FREE, LID};
+use super::survey;
 use crate::error::{Error, Result};
 use crate::order::spatial_order;
 use crate::scenario::{BedPlan, LidPlan, Scenario};

@@ -3,10 +3,11 @@
 
 use super::course::{Course, Phase, Pouring};
 use super::lattice::Lattice;
+use super::lid;
+use super::make::{buried, dropped, freeze_base, renumbered};
 use super::recipe::Recipe;
 use super::settle::{fallen, rest, settle, upward};
 use super::survey::stopped;
-use super::{buried, dropped, freeze_base, lid, renumbered};
 use crate::chain::{self, Chain};
 use crate::checkpoint::Note;
 use crate::error::Result;

@@ -7,8 +7,9 @@ use toml::{Table, Value};
 use super::keys::{Axis, Base, Campaign, Grid};
 use super::rules::{Rule, damping, followers};
 use crate::disk;
-use crate::error::{Error, Result, wrong_toml};
+use crate::error::{Error, Result};
 use crate::files::read_text;
+use crate::parse_errors::wrong_toml;
 use crate::scenario::{self, DragPlan, Scenario};
 
 /// Most members: a guard against a slip of the pen.

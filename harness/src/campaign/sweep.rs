@@ -22,7 +22,7 @@ use crate::progress::{Overall, Progress};
 use crate::run::{self, SaveEvery, Setting, WriteReport, side_by_side};
 use crate::scenario::{BedPlan, Scenario};
 use crate::summary::{BedSummary, parse_record};
-use jobs::{Job, jobs};
+use jobs::{Job, Slot, jobs};
 
 /// How a campaign is run; none of it changes a result.
 pub struct Sweep<'a> {
@@ -58,9 +58,6 @@ pub struct Outcome {
     /// The table.
     pub table: PathBuf,
 }
-
-/// What became of a drag: nothing yet, or its end.
-type Slot = Option<Status>;
 
 /// A campaign under way.
 struct Under<'a> {

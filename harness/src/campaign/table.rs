@@ -227,6 +227,6 @@ impl Table {
 
     /// The number of a cell; `None` where there is none.
     pub fn real(&self, row: usize, column: &str) -> Option<f64> {
-        crate::series::finite(self.text(row, column))
+        crate::files::finite(self.text(row, column))
     }
 }

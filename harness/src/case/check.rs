@@ -1,6 +1,7 @@
 //! What is refused of a case before it starts: its parts one by one, each with its key.
 
-use super::{Case, GrainSpec, MotionSpec, ObstacleSpec};
+use super::keys::{Case, GrainSpec, ObstacleSpec};
+use super::motion::MotionSpec;
 
 /// Nothing, or the key that is wrong and what is wrong with it.
 type Check = Result<(), (String, String)>;

@@ -3,7 +3,7 @@
 use bitgrain_kernel::Bond;
 use safetensors::tensor::{Dtype, SafeTensors};
 
-use super::{FIELDS, FRAMES, Head, Note};
+use super::head::{FIELDS, FRAMES, Head, Note};
 use crate::sim::Sim;
 
 /// The arrays of a file.

@@ -5,9 +5,10 @@ use serde::{Deserialize, Serialize};
 
 use super::verdict::Verdict;
 use crate::analysis::Value;
-use crate::error::{Error, Result, wrong_toml};
+use crate::error::{Error, Result};
 use crate::format::round10;
 use crate::format::{number_with_error, short};
+use crate::parse_errors::wrong_toml;
 
 /// Most claims of a book.
 const CLAIMS_MAX: usize = 10_000;

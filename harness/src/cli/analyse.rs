@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::print;
+use super::channels::print;
 use crate::analysis::words;
 use crate::campaign::folder::CampaignFolder;
 use crate::claims::book::{Book, lines, table};

@@ -61,3 +61,9 @@ pub(super) fn stoppable(verbose: bool) -> Progress {
     });
     progress
 }
+
+/// Threads to use: so many as asked for, or one for each processor.
+pub(super) fn processors(asked: Option<u16>) -> usize {
+    let processors = || std::thread::available_parallelism().map_or(1, usize::from);
+    asked.map_or_else(processors, usize::from)
+}

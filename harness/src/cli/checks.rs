@@ -5,7 +5,7 @@ use std::time::SystemTime;
 
 use clap::Args;
 
-use super::{print, processors, stoppable};
+use super::channels::{print, processors, stoppable};
 use crate::bisect::{Side, bisect, run_both};
 use crate::campaign;
 use crate::campaign::folder::{CAMPAIGN, CampaignFolder};

@@ -1,6 +1,8 @@
 //! The command line: what each command takes, and how each ending is told.
 
 mod analyse;
+mod bed;
+
 mod channels;
 mod checks;
 mod ending;
@@ -13,10 +15,8 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
-use etcetera::{BaseStrategy, choose_base_strategy};
 
 use crate::against::{self, Reference};
-use crate::bed::library::Library;
 use crate::bench::{Timing, bench};
 use crate::disk::{is_folder, set_most};
 use crate::error::{Error, Result, UNEXPECTED};
@@ -26,8 +26,9 @@ use crate::replay::{Replay, Stretch, replay, replay_run};
 use crate::rerun::Past;
 use crate::run::{SaveEvery, Setting};
 use crate::selftest::selftest;
-use crate::{forecast, present, scenario, shelf};
-use channels::{heed_full_files, print, shown, stoppable};
+use crate::{forecast, present, scenario};
+use bed::{Bed, Beds, own_beds, run_bed};
+use channels::{heed_full_files, print, processors, shown, stoppable};
 use help::{
     ANALYSE_HELP, BED_HELP, BENCH_HELP, BISECT_HELP, CLAIMS_HELP, REPLAY_HELP, RUN_HELP,
     SELFTEST_HELP, SWEEP_HELP, VERIFY_HELP, grouped,
@@ -141,74 +142,6 @@ struct Run {
     verbose: bool,
 }
 
-/// Where settled beds are kept.
-#[derive(Args)]
-struct Beds {
-    /// Folder of the settled beds that runs share [default: bitgrain/beds in the folder where your system keeps
-    /// caches, such as ~/.cache].
-    #[arg(long = "beds", value_name = "DIR")]
-    folder: Option<PathBuf>,
-}
-
-impl Beds {
-    /// The library of beds, which is at `home` where none is named.
-    fn library(self, home: &Path) -> Library {
-        Library::new(self.folder.unwrap_or_else(|| home.to_path_buf()))
-    }
-
-    /// That there are beds where earlier versions kept them, if they would not be found.
-    fn hint(&self, home: &Path) -> Option<String> {
-        let here = Path::new("beds");
-        let unseen = self.folder.is_none() && home != here;
-        let beds = || Library::new(here.to_path_buf()).list();
-        (unseen && is_folder(here) && beds().is_ok_and(|beds| !beds.is_empty())).then(|| {
-            format!(
-                "settled beds are kept in {}; those in the folder beds here are not looked at: --beds beds uses them",
-                shown(home)
-            )
-        })
-    }
-}
-
-/// Where settled beds are kept unless `--beds` says otherwise: in the user's cache, or, where the system names no
-/// such folder, in `beds` here.
-fn own_beds() -> PathBuf {
-    match choose_base_strategy() {
-        Ok(places) => places.cache_dir().join("bitgrain").join("beds"),
-        Err(_) => "beds".into(),
-    }
-}
-
-#[derive(Subcommand)]
-enum Bed {
-    /// List the beds: name, what is in them, and the disk they use.
-    #[command(after_help = "Example:\n  bitgrain bed list")]
-    List {
-        #[command(flatten)]
-        beds: Beds,
-    },
-    /// Show a bed: its recipe, and what is measured on it.
-    #[command(after_help = "Example:\n  bitgrain bed show 4f1c")]
-    Show {
-        /// Its name, or as much of the beginning as no other shares.
-        name: String,
-        #[command(flatten)]
-        beds: Beds,
-    },
-    /// Remove beds.
-    #[command(after_help = "Examples:\n  bitgrain bed remove 4f1c\n  bitgrain bed remove --all")]
-    Remove {
-        /// Names, or as much of the beginning of each as no other shares.
-        #[arg(required_unless_present = "all")]
-        names: Vec<String>,
-        /// Remove every bed of the folder.
-        #[arg(long, conflicts_with = "names")]
-        all: bool,
-        #[command(flatten)]
-        beds: Beds,
-    },
-}
-
 #[derive(Args)]
 struct Bench {
     /// A LAMMPS data file or dump, plain or gzip: type 2 the intruder, driven at V = 1 along x, type
@@ -318,8 +251,8 @@ fn run(command: Command, home: &Path) -> Result<()> {
         Command::Verify(what) => checks::run_verify(what),
         Command::Bisect(what) => checks::run_bisect(what),
         Command::New(what) => start::new(&what),
-        Command::Completions(what) => start::completions(&what),
-        Command::Man(what) => start::man(&what),
+        Command::Completions(what) => start::completions(&what, Cli::command()),
+        Command::Man(what) => start::man(&what, Cli::command()),
     }
 }
 
@@ -353,11 +286,6 @@ fn run_replay(case: Case) -> Result<()> {
             "is no folder; --stage is of a run's",
         )),
     }
-}
-
-fn processors(asked: Option<u16>) -> usize {
-    let processors = || std::thread::available_parallelism().map_or(1, usize::from);
-    asked.map_or_else(processors, usize::from)
 }
 
 fn run_scenario(run: Run, home: &Path) -> Result<()> {
@@ -417,16 +345,6 @@ fn run_scenario(run: Run, home: &Path) -> Result<()> {
                 problem,
                 hint: UNEXPECTED,
             })
-        }
-    }
-}
-
-fn run_bed(bed: Bed, home: &Path) -> Result<()> {
-    match bed {
-        Bed::List { beds } => print(&shelf::list(&beds.library(home))?),
-        Bed::Show { name, beds } => print(&shelf::show(&beds.library(home), &name)?),
-        Bed::Remove { names, all, beds } => {
-            print(&shelf::remove(&beds.library(home), &names, all)?)
         }
     }
 }

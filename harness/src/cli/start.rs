@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, CommandFactory};
+use clap::{Args, Command};
 use clap_complete::Shell;
 
+use super::channels::processors;
 use super::channels::{print, shown};
-use super::{Cli, processors};
 use crate::disk::{self, write_whole};
 use crate::error::{Error, Result};
 use crate::{forecast, scenario};
@@ -76,15 +76,14 @@ pub(super) fn list() -> Result<()> {
 }
 
 /// Prints what a shell wants to complete commands.
-pub(super) fn completions(what: &Completions) -> Result<()> {
+pub(super) fn completions(what: &Completions, mut program: Command) -> Result<()> {
     let mut text = Vec::new();
-    clap_complete::generate(what.shell, &mut Cli::command(), "bitgrain", &mut text);
+    clap_complete::generate(what.shell, &mut program, "bitgrain", &mut text);
     print(&String::from_utf8_lossy(&text))
 }
 
 /// Writes the manual page of the program and of each command.
-pub(super) fn man(what: &Man) -> Result<()> {
-    let mut whole = Cli::command();
+pub(super) fn man(what: &Man, mut whole: Command) -> Result<()> {
     // Gives each command its full name.
     whole.build();
     let mut pages = vec![("bitgrain".to_string(), whole.clone())];

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::{Beds, print, processors, shown, stoppable};
+use super::bed::Beds;
+use super::channels::{print, processors, shown, stoppable};
 use crate::campaign::folder::CampaignFolder;
 use crate::campaign::only::Only;
 use crate::campaign::table::Table;

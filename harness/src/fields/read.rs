@@ -3,7 +3,7 @@
 use super::grid::Grid;
 use super::plane::{Fields, Flag, Point};
 use super::text::PLANE_COLUMNS;
-use crate::series::finite;
+use crate::files::finite;
 
 /// Columns that hold what cannot be made of others: up to the last stress.
 const OWN: usize = 17;

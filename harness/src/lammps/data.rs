@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use super::{Atom, DataFile, Read, check_sphere, edges_of, id_of, image_of, numbers};
-use super::{push_numbers, sort_atoms};
+use super::atom::{Atom, DataFile, Read, check_sphere, edges_of, id_of, image_of, numbers};
+use super::atom::{push_numbers, sort_atoms};
 use crate::error::{Error, Result};
 use crate::files::read_text;
 

@@ -4,8 +4,8 @@ use std::iter::{Enumerate, Peekable};
 use std::path::Path;
 use std::str::Lines;
 
-use super::{Atom, Read, check_sphere, edges_of, id_of, image_of, number_of};
-use super::{push_numbers, sort_atoms};
+use super::atom::{Atom, Read, check_sphere, edges_of, id_of, image_of, number_of};
+use super::atom::{push_numbers, sort_atoms};
 use crate::error::{Error, Result};
 use crate::files::read_text;
 use crate::sim::sphere_mass;

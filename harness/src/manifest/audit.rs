@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Departure, Manifest, NAME, Of, RESULTS};
+use super::record::{Departure, Manifest, NAME, Of, RESULTS};
 use crate::disk::{self, Kind, is_partial};
 use crate::error::Result;
 

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard};
 
-use super::{Departure, Entry, Manifest, NAME, Of, RESULTS, Stage, relative};
+use super::record::{Departure, Entry, Manifest, NAME, Of, RESULTS, Stage, relative};
 use crate::disk::{self, write_whole};
 use crate::error::{Error, Result};
 

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Departure, Manifest, NAME, Of, relative};
+use super::record::{Departure, Manifest, NAME, Of, relative};
 use crate::error::{Error, Result};
 use crate::files::text_of;
 

@@ -1,10 +1,13 @@
 //! The page of beds that flow past their intruder.
 
 use super::caption::depth_words;
+use super::drawings::Drawings;
 use super::page::{Top, assembled};
+use super::picture::BedPicture;
+use super::sections::{bed_figure, numbers, repeat, span};
 use super::text::{escape, typeset};
-use super::{BedPicture, Drawings, around, bed_figure, before, chart, course, fields, film};
-use super::{inputs, loads, numbers, player, repeat, rig_table, scaling, span, statements};
+use super::{around, before, chart, course, fields, film};
+use super::{inputs, loads, player, rig_table, scaling, statements};
 use crate::claims::{self, Group, Verdict, drag_slope};
 use crate::format::{number_with_error, short};
 use crate::motion::Moves;

@@ -10,6 +10,7 @@ mod campaign;
 mod caption;
 mod chart;
 mod course;
+mod drawings;
 mod fieldmap;
 mod fields;
 mod film;
@@ -25,6 +26,7 @@ mod rig_table;
 mod scale;
 mod scaling;
 mod scatter;
+mod sections;
 mod statements;
 mod table;
 mod text;
@@ -32,69 +34,18 @@ mod text;
 use crate::format::short;
 pub use campaign::campaign_page;
 pub use course::Course;
+pub use drawings::Drawings;
 pub use fields::FieldPicture;
 pub use film::Film;
 pub use flow::{FlowGrain, FlowPicture};
 pub use flowing::flowing_page;
 use page::{Top, assembled};
-use table::{bed_table, run_table};
+pub use picture::{BedPicture, PictureGrain};
+use sections::{LEGEND, bed_figure, numbers, repeat, span};
 use text::{escape, plus_minus, to_error, typeset};
 
-use crate::motion::Moves;
 use crate::series::SeriesRow;
-use crate::sim::Role;
 use crate::summary::{BedSummary, RunSummary, Summary};
-
-/// A settled bed to draw.
-#[derive(Clone, Debug, PartialEq)]
-pub struct BedPicture {
-    /// Name of the bed.
-    pub name: String,
-    /// Lower corner of the box, periodic in x and y.
-    pub lo: [f64; 3],
-    /// Upper corner of the box.
-    pub hi: [f64; 3],
-    /// Height of the free surface.
-    pub surface: f64,
-    /// All grains, frozen ones included, the intruder not.
-    pub grains: Vec<PictureGrain>,
-    /// Centre and radius of the intruder.
-    pub intruder: ([f64; 3], f64),
-    /// Whether it is as long as the box is wide, and looks alike at every y.
-    pub endless: bool,
-    /// Which of bed and intruder is to move along +x.
-    pub moves: Moves,
-}
-
-/// A grain to draw.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PictureGrain {
-    /// Its centre.
-    pub position: [f64; 3],
-    /// Its radius.
-    pub radius: f64,
-    /// Whether it is free, of the base or of the lid.
-    pub role: Role,
-}
-
-/// What a page draws beside the numbers of a summary; where one is missing, the page says so.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Drawings<'a> {
-    /// Closing hash of the run; empty before its end.
-    pub closing: &'a str,
-    /// Force series, in the order of the runs of the summary.
-    pub series: &'a [Vec<SeriesRow>],
-    /// Settled beds, in the order of the summary's.
-    pub beds: &'a [BedPicture],
-    /// Grains round the intruder of the runs they name.
-    pub flows: &'a [FlowPicture],
-    /// Frames of the runs they name.
-    pub films: &'a [Film],
-    /// Flow series, in the order of the runs.
-    pub courses: &'a [Course],
-    /// Fields of the runs they name.
-    pub maps: &'a [FieldPicture],
-}
 
 /// One self-contained HTML page of drags of a sphere.
 pub fn page(summary: &Summary, scenario_text: &str, drawings: &Drawings<'_>) -> String {
@@ -170,23 +121,6 @@ fn in_words(summary: &Summary) -> String {
     format!("<p class=\"lead\">{text} Errors are standard errors.</p>\n")
 }
 
-/// The range of some numbers with its unit.
-fn span(values: impl Iterator<Item = f64>, unit: &str) -> String {
-    let finite = values.filter(|x| x.is_finite());
-    let ends = finite.fold(None, |ends: Option<(f64, f64)>, x| {
-        Some(ends.map_or((x, x), |(low, high)| (low.min(x), high.max(x))))
-    });
-    let (low, high) = ends.unwrap_or((f64::NAN, f64::NAN));
-    let range = match (short(low), short(high)) {
-        (low, high) if low == high => low,
-        (low, high) => format!("{low} to {high}"),
-    };
-    match unit {
-        "" => range,
-        unit => format!("{range}&nbsp;{}", escape(&typeset(unit))),
-    }
-}
-
 fn bed_figures(summary: &Summary, pictures: &[BedPicture]) -> String {
     let unit = &summary.units.length;
     let mut out = "<section>\n<h2>The settled bed</h2>\n<p>Slices, to scale: each circle is the cut of one grain, so \
@@ -210,26 +144,6 @@ fn bed_figures(summary: &Summary, pictures: &[BedPicture]) -> String {
         out.push_str(&bed_figure(picture, unit, k, &caption, &mut room));
     }
     out + "</section>\n"
-}
-
-/// A slice of a bed: one to step through while there is room for it.
-fn bed_figure(
-    picture: &BedPicture,
-    unit: &str,
-    index: usize,
-    caption: &str,
-    room: &mut usize,
-) -> String {
-    if let Some((html, circles)) = picture::stepped(picture, unit, index, caption, *room) {
-        *room -= circles;
-        return html;
-    }
-    match picture::slice(picture, unit, index) {
-        Some(svg) => {
-            format!("<figure class=\"bed\">{svg}<figcaption>{caption}</figcaption></figure>\n")
-        }
-        None => format!("<p>No picture of bed {}.</p>\n", escape(&picture.name)),
-    }
 }
 
 fn force_figures(summary: &Summary, series: &[Vec<SeriesRow>]) -> String {
@@ -299,64 +213,6 @@ fn froude_figure(summary: &Summary) -> String {
         plot::CROSS,
     )
 }
-
-/// All numbers as tables: a column for each bed or run, a row for each quantity; those of flowing beds are
-/// given.
-fn numbers(summary: &Summary, rigs: &str, flows: &str) -> String {
-    let units = &summary.units;
-    let list = [
-        ("lengths", &units.length),
-        ("times", &units.time),
-        ("speeds", &units.speed),
-        ("forces", &units.force),
-        ("torques", &units.torque),
-        ("energies", &units.energy),
-    ];
-    let list: Vec<String> = list
-        .iter()
-        .map(|(kind, unit)| format!("{kind} in {}", escape(&typeset(unit))))
-        .collect();
-    // In reduced units these three are the measures of everything.
-    let symbols = match units.length.as_str() {
-        "d" => "; d is the mean diameter of a grain, &rho; its density, g gravity",
-        _ => "",
-    };
-    format!(
-        "<section>\n<h2>Numbers</h2>\n<p>Units: {}{symbols}.</p>\n<h3>Beds</h3>\n{}{rigs}\
-         <h3>Drags</h3>\n{}{flows}</section>\n",
-        list.join(", "),
-        bed_table(&summary.beds, units),
-        run_table(&summary.runs, units),
-    )
-}
-
-fn repeat(summary: &Summary, scenario_text: &str) -> String {
-    let file = summary.inputs.bed.file.as_ref();
-    let imported = file.map_or(String::new(), |file| {
-        let file = escape(file);
-        format!("<p>The bed comes from <code>{file}</code>, which must lie beside it.</p>\n")
-    });
-    format!(
-        "<section>\n<h2>How to repeat it</h2>\n<p>Save the scenario below as \
-         <code>scenario.toml</code> and, in the same folder, run</p>\n\
-         <pre>bitgrain run scenario.toml</pre>\n{imported}<p>Made with bitgrain {}, arithmetic version {}: \
-         runs with the same arithmetic version end in the digests above.</p>\n<h3>Scenario</h3>\n\
-         <pre tabindex=\"0\">{}</pre>\n</section>\n",
-        escape(&summary.version),
-        summary.bits_version,
-        escape(scenario_text),
-    )
-}
-
-/// What the lines of a force chart are.
-const LEGEND: &str = "<span><svg class=\"key\" viewBox=\"0 0 60 30\" aria-hidden=\"true\">\
-<path d=\"M2 20L14 8L24 24L36 6L46 22L58 10\" fill=\"none\" stroke=\"#68778a\" \
-stroke-width=\"2\"/></svg>drag, mean of each row</span><span><svg class=\"key\" \
-viewBox=\"0 0 60 30\" aria-hidden=\"true\"><path d=\"M2 15H58\" stroke=\"#161b22\" \
-stroke-width=\"6\"/></svg>its average from the start</span><span>\
-<svg class=\"key\" viewBox=\"0 0 60 30\" aria-hidden=\"true\">\
-<rect x=\"10\" width=\"50\" height=\"30\" fill=\"#f1ede2\"/><path d=\"M10 0V30\" \
-stroke=\"#161b22\" stroke-width=\"3\" stroke-dasharray=\"6 4\"/></svg>averaging window</span>";
 
 #[cfg(test)]
 mod tests;

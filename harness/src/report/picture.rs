@@ -1,12 +1,43 @@
 //! The picture of a settled bed: a vertical slice through the intruder's centre, to scale.
 
-use super::BedPicture;
 use super::player::{State, figure};
 use super::scale::{Cut, INK, Scale, circles, open, push, ticks};
 use super::text::{escape, typeset};
 use crate::format::short;
 use crate::motion::Moves;
 use crate::sim::Role;
+
+/// A settled bed to draw.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BedPicture {
+    /// Name of the bed.
+    pub name: String,
+    /// Lower corner of the box, periodic in x and y.
+    pub lo: [f64; 3],
+    /// Upper corner of the box.
+    pub hi: [f64; 3],
+    /// Height of the free surface.
+    pub surface: f64,
+    /// All grains, frozen ones included, the intruder not.
+    pub grains: Vec<PictureGrain>,
+    /// Centre and radius of the intruder.
+    pub intruder: ([f64; 3], f64),
+    /// Whether it is as long as the box is wide, and looks alike at every y.
+    pub endless: bool,
+    /// Which of bed and intruder is to move along +x.
+    pub moves: Moves,
+}
+
+/// A grain to draw.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PictureGrain {
+    /// Its centre.
+    pub position: [f64; 3],
+    /// Its radius.
+    pub radius: f64,
+    /// Whether it is free, of the base or of the lid.
+    pub role: Role,
+}
 
 /// How grains of a lid are drawn: darker than free ones, without the hatching of the base.
 pub(super) const LID: &str = "fill=\"#7d9fbd\" stroke=\"#161b22\"";

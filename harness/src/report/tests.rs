@@ -2,6 +2,8 @@
 
 use super::*;
 use crate::blocks::Mean;
+use crate::motion::Moves;
+use crate::sim::Role;
 use crate::units::Units;
 
 fn mean(mean: f64, standard_error: f64) -> Mean {

@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use super::performance::{StagePerformance, timed};
 use super::saving::Saver;
-use super::{Setting, StagePerformance, timed};
+use super::setting::Setting;
 use crate::bed::recipe::Recipe;
 use crate::bed::{Course, Pouring};
 use crate::checkpoint::{self, Note};

@@ -6,24 +6,28 @@ mod claim;
 mod drags;
 mod film;
 mod jobs;
+mod performance;
 mod saving;
+mod setting;
 mod summarise;
 mod task;
 
+use crate::json::json_text;
 pub use beds::{begin_bed, data_file, surveyed};
 pub use claim::{claim, stages};
 pub use drags::{begin, read, record, results};
 pub(crate) use jobs::side_by_side;
+use performance::Performance;
+pub use performance::StagePerformance;
 pub use saving::SaveEvery;
+pub use setting::{Setting, WriteReport};
 pub use task::DragTask;
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use bitgrain_kernel::BITS_VERSION;
-use serde::Serialize;
 
-use crate::bed::library::Library;
 use crate::bed::recipe::Recipe;
 use crate::blocks::METHOD;
 use crate::coefficients::table_text;
@@ -31,60 +35,11 @@ use crate::disk::{check_writable, write_whole};
 use crate::error::{Error, Result};
 use crate::folder::{Claim, Folder};
 use crate::manifest::Ledger;
-use crate::progress::{Progress, Stage};
+use crate::progress::Progress;
 use crate::scenario::{BedPlan, DragPlan, Scenario, UnitSystem};
-use crate::sim::Sim;
 use crate::summary::{BedSummary, RunSummary, Summary};
 use beds::{below, pour_bare, settle_one};
 use drags::drag_one;
-
-/// Timings and other facts of the machine, kept apart from the results.
-#[derive(Serialize)]
-struct Performance {
-    bits_version: u32,
-    threads: usize,
-    seconds: f64,
-    stages: Vec<StagePerformance>,
-}
-
-/// How one stage went on this machine.
-#[derive(Serialize)]
-pub struct StagePerformance {
-    stage: String,
-    /// What was done: poured, reused, imported, dragged.
-    how: String,
-    seconds: f64,
-    steps: u64,
-    grain_steps_per_s: f64,
-    searches: u64,
-    pairs_listed: usize,
-}
-
-/// How a scenario is run; none of it changes a result.
-#[derive(Clone, Copy)]
-pub struct Setting<'a> {
-    /// What is run.
-    pub scenario: &'a Scenario,
-    /// The run directory.
-    pub folder: &'a Folder<'a>,
-    /// The settled beds that runs share.
-    pub library: &'a Library,
-    /// Threads.
-    pub threads: usize,
-    /// How often a stage under way is saved.
-    pub save: SaveEvery,
-    /// Whether frames of the drags are written, for a moving picture.
-    pub frames: bool,
-    /// Names of the drags to do, with their beds; all where there is none.
-    pub only: &'a [String],
-    /// Writes the report of a run whose stages are all done: pages are drawn above this layer.
-    pub write_report: WriteReport,
-    /// Bars, lines and the wish to stop.
-    pub progress: &'a Progress,
-}
-
-/// Writes the report of a run directory.
-pub type WriteReport = fn(&Folder<'_>) -> Result<()>;
 
 /// What came of a run whose drags are all done.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -326,44 +281,5 @@ pub fn whole_summary(
         standard_error_method: METHOD.into(),
         beds,
         runs,
-    }
-}
-
-fn timed(stage: Stage, how: &str, sim: &Sim, steps: u64) -> StagePerformance {
-    let (name, seconds) = (stage.name().to_string(), stage.finish());
-    let (searches, pairs_listed, _) = sim.search_counts();
-    StagePerformance {
-        stage: name,
-        how: how.to_string(),
-        seconds,
-        steps,
-        grain_steps_per_s: steps as f64 * sim.count() as f64 / seconds,
-        searches,
-        pairs_listed,
-    }
-}
-
-/// The text of a JSON file; a number that is not finite, which JSON would turn into null, is refused.
-///
-/// # Errors
-/// [`Error::Write`] with the file's name.
-pub fn json_text(path: &Path, value: &impl Serialize) -> Result<String> {
-    let refused = |e: serde_json::Error| Error::write(path, std::io::Error::other(e));
-    let tree = serde_json::to_value(value).map_err(refused)?;
-    if has_null(&tree) {
-        let problem = std::io::Error::other("a number in it is not finite");
-        return Err(Error::write(path, problem));
-    }
-    let mut text = serde_json::to_string_pretty(value).map_err(refused)?;
-    text.push('\n');
-    Ok(text)
-}
-
-fn has_null(tree: &serde_json::Value) -> bool {
-    match tree {
-        serde_json::Value::Null => true,
-        serde_json::Value::Array(list) => list.iter().any(has_null),
-        serde_json::Value::Object(map) => map.values().any(has_null),
-        _ => false,
     }
 }

@@ -20,7 +20,8 @@ pub use plan::{BedPlan, DragPlan, LidPlan, PACKING_GUESS};
 pub use rig::{BULK_FRICTION, DRAG_COEFFICIENT};
 
 use crate::disk;
-use crate::error::{Error, Result, teach, wrong_toml};
+use crate::error::{Error, Result};
+use crate::parse_errors::{teach, wrong_toml};
 use keys::kumar_law;
 
 /// Names and texts of the scenarios that ship with the program.

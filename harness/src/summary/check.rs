@@ -4,7 +4,7 @@
 
 use bitgrain_kernel::PARTS;
 
-use super::{BedSummary, Flow, Rig, RunRecord, RunSummary, Summary};
+use super::record::{BedSummary, Flow, Rig, RunRecord, RunSummary, Summary};
 use crate::blocks::Mean;
 use crate::fields::load::{self, Load, POINTS};
 use crate::scenario::{BedPlan, DragPlan, Scenario};

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{RunRecord, Summary};
+use super::record::{RunRecord, Summary};
 use crate::error::{Error, Result};
 use crate::files::read_text;
 use crate::folder::Folder;

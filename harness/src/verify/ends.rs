@@ -67,5 +67,5 @@ fn summary_text(past: &Past<'_>) -> Result<String> {
         runs.push(run::results(drag, &dragging, &mut sim)?.1);
     }
     let whole = run::whole_summary(past.folder, &past.scenario, beds, runs);
-    run::json_text(&past.folder.summary(), &whole)
+    crate::json::json_text(&past.folder.summary(), &whole)
 }

@@ -1,9 +1,12 @@
 //! The drags of a campaign, one by one.
 
-use super::Slot;
+use crate::campaign::columns::Status;
 use crate::campaign::only::Only;
 use crate::campaign::plan::{Member, Plan};
 use crate::scenario::DragPlan;
+
+/// What became of a drag: nothing yet, or its end.
+pub(super) type Slot = Option<Status>;
 
 /// One drag of one member.
 pub(super) struct Job {

@@ -4,7 +4,7 @@ use super::super::scatter::{Line, Range};
 use super::super::text::escape;
 use super::drags::of;
 use super::figure::{Figure, Series, add, ends, section, straight, traced};
-use super::{Shown, intruder, material, words_of};
+use super::shown::{Shown, intruder, material, words_of};
 use crate::analysis::{Around, Curve, Point, Value};
 use crate::fit::Fit;
 use crate::format::short;

@@ -4,7 +4,7 @@ use super::super::plot::SHAPES;
 use super::super::scatter::{Line, Range};
 use super::super::text::escape;
 use super::figure::{Figure, Series, ends, section, straight, traced};
-use super::{Shown, intruder, material};
+use super::shown::{Shown, intruder, material};
 use crate::analysis::{
     Analysis, Curve, Finding, Material, Method, Point, Pooled, Speeds, Value, Yield,
 };

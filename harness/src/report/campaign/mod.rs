@@ -4,59 +4,20 @@ mod around;
 mod claims;
 mod drags;
 mod figure;
+mod shown;
 mod yields;
 
+use shown::Shown;
+
 use super::page::{Top, assembled, remark, row};
-use super::span;
-use super::text::{escape, exact, typeset};
-use crate::analysis::{self, Analysis, Curve, Finding, Material, Point, Value, words};
-use crate::campaign::folder::Beside;
-use crate::campaign::table::Table;
+use super::sections::span;
+use super::text::{escape, exact};
+use crate::analysis::{Analysis, Curve, Point, Value, words};
 use crate::claims::OVERLAP_MAX;
 use crate::claims::book::Book;
 use crate::claims::evidence::Evidence;
 use crate::files::bits;
-use crate::fit::Fit;
 use crate::format::{number_with_error, short};
-
-/// What a page shows.
-struct Shown<'a> {
-    /// Name of the campaign.
-    name: &'a str,
-    /// What lies beside its table; none of a table alone.
-    beside: Option<&'a Beside>,
-    /// Its table.
-    table: &'a Table,
-    /// What that says.
-    analysis: &'a Analysis,
-    /// Claims with what it measured of them.
-    book: &'a Book,
-}
-
-impl Shown<'_> {
-    /// What the table holds of a run, `member/run`.
-    fn cell(&self, name: &str, column: &str) -> Option<&str> {
-        let (member, run) = name.split_once('/')?;
-        let mut rows = 0..self.table.len();
-        let is = |row: &usize| {
-            self.table.text(*row, "member") == member && self.table.text(*row, "run") == run
-        };
-        rows.find(is).map(|row| self.table.text(row, column))
-    }
-
-    /// Whether the error of a run's drag did not converge.
-    fn is_open(&self, name: &str) -> bool {
-        self.cell(name, "drag_converged") == Some("false")
-    }
-
-    /// A quantity with the unit of a column, plain text.
-    fn label(&self, name: &str, column: &str) -> String {
-        match typeset(&self.table.unit(column)) {
-            unit if unit.is_empty() => name.to_owned(),
-            unit => format!("{name} ({unit})"),
-        }
-    }
-}
 
 /// What a table says as one self-contained HTML page, a pure function of it.
 pub fn campaign_page(evidence: &Evidence) -> String {
@@ -176,42 +137,6 @@ fn about(shown: &Shown) -> String {
         );
     }
     out
-}
-
-/// Grains in words, plain text.
-fn material(m: &Material) -> String {
-    greek(&analysis::material(m))
-}
-
-/// What grains are beside their friction, plain text.
-fn grains(m: &Material) -> String {
-    greek(&analysis::grains(m))
-}
-
-/// An intruder in words, plain text.
-fn intruder(curve: &Curve) -> String {
-    analysis::intruder(curve)
-}
-
-fn greek(text: &str) -> String {
-    let letters = [
-        ("gamma_n", "\u{3b3}_n"),
-        ("mu", "\u{3bc}"),
-        ("chi^2", "\u{3c7}\u{b2}"),
-    ];
-    letters
-        .iter()
-        .fold(text.to_owned(), |text, (name, letter)| {
-            text.replace(name, letter)
-        })
-}
-
-/// A fit or why there is none, HTML.
-fn words_of(found: &Finding<Fit>) -> String {
-    match found {
-        Finding::Found(fit) => escape(&greek(&fit.line())),
-        Finding::Refused(why) => format!("none, because {}", escape(&why.0)),
-    }
 }
 
 /// What there is, in a paragraph.

@@ -4,7 +4,7 @@ use super::super::scatter::{Line, Range};
 use super::super::text::escape;
 use super::drags::of;
 use super::figure::{Figure, Series, add, ends, section, straight};
-use super::{Shown, grains, intruder, material, words_of};
+use super::shown::{Shown, grains, intruder, material, words_of};
 use crate::analysis::{Collapse, Curve, Exponent, Finding, Level, Scaling, Stiffness, Value, near};
 use crate::fit::Fit;
 use crate::format::short;

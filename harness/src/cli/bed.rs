@@ -1,7 +1,9 @@
 //! What `bitgrain bed` prints: the beds of a library, one of them in full, and what was removed.
 
+use crate::disk::is_folder;
 use std::fmt::Write;
 
+use super::channels::{print, shown};
 use crate::bed::library::{Entry, Library};
 use crate::bed::{self, recipe::Recipe};
 use crate::checkpoint;
@@ -9,12 +11,15 @@ use crate::error::{Error, Result};
 use crate::format::bytes;
 use crate::format::short;
 use crate::scenario::UnitSystem;
+use clap::{Args, Subcommand};
+use etcetera::{BaseStrategy, choose_base_strategy};
+use std::path::{Path, PathBuf};
 
 /// The beds as a table with the disk they use.
 ///
 /// # Errors
 /// [`Error::Input`] where the library cannot be read.
-pub fn list(library: &Library) -> Result<String> {
+fn list(library: &Library) -> Result<String> {
     let beds = library.list()?;
     if beds.is_empty() {
         return Ok(format!("no beds in {}\n", library.folder().display()));
@@ -85,7 +90,7 @@ fn lid(recipe: &Recipe) -> String {
 ///
 /// # Errors
 /// [`Error::Input`] where there is no such bed, or it is damaged.
-pub fn show(library: &Library, name: &str) -> Result<String> {
+fn show(library: &Library, name: &str) -> Result<String> {
     let bed = library.entry(name)?;
     let path = bed.checkpoint.display().to_string();
     let Some(recipe) = &bed.recipe else {
@@ -151,7 +156,7 @@ pub fn show(library: &Library, name: &str) -> Result<String> {
 /// # Errors
 /// [`Error::Input`] for a name that is none or of several beds, before any is removed;
 /// [`Error::Write`].
-pub fn remove(library: &Library, names: &[String], all: bool) -> Result<String> {
+fn remove(library: &Library, names: &[String], all: bool) -> Result<String> {
     let mut beds = if all {
         library.list()?
     } else {
@@ -177,4 +182,80 @@ pub fn remove(library: &Library, names: &[String], all: bool) -> Result<String> 
         bytes(freed as f64)
     );
     Ok(out)
+}
+
+/// Where settled beds are kept.
+#[derive(Args)]
+pub(super) struct Beds {
+    /// Folder of the settled beds that runs share [default: bitgrain/beds in the folder where your system keeps
+    /// caches, such as ~/.cache].
+    #[arg(long = "beds", value_name = "DIR")]
+    pub(super) folder: Option<PathBuf>,
+}
+
+impl Beds {
+    /// The library of beds, which is at `home` where none is named.
+    pub(super) fn library(self, home: &Path) -> Library {
+        Library::new(self.folder.unwrap_or_else(|| home.to_path_buf()))
+    }
+
+    /// That there are beds where earlier versions kept them, if they would not be found.
+    pub(super) fn hint(&self, home: &Path) -> Option<String> {
+        let here = Path::new("beds");
+        let unseen = self.folder.is_none() && home != here;
+        let beds = || Library::new(here.to_path_buf()).list();
+        (unseen && is_folder(here) && beds().is_ok_and(|beds| !beds.is_empty())).then(|| {
+            format!(
+                "settled beds are kept in {}; those in the folder beds here are not looked at: --beds beds uses them",
+                shown(home)
+            )
+        })
+    }
+}
+
+/// Where settled beds are kept unless `--beds` says otherwise: in the user's cache, or, where the system names no
+/// such folder, in `beds` here.
+pub(super) fn own_beds() -> PathBuf {
+    match choose_base_strategy() {
+        Ok(places) => places.cache_dir().join("bitgrain").join("beds"),
+        Err(_) => "beds".into(),
+    }
+}
+
+#[derive(Subcommand)]
+pub(super) enum Bed {
+    /// List the beds: name, what is in them, and the disk they use.
+    #[command(after_help = "Example:\n  bitgrain bed list")]
+    List {
+        #[command(flatten)]
+        beds: Beds,
+    },
+    /// Show a bed: its recipe, and what is measured on it.
+    #[command(after_help = "Example:\n  bitgrain bed show 4f1c")]
+    Show {
+        /// Its name, or as much of the beginning as no other shares.
+        name: String,
+        #[command(flatten)]
+        beds: Beds,
+    },
+    /// Remove beds.
+    #[command(after_help = "Examples:\n  bitgrain bed remove 4f1c\n  bitgrain bed remove --all")]
+    Remove {
+        /// Names, or as much of the beginning of each as no other shares.
+        #[arg(required_unless_present = "all")]
+        names: Vec<String>,
+        /// Remove every bed of the folder.
+        #[arg(long, conflicts_with = "names")]
+        all: bool,
+        #[command(flatten)]
+        beds: Beds,
+    },
+}
+
+pub(super) fn run_bed(bed: Bed, home: &Path) -> Result<()> {
+    match bed {
+        Bed::List { beds } => print(&list(&beds.library(home))?),
+        Bed::Show { name, beds } => print(&show(&beds.library(home), &name)?),
+        Bed::Remove { names, all, beds } => print(&remove(&beds.library(home), &names, all)?),
+    }
 }
