@@ -7,17 +7,17 @@ use bitgrain_kernel::vec3::head;
 use bitgrain_kernel::{Domain, Row};
 use serde::Serialize;
 
-use crate::bed::{self, import};
-use crate::case::refuse;
-use crate::error::{Error, Result};
-use crate::export::OBSTACLE_TYPE;
-use crate::lammps::read_atoms;
-use crate::law::LawSpec;
-use crate::order::spatial_order;
-use crate::progress::Progress;
-use crate::scenario;
-use crate::sim::{Grain, Sim, hex, sphere_mass};
-use crate::threads::on_threads;
+use bitgrain_lab::bed::{self, import};
+use bitgrain_lab::case::refuse;
+use bitgrain_lab::progress::Progress;
+use bitgrain_lab::scenario;
+use bitgrain_sim::error::{Error, Result};
+use bitgrain_sim::export::OBSTACLE_TYPE;
+use bitgrain_sim::lammps::read_atoms;
+use bitgrain_sim::law::LawSpec;
+use bitgrain_sim::order::spatial_order;
+use bitgrain_sim::sim::{Grain, Sim, hex, sphere_mass};
+use bitgrain_sim::threads::on_threads;
 
 /// Steps before the clock starts.
 const WARM_UP: u64 = 500;

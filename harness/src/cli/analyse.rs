@@ -5,14 +5,14 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::channels::print;
-use crate::analysis::words;
-use crate::campaign::folder::CampaignFolder;
-use crate::claims::book::{Book, lines, table};
-use crate::claims::evidence::{Evidence, record_direct};
-use crate::disk::{is_folder, write_whole};
-use crate::error::Result;
-use crate::files::read_text;
-use crate::report::campaign_page;
+use bitgrain_analysis::analysis::words;
+use bitgrain_analysis::claims::book::{Book, lines, table};
+use bitgrain_analysis::claims::evidence::{Evidence, record_direct};
+use bitgrain_analysis::report::campaign_page;
+use bitgrain_lab::campaign::folder::CampaignFolder;
+use bitgrain_sim::disk::{is_folder, write_whole};
+use bitgrain_sim::error::Result;
+use bitgrain_sim::files::read_text;
 
 /// What `bitgrain analyse` takes.
 #[derive(Args)]

@@ -1,16 +1,16 @@
 //! What `bitgrain bed` prints: the beds of a library, one of them in full, and what was removed.
 
-use crate::disk::is_folder;
+use bitgrain_sim::disk::is_folder;
 use std::fmt::Write;
 
 use super::channels::{print, shown};
-use crate::bed::library::{Entry, Library};
-use crate::bed::{self, recipe::Recipe};
-use crate::checkpoint;
-use crate::error::{Error, Result};
-use crate::format::bytes;
-use crate::format::short;
-use crate::scenario::UnitSystem;
+use bitgrain_lab::bed::library::{Entry, Library};
+use bitgrain_lab::bed::{self, recipe::Recipe};
+use bitgrain_lab::scenario::UnitSystem;
+use bitgrain_sim::checkpoint;
+use bitgrain_sim::error::{Error, Result};
+use bitgrain_sim::format::bytes;
+use bitgrain_sim::format::short;
 use clap::{Args, Subcommand};
 use etcetera::{BaseStrategy, choose_base_strategy};
 use std::path::{Path, PathBuf};
@@ -52,8 +52,8 @@ fn disk(bed: &Entry) -> String {
 fn row(bed: &Entry, recipe: &Recipe) -> String {
     let [x, y, z] = recipe.size.map(short);
     let stiffness = match recipe.law {
-        crate::law::LawSpec::HertzHistory { kn, .. } => kn,
-        crate::law::LawSpec::HertzTsuji { young, .. } => young,
+        bitgrain_sim::law::LawSpec::HertzHistory { kn, .. } => kn,
+        bitgrain_sim::law::LawSpec::HertzTsuji { young, .. } => young,
     };
     format!(
         "{}  {:<6}  {:<18}  {:<4}  {:<6}  {:<4}  {:<8}  {:<4}  {}",
@@ -103,7 +103,7 @@ fn show(library: &Library, name: &str) -> Result<String> {
             problem,
         ));
     };
-    let data = crate::disk::read(&bed.checkpoint)?;
+    let data = bitgrain_sim::disk::read(&bed.checkpoint)?;
     let mut sim = checkpoint::parse(&data, &path, Some(&recipe.digest()))?;
     let found = bed::survey(&bed.name, &recipe.measures(), &mut sim)?;
     let length = match recipe.units {

@@ -7,9 +7,9 @@ use std::sync::atomic::Ordering;
 use std::sync::{Arc, atomic::AtomicBool};
 use std::time::{Duration, Instant};
 
-use crate::error::{Error, Result};
-use crate::plain::escaped;
-use crate::progress::Progress;
+use bitgrain_lab::plain::escaped;
+use bitgrain_lab::progress::Progress;
+use bitgrain_sim::error::{Error, Result};
 
 /// Signals that come within this time are one wish to stop.
 const ONE_BREATH: Duration = Duration::from_millis(10);

@@ -6,13 +6,13 @@ use std::time::SystemTime;
 use clap::Args;
 
 use super::channels::{print, processors, stoppable};
-use crate::bisect::{Side, bisect, run_both};
-use crate::campaign;
-use crate::campaign::folder::{CAMPAIGN, CampaignFolder};
-use crate::error::{Error, Result};
-use crate::folder::{Folder, is_of};
-use crate::rerun::Past;
-use crate::verify::{Scope, Segment, verify};
+use bitgrain_lab::bisect::{Side, bisect, run_both};
+use bitgrain_lab::campaign;
+use bitgrain_lab::campaign::folder::{CAMPAIGN, CampaignFolder};
+use bitgrain_lab::folder::{Folder, is_of};
+use bitgrain_lab::rerun::Past;
+use bitgrain_lab::verify::{Scope, Segment, verify};
+use bitgrain_sim::error::{Error, Result};
 
 /// What `bitgrain verify` takes.
 #[derive(Args)]

@@ -4,12 +4,12 @@ use std::fmt::Write;
 use std::path::Path;
 
 use super::channels::shown;
-use crate::error::Result;
-use crate::folder::Folder;
-use crate::format::{number_with_error, short};
-use crate::manifest::{Manifest, Of, Vouched};
-use crate::remarks::remarks;
-use crate::summary::{Summary, read_folder};
+use bitgrain_analysis::remarks::remarks;
+use bitgrain_lab::folder::Folder;
+use bitgrain_lab::manifest::{Manifest, Of, Vouched};
+use bitgrain_lab::summary::{Summary, read_folder};
+use bitgrain_sim::error::Result;
+use bitgrain_sim::format::{number_with_error, short};
 
 /// The drag of each run with its error, what to know before it is believed, the last link, the report, and what to
 /// do next.

@@ -48,7 +48,7 @@ Examples:
   bitgrain sweep kumar-2018 --dry-run
   bitgrain sweep my-campaign.toml --threads 16 --jobs 4
 
-A campaign's file holds a base scenario and grids of values; harness/campaigns/kumar-small.toml is one to
+A campaign's file holds a base scenario and grids of values; harness/lab/campaigns/kumar-small.toml is one to
 begin from. Each member (the runs that share a bed) is a run directory of its own, which `bitgrain verify`
 and `bitgrain run --resume` take. Runs that end are in results.csv and results.parquet at once; those that
 fail keep a row with the reason. A campaign that was stopped or killed goes on with the same command, and

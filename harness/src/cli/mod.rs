@@ -16,18 +16,19 @@ use std::process::ExitCode;
 
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 
-use crate::against::{self, Reference};
 use crate::bench::{Timing, bench};
-use crate::disk::{is_folder, set_most};
-use crate::error::{Error, Result, UNEXPECTED};
-use crate::folder::Folder;
-use crate::plain::plain;
-use crate::replay::{Replay, Stretch, replay, replay_run};
-use crate::rerun::Past;
-use crate::run::{SaveEvery, Setting};
-use crate::selftest::selftest;
-use crate::{forecast, present, scenario};
 use bed::{Bed, Beds, own_beds, run_bed};
+use bitgrain_analysis::present;
+use bitgrain_lab::against::{self, Reference};
+use bitgrain_lab::folder::Folder;
+use bitgrain_lab::plain::plain;
+use bitgrain_lab::replay::{Replay, Stretch, replay, replay_run};
+use bitgrain_lab::rerun::Past;
+use bitgrain_lab::run::{SaveEvery, Setting};
+use bitgrain_lab::selftest::selftest;
+use bitgrain_lab::{forecast, scenario};
+use bitgrain_sim::disk::{is_folder, set_most};
+use bitgrain_sim::error::{Error, Result, UNEXPECTED};
 use channels::{heed_full_files, print, processors, shown, stoppable};
 use help::{
     ANALYSE_HELP, BED_HELP, BENCH_HELP, BISECT_HELP, CLAIMS_HELP, REPLAY_HELP, RUN_HELP,
@@ -310,7 +311,7 @@ fn run_scenario(run: Run, home: &Path) -> Result<()> {
     }
     let progress = stoppable(run.verbose);
     hint.iter().for_each(|hint| progress.warn(hint));
-    let done = crate::run::run_in(Setting {
+    let done = bitgrain_lab::run::run_in(Setting {
         scenario: &scenario,
         folder: &Folder(&out),
         library: &library,

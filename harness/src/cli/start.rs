@@ -7,9 +7,9 @@ use clap_complete::Shell;
 
 use super::channels::processors;
 use super::channels::{print, shown};
-use crate::disk::{self, write_whole};
-use crate::error::{Error, Result};
-use crate::{forecast, scenario};
+use bitgrain_lab::{forecast, scenario};
+use bitgrain_sim::disk::{self, write_whole};
+use bitgrain_sim::error::{Error, Result};
 
 /// What `bitgrain new` takes.
 #[derive(Args)]

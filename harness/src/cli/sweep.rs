@@ -6,15 +6,15 @@ use clap::Args;
 
 use super::bed::Beds;
 use super::channels::{print, processors, shown, stoppable};
-use crate::campaign::folder::CampaignFolder;
-use crate::campaign::only::Only;
-use crate::campaign::table::Table;
-use crate::campaign::{self, forecast, sweep};
-use crate::claims::evidence::Evidence;
-use crate::disk::write_whole;
-use crate::error::{Error, Result};
-use crate::report::campaign_page;
-use crate::run::SaveEvery;
+use bitgrain_analysis::claims::evidence::Evidence;
+use bitgrain_analysis::report::campaign_page;
+use bitgrain_lab::campaign::folder::CampaignFolder;
+use bitgrain_lab::campaign::only::Only;
+use bitgrain_lab::campaign::table::Table;
+use bitgrain_lab::campaign::{self, forecast, sweep};
+use bitgrain_lab::run::SaveEvery;
+use bitgrain_sim::disk::write_whole;
+use bitgrain_sim::error::{Error, Result};
 
 /// What the command takes.
 #[derive(Args)]
@@ -86,7 +86,7 @@ pub(super) fn run(what: Sweep, home: &Path) -> Result<()> {
         jobs,
         save: what.save_every.unwrap_or_default(),
         retry: what.retry,
-        write_report: crate::present::write_report,
+        write_report: bitgrain_analysis::present::write_report,
         progress: &progress,
     })?;
     let folder = CampaignFolder(&out);

@@ -31,14 +31,22 @@ fn asked(threads: usize, steps: u64) -> usize {
     .unwrap()
 }
 
+/// The least of three counts: the test's own main thread may ask for memory at any time.
+fn least(count: impl Fn() -> usize) -> usize {
+    (0..3).map(|_| count()).min().expect("three counts")
+}
+
 #[test]
 fn a_step_allocates_nothing() {
     let _alone = alone();
-    let before = Region::new(COUNTED);
-    let made = vec![1u8; 1000];
-    assert_eq!(before.change().allocations, made.len() / 1000);
-    assert_eq!(asked(1, 2000), 0);
+    let made = || {
+        let before = Region::new(COUNTED);
+        let made = vec![1u8; 1000];
+        before.change().allocations * made.len() / 1000
+    };
+    assert_eq!(least(made), 1);
+    assert_eq!(least(|| asked(1, 2000)), 0);
     // What keeps threads awake is set up once in a call, however many steps that does.
-    let (few, many) = (asked(2, 10), asked(2, 2000));
+    let (few, many) = (least(|| asked(2, 10)), least(|| asked(2, 2000)));
     assert!(many <= few + 2, "{few} in 10 steps, {many} in 2000");
 }

@@ -181,7 +181,7 @@ fn commands_refuse_what_they_read() {
     let folder = tempfile::tempdir().unwrap();
     let run = folder.path().join("run");
     std::fs::create_dir_all(&run).unwrap();
-    let shipped = root().join("harness/scenarios/guillard-small.toml");
+    let shipped = root().join("harness/lab/scenarios/guillard-small.toml");
     std::fs::copy(shipped, run.join("scenario.toml")).unwrap();
     for (place, to, key) in CHANGES {
         std::fs::write(run.join("summary.json"), changed(&sound, place, to)).unwrap();

@@ -36,6 +36,13 @@ fn text(name: &str) -> String {
     std::fs::read_to_string(root().join(name)).unwrap()
 }
 
+/// Sources of the harness' crates.
+fn harness() -> Vec<String> {
+    let crates = ["sim", "lab", "analysis"].map(|name| format!("harness/{name}/src"));
+    let folders = crates.iter().map(String::as_str).chain(["harness/src"]);
+    folders.flat_map(|folder| files(folder, ".rs")).collect()
+}
+
 fn sources() -> Vec<String> {
     let folders = ["kernel", "harness", "tests", "fuzz"];
     folders
@@ -119,7 +126,7 @@ fn a_step_calls_nothing_that_could_change_its_bits() {
         ["kernel/src/law/hertz_tsuji.rs", "kernel/src/real.rs"]
     );
     // Whatever the harness computes with powers and logarithms, it computes everywhere alike.
-    for name in files("harness/src", ".rs") {
+    for name in harness() {
         let code = code(&name);
         for call in [
             ".powf(", ".powi(", ".exp(", ".ln(", ".log10(", ".log2(", ".sin(", ".cos(", ".tan(",
@@ -169,7 +176,7 @@ fn nothing_of_the_machine_can_reach_a_result() {
         ("run/saving.rs", "Instant"),
         ("checkpoint.rs", "HashMap"),
     ];
-    for name in files("harness/src", ".rs") {
+    for name in harness() {
         let code = code(&name);
         for word in words.iter().filter(|word| code.contains(**word)) {
             let may = allowed
@@ -310,23 +317,23 @@ fn physics_names_its_source() {
         );
     }
     for name in [
-        "harness/src/audit/mod.rs",
-        "harness/src/bed/mod.rs",
-        "harness/src/bed/lid.rs",
-        "harness/src/claims/fits.rs",
-        "harness/src/claims/points.rs",
-        "harness/src/claims/statements.rs",
-        "harness/src/coefficients.rs",
-        "harness/src/flow.rs",
-        "harness/src/observe.rs",
-        "harness/src/histogram.rs",
-        "harness/src/scenario/plan.rs",
-        "harness/src/scenario/rig.rs",
-        "harness/src/law.rs",
+        "harness/sim/src/audit/mod.rs",
+        "harness/lab/src/bed/mod.rs",
+        "harness/lab/src/bed/lid.rs",
+        "harness/analysis/src/claims/fits.rs",
+        "harness/analysis/src/claims/points.rs",
+        "harness/analysis/src/claims/statements.rs",
+        "harness/sim/src/coefficients.rs",
+        "harness/lab/src/flow.rs",
+        "harness/sim/src/observe.rs",
+        "harness/sim/src/histogram.rs",
+        "harness/lab/src/scenario/plan.rs",
+        "harness/lab/src/scenario/rig.rs",
+        "harness/sim/src/law.rs",
     ] {
         assert!(cites(name), "{name}");
     }
-    assert!(text("harness/src/blocks.rs").contains("Flyvbjerg and Petersen"));
+    assert!(text("harness/sim/src/blocks.rs").contains("Flyvbjerg and Petersen"));
 }
 
 /// The file system is called in one place, so that tests can fail every call and none opens a pipe.
@@ -349,7 +356,7 @@ fn files_are_touched_in_one_place() {
         ".is_dir()",
     ];
     let mut read = 0;
-    for name in files("harness/src", ".rs") {
+    for name in harness() {
         // The memory of a process is no file of anyone's.
         let spared = ["disk.rs", "disk/watch.rs", "bench.rs"]
             .iter()
@@ -358,7 +365,7 @@ fn files_are_touched_in_one_place() {
         let found = calls.iter().find(|call| code.contains(**call));
         assert!(
             spared || found.is_none(),
-            "{name} calls {found:?}: see harness/src/disk.rs"
+            "{name} calls {found:?}: see harness/sim/src/disk.rs"
         );
         read += 1;
     }
@@ -369,9 +376,9 @@ fn files_are_touched_in_one_place() {
 #[test]
 fn what_the_program_carries_is_golden() {
     let same = [
-        ("harness/data/claims.toml", "golden/claims.toml"),
+        ("harness/analysis/data/claims.toml", "golden/claims.toml"),
         (
-            "harness/data/reference.txt",
+            "harness/lab/data/reference.txt",
             "golden/digests/reference.snap.txt",
         ),
     ];

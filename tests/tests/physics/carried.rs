@@ -264,9 +264,9 @@ fn who_moves_does_not_matter() {
     for bed in &*BEDS {
         let mut scenario = rig();
         scenario.measure.every = 10;
-        let plan = plan(&scenario, fast, 300, 2, &[10, 300]);
+        let mut plan = plan(&scenario, fast, 300, 2, &[10, 300]);
         let (mut through, mut past) = (vec![], vec![]);
-        scenario.drag.moves = Moves::Intruder;
+        plan.motion.moves = Moves::Intruder;
         let mut still = mirrored(bed);
         let begin = [still.obstacles[0].force, bed.obstacles[0].force];
         let ([x, y, z], other) = (begin[0], begin[1]);
@@ -274,7 +274,7 @@ fn who_moves_does_not_matter() {
         let (a, one) = run(&mut still, &plan, |_, sim| {
             through.push(sim.obstacles[0].force)
         });
-        scenario.drag.moves = Moves::Bed;
+        plan.motion.moves = Moves::Bed;
         let mut boosted = bed.clone();
         for i in places(bed, Role::Free) {
             boosted.velocity[i][0] += fast;

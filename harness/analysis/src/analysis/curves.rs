@@ -1,0 +1,214 @@
+//! The rows of a campaign's table as curves: drag against speed, everything else the same.
+
+use serde::{Deserialize, Serialize};
+
+use super::Value;
+use bitgrain_lab::campaign::columns::MOST_CONTACTS;
+use bitgrain_lab::campaign::table::Table;
+use bitgrain_lab::plug::Plug;
+
+/// Least D/d of an intruder with contacts enough for a law: the paper's smallest scatters too.
+const LEAST_DIAMETER: f64 = 2.0;
+
+/// What grains are made of.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Material {
+    /// Stiffness K_n; 0 under a law that has none.
+    pub kn: f64,
+    /// Damping gamma_n; 0 under a law that has none.
+    pub gamma_n: f64,
+    /// Friction coefficient.
+    pub mu: f64,
+}
+
+/// One run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Point {
+    /// Member and run.
+    pub name: String,
+    /// Digest of its final state.
+    pub digest: String,
+    /// Speed V.
+    pub speed: f64,
+    /// Froude number.
+    pub froude: f64,
+    /// Depth of the intruder's centre as measured.
+    pub depth: f64,
+    /// Drag.
+    pub drag: Value,
+    /// Drag over the weight above.
+    pub plug_ratio: f64,
+    /// Contact angle, over all contacts.
+    pub angle: Option<Value>,
+    /// The same where contacts begin.
+    pub new_angle: Option<Value>,
+    /// Normalised coordination number.
+    pub kappa: Option<Value>,
+    /// Share of near grains without contacts.
+    pub floating: Option<Value>,
+    /// Grains that go along.
+    pub moving: Option<Value>,
+    /// Speed of the layers above over the intruder's.
+    pub drift: Option<Value>,
+    /// Shares of near grains with 0, 1, 2, ... contacts.
+    pub coordination: Vec<f64>,
+}
+
+/// Runs that differ by their speed, and by their seed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Curve {
+    /// The grains.
+    pub material: Material,
+    /// Diameter D of the intruder.
+    pub diameter: f64,
+    /// Mean diameter d of the grains.
+    pub mean_diameter: f64,
+    /// Depth that was asked for.
+    pub depth_asked: f64,
+    /// Depth as measured, mean over the runs.
+    pub depth: f64,
+    /// By Froude number.
+    pub points: Vec<Point>,
+}
+
+impl Curve {
+    /// Effective diameter D + d.
+    pub fn effective_diameter(&self) -> f64 {
+        self.diameter + self.mean_diameter
+    }
+
+    /// Whether its intruder has contacts enough for a law of what goes on round it.
+    pub fn is_wide(&self) -> bool {
+        self.diameter >= LEAST_DIAMETER * self.mean_diameter
+    }
+
+    /// What a force at its depth would be at another, if it grew with a power of the depth.
+    pub fn brought_to(&self, depth: f64, alpha: f64, force: Value) -> Value {
+        let to = libm::pow(depth / self.depth, alpha);
+        Value::new(force.value * to, force.error * to)
+    }
+
+    /// `(D + d)^phi h^alpha`.
+    pub fn scale(&self, [phi, alpha]: [f64; 2]) -> f64 {
+        libm::pow(self.effective_diameter(), phi) * libm::pow(self.depth, alpha)
+    }
+}
+
+/// What a table holds.
+pub(super) struct Read {
+    pub curves: Vec<Curve>,
+    pub failed: usize,
+    pub sliding: usize,
+}
+
+/// Reads the curves of a table, by material, diameter and depth.
+pub(super) fn read(table: &Table, plugs: bool) -> Read {
+    let mut curves: Vec<Curve> = Vec::new();
+    let (mut failed, mut sliding) = (0, 0);
+    for row in 0..table.len() {
+        if table.text(row, "status") != "done" {
+            failed += 1;
+            continue;
+        }
+        if table.text(row, "plug") == Plug::Slides.word() {
+            sliding += 1;
+            if !plugs {
+                continue;
+            }
+        }
+        let Some(point) = point(table, row) else {
+            failed += 1;
+            continue;
+        };
+        let real = |column| table.real(row, column).unwrap_or(0.0);
+        let material = Material {
+            kn: real("kn"),
+            gamma_n: real("gamma_n"),
+            mu: real("mu"),
+        };
+        let diameter = real("diameter");
+        let asked = real("depth_asked");
+        let same = |c: &&mut Curve| {
+            c.material == material
+                && c.diameter == diameter
+                && (c.depth_asked - asked).abs() < 1e-6 * asked
+        };
+        match curves.iter_mut().find(same) {
+            Some(curve) => curve.points.push(point),
+            None => curves.push(Curve {
+                material,
+                diameter,
+                mean_diameter: 0.5 * (real("diameter_least") + real("diameter_most")),
+                depth_asked: asked,
+                depth: 0.0,
+                points: vec![point],
+            }),
+        }
+    }
+    for curve in &mut curves {
+        curve.points.sort_by(|a, b| a.froude.total_cmp(&b.froude));
+        let depths = curve.points.iter().map(|p| p.depth).sum::<f64>();
+        curve.depth = depths / curve.points.len() as f64;
+    }
+    let key = |c: &Curve| {
+        [
+            c.material.kn,
+            c.material.gamma_n,
+            c.material.mu,
+            c.diameter,
+            c.depth_asked,
+        ]
+    };
+    curves.sort_by(|a, b| {
+        let pairs = key(a).into_iter().zip(key(b));
+        pairs.fold(std::cmp::Ordering::Equal, |order, (a, b)| {
+            order.then(a.total_cmp(&b))
+        })
+    });
+    Read {
+        curves,
+        failed,
+        sliding,
+    }
+}
+
+/// A row; `None` where it has no drag.
+fn point(table: &Table, row: usize) -> Option<Point> {
+    let value = |column: &str| {
+        let value = table.real(row, column)?;
+        let error = table.real(row, &format!("{column}_error"))?;
+        // Below zero it is no error.
+        (error >= 0.0).then_some(Value { value, error })
+    };
+    let shares = (0..=MOST_CONTACTS).map(|k| table.real(row, &format!("coordination_{k}")));
+    Some(Point {
+        name: format!("{}/{}", table.text(row, "member"), table.text(row, "run")),
+        digest: table.text(row, "digest").into(),
+        speed: table.real(row, "speed")?,
+        froude: table.real(row, "froude")?,
+        depth: table.real(row, "depth")?,
+        drag: value("drag")?,
+        plug_ratio: table.real(row, "plug_ratio")?,
+        angle: value("contact_angle"),
+        new_angle: value("new_contact_angle"),
+        kappa: value("kappa"),
+        floating: value("floating"),
+        moving: value("moving"),
+        drift: value("drift"),
+        coordination: shares.collect::<Option<_>>().unwrap_or_default(),
+    })
+}
+
+/// The materials of some curves, each once.
+pub(super) fn materials(curves: &[Curve]) -> Vec<Material> {
+    let mut all: Vec<Material> = Vec::new();
+    for curve in curves {
+        if !all.contains(&curve.material) {
+            all.push(curve.material);
+        }
+    }
+    all
+}

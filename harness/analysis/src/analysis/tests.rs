@@ -1,0 +1,282 @@
+//! A campaign whose laws are known: what the analysis must find again.
+
+use super::*;
+use crate::fit::Fit;
+use bitgrain_lab::campaign::table::Table;
+use bitgrain_sim::random::{Purpose, uniforms};
+
+/// Relative noise of every drag, and the error that it is given with.
+const NOISE: f64 = 0.003;
+
+/// A made-up campaign.
+struct Made {
+    mus: Vec<f64>,
+    diameters: Vec<f64>,
+    depths: Vec<f64>,
+    froudes: Vec<f64>,
+    kns: Vec<f64>,
+    plug: &'static str,
+}
+
+impl Default for Made {
+    fn default() -> Self {
+        Self {
+            mus: vec![0.0, 0.5],
+            diameters: vec![1.0, 2.0, 3.0, 4.0],
+            depths: vec![4.0, 8.0, 14.0],
+            froudes: vec![
+                0.05, 0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0, 1.5, 2.2, 3.0, 4.0, 5.0, 6.0, 7.0, 8.5,
+                10.0,
+            ],
+            kns: vec![2e5],
+            plug: "sound",
+        }
+    }
+}
+
+/// phi and alpha of a friction.
+fn exponents(mu: f64) -> [f64; 2] {
+    if mu < 0.05 { [2.0, 1.0] } else { [1.7, 1.3] }
+}
+
+/// Drag over yield force: flat or `1 + 0.5 Fr^0.6`, a line from 1 to 5, then a parabola.
+fn dynamic(mu: f64, froude: f64) -> f64 {
+    let first = |x: f64| {
+        if mu < 0.05 {
+            0.5 * libm::pow(x, 0.6)
+        } else {
+            0.0
+        }
+    };
+    let line = |x: f64| 0.25 * (x.clamp(1.0, 5.0) - 1.0);
+    let square = if froude > 5.0 {
+        0.1 * (froude * froude - 25.0)
+    } else {
+        0.0
+    };
+    1.0 + first(froude.min(1.0)) + line(froude) + square
+}
+
+/// A normal number: three times four uniforms.
+fn normal(k: u32) -> f64 {
+    let four = |part: u32| -> f64 { uniforms::<4>(11, Purpose::Shift, 3 * k + part).iter().sum() };
+    four(0) + four(1) + four(2) - 6.0
+}
+
+impl Made {
+    fn table(&self) -> Table {
+        let names = "member,run,status,reason,digest,mu,kn,gamma_n,diameter,diameter_least,diameter_most,\
+                     depth_asked,depth,speed,froude,drag,drag_error,plug,plug_ratio,contact_angle,\
+                     contact_angle_error,kappa,kappa_error,floating,floating_error";
+        let mut text = format!("{names}\n");
+        let mut row = 0;
+        for &kn in &self.kns {
+            for &mu in &self.mus {
+                for &d in &self.diameters {
+                    for &asked in &self.depths {
+                        for &froude in &self.froudes {
+                            row += 1;
+                            // Beds settle a little off.
+                            let h = asked * if mu < 0.05 { 0.88 } else { 1.1 };
+                            let [phi, alpha] = exponents(mu);
+                            let scale = libm::pow(d + 1.0, phi) * libm::pow(h, alpha);
+                            // Softer grains resist more slowly, and alike in a collision.
+                            let soft = if froude < 5.0 {
+                                libm::pow(kn / 2e5, -0.05)
+                            } else {
+                                1.0
+                            };
+                            let drag =
+                                scale * soft * dynamic(mu, froude) * (1.0 + NOISE * normal(row));
+                            let speed = froude * (d + 1.0) / (2.0 * (2.0 * d).sqrt());
+                            let angle =
+                                -0.15 * libm::pow(froude, 0.38) + std::f64::consts::PI / 2.45;
+                            let angle = angle + 0.004 * normal(row + 100_000);
+                            let kappa = 0.887 + 0.185 * froude + 0.01 * normal(row + 200_000);
+                            let gamma = 5e4 * libm::pow(kn / 2e8, 0.6);
+                            text.push_str(&format!(
+                                "m,r{row},done,,x,{mu},{kn},{gamma},{d},0.9,1.1,{asked},{h},{speed},{froude},\
+                                 {drag},{},{},0.1,{angle},0.004,{kappa},0.01,{},0.001\n",
+                                NOISE * drag,
+                                self.plug,
+                                0.02 * froude
+                            ));
+                        }
+                    }
+                }
+            }
+        }
+        Table::parse(&text, "made").unwrap()
+    }
+}
+
+fn near(fit: &Fit, name: &str, want: f64) {
+    let p = fit.parameter(name).unwrap();
+    // Four standard errors: one number in sixteen thousand lies outside by chance.
+    assert!(
+        (p.value - want).abs() < 4.0 * p.error,
+        "{name} = {} +- {}, not {want}",
+        p.value,
+        p.error
+    );
+}
+
+#[test]
+fn known_exponents_and_yield_forces_are_found() {
+    let found = analyse(&Made::default().table(), false);
+    assert_eq!((found.rows, found.failed, found.sliding), (408, 0, 0));
+    assert_eq!(found.curves.len(), 24);
+    for (curve, own) in found.curves.iter().zip(&found.yields) {
+        let [phi, alpha] = exponents(curve.material.mu);
+        let want = libm::pow(curve.diameter + 1.0, phi) * libm::pow(curve.depth, alpha);
+        let force = own.force.found().expect("its speeds can carry one");
+        assert!(
+            (force.value - want).abs() < 4.0 * force.error,
+            "{force:?} {want}"
+        );
+        let method = if curve.material.mu < 0.05 {
+            Method::Extrapolated
+        } else {
+            Method::Plateau
+        };
+        assert_eq!(own.method, method);
+    }
+    for scaling in &found.scaling {
+        let [phi, alpha] = exponents(scaling.material.mu);
+        let both = scaling.both.found().unwrap();
+        near(&both.fit, "phi", phi);
+        near(&both.fit, "alpha", alpha);
+        assert!((both.sum.value - 3.0).abs() < 4.0 * both.sum.error);
+        let slow = scaling.slow.found().unwrap();
+        near(&slow.fit, "phi", phi);
+        near(&slow.fit, "alpha", alpha);
+        assert_eq!((scaling.phi.len(), scaling.alpha.len()), (3, 4));
+        scaling
+            .phi
+            .iter()
+            .for_each(|e| near(e.fit.found().unwrap(), "p", phi));
+        scaling
+            .alpha
+            .iter()
+            .for_each(|e| near(e.fit.found().unwrap(), "p", alpha));
+        let mean = scaling.alpha_mean.found().unwrap();
+        assert!((mean.value - alpha).abs() < 4.0 * mean.error, "{mean:?}");
+        // What is left of the spread is what errors and exponents leave.
+        for collapse in [&scaling.by_size, &scaling.by_depth] {
+            let collapse = collapse.found().unwrap();
+            assert!(collapse.spread < 3.0 * NOISE, "{}", collapse.spread);
+        }
+        assert!(scaling.by_depth_deep.found().is_none());
+    }
+}
+
+#[test]
+fn known_regimes_and_laws_are_found() {
+    let found = analyse(&Made::default().table(), false);
+    let rough = &found.pooled[1];
+    assert_eq!((rough.material.mu, rough.runs), (0.5, 204));
+    let regimes = rough.regimes.found().unwrap();
+    let holds = |c: &crate::fit::regimes::Crossover, x: f64| {
+        c.low.is_none_or(|low| low <= x) && c.high.is_none_or(|high| high >= x)
+    };
+    assert!(regimes.needed);
+    assert!(
+        holds(&regimes.first, 1.0) && holds(&regimes.second, 5.0),
+        "{regimes:?}"
+    );
+    near(rough.second.found().unwrap(), "p", 1.0);
+    for around in &found.around {
+        let law = around.contacts.law.found().unwrap();
+        near(law, "Y1", -0.15);
+        near(law, "Y2", 0.38);
+        near(law, "Y3", 2.45);
+        let line = around.kappa.found().unwrap();
+        near(line, "a", 0.887);
+        near(line, "b", 0.185);
+        for offset in around.contacts.offsets.iter().chain(&around.kappa_offsets) {
+            assert!(
+                offset.residual.value.abs() < 4.0 * offset.residual.error,
+                "{offset:?}"
+            );
+        }
+        assert!(
+            around
+                .floating
+                .iter()
+                .all(|f| f.fastest.value > f.slowest.value && f.falls == 0)
+        );
+    }
+}
+
+#[test]
+fn what_the_table_cannot_carry_is_refused_in_words() {
+    let few = Made {
+        diameters: vec![2.0, 3.0],
+        depths: vec![8.0],
+        froudes: vec![2.0, 3.0],
+        ..Made::default()
+    };
+    let found = analyse(&few.table(), false);
+    let text = words(&found);
+    for sentence in [
+        "no run is below Fr = 1",
+        "takes two speeds below Fr = 1",
+        "takes the exponent phi, which was not found",
+    ] {
+        assert!(text.contains(sentence), "{sentence}:\n{text}");
+    }
+    let short = Made {
+        diameters: vec![2.0, 2.5, 3.0],
+        ..Made::default()
+    };
+    let found = analyse(&short.table(), false);
+    let phi = &found.scaling[1].phi[0].fit;
+    assert!(
+        matches!(phi, Finding::Refused(why) if why.to_string().contains("0.3 decades")),
+        "{phi:?}"
+    );
+}
+
+#[test]
+fn sliding_beds_count_only_where_they_are_asked_for() {
+    let made = Made {
+        plug: "slides",
+        ..Made::default()
+    };
+    let found = analyse(&made.table(), false);
+    assert_eq!((found.sliding, found.curves.len()), (408, 0));
+    assert_eq!(analyse(&made.table(), true).curves.len(), 24);
+}
+
+#[test]
+fn stiffness_and_findings_are_told() {
+    let made = Made {
+        mus: vec![0.5],
+        diameters: vec![2.0],
+        depths: vec![8.0],
+        kns: vec![2e5, 2e7],
+        ..Made::default()
+    };
+    let found = analyse(&made.table(), false);
+    let [group] = &found.stiffness[..] else {
+        panic!("{:?}", found.stiffness);
+    };
+    assert_eq!((&group.what[..], group.levels.len()), ("kn", 2));
+    let slow = group.levels[1].slow.over(group.levels[0].slow);
+    // 100^-0.05.
+    assert!(
+        (slow.value - 0.794_328).abs() < 4.0 * slow.error,
+        "{slow:?}"
+    );
+    let fast = group.levels[1].fast.unwrap();
+    assert!((fast.value - 1.0).abs() < 4.0 * fast.error, "{fast:?}");
+    // JSON holds all of it, to ten digits.
+    let text = text(&found);
+    let read: Analysis = serde_json::from_str(&text).unwrap();
+    assert_eq!(super::text(&read), text);
+    let (a, b) = (
+        found.yields[0].force.found().unwrap(),
+        read.yields[0].force.found().unwrap(),
+    );
+    assert!((a.value / b.value - 1.0).abs() < 1e-9);
+}

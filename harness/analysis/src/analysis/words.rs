@@ -1,0 +1,190 @@
+//! The analysis in words and numbers, for a terminal.
+
+use super::{
+    Analysis, Around, Collapse, Curve, Exponent, Finding, Material, Method, Pooled, Scaled,
+    Scaling, Stiffness, Value,
+};
+use crate::fit::Fit;
+use crate::fit::regimes::Regimes;
+use bitgrain_sim::format::{number_with_error, short};
+
+fn value(v: &Value) -> String {
+    number_with_error(v.value, v.error)
+}
+
+/// What was found, or `none:` and why.
+fn told<T>(finding: &Finding<T>, of: impl Fn(&T) -> String) -> String {
+    match finding {
+        Finding::Found(found) => of(found),
+        Finding::Refused(why) => format!("none: {why}"),
+    }
+}
+
+fn line(fit: &Finding<Fit>) -> String {
+    told(fit, |fit| format!("{}: {}", fit.model, fit.line()))
+}
+
+/// Grains in words.
+pub(crate) fn material(m: &Material) -> String {
+    match grains(m) {
+        own if own.is_empty() => format!("mu = {}", m.mu),
+        own => format!("mu = {}, {own}", m.mu),
+    }
+}
+
+/// What they are beside their friction; nothing under a law without these numbers.
+pub(crate) fn grains(m: &Material) -> String {
+    match m.kn {
+        0.0 => String::new(),
+        kn => format!("K_n = {kn:e}, gamma_n = {}", short(m.gamma_n)),
+    }
+}
+
+/// An intruder in words.
+pub(crate) fn intruder(curve: &Curve) -> String {
+    format!("D = {}, h = {}", short(curve.diameter), short(curve.depth))
+}
+
+/// All of it, a line for each finding.
+pub fn words(analysis: &Analysis) -> String {
+    let counted = match analysis.plugs {
+        true => "counted although",
+        false => "left out because",
+    };
+    let mut lines = vec![format!(
+        "{} runs, {} failed, {} {counted} the bed slid along",
+        analysis.rows, analysis.failed, analysis.sliding
+    )];
+    curves(analysis, &mut lines);
+    analysis.pooled.iter().for_each(|p| pooled(p, &mut lines));
+    analysis.around.iter().for_each(|a| around(a, &mut lines));
+    analysis.scaling.iter().for_each(|s| scaling(s, &mut lines));
+    analysis
+        .stiffness
+        .iter()
+        .for_each(|g| levels(g, &mut lines));
+    lines.join("\n") + "\n"
+}
+
+fn curves(analysis: &Analysis, lines: &mut Vec<String>) {
+    let both = analysis.curves.iter().zip(&analysis.speeds);
+    let mut last = None;
+    for ((curve, speeds), own) in both.zip(&analysis.yields) {
+        if last != Some(curve.material) {
+            lines.push(format!("\n{}", material(&curve.material)));
+            last = Some(curve.material);
+        }
+        let how = match own.method {
+            Method::SlowRun => "slow run",
+            Method::Plateau => "plateau",
+            Method::Extrapolated => "extrapolated",
+        };
+        let force = told(&own.force, value);
+        lines.push(format!(
+            "  {}: {} runs",
+            intruder(curve),
+            curve.points.len()
+        ));
+        lines.push(format!("    yield force ({how} of {}): {force}", own.runs));
+        let flat = told(&speeds.flatness, |f| {
+            let [slow, fast] = f.froude.map(short);
+            format!("F({fast})/F({slow}) = {}", value(&f.ratio))
+        });
+        lines.push(format!("    below Fr = 1: {flat}"));
+        if let Some(first) = &speeds.first {
+            lines.push(format!("    first regime: {}", line(first)));
+        }
+        let all = told(&speeds.regimes, Regimes::words);
+        lines.push(format!("    regimes: {all}"));
+    }
+}
+
+fn pooled(pooled: &Pooled, lines: &mut Vec<String>) {
+    let name = material(&pooled.material);
+    lines.push(format!("\nall intruders over their yield force, {name}"));
+    let regimes = told(&pooled.regimes, Regimes::words);
+    lines.push(format!("  regimes: {regimes}"));
+    lines.push(format!(
+        "  F/F_Y - 1 against Fr - 1 up to Fr = 5: {}",
+        line(&pooled.second)
+    ));
+    lines.push(format!("  F/F_Y above Fr = 5: {}", line(&pooled.third)));
+}
+
+fn around(around: &Around, lines: &mut Vec<String>) {
+    lines.push(format!(
+        "\nround the intruder, {}",
+        material(&around.material)
+    ));
+    lines.push(format!("  contact angle: {}", line(&around.contacts.law)));
+    lines.push(format!(
+        "  where contacts begin: {}",
+        line(&around.new_contacts.law)
+    ));
+    lines.push(format!("  kappa: {}", line(&around.kappa)));
+    for f in &around.floating {
+        lines.push(format!(
+            "  grains without contacts, D = {}, h = {}: {} at the lowest speed, {} at the highest",
+            short(f.diameter),
+            short(f.depth_asked),
+            value(&f.slowest),
+            value(&f.fastest)
+        ));
+    }
+}
+
+fn scaling(scaling: &Scaling, lines: &mut Vec<String>) {
+    lines.push(format!("\nscaling, {}", material(&scaling.material)));
+    let mut list = |name: &str, at: &str, all: &[Exponent]| {
+        let line = |e: &Exponent| format!("  {name} at {at} = {}: {}", short(e.at), line(&e.fit));
+        lines.extend(all.iter().map(line));
+    };
+    list("phi", "h", &scaling.phi);
+    list("alpha", "D", &scaling.alpha);
+    let mean = told(&scaling.alpha_mean, value);
+    lines.push(format!("  alpha, mean over speeds: {mean}"));
+    let both = |found: &Finding<Scaled>| {
+        told(found, |s| {
+            format!("{}; phi + alpha = {}", s.fit.line(), value(&s.sum))
+        })
+    };
+    lines.push(format!("  both at once: {}", both(&scaling.both)));
+    let slow = both(&scaling.slow);
+    lines.push(format!(
+        "  both from slow drags, if all grow alike with Fr up to 1.3: {slow}"
+    ));
+    let spread = |c: &Collapse| {
+        format!(
+            "spread {}, of which errors {}",
+            short(c.spread),
+            short(c.expected)
+        )
+    };
+    lines.push(format!(
+        "  collapse of sizes: {}",
+        told(&scaling.by_size, spread)
+    ));
+    lines.push(format!(
+        "  collapse of depths: {}",
+        told(&scaling.by_depth, spread)
+    ));
+}
+
+fn levels(group: &Stiffness, lines: &mut Vec<String>) {
+    lines.push(format!(
+        "\n{} varied, mu = {}, D = {}, h = {}",
+        group.what,
+        group.mu,
+        short(group.diameter),
+        short(group.depth_asked)
+    ));
+    for level in &group.levels {
+        let fast = level.fast.as_ref().map_or("-".to_string(), value);
+        lines.push(format!(
+            "  K_n = {:e}, gamma_n = {}: yield force {}, drag beyond Fr = 5 over the first {fast}",
+            level.kn,
+            short(level.gamma_n),
+            value(&level.slow)
+        ));
+    }
+}

@@ -1,0 +1,157 @@
+//! What claims are measured on: a campaign, its table alone, or a run.
+
+use std::path::Path;
+
+use super::book::{Book, Measured};
+use super::{guillard, kumar, restitution};
+use crate::analysis::{Analysis, analyse, text};
+use bitgrain_lab::campaign::folder::{Beside, CAMPAIGN, CampaignFolder};
+use bitgrain_lab::campaign::table::{Table, of_run};
+use bitgrain_lab::folder::{Folder, is_of};
+use bitgrain_lab::manifest::{Of, Vouched};
+use bitgrain_lab::scenario::source::hash;
+use bitgrain_lab::summary::{Summary, parse_summary, read_folder};
+use bitgrain_sim::disk;
+use bitgrain_sim::error::{Error, Result};
+use bitgrain_sim::files::read_text;
+
+/// Name of what is measured on no run, but computed.
+pub const DIRECT: &str = "direct";
+
+/// Results, what they say, and what claims they bear on.
+pub struct Evidence {
+    /// Name of the scenario or campaign.
+    pub by: String,
+    /// Digest of the results.
+    pub digest: String,
+    /// The results as a table.
+    pub table: Table,
+    /// What that says.
+    pub analysis: Analysis,
+    /// A run's own summary; none of a campaign.
+    pub summary: Option<Summary>,
+    /// What lies beside the table in a campaign's folder.
+    pub beside: Option<Beside>,
+}
+
+impl Evidence {
+    /// Reads a campaign's folder, a run's folder (of what is done, where it has not come to its end) or summary, or a
+    /// table, which is named after its folder; summary and table may be packed by gzip. Runs whose bed slid along as
+    /// a plug are left out unless `plugs`.
+    ///
+    /// # Errors
+    /// [`Error::Input`] where it is none of them.
+    pub fn read(from: &Path, plugs: bool) -> Result<Self> {
+        if !disk::is_folder(from) {
+            let text = read_text(from)?;
+            return Self::of_text(text, from, None, plugs);
+        }
+        if !is_of(from, &CAMPAIGN) {
+            let vouched = Vouched::open(from, Of::Run)?;
+            let (text, summary) = read_folder(&Folder(from), &vouched)?;
+            return Self::of_summary(&text, summary, from, plugs);
+        }
+        let campaign = CampaignFolder(from);
+        let vouched = Vouched::open(from, Of::Campaign)?;
+        let text = vouched.text(&campaign.table())?;
+        let beside = campaign.beside(&vouched)?;
+        Self::of_text(text, &campaign.table(), Some(beside), plugs)
+    }
+
+    /// A summary or a table, by its text.
+    fn of_text(text: String, path: &Path, beside: Option<Beside>, plugs: bool) -> Result<Self> {
+        // A summary is JSON, which no table begins like.
+        if text.starts_with('{') {
+            let summary = parse_summary(&text, path)?;
+            return Self::of_summary(&text, summary, path, plugs);
+        }
+        let by = match &beside {
+            Some(beside) => beside.name.clone(),
+            None => name_of_folder(path)?,
+        };
+        let table = Table::parse(&text, &path.display().to_string())?;
+        Ok(Self {
+            by,
+            digest: hash(&text),
+            analysis: analyse(&table, plugs),
+            table,
+            summary: None,
+            beside,
+        })
+    }
+
+    /// A run, by its summary and the text that this was read from.
+    fn of_summary(text: &str, summary: Summary, path: &Path, plugs: bool) -> Result<Self> {
+        let table = of_run(&summary);
+        let table = Table::parse(&table, &path.display().to_string())?;
+        Ok(Self {
+            by: summary.scenario.clone(),
+            digest: hash(text),
+            analysis: analyse(&table, plugs),
+            table,
+            summary: Some(summary),
+            beside: None,
+        })
+    }
+
+    /// All findings as JSON.
+    pub fn text(&self) -> String {
+        text(&self.analysis)
+    }
+
+    /// How much of a run is done, where it has not come to its end.
+    fn part(&self) -> Option<String> {
+        let summary = self.summary.as_ref()?;
+        let (done, planned) = (summary.runs.len(), summary.inputs.runs().len());
+        (done < planned).then(|| format!("{done} of {planned} drags"))
+    }
+
+    /// Measures what it can of a book's claims and puts it there; of claims that name others as what tests
+    /// them nothing, unless this is none of those that ship.
+    pub fn record(&self, book: &mut Book) {
+        let known = book
+            .claim
+            .iter()
+            .any(|claim| claim.tested_by.contains(&self.by));
+        let part = self.part();
+        let mut all = Vec::new();
+        for claim in &book.claim {
+            if known && !claim.tested_by.contains(&self.by) {
+                continue;
+            }
+            let found = match &self.summary {
+                Some(summary) if claim.id.starts_with("guillard-") => {
+                    guillard::measure(&claim.id, summary)
+                }
+                _ => kumar::measure(&claim.id, &self.analysis),
+            };
+            if let Some(found) = found {
+                let found = match &part {
+                    Some(part) => found
+                        .map(|(v, note)| (v, format!("{part}: {note}")))
+                        .map_err(|why| format!("{part}: {why}")),
+                    None => found,
+                };
+                all.push((
+                    claim.id.clone(),
+                    Measured::new(&self.by, &self.digest, found),
+                ));
+            }
+        }
+        all.into_iter()
+            .for_each(|(id, measured)| book.record(&id, measured));
+    }
+}
+
+/// Name of the folder that a file is in.
+fn name_of_folder(file: &Path) -> Result<String> {
+    let full = std::path::absolute(file).map_err(|e| Error::read(file, &e))?;
+    let folder = full.parent().and_then(Path::file_name);
+    Ok(folder.unwrap_or_default().to_string_lossy().into_owned())
+}
+
+/// Puts what is computed on the spot into a book.
+pub fn record_direct(book: &mut Book) {
+    let found = restitution::measure();
+    book.record("kumar-restitution", Measured::new(DIRECT, "", found));
+}

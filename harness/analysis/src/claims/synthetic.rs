@@ -1,0 +1,211 @@
+//! Made-up summaries of flowing beds, for tests.
+
+use bitgrain_lab::scenario::{self, Scenario};
+use bitgrain_lab::summary::{BedSummary, Flow, Rig, RunSummary, Summary};
+use bitgrain_sim::blocks::{METHOD, Mean};
+
+/// What a made-up summary is to show.
+#[derive(Clone, Debug)]
+pub(crate) struct Asked {
+    /// Effective depths in metres; a lid with and without a pressure gradient at each.
+    pub depths: Vec<f64>,
+    /// Seeds of each.
+    pub seeds: u64,
+    /// Drag over pressure and D L.
+    pub drag_coefficient: f64,
+    /// Lift over buoyancy with a pressure gradient, by effective depth.
+    pub lift: fn(f64) -> f64,
+    /// The same without one.
+    pub lift_without: f64,
+    /// Standard error of a run's means over the means with a gradient.
+    pub error: f64,
+    /// Speed of the far grains over that asked for.
+    pub far_field: f64,
+    /// Travel in grain diameters.
+    pub travel: f64,
+    /// What is done to every run at last.
+    pub change: fn(&mut Flow),
+}
+
+impl Default for Asked {
+    fn default() -> Self {
+        Self {
+            depths: vec![0.04, 0.08, 0.12, 0.16],
+            seeds: 2,
+            drag_coefficient: 10.0,
+            lift: |depth| if depth < 0.06 { 20.0 } else { 30.0 },
+            lift_without: 0.1,
+            error: 0.02,
+            far_field: 0.99,
+            travel: 83.4,
+            change: |_| (),
+        }
+    }
+}
+
+fn scenario(asked: &Asked) -> Scenario {
+    let seeds: Vec<u64> = (1..=asked.seeds).collect();
+    let sets = [
+        format!("lid.effective_depth={:?}", asked.depths),
+        format!("seeds={seeds:?}"),
+    ];
+    scenario::load("guillard-small", &sets).expect("the shipped scenario takes these values")
+}
+
+/// A summary whose runs are what is asked for, seeds one standard error about it.
+pub(crate) fn summary(asked: &Asked) -> Summary {
+    let inputs = scenario(asked);
+    let plans = inputs.beds();
+    let beds: Vec<BedSummary> = plans
+        .iter()
+        .map(|plan| {
+            let lid = plan.lid.expect("every depth needs a lid");
+            let rig = rig(&inputs, plan.seed, lid.pressure_gradient);
+            bed(&plan.name, rig, lid.effective_depth.unwrap_or(0.0))
+        })
+        .collect();
+    let runs = inputs.runs();
+    let runs = runs
+        .iter()
+        .map(|plan| {
+            run(
+                asked,
+                &inputs,
+                &plan.name,
+                &beds[plan.bed],
+                plan.motion.speed,
+            )
+        })
+        .collect();
+    Summary {
+        version: "1.2.3".into(),
+        bits_version: 9,
+        scenario: inputs.name.clone(),
+        units: inputs.units(),
+        inputs,
+        standard_error_method: METHOD.into(),
+        beds,
+        runs,
+    }
+}
+
+fn rig(inputs: &Scenario, seed: u64, pressure_gradient: bool) -> Rig {
+    Rig {
+        seed,
+        diameter: 0.00495,
+        length: inputs.bed.size[1],
+        pressure_gradient,
+        lid_grains: 450,
+        lid_density: 150_000.0,
+        bulk_density: 1500.0,
+        effective_depth: 0.0,
+        pressure: 0.0,
+        reaction_over_buoyancy: -0.5,
+    }
+}
+
+fn bed(name: &str, mut rig: Rig, effective_depth: f64) -> BedSummary {
+    rig.effective_depth = effective_depth;
+    rig.pressure = 1500.0 * 9.81 * effective_depth;
+    BedSummary {
+        name: name.into(),
+        grains: 12_345,
+        frozen: 450,
+        steps: 1_000_000,
+        surface: 0.06,
+        depth: 0.03,
+        packing_fraction: 0.6,
+        coordination_number: 5.0,
+        overlap_max: 0.001,
+        kinetic_energy_over_weight_d: 1e-7,
+        weight: 1.0,
+        support: 1.0,
+        chain: String::new(),
+        digest: "0123abcd".into(),
+        rig: Some(rig),
+    }
+}
+
+fn run(asked: &Asked, inputs: &Scenario, name: &str, bed: &BedSummary, speed: f64) -> RunSummary {
+    let rig = bed.rig.clone().expect("the bed flows");
+    let sign = if rig.seed % 2 == 1 { 1.0 } else { -1.0 };
+    let seeded = if asked.seeds > 1 { sign } else { 0.0 };
+    let off = 1.0 + seeded * asked.error;
+    let buoyancy = 1500.0 * inputs.gravity * inputs.intruder_volume(rig.diameter);
+    let scale = rig.pressure * rig.diameter * rig.length;
+    let with = (asked.lift)(rig.effective_depth);
+    let lift = match rig.pressure_gradient {
+        true => with * off,
+        false => asked.lift_without + seeded * asked.error * with,
+    };
+    let mut flow = Flow {
+        pressure_gradient: rig.pressure_gradient,
+        packing_fraction: 0.6,
+        bulk_density: rig.bulk_density,
+        effective_depth: rig.effective_depth,
+        pressure: rig.pressure,
+        pressure_measured: rig.pressure,
+        buoyancy,
+        drag_coefficient: asked.drag_coefficient * off,
+        drag_coefficient_error: asked.drag_coefficient * asked.error,
+        lift_over_buoyancy: lift,
+        lift_over_buoyancy_error: with * asked.error,
+        far_field: asked.far_field,
+        far_field_least: asked.far_field,
+        carried_by_base: 0.5,
+        carried_by_lid: 0.5,
+        inertia: 0.0,
+        floating: 0,
+        travel: asked.travel,
+        drag_halves: [asked.drag_coefficient * off * scale; 2],
+        lift_halves: [lift; 2],
+        load: None,
+        disturbance: None,
+    };
+    (asked.change)(&mut flow);
+    let mean = |mean: f64, standard_error: f64| Mean {
+        mean,
+        standard_error,
+        blocks: 32,
+        block_length: 400,
+        converged: true,
+    };
+    RunSummary {
+        name: name.into(),
+        bed: bed.name.clone(),
+        froude: 0.1,
+        speed,
+        diameter: rig.diameter,
+        depth: bed.depth,
+        distance: 0.135,
+        steps: 7,
+        window_start: 0.0099,
+        window_end: 0.135,
+        window_steps: 5,
+        drag: mean(
+            flow.drag_coefficient * scale,
+            flow.drag_coefficient_error * scale,
+        ),
+        lift: mean(lift * buoyancy, flow.lift_over_buoyancy_error * buoyancy),
+        side: mean(0.0, 1e-4),
+        contacts: mean(7.0, 0.1),
+        contact_angle: None,
+        new_contact_angle: None,
+        floating: None,
+        kappa: None,
+        kappa_error: None,
+        moving: None,
+        drift: None,
+        coordination: None,
+        drag_uncut: 0.5,
+        plug_ratio: 0.5,
+        plug: bitgrain_lab::plug::Plug::Sound,
+        coordination_shares: vec![],
+        flow: Some(flow),
+        overlap_max: 0.01,
+        energy: None,
+        chain: String::new(),
+        digest: "89ef".into(),
+        digest_parts: vec![("grains".into(), "4567".into())],
+    }
+}

@@ -1,0 +1,365 @@
+//! From the files of a run directory to its report.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use bitgrain_kernel::Shape;
+
+use crate::report::{
+    self, BedPicture, Course, Drawings, FieldPicture, Film, FlowGrain, FlowPicture, PictureGrain,
+};
+use bitgrain_lab::bed::library::Library;
+use bitgrain_lab::flow::{parse_flow, parse_profile};
+use bitgrain_lab::folder::Folder;
+use bitgrain_lab::frames::{self, Frame, Slice};
+use bitgrain_lab::manifest::{Of, Vouched};
+use bitgrain_lab::progress::Progress;
+use bitgrain_lab::run::{self, Setting};
+use bitgrain_lab::scenario::{DragPlan, Scenario};
+use bitgrain_lab::series::{SeriesRow, parse_series};
+use bitgrain_lab::summary::{BedSummary, RunSummary, Summary, read_folder};
+use bitgrain_sim::checkpoint;
+use bitgrain_sim::disk::write_whole;
+use bitgrain_sim::error::{Error, Result};
+use bitgrain_sim::export::{FROZEN_TYPE, OBSTACLE_TYPE};
+use bitgrain_sim::fields::read::plane;
+use bitgrain_sim::fields::{Hole, hole};
+use bitgrain_sim::files::packed_name;
+use bitgrain_sim::lammps::{Atom, parse_dump};
+use bitgrain_sim::motion::Moves;
+use bitgrain_sim::observe::INTRUDER;
+use bitgrain_sim::sim::Role;
+
+/// Writes the report of a run directory from the files in it: of what is done, where the run has not come to its
+/// end. Nothing is drawn that the manifest does not vouch for.
+///
+/// # Errors
+/// [`Error::Input`] where one of them is missing or not as it was written, [`Error::Write`].
+pub fn write_report(folder: &Folder<'_>) -> Result<()> {
+    let vouched = &Vouched::open(folder.0, Of::Run)?;
+    let (_, whole) = read_folder(folder, vouched)?;
+    let text = vouched.text(&folder.scenario())?;
+    let series = whole.runs.iter().map(|run| {
+        let path = folder.series(&run.name);
+        parse_series(&vouched.text(&path)?, &path.display().to_string())
+    });
+    let series: Vec<Vec<SeriesRow>> = series.collect::<Result<_>>()?;
+    let moves = whole.inputs.drag.moves;
+    let stills = whole
+        .beds
+        .iter()
+        .map(|bed| still(folder, vouched, bed, moves));
+    let stills: Vec<Still> = stills.collect::<Result<_>>()?;
+    let packed = whole.inputs.measure.gzip;
+    let planned = plans(&whole)?;
+    let still_of = |run: &RunSummary| {
+        let mut beds = stills.iter();
+        let found = beds.find(|still| still.picture.name == run.bed);
+        found.ok_or_else(|| unplanned(&run.bed))
+    };
+    let d = whole.inputs.mean_diameter();
+    let (mut flows, mut films) = (Vec::new(), Vec::new());
+    for (run, plan) in &planned {
+        let still = still_of(run)?;
+        let frames = frames_of(folder, vouched, run, plan)?;
+        let panel = frames.iter().find(|frame| frame.step == plan.panel);
+        match panel {
+            Some(frame) => flows.push(panel_of(frame, run, still, d)),
+            None => flows.extend(flow(folder, vouched, (run, plan), still, (packed, d))?),
+        }
+        // Frames of a drag that was saved without them begin on its way.
+        if frames.len() > 1 && frames.len() == plan.frames.len() {
+            let (centre, radius) = still.picture.intruder;
+            films.push(Film {
+                run: run.name.clone(),
+                radius: radius / d,
+                floor: (centre[2] - still.picture.lo[2]) / d,
+                moves: still.picture.moves,
+                frames,
+            });
+        }
+    }
+    let maps = whole
+        .runs
+        .iter()
+        .map(|run| map(folder, vouched, &whole.inputs, run, still_of(run)?));
+    let maps: Vec<Option<FieldPicture>> = maps.collect::<Result<_>>()?;
+    let maps: Vec<FieldPicture> = maps.into_iter().flatten().collect();
+    let pictures: Vec<BedPicture> = stills.into_iter().map(|still| still.picture).collect();
+    let closing = match vouched.manifest.finished {
+        true => vouched.manifest.closing.as_str(),
+        false => "",
+    };
+    let drawings = Drawings {
+        closing,
+        series: &series,
+        beds: &pictures,
+        flows: &flows,
+        films: &films,
+        ..Drawings::default()
+    };
+    let page = if whole.runs.iter().any(|run| run.flow.is_some()) {
+        let courses = whole.runs.iter().map(|run| course(folder, vouched, run));
+        let courses: Vec<Course> = courses.collect::<Result<_>>()?;
+        report::flowing_page(
+            &whole,
+            &text,
+            &Drawings {
+                courses: &courses,
+                maps: &maps,
+                ..drawings
+            },
+        )
+    } else {
+        report::page(&whole, &text, &drawings)
+    };
+    write_whole(&folder.report(), page.as_bytes())
+}
+
+/// Runs a scenario into a folder, saving now and then, and returns the path of its report: [`run::run_in`].
+///
+/// # Errors
+/// As [`run::run_in`].
+pub fn run(
+    scenario: &Scenario,
+    out: &Path,
+    library: &Library,
+    threads: usize,
+    progress: &Progress,
+) -> Result<PathBuf> {
+    run::run_in(Setting {
+        scenario,
+        folder: &Folder(out),
+        library,
+        threads,
+        save: run::SaveEvery::default(),
+        frames: true,
+        only: &[],
+        write_report,
+        progress,
+    })
+    .map(|done| done.expect("all drags were wanted").report)
+}
+
+/// The drags of a summary with their plans.
+fn plans(whole: &Summary) -> Result<Vec<(&RunSummary, DragPlan)>> {
+    let plans = whole.inputs.runs();
+    let plan = |run: &RunSummary| plans.iter().find(|plan| plan.name == run.name).cloned();
+    let each = whole.runs.iter();
+    each.map(|run| Ok((run, plan(run).ok_or_else(|| unplanned(&run.name))?)))
+        .collect()
+}
+
+fn unplanned(name: &str) -> Error {
+    Error::input(
+        name,
+        "is not of the scenario beside it; was summary.json changed?",
+    )
+}
+
+/// A settled bed: its picture, its intruder, and which of its grains are the lid's, which no dump says.
+struct Still {
+    picture: BedPicture,
+    hole: Hole,
+    lid: BTreeSet<u32>,
+}
+
+fn still(folder: &Folder<'_>, vouched: &Vouched, bed: &BedSummary, moves: Moves) -> Result<Still> {
+    let path = folder.bed(&bed.name);
+    let sim = checkpoint::unpack(&vouched.read(&path)?, &path.display().to_string())?.0;
+    let body = &sim.obstacles[INTRUDER as usize];
+    let ([x, _, z], y) = (body.point, frames::plane(&sim));
+    let grain = |i: usize| PictureGrain {
+        position: [sim.position[i][0], sim.position[i][1], sim.position[i][2]],
+        radius: sim.position[i][3],
+        role: sim.role(i),
+    };
+    let lid = (0..sim.count()).filter(|&i| sim.role(i) == Role::Lid);
+    Ok(Still {
+        hole: hole(&sim),
+        lid: lid.map(|i| sim.id[i]).collect(),
+        picture: BedPicture {
+            name: bed.name.clone(),
+            // The floor of the bed; the box goes on below it so that a leak is seen.
+            lo: [sim.domain.lo()[0], sim.domain.lo()[1], 0.0],
+            hi: sim.domain.hi(),
+            surface: bed.surface,
+            grains: (0..sim.count()).map(grain).collect(),
+            intruder: ([x, y, z], body.reach()),
+            endless: matches!(body.shape, Shape::Cylinder { .. }),
+            moves,
+        },
+    })
+}
+
+/// The flow series and the profile of a run; empty ones of a run that has none.
+fn course(folder: &Folder<'_>, vouched: &Vouched, run: &RunSummary) -> Result<Course> {
+    if run.flow.is_none() {
+        return Ok(Course::default());
+    }
+    let read = |file: &str| {
+        let path = folder.of_run(&run.name, file);
+        let text = vouched.text(&path)?;
+        Ok::<_, Error>((path.display().to_string(), text))
+    };
+    let damaged = |path: String| {
+        move |line: usize| {
+            Error::input(
+                format!("{path}:{line}"),
+                "is no row of finite numbers, one for each column; is the file cut off? The same run \
+                 writes it anew",
+            )
+        }
+    };
+    let (path, text) = read("flow.csv")?;
+    let rows = parse_flow(&text).map_err(damaged(path))?;
+    let (path, text) = read("profile.csv")?;
+    let profile = parse_profile(&text).map_err(damaged(path))?;
+    Ok(Course { rows, profile })
+}
+
+/// The mean fields of a run; `None` where they were not asked for, or where the bed is at rest and no page shows them.
+fn map(
+    folder: &Folder<'_>,
+    vouched: &Vouched,
+    inputs: &Scenario,
+    run: &RunSummary,
+    still: &Still,
+) -> Result<Option<FieldPicture>> {
+    let (Some(grid), Some(_)) = (inputs.fields_grid(), &run.flow) else {
+        return Ok(None);
+    };
+    let path = folder.of_run(&run.name, "plane.csv");
+    let text = vouched.text(&path)?;
+    let fields = plane(&text, grid).map_err(|line| {
+        let problem =
+            "is no row of the plane's table; is the file cut off? The same run writes it anew";
+        Error::input(format!("{}:{line}", path.display()), problem)
+    })?;
+    Ok(Some(FieldPicture {
+        run: run.name.clone(),
+        fields,
+        hole: still.hole,
+        window: inputs.fields_window(),
+        surface: still.picture.surface,
+        far: inputs.far_velocity(run.speed),
+    }))
+}
+
+/// The frames of a run; none where it was run without.
+fn frames_of(
+    folder: &Folder<'_>,
+    vouched: &Vouched,
+    run: &RunSummary,
+    plan: &DragPlan,
+) -> Result<Vec<Frame>> {
+    let mut all = Vec::new();
+    for &step in &plan.checkpoints {
+        let path = folder.frames(&run.name, step);
+        if !vouched.lists(&path) {
+            continue;
+        }
+        let found = frames::parse(&vouched.text(&path)?).map_err(|line| {
+            let problem = "is no row of a frame; is the file cut off? The same run writes it anew";
+            Error::input(format!("{}:{line}", path.display()), problem)
+        })?;
+        all.extend(found);
+    }
+    Ok(all)
+}
+
+/// A frame as a picture.
+fn panel_of(frame: &Frame, run: &RunSummary, still: &Still, d: f64) -> FlowPicture {
+    let bed = &still.picture;
+    let (centre, radius) = bed.intruder;
+    let half = 0.5 * (bed.hi[0] - bed.lo[0]);
+    // Each grain once: the picture draws its images itself.
+    let once = frame.cuts.iter().filter(|cut| cut.x.abs() * d <= half);
+    let grain = |cut: &Slice| FlowGrain {
+        position: [centre[0] + cut.x * d, centre[1], centre[2] + cut.z * d],
+        radius: cut.radius * d,
+        velocity: {
+            let rest = cut.speed * cut.speed - cut.u * cut.u - cut.w * cut.w;
+            [cut.u, rest.max(0.0).sqrt(), cut.w].map(|v| v * run.speed)
+        },
+        role: cut.role,
+    };
+    FlowPicture {
+        run: run.name.clone(),
+        froude: run.froude,
+        speed: run.speed,
+        travel: frame.travel * d,
+        lo: bed.lo,
+        hi: bed.hi,
+        intruder: (centre, radius),
+        reach: frames::reach(radius / d) * d,
+        moves: bed.moves,
+        grains: once.map(grain).collect(),
+    }
+}
+
+/// The snapshot nearest to the travel at which all drags are compared; `None` of a drag without snapshots.
+fn flow(
+    folder: &Folder<'_>,
+    vouched: &Vouched,
+    (run, plan): (&RunSummary, &DragPlan),
+    still: &Still,
+    (packed, d): (bool, f64),
+) -> Result<Option<FlowPicture>> {
+    let off = |step: &&u64| step.abs_diff(plan.panel);
+    let Some(&step) = plan.snapshots.iter().min_by_key(off) else {
+        return Ok(None);
+    };
+    let mut path = folder.snapshot(&run.name, "grains", step, "dump");
+    if packed {
+        path = packed_name(&path);
+    }
+    let damaged = |what: &str| Error::input(path.display().to_string(), what);
+    let frame = parse_dump(&vouched.text(&path)?, &path.display().to_string())?
+        .pop()
+        .ok_or_else(|| damaged("holds no frame"))?;
+    let (ball, grains): (Vec<&Atom>, Vec<&Atom>) =
+        frame.atoms.iter().partition(|a| a.kind == OBSTACLE_TYPE);
+    let travel = step as f64 / run.steps as f64 * run.distance;
+    let picture = &still.picture;
+    let intruder = match ball.first() {
+        Some(ball) => (ball.position, 0.5 * ball.diameter),
+        // A cylinder has no place in a dump; it is where it was, or as far on as it moved.
+        None if run.flow.is_some() => {
+            let ([x, y, z], radius) = picture.intruder;
+            let way = match picture.moves {
+                Moves::Intruder => travel,
+                Moves::Bed => 0.0,
+            };
+            ([x + way, y, z], radius)
+        }
+        None => return Err(damaged("holds no intruder (type 2)")),
+    };
+    let frame_speed = match picture.moves {
+        Moves::Intruder => 0.0,
+        Moves::Bed => run.speed,
+    };
+    let grain = |a: &&Atom| FlowGrain {
+        position: a.position,
+        radius: 0.5 * a.diameter,
+        // Of the base, or of the box where the base is at rest.
+        velocity: [a.velocity[0] - frame_speed, a.velocity[1], a.velocity[2]],
+        role: match a.kind {
+            FROZEN_TYPE => Role::Base,
+            _ if still.lid.contains(&a.id) => Role::Lid,
+            _ => Role::Free,
+        },
+    };
+    Ok(Some(FlowPicture {
+        run: run.name.clone(),
+        froude: run.froude,
+        speed: run.speed,
+        travel,
+        lo: [frame.lo[0], frame.lo[1], 0.0],
+        hi: frame.hi,
+        intruder,
+        reach: frames::reach(intruder.1 / d) * d,
+        moves: picture.moves,
+        grains: grains.iter().map(grain).collect(),
+    }))
+}

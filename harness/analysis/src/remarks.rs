@@ -1,0 +1,255 @@
+//! What to know before the numbers of a run are believed: told when it ends, and at the top of its report.
+
+use crate::claims::{FAR_FIELD_LEAST, overlap_remark};
+use bitgrain_lab::plug::Plug;
+use bitgrain_lab::summary::{BedSummary, Flow, RunSummary, Summary};
+use bitgrain_sim::format::short;
+
+/// Packing fraction above which equal spheres are no random packing (random close packing).
+const CLOSE: f64 = 0.64;
+
+/// Something that speaks against numbers, as plain text; keys of a scenario stand between backticks.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Remark {
+    /// What it is, without a full stop.
+    pub title: String,
+    /// What follows from it, and what mends it.
+    pub words: String,
+}
+
+fn remark(title: impl Into<String>, words: String) -> Remark {
+    Remark {
+        title: title.into(),
+        words,
+    }
+}
+
+/// All that speaks against the numbers of a run.
+pub fn remarks(summary: &Summary) -> Vec<Remark> {
+    let runs = &summary.runs;
+    let flows = runs.iter().any(|run| run.flow.is_some());
+    let mut out: Vec<Remark> = part(summary).into_iter().collect();
+    out.extend(summary.beds.iter().filter_map(unrest));
+    out.extend(slips(runs));
+    out.extend(crystal(summary));
+    out.extend(floating(runs));
+    out.extend(open_errors(runs));
+    out.extend(start_up(runs, flows));
+    out.extend(overlap(runs));
+    out.extend(plug(runs));
+    out
+}
+
+/// Names of the runs of which something is so.
+fn names(runs: &[RunSummary], so: impl Fn(&RunSummary) -> bool) -> String {
+    let found = runs.iter().filter(|run| so(run));
+    let names: Vec<&str> = found.map(|run| &run.name[..]).collect();
+    names.join(", ")
+}
+
+/// Numbers of some runs as a range.
+fn range(values: impl Iterator<Item = f64> + Clone) -> String {
+    let least = values.clone().fold(f64::INFINITY, f64::min);
+    let most = values.fold(f64::NEG_INFINITY, f64::max);
+    match (short(least), short(most)) {
+        (least, most) if least == most => least,
+        (least, most) => format!("{least} to {most}"),
+    }
+}
+
+fn part(summary: &Summary) -> Option<Remark> {
+    let (done, planned) = (summary.runs.len(), summary.inputs.runs().len());
+    (done < planned).then(|| {
+        let words = format!("{done} of {planned} drags are done; all that is said is of these.");
+        remark("A part", words)
+    })
+}
+
+/// A bed that is not at rest, as one from a file may be.
+fn unrest(bed: &BedSummary) -> Option<Remark> {
+    ((bed.support / bed.weight - 1.0).abs() > 1e-3).then(|| {
+        let words = format!(
+            "Base, floor and intruder carry {} of its weight, and its kinetic energy per grain is {} of the \
+             weight times d: what is measured first is the bed as it comes to rest.",
+            short(bed.support / bed.weight),
+            short(bed.kinetic_energy_over_weight_d)
+        );
+        remark(format!("{} is not at rest", bed.name), words)
+    })
+}
+
+fn flow_names(runs: &[RunSummary], so: impl Fn(&Flow) -> bool) -> String {
+    names(runs, |run| run.flow.as_ref().is_some_and(&so))
+}
+
+fn slips(runs: &[RunSummary]) -> Option<Remark> {
+    let slow = flow_names(runs, |f| {
+        f.far_field < FAR_FIELD_LEAST || f.far_field.is_nan()
+    });
+    (!slow.is_empty()).then(|| {
+        let words = format!(
+            "In {slow} the grains far from the intruder move at less than {FAR_FIELD_LEAST} of the speed of \
+             the base: forces there belong to another speed, and to a bed that shears. A longer box lets base \
+             and lid carry more."
+        );
+        remark("The bed slips", words)
+    })
+}
+
+fn crystal(summary: &Summary) -> Option<Remark> {
+    let [least, most] = summary.inputs.bed.diameters;
+    let close = flow_names(&summary.runs, |f| f.packing_fraction > CLOSE);
+    (least == most && !close.is_empty()).then(|| {
+        let words = format!(
+            "In {close} the packing fraction is above {CLOSE}, which no random packing of equal spheres has."
+        );
+        remark("The bed crystallises", words)
+    })
+}
+
+fn floating(runs: &[RunSummary]) -> Option<Remark> {
+    let flows = runs.iter().filter_map(|run| run.flow.as_ref());
+    let most = flows.map(|flow| flow.floating).max().unwrap_or(0);
+    (most > 0).then(|| {
+        let grains = if most == 1 { "grain" } else { "grains" };
+        let words = format!(
+            "Up to {most} free {grains} came to lie above the lid at one time (in {}): counted here, and left \
+             where they are.",
+            flow_names(runs, |flow| flow.floating > 0)
+        );
+        remark("Grains above the lid", words)
+    })
+}
+
+/// Runs whose errors did not converge.
+fn open_errors(runs: &[RunSummary]) -> Option<Remark> {
+    let open = names(runs, |run| !run.drag.converged);
+    (!open.is_empty()).then(|| {
+        let words = format!(
+            "The averaging window of {open} is too short to tell the error of the mean drag: it may be larger \
+             than is said. A longer `drag.distance` mends it."
+        );
+        remark("Errors that did not converge", words)
+    })
+}
+
+/// Runs whose drag from the start is not that of the window.
+fn start_up(runs: &[RunSummary], flows: bool) -> Option<Remark> {
+    let ratio = |run: &RunSummary| run.drag_uncut / run.drag.mean;
+    let off = |run: &RunSummary| {
+        let change = (run.drag_uncut - run.drag.mean).abs();
+        change > 2.0 * run.drag.standard_error && ratio(run).is_finite()
+    };
+    let found = names(runs, off);
+    (!found.is_empty()).then(|| {
+        let paper = match flows {
+            true => "Guillard 2014 averages after a travel of 2 D (section III A), as the window does",
+            false => "Kumar 2018 averages from the start (Fig. 4)",
+        };
+        let words = format!(
+            "The mean drag from the start of {found} is {} times that of the averaging window, more than two \
+             standard errors off. Before you compare, check which of the two means the other work tells: \
+             {paper}.",
+            range(runs.iter().filter(|run| off(run)).map(ratio))
+        );
+        remark("Start-up", words)
+    })
+}
+
+/// Grains that went deep into each other.
+fn overlap(runs: &[RunSummary]) -> Option<Remark> {
+    let deepest = runs.iter().map(|r| r.overlap_max);
+    let deepest = deepest.fold(0.0, |a, b| if b > a { b } else { a });
+    overlap_remark(deepest).map(|words| remark("Soft contacts", words))
+}
+
+/// Layers above the intruder that go along with it.
+fn plug(runs: &[RunSummary]) -> Option<Remark> {
+    let class = |wanted| names(runs, move |run| run.plug == wanted);
+    let (slides, drifts) = (class(Plug::Slides), class(Plug::Drifts));
+    let parts = [
+        (
+            &slides,
+            "they slide along, and the drag is the box's as much as the intruder's",
+        ),
+        (&drifts, "they drift along, and the drag may be too small"),
+    ];
+    let parts = parts.iter().filter(|(names, _)| !names.is_empty());
+    let parts: Vec<String> = parts
+        .map(|(names, what)| format!("in {names} {what}"))
+        .collect();
+    (!parts.is_empty()).then(|| {
+        let moved = runs
+            .iter()
+            .filter(|run| matches!(run.plug, Plug::Slides | Plug::Drifts));
+        let drift = moved.clone().filter_map(|run| Some(run.drift?.mean));
+        let speed = match drift.clone().count() {
+            0 => String::new(),
+            _ => format!(" Their speed is {} of the intruder's.", range(drift)),
+        };
+        let words = format!(
+            "In a periodic box nothing but friction holds the layers above the intruder back, and the drag is \
+             {} of their weight (the plug ratio): {}.{speed} A wider `bed.box` lowers the ratio; for numbers \
+             to quote, see that a wider box gives the same drag.",
+            range(moved.map(|run| run.plug_ratio)),
+            parts.join(", "),
+        );
+        remark("Plug", words)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bitgrain_sim::blocks::Mean;
+
+    fn run() -> RunSummary {
+        let mut whole = crate::claims::synthetic::summary(&Default::default());
+        let mut run = whole.runs.swap_remove(0);
+        (run.name, run.flow) = ("fr".into(), None);
+        run.drag = Mean {
+            mean: 1.0,
+            standard_error: 0.1,
+            converged: true,
+            ..Mean::default()
+        };
+        run.drag_uncut = 1.0;
+        run
+    }
+
+    #[test]
+    fn layers_that_go_along_are_told_with_their_drift() {
+        let mut slow = run();
+        (slow.plug_ratio, slow.plug) = (0.2, Plug::Sound);
+        assert_eq!(plug(&[slow.clone()]), None);
+        slow.plug = Plug::Slides;
+        slow.drift = Some(Mean {
+            mean: 0.25,
+            ..Mean::default()
+        });
+        let mut fast = slow.clone();
+        (fast.name, fast.plug_ratio, fast.plug) = ("fast".into(), 0.32, Plug::Drifts);
+        let said = plug(&[slow, fast]).unwrap().words;
+        for part in [
+            "in fr they slide",
+            "in fast they drift",
+            "0.2 to 0.32",
+            "is 0.25 of",
+        ] {
+            assert!(said.contains(part), "{part}: {said}");
+        }
+    }
+
+    #[test]
+    fn means_that_differ_and_errors_that_are_open_are_told() {
+        let mut run = run();
+        assert_eq!(open_errors(&[run.clone()]), None);
+        assert_eq!(start_up(&[run.clone()], false), None);
+        run.drag_uncut = 1.3;
+        let said = |flows| start_up(&[run.clone()], flows).unwrap().words;
+        assert!(said(false).contains("of fr is 1.3 times"));
+        assert!(said(false).contains("Kumar") && said(true).contains("Guillard"));
+        run.drag.converged = false;
+        assert!(open_errors(&[run]).unwrap().words.contains("window of fr"));
+    }
+}

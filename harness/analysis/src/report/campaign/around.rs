@@ -1,0 +1,235 @@
+//! Charts of what goes on round the intruder (Kumar 2018, Figs. 6 to 8), and of the bed above it.
+
+use super::super::scatter::{Line, Range};
+use super::super::text::escape;
+use super::drags::of;
+use super::figure::{Figure, Series, add, ends, section, straight, traced};
+use super::shown::{Shown, intruder, material, words_of};
+use crate::analysis::{Around, Curve, Point, Value};
+use crate::fit::Fit;
+use bitgrain_lab::plug::bounds;
+use bitgrain_sim::format::short;
+
+/// The paper's laws: eq. 7 and Fig. 8.
+const ANGLE: [f64; 3] = [-0.15, 0.38, 2.45];
+const KAPPA: [f64; 2] = [0.887, 0.185];
+
+/// Place of the last marker, which is hollow.
+const OPEN: usize = 7;
+
+type Reading = fn(&Point) -> Option<Value>;
+
+pub(super) fn figures(shown: &Shown) -> String {
+    let all = &shown.analysis.around;
+    let own =
+        |a: &Around| angles(shown, a) + &kappas(shown, a) + &floating(shown, a) + &shares(shown, a);
+    section(
+        "Round the intruder",
+        "<p>Intruders smaller than 2&nbsp;d have too few contacts for the laws of angle and coordination, and are \
+         left out there.</p>\n",
+        &all.iter().map(own).collect::<String>(),
+        "Nothing round the intruder was measured.",
+    )
+}
+
+/// Points of a curve by Froude number.
+fn points(curve: &Curve, of: Reading) -> Vec<(f64, Value)> {
+    let all = curve.points.iter();
+    all.filter_map(|p| Some((p.froude, of(p)?))).collect()
+}
+
+/// Curves of intruders with contacts enough.
+fn wide<'a>(shown: &'a Shown, around: &Around) -> Vec<&'a Curve> {
+    let all = of(shown.analysis, around.material).into_iter();
+    all.map(|(curve, ..)| curve)
+        .filter(|c| c.is_wide())
+        .collect()
+}
+
+fn numbers(fit: &Fit) -> Vec<f64> {
+    fit.parameters.iter().map(|p| p.value).collect()
+}
+
+fn angles(shown: &Shown, around: &Around) -> String {
+    let curves = wide(shown, around);
+    let mut series: Vec<Series> = Vec::new();
+    for curve in &curves {
+        let name = format!("D = {}", short(curve.diameter));
+        add(&mut series, name, points(curve, |p| p.angle));
+    }
+    series.truncate(OPEN);
+    series.resize_with(OPEN, || Series::new(String::new(), []));
+    let begins = curves.iter().flat_map(|c| points(c, |p| p.new_angle));
+    let begins = Series::new("where contacts begin, all of them".into(), begins);
+    let hollow = vec![true; begins.points.len()];
+    series.push(begins.with_hollow(hollow));
+    let law = |x: f64, [y1, y2, y3]: [f64; 3]| y1 * libm::pow(x, y2) + std::f64::consts::PI / y3;
+    let mut lines = Vec::new();
+    if let Some([from, to]) = ends(&series) {
+        lines.push(traced(from, to, |x| law(x, ANGLE), false));
+        for reading in [&around.contacts, &around.new_contacts] {
+            if let Some([y1, y2, y3]) = reading.law.found().map(numbers).as_deref() {
+                lines.push(traced(from, to, |x| law(x, [*y1, *y2, *y3]), true));
+            }
+        }
+    }
+    let caption = format!(
+        "<b>{}</b>, contact angle. Thick line: {}; upper one, where contacts begin: {}. Thin: the paper&rsquo;s law \
+         for &mu;&nbsp;=&nbsp;0.5.",
+        escape(&material(&around.material)),
+        words_of(&around.contacts.law),
+        words_of(&around.new_contacts.law)
+    );
+    Figure {
+        title: &format!("Contact angle, {}", material(&around.material)),
+        labels: ["Froude number Fr", "contact angle \u{3b8} (rad)"],
+        ranges: [Range::FromZero, Range::Tight],
+        series: &series,
+        lines: &lines,
+        caption: &caption,
+    }
+    .html()
+}
+
+fn kappas(shown: &Shown, around: &Around) -> String {
+    let curves = wide(shown, around);
+    let each = |c: &&Curve| Series::new(intruder(c), points(c, |p| p.kappa));
+    let series: Vec<Series> = curves.iter().map(each).collect();
+    let mut lines: Vec<Line> = Vec::new();
+    if let Some([from, to]) = ends(&series) {
+        lines.push(straight(from, to, |x| KAPPA[0] + KAPPA[1] * x, false));
+        if let Some([a, b]) = around.kappa.found().map(numbers).as_deref() {
+            lines.push(straight(from, to, |x| a + b * x, true));
+        }
+    }
+    let caption = format!(
+        "<b>{}</b>, normalised coordination number of the intruder. Thick line: {}. Thin: the paper&rsquo;s law for \
+         &mu;&nbsp;=&nbsp;0.5.",
+        escape(&material(&around.material)),
+        words_of(&around.kappa)
+    );
+    Figure {
+        title: &format!(
+            "Normalised coordination number, {}",
+            material(&around.material)
+        ),
+        labels: ["Froude number Fr", "\u{3ba}"],
+        ranges: [Range::FromZero; 2],
+        series: &series,
+        lines: &lines,
+        caption: &caption,
+    }
+    .html()
+}
+
+fn floating(shown: &Shown, around: &Around) -> String {
+    let curves = of(shown.analysis, around.material);
+    let each = |(c, ..): &(&Curve, _, _)| Series::new(intruder(c), points(c, |p| p.floating));
+    let series: Vec<Series> = curves.iter().map(each).collect();
+    let caption = format!(
+        "<b>{}</b>, share of the grains within 2&nbsp;d of the intruder&rsquo;s surface that touch nothing.",
+        escape(&material(&around.material))
+    );
+    Figure {
+        title: &format!("Grains without contacts, {}", material(&around.material)),
+        labels: ["Froude number Fr", "share without contacts"],
+        ranges: [Range::FromZero; 2],
+        series: &series,
+        lines: &[],
+        caption: &caption,
+    }
+    .html()
+}
+
+/// Shares of grains by their contacts, of the curve with the most speeds, at a few of them.
+fn shares(shown: &Shown, around: &Around) -> String {
+    let curves = wide(shown, around);
+    let longest = curves.iter().rev().max_by_key(|c| c.points.len());
+    let Some(curve) = longest else {
+        return String::new();
+    };
+    let there: Vec<&Point> = curve
+        .points
+        .iter()
+        .filter(|p| !p.coordination.is_empty())
+        .collect();
+    let shown_points: Vec<&Point> = match there.len() {
+        0 => return String::new(),
+        n => (0..4).map(|k| there[k * (n - 1) / 3]).collect(),
+    };
+    let mut series: Vec<Series> = Vec::new();
+    let mut lines = Vec::new();
+    for point in shown_points {
+        let name = format!("Fr = {}", short(point.froude));
+        if series.iter().any(|s| s.name == name) {
+            continue;
+        }
+        let at: Vec<(f64, f64)> = (0..)
+            .map(f64::from)
+            .zip(point.coordination.iter().copied())
+            .collect();
+        let marks = at.iter().map(|(z, share)| (*z, Value::new(*share, 0.0)));
+        series.push(Series::new(name, marks));
+        lines.push(Line {
+            points: at,
+            heavy: false,
+        });
+    }
+    let caption = format!(
+        "<b>{}</b>, {}: share of the grains within 2&nbsp;d of the intruder&rsquo;s surface with so many contacts.",
+        escape(&material(&around.material)),
+        escape(&intruder(curve))
+    );
+    Figure {
+        title: &format!("Coordination numbers, {}", material(&around.material)),
+        labels: ["contacts of a grain", "share of the grains"],
+        ranges: [Range::FromZero; 2],
+        series: &series,
+        lines: &lines,
+        caption: &caption,
+    }
+    .html()
+}
+
+/// Drift of the layers above against the part of their weight that the drag is.
+pub(super) fn drifts(shown: &Shown) -> String {
+    let mut series: Vec<Series> = Vec::new();
+    let mut held = Vec::new();
+    for curve in &shown.analysis.curves {
+        let name = format!("\u{3bc} = {}", curve.material.mu);
+        let all = curve
+            .points
+            .iter()
+            .filter_map(|p| Some((p.plug_ratio, p.drift?)));
+        if series.iter().all(|s| s.name != name) {
+            let [sound, slides] = bounds(curve.material.mu).map(short);
+            held.push(format!("{sound} and {slides} at {}", escape(&name)));
+        }
+        add(&mut series, name, all);
+    }
+    let left_out = match shown.analysis.sliding {
+        0 => String::new(),
+        n if shown.analysis.plugs => format!(" {n} such are shown all the same."),
+        n => format!(" {n} such are left out of this page."),
+    };
+    let caption = format!(
+        "Speed of the layers above the intruder&rsquo;s top over its own, against the drag over the weight of the \
+         bed above its lowest point. A bed counts as sound up to the first of these ratios, and as sliding \
+         beyond the second if its layers drift by a tenth: {}.{left_out}",
+        held.join("; ")
+    );
+    let figure = Figure {
+        title: "Drift of the layers above",
+        labels: ["drag over weight above", "drift over V"],
+        ranges: [Range::FromZero; 2],
+        series: &series,
+        lines: &[],
+        caption: &caption,
+    };
+    section(
+        "Does the bed above hold?",
+        "<p>In a box that repeats along x and y nothing but friction holds the grains above the intruder back.</p>\n",
+        &figure.html(),
+        "No drift was measured.",
+    )
+}

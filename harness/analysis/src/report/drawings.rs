@@ -1,0 +1,27 @@
+//! What a page draws besides the numbers of a summary.
+
+use super::course::Course;
+use crate::report::BedPicture;
+use crate::report::FieldPicture;
+use crate::report::Film;
+use crate::report::FlowPicture;
+use bitgrain_lab::series::SeriesRow;
+
+/// What a page draws beside the numbers of a summary; where one is missing, the page says so.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Drawings<'a> {
+    /// Closing hash of the run; empty before its end.
+    pub closing: &'a str,
+    /// Force series, in the order of the runs of the summary.
+    pub series: &'a [Vec<SeriesRow>],
+    /// Settled beds, in the order of the summary's.
+    pub beds: &'a [BedPicture],
+    /// Grains round the intruder of the runs they name.
+    pub flows: &'a [FlowPicture],
+    /// Frames of the runs they name.
+    pub films: &'a [Film],
+    /// Flow series, in the order of the runs.
+    pub courses: &'a [Course],
+    /// Fields of the runs they name.
+    pub maps: &'a [FieldPicture],
+}

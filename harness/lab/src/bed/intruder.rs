@@ -1,0 +1,20 @@
+//! The body that a bed is made round.
+
+use crate::scenario::{BedPlan, Scenario, Shape};
+use bitgrain_kernel::Obstacle;
+use bitgrain_sim::sim::sphere_mass;
+
+/// The intruder of a plan, at rest.
+pub(super) fn intruder(scenario: &Scenario, plan: &BedPlan) -> Obstacle<f64> {
+    let radius = 0.5 * plan.diameter;
+    match scenario.intruder.shape {
+        Shape::Cylinder => Obstacle::cylinder(plan.center, [0.0, 1.0, 0.0], radius),
+        Shape::Sphere => Obstacle {
+            inverse_mass: scenario
+                .intruder
+                .density
+                .map_or(0.0, |density| 1.0 / sphere_mass(plan.diameter, density)),
+            ..Obstacle::sphere(plan.center, radius)
+        },
+    }
+}

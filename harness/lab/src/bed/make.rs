@@ -1,0 +1,124 @@
+//! What is made of grains as a bed is poured: the world they fall in, its frozen base, the rest over the intruder.
+
+use super::assemble::{Member, assemble};
+use super::groups::*;
+use super::intruder::intruder;
+use super::lattice::Lattice;
+use crate::scenario::{BedPlan, Pouring as Order, Scenario};
+use bitgrain_kernel::{Domain, Fault, Group, Obstacle, Shape as Body};
+use bitgrain_sim::error::{Error, Result};
+use bitgrain_sim::motion::Moves;
+use bitgrain_sim::observe;
+use bitgrain_sim::order::spatial_order;
+use bitgrain_sim::sim::Sim;
+
+/// Freezes the grains whose centres lie below the base's height, takes the floor away where the bed
+/// has none, and numbers all grains in spatial order.
+pub(super) fn freeze_base(old: &mut Sim, scenario: &Scenario) -> std::result::Result<Sim, Fault> {
+    let group = |k: usize| {
+        if old.position[k][2] < scenario.bed.base {
+            BASE
+        } else {
+            FREE
+        }
+    };
+    let members = in_order(old)
+        .map(|k| Member::Old(k, group(k)))
+        .collect::<Vec<_>>();
+    let mut obstacles: Vec<_> = old.obstacles.iter().copied().zip((0..).map(Some)).collect();
+    if !scenario.bed.floor {
+        obstacles.retain(|(body, _)| !matches!(body.shape, Body::Plane { .. }));
+    }
+    let groups = old.groups.clone();
+    assemble(old, &members, groups, obstacles)
+}
+
+/// Numbers all grains in spatial order.
+pub(super) fn renumbered(old: &mut Sim) -> std::result::Result<Sim, Fault> {
+    let members: Vec<Member> = in_order(old)
+        .map(|k| Member::Old(k, old.group[k]))
+        .collect();
+    let obstacles = old.obstacles.iter().copied().zip((0..).map(Some)).collect();
+    let groups = old.groups.clone();
+    assemble(old, &members, groups, obstacles)
+}
+
+/// The grains in spatial order.
+pub(super) fn in_order(sim: &Sim) -> impl Iterator<Item = usize> + use<> {
+    let mean = 2.0 * sim.position.iter().map(|x| x[3]).sum::<f64>() / sim.count().max(1) as f64;
+    spatial_order(&sim.position, mean).into_iter()
+}
+
+/// Puts the intruder into a bed that reaches up to it, and lets the rest of the grains go above; those
+/// whose place it takes are among them. Returns the height they fall from, too.
+pub(super) fn buried(
+    lower: &mut Sim,
+    scenario: &Scenario,
+    plan: &BedPlan,
+    count: usize,
+) -> std::result::Result<(Sim, f64), Fault> {
+    let body = intruder(scenario, plan);
+    let clear = |k: usize| {
+        let x = lower.position[k];
+        let off = observe::offset(&lower.domain, &body, [x[0], x[1], x[2]]);
+        observe::length(off) > body.reach() + x[3]
+    };
+    let mut members: Vec<Member> = (0..lower.count())
+        .filter(|&k| clear(k))
+        .map(|k| Member::Old(k, lower.group[k]))
+        .collect();
+    let top = lower.position.iter().map(|x| x[2] + x[3]);
+    let top = top.fold(0.0, |a, b| if b > a { b } else { a });
+    let rest = Lattice::new(scenario, count - members.len(), top, Some(plan));
+    let first = lower.count() as u32;
+    members.extend(
+        rest.grains(scenario, plan, first)
+            .into_iter()
+            .map(Member::New),
+    );
+    let mut obstacles = vec![(body, None)];
+    obstacles.extend(lower.obstacles.iter().copied().zip((0..).map(Some)));
+    let groups = lower.groups.clone();
+    Ok((assemble(lower, &members, groups, obstacles)?, rest.top))
+}
+
+/// The grains of a lattice as a world: with the intruder where all are poured at once.
+pub(super) fn dropped(scenario: &Scenario, plan: &BedPlan, lattice: &Lattice) -> Result<Sim> {
+    let [x, y, z] = scenario.bed.size;
+    let refuse = |what: String| Error::input(format!("scenario {}", scenario.name), what);
+    let law = scenario
+        .law
+        .build()
+        .map_err(|(key, p)| refuse(format!("law.{key} {p}")))?;
+    // Grains thrown up by a fast intruder fall back; only one that leaves this far is an error.
+    let ceiling = 2.0 * (if lattice.top > z { lattice.top } else { z });
+    let floor = if scenario.bed.floor {
+        0.0
+    } else {
+        -scenario.bed.diameters[1]
+    };
+    let lowest = floor - scenario.bed.diameters[1];
+    let domain = Domain::new([0.0, 0.0, lowest], [x, y, ceiling], [true, true, false])
+        .map_err(|f| refuse(f.to_string()))?;
+    let gravity = [0.0, 0.0, -scenario.gravity];
+    let mut obstacles = match scenario.bed.pouring {
+        Order::AtOnce => vec![intruder(scenario, plan)],
+        Order::InTurn => vec![],
+    };
+    // Without a floor of its own the bed is poured on one all the same: the base is frozen from it.
+    obstacles.push(Obstacle::plane([0.0; 3], [0.0, 0.0, 1.0]));
+    let base = match scenario.drag.moves {
+        Moves::Intruder => Group::frozen(),
+        Moves::Bed => Group::carried(),
+    };
+    let groups = vec![Group::free(gravity), base];
+    let grains = lattice.grains(scenario, plan, 0);
+    Ok(Sim::new(
+        law,
+        domain,
+        scenario.drag.dt,
+        groups,
+        &grains,
+        obstacles,
+    ))
+}

@@ -1,0 +1,190 @@
+//! A bed on its way from the first grain's release to rest: phase by phase, from a checkpoint on where it
+//! was stopped.
+
+use super::course::{Course, Phase, Pouring};
+use super::lattice::Lattice;
+use super::lid;
+use super::make::{buried, dropped, freeze_base, renumbered};
+use super::recipe::Recipe;
+use super::settle::{fallen, rest, settle, upward};
+use super::survey::stopped;
+use crate::progress::Stage;
+use crate::scenario::{BedPlan, Pouring as Order, Scenario};
+use bitgrain_sim::chain::{self, Chain};
+use bitgrain_sim::checkpoint::Note;
+use bitgrain_sim::error::Result;
+use bitgrain_sim::memory::{PER_GRAIN, room};
+use bitgrain_sim::sim::Sim;
+use bitgrain_sim::witness::Witness;
+
+/// Steps between links of a bed's chain: beds are shared by scenarios, so it is the same for all.
+const LINKS: u64 = 1000;
+
+impl Pouring {
+    /// The grains of a bed as they are let fall; its lid is not yet on it.
+    ///
+    /// # Errors
+    /// [`bitgrain_sim::error::Error::Input`] and [`bitgrain_sim::error::Error::Run`] where they cannot be.
+    pub fn begin(scenario: &Scenario, plan: &BedPlan) -> Result<Self> {
+        let lowest = plan.center[2] - 0.5 * plan.diameter;
+        let count = scenario.grain_count(plan.diameter);
+        room(
+            PER_GRAIN * count as f64,
+            &format!("{count} grains of {}", plan.name),
+        )?;
+        let (first, beside) = match scenario.bed.pouring {
+            Order::AtOnce => (count, Some(plan)),
+            Order::InTurn => (scenario.filling(lowest, 0.0).min(count), None),
+        };
+        let lattice = Lattice::new(scenario, first, 0.0, beside);
+        let mut sim = dropped(scenario, plan, &lattice)?;
+        sim.start().map_err(|f| stopped(&plan.name, &sim, f))?;
+        let key = Recipe::new(scenario, plan).digest();
+        let link = chain::beginning(&key);
+        let mut bed = Self::new(key, sim, Phase::Fall, link, &plan.name)?;
+        bed.course.top = lattice.top;
+        Ok(bed)
+    }
+
+    /// A settled bed with the lid of `plan`, which must have one, laid on it; `link` is the last of the
+    /// bed's chain.
+    ///
+    /// # Errors
+    /// [`bitgrain_sim::error::Error::Input`] where the bed is deep enough without, and as [`Pouring::begin`].
+    pub fn cover(bare: &mut Sim, link: &str, scenario: &Scenario, plan: &BedPlan) -> Result<Self> {
+        let lid = plan.lid.as_ref().expect("only beds with a lid are covered");
+        let mut sim = lid::covered(bare, scenario, plan, lid)?;
+        sim.law = quenching(scenario);
+        let key = Recipe::new(scenario, plan).digest();
+        Self::new(key, sim, Phase::Quench, link.into(), &plan.name)
+    }
+
+    /// A bed of others, which is taken as it is: by no recipe of ours. Its chain begins with the digest of
+    /// its file.
+    ///
+    /// # Errors
+    /// [`bitgrain_sim::error::Error::Contract`].
+    pub fn imported(sim: Sim, scenario: &Scenario, plan: &BedPlan) -> Result<Self> {
+        let file = scenario.bed.hash.as_deref().unwrap_or_default();
+        let link = chain::beginning(file);
+        Self::new(String::new(), sim, Phase::Settled, link, &plan.name)
+    }
+
+    fn new(key: String, sim: Sim, phase: Phase, link: String, name: &str) -> Result<Self> {
+        let mut bed = Self {
+            sim,
+            course: Course {
+                key,
+                phase,
+                begin: 0,
+                before: 0.0,
+                top: 0.0,
+                chain: Chain::new(link, LINKS),
+            },
+        };
+        bed.enter(phase);
+        let digest = bed.sim.digest().map_err(|f| stopped(name, &bed.sim, f))?;
+        bed.course.chain.add(bed.sim.step_count(), &digest);
+        Ok(bed)
+    }
+
+    /// Takes a bed up again from a checkpoint.
+    ///
+    /// # Errors
+    /// What is wrong with the note.
+    pub fn of(
+        sim: Sim,
+        note: &Note,
+        scenario: &Scenario,
+        plan: &BedPlan,
+    ) -> std::result::Result<Self, String> {
+        let course = Course::of(note)?;
+        if course.key == Recipe::new(scenario, plan).digest() {
+            Ok(Self { sim, course })
+        } else {
+            Err("holds a bed that was poured by another recipe".into())
+        }
+    }
+
+    /// Goes on until the bed is settled. Says whether it is: not where `witness` has seen enough before.
+    ///
+    /// # Errors
+    /// [`bitgrain_sim::error::Error::Run`] where grains escape or overlap too deep,
+    /// [`bitgrain_sim::error::Error::Unsettled`], [`bitgrain_sim::error::Error::Interrupted`], after which the bed can
+    /// go on from here, and what `witness` returns.
+    pub fn go_on(
+        &mut self,
+        scenario: &Scenario,
+        plan: &BedPlan,
+        stage: &mut Stage,
+        witness: &mut impl Witness,
+    ) -> Result<bool> {
+        let count = scenario.grain_count(plan.diameter);
+        witness.begins(self.sim.step_count(), &mut self.sim)?;
+        while self.course.phase != Phase::Settled {
+            let phase = self.course.phase;
+            let goal = match phase {
+                Phase::Fall | Phase::Fill => fallen(scenario, self.course.top),
+                _ => rest(scenario, plan, phase == Phase::Quench),
+            };
+            if !settle(self, scenario, plan, &goal, stage, witness)? {
+                return Ok(false);
+            }
+            let wrong = |sim: &Sim, f| stopped(&plan.name, sim, f);
+            let next = match phase {
+                Phase::Fall => {
+                    self.sim =
+                        freeze_base(&mut self.sim, scenario).map_err(|f| wrong(&self.sim, f))?;
+                    if scenario.bed.pouring == Order::InTurn {
+                        (self.sim, self.course.top) = buried(&mut self.sim, scenario, plan, count)
+                            .map_err(|f| wrong(&self.sim, f))?;
+                        Phase::Fill
+                    } else {
+                        Phase::Quench
+                    }
+                }
+                Phase::Fill => {
+                    self.sim = renumbered(&mut self.sim).map_err(|f| wrong(&self.sim, f))?;
+                    Phase::Quench
+                }
+                Phase::Quench => Phase::Rest,
+                Phase::Rest | Phase::Settled => Phase::Settled,
+            };
+            self.sim.law = match next {
+                Phase::Quench => quenching(scenario),
+                _ => scenario.law.build().expect("the scenario was checked"),
+            };
+            self.enter(next);
+        }
+        self.link(plan, witness)?;
+        Ok(true)
+    }
+
+    pub(super) fn enter(&mut self, phase: Phase) {
+        self.course.phase = phase;
+        self.course.begin = self.sim.step_count();
+        self.course.before = upward(&self.sim);
+    }
+
+    /// After a look that was not the last of its phase: the next link, where it is due, and a moment to save.
+    pub(super) fn looked(&mut self, plan: &BedPlan, witness: &mut impl Witness) -> Result<()> {
+        if self.course.chain.is_due(self.sim.step_count()) {
+            self.link(plan, witness)?;
+        }
+        let Self { sim, course } = self;
+        witness.pause(sim.step_count(), sim, &|| course.note())
+    }
+
+    fn link(&mut self, plan: &BedPlan, witness: &mut impl Witness) -> Result<()> {
+        let digest = self.sim.digest();
+        let digest = digest.map_err(|f| stopped(&plan.name, &self.sim, f))?;
+        let link = self.course.chain.add(self.sim.step_count(), &digest);
+        link.map_or(Ok(()), |link| witness.linked(link))
+    }
+}
+
+pub(super) fn quenching(scenario: &Scenario) -> bitgrain_sim::sim::AnyLaw {
+    scenario
+        .law
+        .quenching(scenario.drag.dt, scenario.mean_diameter())
+}

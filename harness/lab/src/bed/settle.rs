@@ -1,0 +1,324 @@
+//! Rest: when the fall is over, how the motion left is taken out, and when a bed counts as settled.
+
+use bitgrain_kernel::Fault;
+
+use super::course::Pouring;
+use super::survey::{energy_of_borne, energy_per_grain, stopped};
+use crate::progress::Stage;
+use crate::scenario::{BedPlan, Scenario, Shape};
+use bitgrain_sim::error::{Error, Result};
+use bitgrain_sim::motion::Moves;
+use bitgrain_sim::observe::{INTRUDER, weight_and_support};
+use bitgrain_sim::sim::Sim;
+use bitgrain_sim::witness::Witness;
+
+/// Steps between looks at the kinetic energy. Part of the recipe: it decides where settling ends.
+const LOOK: u64 = 500;
+
+/// Steps between glances at the kinetic energy where maxima are looked for: a small part of the period
+/// with which a bed of some tens of grains breathes.
+const GLANCE: u64 = 50;
+
+/// A settled bed is carried by its base, planes and intruder to this fraction of its weight.
+const CARRIED: f64 = 5e-4;
+
+/// Kinetic energy per free grain, over its weight times its diameter, below which the fall is over:
+/// what still moves rattles in its place.
+const FALLEN: f64 = 1e-3;
+
+/// Change of the vertical force on the intruder between two looks, over its buoyancy, below which a bed
+/// under its lid is at rest: the intruder carries what settles round it.
+const STEADY: f64 = 0.1;
+
+/// Longest settling, in units of the time a grain takes to fall from the top of the lattice.
+const PATIENCE: f64 = 60.0;
+
+/// Where a settling ends.
+pub struct Goal {
+    /// Kinetic energy per free grain over its weight times its diameter.
+    energy: f64,
+    /// Whether the weight must be carried too.
+    carried: bool,
+    /// Change of the upward force on the intruder between two looks, over its buoyancy.
+    steady: Option<f64>,
+    /// Whether only grains that bear a load count: without weight, one that was squeezed out flies on.
+    borne: bool,
+    /// Whether all motion is stopped each time the kinetic energy begins to fall.
+    halting: bool,
+    /// Fewest steps.
+    least: u64,
+    /// Steps of the fall, by which patience is measured.
+    fall_steps: u64,
+}
+
+/// The goal of the last two phases, under more damping and then under the bed's own law.
+///
+/// Contacts hardly damp the breathing of a bed that is high or bears a lid, and nothing damps a ball that
+/// spins on a point. There, under more damping, all grains are stopped each time the kinetic energy passes
+/// a maximum, where a mode of oscillation is at its equilibrium: the kinetic damping of dynamic relaxation
+/// (Cundall 1976).
+pub fn rest(scenario: &Scenario, plan: &BedPlan, quench: bool) -> Goal {
+    let lattice_fall = scenario.expected_surface(plan.diameter);
+    let sphere = scenario.intruder.shape == Shape::Sphere;
+    Goal {
+        energy: scenario.bed.settled,
+        carried: true,
+        steady: (!sphere || plan.lid.is_some()).then_some(STEADY),
+        borne: plan.lid.is_some_and(|lid| !lid.pressure_gradient),
+        halting: quench && halts(scenario, plan),
+        least: 2 * LOOK,
+        fall_steps: steps_of_fall(scenario, lattice_fall),
+    }
+}
+
+/// Whether all motion is stopped at maxima of the kinetic energy. It hangs on what the recipe of the bed
+/// holds alone: the bare bed under a lid is one that other scenarios use without.
+fn halts(scenario: &Scenario, plan: &BedPlan) -> bool {
+    let still = scenario.intruder.shape == Shape::Sphere && scenario.drag.moves == Moves::Intruder;
+    scenario.bed.halting.unwrap_or(!still || plan.lid.is_some())
+}
+
+fn steps_of_fall(scenario: &Scenario, height: f64) -> u64 {
+    ((2.0 * height / scenario.gravity).sqrt() / scenario.drag.dt) as u64
+}
+
+/// The fall from this height is over.
+pub fn fallen(scenario: &Scenario, height: f64) -> Goal {
+    let settled = scenario.bed.settled;
+    let fall_steps = steps_of_fall(scenario, height);
+    Goal {
+        energy: if settled > FALLEN { settled } else { FALLEN },
+        carried: false,
+        steady: None,
+        borne: false,
+        halting: false,
+        // Nothing can be settled before the highest grain has fallen.
+        least: fall_steps,
+        fall_steps,
+    }
+}
+
+/// Steps on until the goal is reached. Says whether it was: not where `witness` has seen enough before.
+///
+/// # Errors
+/// [`Error::Run`], [`Error::Unsettled`], [`Error::Interrupted`], and what `witness` returns.
+pub fn settle(
+    bed: &mut Pouring,
+    scenario: &Scenario,
+    plan: &BedPlan,
+    goal: &Goal,
+    stage: &mut Stage,
+    witness: &mut impl Witness,
+) -> Result<bool> {
+    let limit = bed.course.begin + (PATIENCE * goal.fall_steps as f64) as u64 + 100 * LOOK;
+    let buoyancy = scenario.buoyancy(plan.diameter);
+    loop {
+        if bed.sim.step_count() >= witness.ends() {
+            return Ok(false);
+        }
+        let sim = &mut bed.sim;
+        if goal.halting {
+            halt_at_maxima(sim, &plan.name, witness)?;
+        } else {
+            stride(sim, &plan.name, LOOK, witness, |_| Ok(()))?;
+        }
+        let energy = if goal.borne {
+            energy_of_borne(sim, &scenario.measures())
+        } else {
+            energy_per_grain(sim, &scenario.measures())
+        };
+        let (_, weight, support) = weight_and_support(sim);
+        // A bed that still breathes carries more or less than its weight.
+        let carried = (support - weight).abs() <= CARRIED * weight;
+        let change = (upward(sim) - bed.course.before).abs();
+        bed.course.before = upward(sim);
+        let steady = goal.steady.is_none_or(|bound| change < bound * buoyancy);
+        let quiet = energy < goal.energy && (carried || !goal.carried) && steady;
+        let step = sim.step_count();
+        if quiet && step - bed.course.begin >= goal.least {
+            return Ok(true);
+        }
+        if step > limit {
+            return Err(Error::Unsettled {
+                bed: plan.name.clone(),
+                step,
+                energy,
+                bound: goal.energy,
+                carried: support / weight,
+            });
+        }
+        bed.looked(plan, witness)?;
+        let share = support / weight;
+        stage.settling(
+            &bed.sim,
+            energy,
+            scenario.bed.settled,
+            share,
+            goal.fall_steps,
+        )?;
+    }
+}
+
+/// Upward force on the intruder, or on the floor of a bed that is poured up to it.
+pub(super) fn upward(sim: &Sim) -> f64 {
+    sim.obstacles[INTRUDER as usize].force[2]
+}
+
+/// Steps on, showing `witness` the steps that it looks at; `last` is done to the state after the last of
+/// them, before it is shown, and says what is wrong with what it made of it.
+fn stride(
+    sim: &mut Sim,
+    bed: &str,
+    steps: u64,
+    witness: &mut impl Witness,
+    last: impl FnOnce(&mut Sim) -> std::result::Result<(), Fault>,
+) -> Result<()> {
+    let end = sim.step_count() + steps;
+    let mut last = Some(last);
+    let mut seen = Vec::new();
+    while sim.step_count() < end {
+        let now = sim.step_count();
+        let wanted = (now + 1..=end).find(|&n| witness.looks_at(n));
+        let quiet = wanted.map_or(end, |n| n - 1);
+        sim.steps(quiet - now).map_err(|f| stopped(bed, sim, f))?;
+        if wanted.is_some() {
+            seen.clear();
+            sim.step_watched(|contact| seen.push(contact))
+                .map_err(|f| stopped(bed, sim, f))?;
+        }
+        if sim.step_count() == end
+            && let Some(last) = last.take()
+        {
+            last(sim).map_err(|f| stopped(bed, sim, f))?;
+        }
+        if let Some(n) = wanted {
+            witness.look(n, sim, &seen)?;
+        }
+    }
+    Ok(())
+}
+
+/// Steps on to the next look; stops every grain where the kinetic energy has just begun to fall.
+fn halt_at_maxima(sim: &mut Sim, bed: &str, witness: &mut impl Witness) -> Result<()> {
+    let mut before = sim.kinetic_energy();
+    let mut rising = false;
+    for _ in 0..LOOK / GLANCE {
+        stride(sim, bed, GLANCE, witness, |sim| {
+            let energy = sim.kinetic_energy();
+            if rising && energy < before {
+                (before, rising) = (0.0, true);
+                return halt(sim);
+            }
+            rising = energy > before;
+            before = energy;
+            Ok(())
+        })?;
+    }
+    Ok(())
+}
+
+/// Stops every grain where it is, with its contacts and forces.
+fn halt(sim: &mut Sim) -> std::result::Result<(), Fault> {
+    let bonds = sim.bonds();
+    for row in sim.velocity.iter_mut().chain(&mut sim.spin) {
+        *row = [0.0, 0.0, 0.0, row[3]];
+    }
+    sim.resume(&bonds)
+}
+
+#[cfg(test)]
+mod tests {
+    use bitgrain_kernel::{Domain, Group, Obstacle};
+
+    use super::*;
+    use crate::bed::survey::Measures;
+    use bitgrain_sim::law::LawSpec;
+    use bitgrain_sim::sim::Grain;
+
+    const D: f64 = 1.5e-3;
+
+    /// Grains at these places along x and z over a floor, which lose nothing in a contact.
+    fn bouncing(places: &[[f64; 2]]) -> Sim {
+        let law = LawSpec::HertzTsuji {
+            young: 5e6,
+            poisson: 0.45,
+            restitution: 1.0,
+            mu: 0.5,
+        };
+        let grain = |(k, &[x, z]): (usize, &[f64; 2])| Grain {
+            id: k as u32 + 1,
+            group: 0,
+            diameter: D,
+            density: 2500.0,
+            position: [x, 0.005, z],
+            velocity: [0.0; 3],
+            spin: [0.0; 3],
+        };
+        let grains: Vec<Grain> = places.iter().enumerate().map(grain).collect();
+        let domain = Domain::new([0.0; 3], [0.03, 0.01, 0.03], [true, true, false]).unwrap();
+        let groups = vec![Group::free([0.0, 0.0, -9.81])];
+        let floor = Obstacle::plane([0.0; 3], [0.0, 0.0, 1.0]);
+        let mut sim = Sim::new(
+            law.build().unwrap(),
+            domain,
+            1e-6,
+            groups,
+            &grains,
+            vec![floor],
+        );
+        sim.start().unwrap();
+        sim
+    }
+
+    fn fastest(sim: &mut Sim) -> f64 {
+        let mut most = 0.0;
+        for _ in 0..40 {
+            sim.steps(50).unwrap();
+            let energy = sim.kinetic_energy();
+            most = if energy > most { energy } else { most };
+        }
+        most
+    }
+
+    /// A grain that breathes on the floor, undamped, goes on as it is; stopped at maxima it comes to rest.
+    #[test]
+    fn stopping_at_maxima_takes_an_oscillation_out() {
+        // A quarter of what its weight presses it in: half its period is some 600 steps.
+        let mut sim = bouncing(&[[0.01, 0.5 * D - 1.3e-7]]);
+        let begin = fastest(&mut sim.clone());
+        let mut free = sim.clone();
+        free.steps(10 * LOOK).unwrap();
+        // Seen every 50 steps, a maximum is met to a part in fifty.
+        assert!((fastest(&mut free) / begin - 1.0).abs() < 0.02);
+        for _ in 0..10 {
+            halt_at_maxima(&mut sim, "bed", &mut ()).unwrap();
+        }
+        assert_eq!(sim.step_count(), 10 * LOOK);
+        let left = fastest(&mut sim) / begin;
+        assert!(left < 0.02, "{left}");
+    }
+
+    /// Who has two contacts bears a load; who rolls alone or flies does not, and counts among all only.
+    #[test]
+    fn who_flies_bears_nothing() {
+        let measures = Measures {
+            diameter: D,
+            density: 2500.0,
+            gravity: 9.81,
+        };
+        let low = 0.5 * D - 5e-7;
+        let pair = [[0.01, low], [0.01 + D - 1e-7, low]];
+        let mut sim = bouncing(&[pair[0], pair[1], [0.02, low], [0.02, 10.0 * D]]);
+        let speeds = [0.1, 0.0, 0.2, 0.3];
+        for (k, speed) in speeds.into_iter().enumerate() {
+            sim.velocity[k][1] = speed;
+        }
+        // Half the square of the speed over g d, a mean over the four.
+        let share = |speed: f64| 0.5 * speed * speed / (9.81 * D) / 4.0;
+        let whole = speeds.into_iter().map(share).sum::<f64>();
+        let all = energy_per_grain(&sim, &measures);
+        assert!((all / whole - 1.0).abs() < 1e-12, "{all}");
+        let borne = energy_of_borne(&mut sim, &measures);
+        assert!((borne / share(0.1) - 1.0).abs() < 1e-12, "{borne}");
+    }
+}

@@ -1,0 +1,86 @@
+//! What is read off a settled bed.
+
+use crate::summary::BedSummary;
+use bitgrain_kernel::{Bond, Fault};
+use bitgrain_sim::error::{Error, Result};
+use bitgrain_sim::observe::{self, INTRUDER};
+use bitgrain_sim::sim::{Role, Sim, hex, sphere_mass};
+
+/// What a survey must know besides the state.
+#[derive(Clone, Copy, Debug)]
+pub struct Measures {
+    /// Mean grain diameter.
+    pub diameter: f64,
+    /// Mass density of the grains.
+    pub density: f64,
+    /// Acceleration of gravity.
+    pub gravity: f64,
+}
+
+/// Reads off a settled bed what its summary says.
+///
+/// # Errors
+/// [`bitgrain_sim::error::Error::Contract`].
+pub fn survey(name: &str, measures: &Measures, sim: &mut Sim) -> Result<BedSummary> {
+    let digest = sim.digest().map_err(|f| stopped(name, sim, f))?;
+    let d = measures.diameter;
+    let surface = observe::surface_height(sim, d);
+    let body = &sim.obstacles[INTRUDER as usize];
+    let center = body.point;
+    let (_, weight, support) = observe::weight_and_support(sim);
+    let base = (0..sim.count()).filter(|&i| sim.role(i) == Role::Base);
+    Ok(BedSummary {
+        name: name.to_string(),
+        grains: sim.count(),
+        frozen: base.count(),
+        steps: sim.step_count(),
+        surface,
+        depth: surface - center[2],
+        packing_fraction: observe::packing_fraction(sim, d, surface - 2.0 * d),
+        coordination_number: observe::coordination_number(sim, surface - 2.0 * d),
+        overlap_max: observe::deepest_overlap(sim) / d,
+        kinetic_energy_over_weight_d: energy_per_grain(sim, measures),
+        weight,
+        support,
+        chain: String::new(),
+        digest: hex(&digest.whole),
+        rig: None,
+    })
+}
+
+pub fn stopped(bed: &str, sim: &Sim, fault: Fault) -> Error {
+    Error::run(format!("pouring {bed}"), sim.step_count() + 1, fault)
+}
+
+/// Kinetic energy of the grains with two contacts or more, per free grain, over a grain's mean weight
+/// times its mean diameter: what says that a bed without weight rests, for a grain that was squeezed
+/// out of one flies on.
+pub fn energy_of_borne(sim: &mut Sim, measures: &Measures) -> f64 {
+    let mut contacts = vec![0u32; sim.count()];
+    for bond in sim.bonds() {
+        match bond {
+            Bond::Pair { i, j, .. } => {
+                contacts[i as usize] += 1;
+                contacts[j as usize] += 1;
+            }
+            Bond::Touch { i, .. } => contacts[i as usize] += 1,
+        }
+    }
+    let borne = (0..sim.count()).filter(|&i| contacts[i] > 1);
+    let energy = borne.map(|i| sim.kinetic_energy_of(i)).sum::<f64>();
+    per_grain(energy, sim, measures)
+}
+
+/// Kinetic energy per free grain over a grain's mean weight times its mean diameter.
+pub fn energy_per_grain(sim: &Sim, measures: &Measures) -> f64 {
+    per_grain(sim.kinetic_energy(), sim, measures)
+}
+
+fn per_grain(energy: f64, sim: &Sim, measures: &Measures) -> f64 {
+    let free = (0..sim.count())
+        .filter(|&i| sim.role(i) == Role::Free)
+        .count();
+    let free = free.max(1) as f64;
+    let weight = sphere_mass(measures.diameter, measures.density) * measures.gravity;
+    energy / free / (weight * measures.diameter)
+}

@@ -1,0 +1,453 @@
+//! Where two runs part: the chains of digests say between which links, the runs executed again say at
+//! which step, and their states and contacts say where.
+//!
+//! Each run is executed again by a program of its own, so that two builds can be compared; by this program
+//! where none is named.
+
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read, Seek};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use serde::Deserialize;
+
+use crate::compare::{Difference, first_difference};
+use crate::folder::Folder;
+use crate::manifest::{self, Departure, Manifest};
+use crate::replay::{ContactState, Digests};
+use bitgrain_sim::chain::{Chain, Link, differing};
+use bitgrain_sim::checkpoint;
+use bitgrain_sim::disk;
+use bitgrain_sim::error::{Error, Result};
+use bitgrain_sim::files::{read_text, text_of};
+
+/// What an error calls a file of ours that has no lasting name.
+const TEMPORARY: &str = "a temporary file";
+
+/// A run and the program that executes it again.
+#[derive(Clone, Debug)]
+pub struct Side {
+    /// The run directory.
+    pub folder: PathBuf,
+    /// The program.
+    pub program: PathBuf,
+}
+
+/// Where two runs first differ.
+#[derive(Clone, Debug)]
+pub struct Parting {
+    /// The stage.
+    pub stage: String,
+    /// Its last step with equal states; none where they differ from the beginning.
+    pub equal: Option<u64>,
+    /// Its first step with different ones.
+    pub step: u64,
+    /// Parts of the state that differ there.
+    pub parts: Vec<&'static str>,
+    /// The first number that differs, in the order of the parts.
+    pub number: Option<Difference>,
+    /// The first contact that differs: which, and how.
+    pub contact: Option<String>,
+}
+
+/// Finds where two runs part; `None` where every link that both have is the same. `say` tells what is
+/// being done.
+///
+/// # Errors
+/// Runs that have no stage in common, a program that does not do as it should, and runs whose own records
+/// are not what their programs give.
+pub fn bisect(
+    sides: &[Side; 2],
+    mut say: impl FnMut(&str) -> Result<()>,
+) -> Result<Option<Parting>> {
+    let [one, other] = sides;
+    let mut links = 0;
+    for stage in one.stages()? {
+        let (Some(a), Some(b)) = (
+            chain_of(&one.folder, &stage)?,
+            chain_of(&other.folder, &stage)?,
+        ) else {
+            say(&format!("{stage}: the second run has none"))?;
+            continue;
+        };
+        let common = common(&a.links, &b.links);
+        links += common.len();
+        let last = |chain: &Chain| chain.links.last().map_or(0, |link| link.step);
+        if last(&a) != last(&b) {
+            let (a, b) = (last(&a), last(&b));
+            say(&format!(
+                "{stage}: the first run goes to step {a}, the second to step {b}"
+            ))?;
+        }
+        let Some(at) = common.iter().position(|(a, b)| a.parts != b.parts) else {
+            let count = common.len();
+            say(&match count {
+                0 => format!("{stage}: no step has a link in both: nothing can be said of it"),
+                _ => format!("{stage}: the same at all {count} common links"),
+            })?;
+            continue;
+        };
+        let equal = at.checked_sub(1).map(|before| common[before].0.step);
+        let (a, b) = common[at];
+        let from = equal.unwrap_or(a.step);
+        say(&format!(
+            "{stage}: the links at step {} differ; steps {from} to {} again",
+            a.step, a.step
+        ))?;
+        let step = first_step(sides, &stage, from, [a, b])?;
+        return parting(sides, stage, step, equal).map(Some);
+    }
+    if links == 0 {
+        return Err(Error::input(
+            one.folder.display().to_string(),
+            format!(
+                "has no link of a stage in common with {}",
+                other.folder.display()
+            ),
+        ));
+    }
+    Ok(None)
+}
+
+/// The chain of digests of a stage, as the run's manifest vouches for it; `None` where there is none. A chain that is
+/// another run's is no record of this one.
+///
+/// # Errors
+/// Where it is not as it was written, or cannot be read.
+pub(crate) fn chain_of(root: &Path, stage: &str) -> Result<Option<Chain>> {
+    let folder = Folder(root);
+    let paths = [folder.bed_chain(stage), folder.chain(stage)];
+    let manifest = Manifest::of(root)?;
+    let listed = |path: &&PathBuf| {
+        let name = manifest::relative(root, path)?;
+        manifest.as_ref()?.entry(&name).cloned()
+    };
+    let found = paths.iter().find(|path| listed(path).is_some());
+    let found = found.or_else(|| paths.iter().find(|path| disk::is_there(path)));
+    let Some(path) = found else {
+        return Ok(None);
+    };
+    let text = match listed(&path) {
+        Some(entry) => {
+            let place = path.display().to_string();
+            let bytes = entry.read(root).map_err(|what| match what {
+                Departure::Changed(how) => Error::input(&place, how),
+                Departure::Unreadable(e) => e,
+            })?;
+            text_of(bytes, &place)?
+        }
+        None => read_text(path)?,
+    };
+    Chain::parse(&text, &path.display().to_string()).map(Some)
+}
+
+/// Runs a scenario with two programs, each into a folder of its own and with beds of its own.
+///
+/// # Errors
+/// [`Error::Input`] where a program does not end well.
+pub fn run_both(
+    programs: [PathBuf; 2],
+    scenario: &str,
+    sets: &[String],
+    out: &Path,
+) -> Result<[Side; 2]> {
+    let side = |(program, name): (PathBuf, &str)| {
+        let folder = out.join(name);
+        let mut command = Command::new(&program);
+        command.args(["run", scenario, "--out"]).arg(&folder);
+        command.arg("--beds").arg(out.join(format!("beds-{name}")));
+        command.args(sets.iter().flat_map(|set| ["--set", set]));
+        let ended = command.stdout(Stdio::null()).status();
+        let ended = ended.map_err(|e| Error::read(&program, &e))?;
+        if ended.success() {
+            Ok(Side { folder, program })
+        } else {
+            let problem = format!("did not run {scenario}: {ended}");
+            Err(Error::input(program.display().to_string(), problem))
+        }
+    };
+    let [a, b] = programs;
+    Ok([side((a, "a"))?, side((b, "b"))?])
+}
+
+/// Links of two chains at equal steps.
+fn common<'a>(a: &'a [Link], b: &'a [Link]) -> Vec<(&'a Link, &'a Link)> {
+    let other = |link: &Link| b.binary_search_by_key(&link.step, |one| one.step);
+    let pairs = a
+        .iter()
+        .filter_map(|link| Some((link, &b[other(link).ok()?])));
+    pairs.collect()
+}
+
+impl Side {
+    /// Names of the stages that have a chain: beds first.
+    fn stages(&self) -> Result<Vec<String>> {
+        let folder = Folder(&self.folder);
+        let names = |path: PathBuf| -> Result<Vec<String>> {
+            let names = disk::list(&path)?.into_iter();
+            let mut names: Vec<String> = names.map(|(name, _)| name).collect();
+            // What lies below lids comes before them, run-2 before run-10.
+            names.sort_by_key(|name| (!name.contains("-bare"), name.len(), name.clone()));
+            Ok(names)
+        };
+        let beds = names(self.folder.join("beds"))?.into_iter();
+        let beds = beds.filter_map(|name| name.strip_suffix(".chain.csv").map(String::from));
+        let runs = names(self.folder.join("runs"))?.into_iter();
+        let runs = runs.filter(|run| disk::is_there(&folder.chain(run)));
+        let mut stages: Vec<String> = beds.chain(runs).collect();
+        // What came to its end has a chain, and where that is missing it is told.
+        let ended = Manifest::of(&self.folder)?.map_or(Vec::new(), |manifest| manifest.stages);
+        for stage in ended.into_iter().filter(|stage| stage.finished) {
+            if !stages.contains(&stage.name) {
+                stages.push(stage.name);
+            }
+        }
+        if stages.is_empty() {
+            let problem =
+                "holds no chain of digests: it is no run directory, or its run has just begun";
+            return Err(Error::input(self.folder.display().to_string(), problem));
+        }
+        Ok(stages)
+    }
+
+    /// Has the program replay a stretch of a stage, and gives each of its lines to `take`, which says
+    /// whether it wants more.
+    fn replay(&self, stage: &str, more: &[&str]) -> Result<Replaying> {
+        let mut command = Command::new(&self.program);
+        command.arg("replay").arg(&self.folder);
+        command.args(["--stage", stage]).args(more);
+        // Into a file: a pipe that nobody empties would stop a program with much to say.
+        let told = tempfile::tempfile().map_err(|e| Error::write(Path::new(TEMPORARY), e))?;
+        let stderr = told.try_clone();
+        let stderr = stderr.map_err(|e| Error::write(Path::new(TEMPORARY), e))?;
+        command.stdout(Stdio::piped()).stderr(stderr);
+        let mut child = command
+            .spawn()
+            .map_err(|e| Error::read(&self.program, &e))?;
+        let out = child.stdout.take().map(BufReader::new);
+        Ok(Replaying {
+            side: self.clone(),
+            child,
+            out,
+            told,
+        })
+    }
+}
+
+/// A program at work on a stretch.
+struct Replaying {
+    side: Side,
+    child: std::process::Child,
+    out: Option<BufReader<std::process::ChildStdout>>,
+    told: File,
+}
+
+impl Replaying {
+    /// The next line; where there is none the program must have ended well.
+    fn next<T: for<'a> Deserialize<'a>>(&mut self) -> Result<T> {
+        let mut line = String::new();
+        if let Some(out) = &mut self.out {
+            out.read_line(&mut line).map_err(Error::Output)?;
+        }
+        if line.is_empty() {
+            return Err(self.failed());
+        }
+        let place = self.side.program.display().to_string();
+        let wrong = |e: serde_json::Error| Error::input(place, format!("printed no sample: {e}"));
+        serde_json::from_str(&line).map_err(wrong)
+    }
+}
+
+impl Replaying {
+    /// The program did not do what it was asked, in its own words.
+    fn failed(&mut self) -> Error {
+        let _ = self.child.wait();
+        let mut told = String::new();
+        let read = self.told.rewind();
+        let _ = read.and_then(|()| self.told.read_to_string(&mut told));
+        let folder = self.side.folder.display();
+        let problem = format!("did not run {folder} again: {}", told.trim());
+        Error::input(self.side.program.display().to_string(), problem)
+    }
+}
+
+impl Drop for Replaying {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// The first step of the stretch up to two differing links at which the states differ.
+fn first_step(sides: &[Side; 2], stage: &str, from: u64, links: [&Link; 2]) -> Result<u64> {
+    let to = links[0].step;
+    let (begin, count) = (from.to_string(), (to - from).to_string());
+    let more = [
+        "--from",
+        &begin,
+        "--steps",
+        &count,
+        "--every",
+        "1",
+        "--digests",
+    ];
+    let mut replays = [
+        sides[0].replay(stage, &more)?,
+        sides[1].replay(stage, &more)?,
+    ];
+    for step in from..=to {
+        let states: [Digests; 2] = [replays[0].next()?, replays[1].next()?];
+        if states[0].parts != states[1].parts {
+            return Ok(step);
+        }
+        for (k, link) in links.iter().enumerate() {
+            if step == to && states[k].parts != link.parts {
+                let side = &sides[k];
+                let differ: Vec<&str> = differing(&states[k].parts, &link.parts);
+                let problem = format!(
+                    "recorded at step {step} of {stage} what {} does not give from the state before \
+                     ({} differ): it was made by another build, which can be named with --program-a or \
+                     --program-b, or on a machine that does not keep the bit contract",
+                    side.program.display(),
+                    differ.join(", ")
+                );
+                return Err(Error::input(side.folder.display().to_string(), problem));
+            }
+        }
+    }
+    Err(Error::input(
+        stage,
+        "differs in its links, but not in any of its states",
+    ))
+}
+
+/// A sample's contacts; the rest is not read here.
+#[derive(Deserialize)]
+struct Sample {
+    contacts: Vec<ContactState>,
+}
+
+/// What differs at a step.
+fn parting(sides: &[Side; 2], stage: String, step: u64, equal: Option<u64>) -> Result<Parting> {
+    let room = tempfile::tempdir().map_err(|e| Error::write(Path::new(TEMPORARY), e))?;
+    let at = step.to_string();
+    let mut digests = Vec::new();
+    let mut contacts = Vec::new();
+    let mut states = Vec::new();
+    for (side, name) in sides.iter().zip(["a", "b"]) {
+        let path = room.path().join(name);
+        let path = path.to_string_lossy().into_owned();
+        let more = ["--from", &at, "--steps", "0"];
+        let mut digest = side.replay(&stage, &[&more[..], &["--digests"]].concat())?;
+        digests.push(digest.next::<Digests>()?);
+        let whole = [&more[..], &["--contacts", "--save", &path]].concat();
+        let mut sample = side.replay(&stage, &whole)?;
+        contacts.push(sample.next::<Sample>()?.contacts);
+        // Written before the program ends, after the line.
+        let ended = sample.child.wait();
+        let bytes = match (ended, disk::read(Path::new(&path))) {
+            (Ok(status), Ok(bytes)) if status.success() => bytes,
+            _ => return Err(sample.failed()),
+        };
+        states.push(checkpoint::unpack_foreign(&bytes, &path)?);
+    }
+    let [one, other] = &mut states[..] else {
+        unreachable!("two sides have two states");
+    };
+    Ok(Parting {
+        stage,
+        equal: equal.map(|_| step.saturating_sub(1)),
+        step,
+        parts: differing(&digests[0].parts, &digests[1].parts),
+        number: first_difference(one, other),
+        contact: first_contact(&contacts[0], &contacts[1]),
+    })
+}
+
+/// Which contact it is: grains by name; obstacle contacts come before those of two grains.
+fn key(contact: &ContactState) -> (bool, u32, u32) {
+    let grains = contact.j.is_some();
+    (
+        grains,
+        contact.i,
+        contact.j.or(contact.obstacle).unwrap_or(0),
+    )
+}
+
+fn name(contact: &ContactState) -> String {
+    match (contact.j, contact.obstacle) {
+        (Some(j), _) => format!("grains {} and {j}", contact.i),
+        (_, Some(k)) => format!("grain {} on obstacle {k}", contact.i),
+        _ => format!("grain {}", contact.i),
+    }
+}
+
+/// The first contact that only one list has, or whose forces differ.
+fn first_contact(a: &[ContactState], b: &[ContactState]) -> Option<String> {
+    for (k, one) in a.iter().enumerate() {
+        let Some(other) = b.get(k).filter(|other| key(other) == key(one)) else {
+            // Both lists are in order, so the lower of the two is missing in the other.
+            let theirs = b.get(k).filter(|other| key(other) < key(one));
+            let (first, which) = theirs.map_or((one, "first"), |theirs| (theirs, "second"));
+            return Some(format!("{} touch in the {which} alone", name(first)));
+        };
+        let forces = [
+            ("normal force", one.normal_force, other.normal_force),
+            (
+                "tangential force",
+                one.tangential_force,
+                other.tangential_force,
+            ),
+        ];
+        for (what, x, y) in forces {
+            for (axis, (x, y)) in ["x", "y", "z"].iter().zip(x.iter().zip(y)) {
+                if x.to_bits() != y.to_bits() {
+                    let [a, b] = [x.to_bits(), y.to_bits()];
+                    let which = name(one);
+                    return Some(format!(
+                        "{which}, {what} {axis}: {x} (0x{a:016x}) against {y} (0x{b:016x})"
+                    ));
+                }
+            }
+        }
+    }
+    b.get(a.len())
+        .map(|more| format!("{} touch in the second alone", name(more)))
+}
+
+impl std::fmt::Display for Parting {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.equal {
+            Some(equal) => write!(
+                f,
+                "{}: the same to step {equal}, different at step {}",
+                self.stage, self.step
+            )?,
+            None => write!(
+                f,
+                "{}: different from its beginning, step {}",
+                self.stage, self.step
+            )?,
+        }
+        if !self.parts.is_empty() {
+            write!(f, "\n  parts: {}", self.parts.join(", "))?;
+        }
+        match &self.number {
+            Some(number) => write!(f, "\n  first number: {number}")?,
+            None => write!(f, "\n  no number of the states differs")?,
+        }
+        match &self.contact {
+            Some(contact) => write!(f, "\n  first contact: {contact}"),
+            None if self.equal.is_none() => {
+                write!(
+                    f,
+                    "\n  no contact is evaluated in the state a stage begins with"
+                )
+            }
+            None => write!(
+                f,
+                "\n  first contact: none; the forces of all contacts are the same"
+            ),
+        }
+    }
+}

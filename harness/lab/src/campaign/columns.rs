@@ -1,0 +1,373 @@
+//! The columns of a campaign's table: inputs, observables with their standard errors, digests.
+
+use crate::scenario::{DragPlan, Scenario};
+use crate::summary::{Flow, RunRecord};
+use bitgrain_sim::blocks::Mean;
+use bitgrain_sim::format::round10;
+use bitgrain_sim::law::LawSpec;
+
+/// Grains with so many contacts or more share the last of the columns of coordination numbers.
+pub const MOST_CONTACTS: usize = 12;
+
+/// How a run ended.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Status {
+    /// It did.
+    Done(Box<RunRecord>),
+    /// It went wrong, or its bed did, and why.
+    Failed(String),
+}
+
+/// One run of a campaign that has come to its end.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row<'a> {
+    /// Its member.
+    pub member: &'a str,
+    /// The member's scenario.
+    pub scenario: &'a Scenario,
+    /// The run.
+    pub plan: DragPlan,
+    /// How it ended.
+    pub status: &'a Status,
+}
+
+/// One cell; what is not there is empty in CSV and null in Parquet.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Cell {
+    /// Words.
+    Text(Option<String>),
+    /// A whole number.
+    Whole(Option<i64>),
+    /// A real number.
+    Real(Option<f64>),
+}
+
+/// A column: its name, what one of its numbers counts, and its cell in a row.
+pub struct Column {
+    /// Name in the table's head.
+    pub name: String,
+    /// Unit, in the campaign's scaling; `""` where there is none.
+    pub unit: Unit,
+    of: Box<dyn Fn(&Row<'_>) -> Cell>,
+}
+
+/// What the numbers of a column count.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unit {
+    /// Nothing, or words.
+    None,
+    /// Lengths.
+    Length,
+    /// Times.
+    Time,
+    /// Speeds.
+    Speed,
+    /// Forces.
+    Force,
+    /// Radians.
+    Angle,
+}
+
+impl Column {
+    /// The cell of a row.
+    pub fn of(&self, row: &Row<'_>) -> Cell {
+        (self.of)(row)
+    }
+}
+
+impl Row<'_> {
+    fn record(&self) -> Option<&RunRecord> {
+        match self.status {
+            Status::Done(record) => Some(record),
+            Status::Failed(_) => None,
+        }
+    }
+}
+
+/// All columns, in order.
+pub fn columns() -> Vec<Column> {
+    let mut all = Vec::new();
+    names(&mut all);
+    inputs(&mut all);
+    law(&mut all);
+    bed(&mut all);
+    forces(&mut all);
+    around(&mut all);
+    flow(&mut all);
+    digests(&mut all);
+    all
+}
+
+fn push(
+    all: &mut Vec<Column>,
+    name: impl Into<String>,
+    unit: Unit,
+    of: impl Fn(&Row<'_>) -> Cell + 'static,
+) {
+    all.push(Column {
+        name: name.into(),
+        unit,
+        of: Box::new(of),
+    });
+}
+
+fn text(all: &mut Vec<Column>, name: &str, of: impl Fn(&Row<'_>) -> Option<String> + 'static) {
+    push(all, name, Unit::None, move |row| Cell::Text(of(row)));
+}
+
+fn whole(all: &mut Vec<Column>, name: &str, of: impl Fn(&Row<'_>) -> Option<u64> + 'static) {
+    push(all, name, Unit::None, move |row| {
+        Cell::Whole(of(row).map(|n| n as i64))
+    });
+}
+
+fn real(
+    all: &mut Vec<Column>,
+    name: &str,
+    unit: Unit,
+    of: impl Fn(&Row<'_>) -> Option<f64> + 'static,
+) {
+    push(all, name, unit, move |row| {
+        Cell::Real(of(row).filter(|x| x.is_finite()))
+    });
+}
+
+/// A mean and its standard error.
+fn mean(
+    all: &mut Vec<Column>,
+    name: &str,
+    unit: Unit,
+    of: impl Fn(&RunRecord) -> Option<Mean> + Copy + 'static,
+) {
+    let with_error = format!("{name}_error");
+    real(all, name, unit, move |row| Some(of(row.record()?)?.mean));
+    real(all, &with_error, unit, move |row| {
+        Some(of(row.record()?)?.standard_error)
+    });
+}
+
+fn names(all: &mut Vec<Column>) {
+    text(all, "member", |row| Some(row.member.into()));
+    text(all, "run", |row| Some(row.plan.name.clone()));
+    text(all, "status", |row| {
+        let word = match row.status {
+            Status::Done(_) => "done",
+            Status::Failed(_) => "failed",
+        };
+        Some(word.into())
+    });
+    text(all, "reason", |row| match row.status {
+        Status::Done(_) => None,
+        Status::Failed(reason) => Some(reason.clone()),
+    });
+}
+
+fn inputs(all: &mut Vec<Column>) {
+    let plan = |row: &Row<'_>| row.scenario.beds().swap_remove(row.plan.bed);
+    whole(all, "seed", move |row| Some(plan(row).seed));
+    real(all, "gravity", Unit::None, |row| Some(row.scenario.gravity));
+    for (a, axis) in ["x", "y", "z"].into_iter().enumerate() {
+        real(all, &format!("box_{axis}"), Unit::Length, move |row| {
+            Some(row.scenario.bed.size[a])
+        });
+    }
+    real(all, "diameter_least", Unit::Length, |row| {
+        Some(row.scenario.bed.diameters[0])
+    });
+    real(all, "diameter_most", Unit::Length, |row| {
+        Some(row.scenario.bed.diameters[1])
+    });
+    real(all, "density", Unit::None, |row| {
+        Some(row.scenario.bed.density)
+    });
+    real(all, "base", Unit::Length, |row| Some(row.scenario.bed.base));
+    text(all, "floor", |row| Some(row.scenario.bed.floor.to_string()));
+    real(all, "settled", Unit::None, |row| {
+        Some(row.scenario.bed.settled)
+    });
+    real(all, "diameter", Unit::Length, move |row| {
+        Some(plan(row).diameter)
+    });
+    real(all, "intruder_density", Unit::None, |row| {
+        row.scenario.intruder.density
+    });
+    real(all, "intruder_height", Unit::Length, move |row| {
+        Some(plan(row).center[2])
+    });
+    real(all, "depth_asked", Unit::Length, move |row| {
+        let bed = plan(row);
+        let depth = row.scenario.expected_surface(bed.diameter) - bed.center[2];
+        // As it was given: the last digits are those of the way to a height and back.
+        Some(round10(depth))
+    });
+    real(all, "effective_depth_asked", Unit::Length, move |row| {
+        plan(row).lid?.effective_depth
+    });
+    real(all, "speed", Unit::Speed, |row| Some(row.plan.motion.speed));
+    real(all, "froude", Unit::None, |row| Some(row.plan.froude));
+    real(all, "dt", Unit::Time, |row| Some(row.scenario.drag.dt));
+    real(all, "distance", Unit::Length, |row| Some(row.plan.distance));
+    real(all, "discard", Unit::Length, |row| Some(row.plan.discard));
+    whole(all, "steps", |row| Some(row.plan.steps()));
+    whole(all, "every", |row| Some(row.scenario.measure.every));
+}
+
+fn law(all: &mut Vec<Column>) {
+    text(all, "law", |row| {
+        let word = match row.scenario.law {
+            LawSpec::HertzHistory { .. } => "hertz_history",
+            LawSpec::HertzTsuji { .. } => "hertz_tsuji",
+        };
+        Some(word.into())
+    });
+    for (name, place) in [
+        ("mu", 0),
+        ("kn", 1),
+        ("kt", 2),
+        ("gamma_n", 3),
+        ("gamma_t", 4),
+    ] {
+        real(all, name, Unit::None, move |row| match row.scenario.law {
+            LawSpec::HertzHistory {
+                kn,
+                kt,
+                gamma_n,
+                gamma_t,
+                mu,
+            } => Some([mu, kn, kt, gamma_n, gamma_t][place]),
+            LawSpec::HertzTsuji { mu, .. } => (place == 0).then_some(mu),
+        });
+    }
+    for (name, place) in [("young", 0), ("poisson", 1), ("restitution", 2)] {
+        real(all, name, Unit::None, move |row| match row.scenario.law {
+            LawSpec::HertzHistory { .. } => None,
+            LawSpec::HertzTsuji {
+                young,
+                poisson,
+                restitution,
+                ..
+            } => Some([young, poisson, restitution][place]),
+        });
+    }
+}
+
+fn bed(all: &mut Vec<Column>) {
+    text(all, "bed", |row| Some(row.record()?.bed.name.clone()));
+    whole(all, "grains", |row| Some(row.record()?.bed.grains as u64));
+    real(all, "surface", Unit::Length, |row| {
+        Some(row.record()?.bed.surface)
+    });
+    real(all, "depth", Unit::Length, |row| {
+        Some(row.record()?.bed.depth)
+    });
+    real(all, "packing_fraction", Unit::None, |row| {
+        Some(row.record()?.bed.packing_fraction)
+    });
+    real(all, "bed_coordination", Unit::None, |row| {
+        Some(row.record()?.bed.coordination_number)
+    });
+}
+
+fn forces(all: &mut Vec<Column>) {
+    mean(all, "drag", Unit::Force, |r| Some(r.run.drag));
+    mean(all, "lift", Unit::Force, |r| Some(r.run.lift));
+    mean(all, "side", Unit::Force, |r| Some(r.run.side));
+    text(all, "drag_converged", |row| {
+        Some(row.record()?.run.drag.converged.to_string())
+    });
+    whole(all, "drag_blocks", |row| {
+        Some(row.record()?.run.drag.blocks as u64)
+    });
+    whole(all, "drag_block_length", |row| {
+        Some(row.record()?.run.drag.block_length)
+    });
+    real(all, "drag_uncut", Unit::Force, |row| {
+        Some(row.record()?.run.drag_uncut)
+    });
+    real(all, "plug_ratio", Unit::None, |row| {
+        Some(row.record()?.run.plug_ratio)
+    });
+    text(all, "plug", |row| {
+        Some(row.record()?.run.plug.word().into())
+    });
+    mean(all, "drift", Unit::None, |r| r.run.drift);
+    real(all, "overlap_max", Unit::None, |row| {
+        Some(row.record()?.run.overlap_max)
+    });
+}
+
+fn around(all: &mut Vec<Column>) {
+    mean(all, "contacts", Unit::None, |r| Some(r.run.contacts));
+    mean(all, "contact_angle", Unit::Angle, |r| r.run.contact_angle);
+    mean(all, "new_contact_angle", Unit::Angle, |r| {
+        r.run.new_contact_angle
+    });
+    mean(all, "coordination", Unit::None, |r| r.run.coordination);
+    mean(all, "floating", Unit::None, |r| r.run.floating);
+    mean(all, "moving", Unit::None, |r| r.run.moving);
+    real(all, "kappa", Unit::None, |row| row.record()?.run.kappa);
+    real(all, "kappa_error", Unit::None, |row| {
+        row.record()?.run.kappa_error
+    });
+    for contacts in 0..=MOST_CONTACTS {
+        real(
+            all,
+            &format!("coordination_{contacts}"),
+            Unit::None,
+            move |row| {
+                let shares = &row.record()?.run.coordination_shares;
+                let end = if contacts == MOST_CONTACTS {
+                    shares.len()
+                } else {
+                    contacts + 1
+                };
+                Some(shares.get(contacts..end).unwrap_or_default().iter().sum())
+            },
+        );
+    }
+}
+
+fn flow(all: &mut Vec<Column>) {
+    type Number = (&'static str, Unit, fn(&Flow) -> f64);
+    let numbers: [Number; 9] = [
+        ("effective_depth", Unit::Length, |f| f.effective_depth),
+        ("pressure", Unit::None, |f| f.pressure),
+        ("buoyancy", Unit::Force, |f| f.buoyancy),
+        ("drag_coefficient", Unit::None, |f| f.drag_coefficient),
+        ("drag_coefficient_error", Unit::None, |f| {
+            f.drag_coefficient_error
+        }),
+        ("lift_over_buoyancy", Unit::None, |f| f.lift_over_buoyancy),
+        ("lift_over_buoyancy_error", Unit::None, |f| {
+            f.lift_over_buoyancy_error
+        }),
+        ("far_field", Unit::None, |f| f.far_field),
+        ("travel", Unit::None, |f| f.travel),
+    ];
+    text(all, "pressure_gradient", |row| {
+        Some(
+            row.record()?
+                .run
+                .flow
+                .as_ref()?
+                .pressure_gradient
+                .to_string(),
+        )
+    });
+    for (name, unit, of) in numbers {
+        real(all, name, unit, move |row| {
+            row.record()?.run.flow.as_ref().map(of)
+        });
+    }
+}
+
+fn digests(all: &mut Vec<Column>) {
+    text(all, "bed_digest", |row| {
+        Some(row.record()?.bed.digest.clone())
+    });
+    text(all, "chain", |row| Some(row.record()?.run.chain.clone()));
+    text(all, "digest", |row| Some(row.record()?.run.digest.clone()));
+    whole(all, "bits_version", |row| {
+        Some(u64::from(row.record()?.bits_version))
+    });
+}

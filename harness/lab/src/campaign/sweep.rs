@@ -1,0 +1,425 @@
+//! Runs what is left of a campaign: beds first, each once, then drags, the longest first.
+
+mod jobs;
+mod records;
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
+use std::sync::{Mutex, MutexGuard};
+
+use super::columns::Status;
+use super::folder::{CampaignFolder, FAILURE, Failure};
+use super::only::Only;
+use super::plan::Plan;
+use crate::bed::recipe::Recipe;
+use crate::bed::{self, library::Library};
+use crate::folder::{Claim, Folder};
+use crate::manifest::Ledger;
+use crate::progress::{Overall, Progress};
+use crate::run::{self, SaveEvery, Setting, WriteReport, side_by_side};
+use crate::scenario::{BedPlan, Scenario};
+use crate::summary::{BedSummary, parse_record};
+use bitgrain_sim::disk::{self, check_writable};
+use bitgrain_sim::error::{Error, Result};
+use bitgrain_sim::files::read_text;
+use jobs::{Job, Slot, jobs};
+
+/// How a campaign is run; none of it changes a result.
+pub struct Sweep<'a> {
+    /// What is run.
+    pub plan: &'a Plan,
+    /// Which of its runs.
+    pub only: &'a Only,
+    /// The campaign's folder.
+    pub out: &'a Path,
+    /// The settled beds that runs share.
+    pub library: &'a Library,
+    /// Threads.
+    pub threads: usize,
+    /// Most stages at a time, which share the threads.
+    pub jobs: usize,
+    /// How often a stage under way is saved.
+    pub save: SaveEvery,
+    /// Whether what failed before is tried again.
+    pub retry: bool,
+    /// Writes the report of a member whose drags are all done.
+    pub write_report: WriteReport,
+    /// Bars, lines and the wish to stop.
+    pub progress: &'a Progress,
+}
+
+/// How a campaign ended.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Outcome {
+    /// Runs that are done.
+    pub done: usize,
+    /// Runs that failed; their rows say why.
+    pub failed: usize,
+    /// The table.
+    pub table: PathBuf,
+}
+
+/// A campaign under way.
+struct Under<'a> {
+    what: &'a Sweep<'a>,
+    folder: CampaignFolder<'a>,
+    ledger: Ledger,
+    places: Vec<PathBuf>,
+    /// The folders of its members.
+    claims: Vec<Claim>,
+    jobs: Vec<Job>,
+    slots: Mutex<Vec<Slot>>,
+}
+
+/// Runs a campaign into its folder, or what is left of it.
+///
+/// # Errors
+/// Where its folder cannot be had or written to, or it is interrupted; runs that fail are told of in the
+/// table and stop nothing.
+pub fn sweep(what: &Sweep<'_>) -> Result<Outcome> {
+    let jobs = jobs(what.plan, what.only);
+    let folder = CampaignFolder(what.out);
+    let claim = folder.claim(what.plan)?;
+    if !claim.sure {
+        what.progress.warn(&format!(
+            "{} cannot be locked: see that no other campaign is at work in it",
+            what.out.display()
+        ));
+    }
+    let members = &what.plan.members;
+    let places: Vec<PathBuf> = members.iter().map(|m| folder.member(&m.name)).collect();
+    let mut claims = Vec::new();
+    for (member, place) in members.iter().zip(&places) {
+        claims.push(run::claim(&Folder(place), &member.scenario)?);
+    }
+    for claim in claims.iter().chain([&claim]) {
+        claim.warn_of_damage(what.progress);
+    }
+    let slots = jobs.iter().map(|_| None).collect();
+    let under = Under {
+        what,
+        folder,
+        ledger: claim.ledger,
+        places,
+        claims,
+        jobs,
+        slots: Mutex::new(slots),
+    };
+    under.take_up()?;
+    under.check_library()?;
+    under.go_on()?;
+    under.conclude()
+}
+
+impl Under<'_> {
+    fn setting<'b>(
+        &'b self,
+        member: usize,
+        folder: &'b Folder<'b>,
+        progress: &'b Progress,
+    ) -> Setting<'b> {
+        Setting {
+            scenario: self.scenario(member),
+            folder,
+            library: self.what.library,
+            // Stages are side by side already, each on its share of the threads.
+            threads: 1,
+            save: self.what.save,
+            // Nobody looks at hundreds of them.
+            frames: false,
+            only: &[],
+            write_report: self.what.write_report,
+            progress,
+        }
+    }
+
+    fn progress(&self, member: usize) -> Progress {
+        self.what
+            .progress
+            .labelled(&self.what.plan.members[member].name)
+    }
+
+    fn slots(&self) -> MutexGuard<'_, Vec<Slot>> {
+        self.slots.lock().expect("no job panics with it")
+    }
+
+    fn scenario(&self, member: usize) -> &Scenario {
+        &self.what.plan.members[member].scenario
+    }
+
+    /// The manifest of a member.
+    fn ledger_of(&self, member: usize) -> &Ledger {
+        &self.claims[member].ledger
+    }
+
+    /// Whether a bed need not be poured.
+    fn at_hand(&self, member: usize, bed: &BedPlan) -> bool {
+        let here = Folder(&self.places[member]).bed(&bed.name);
+        let recipe = Recipe::new(self.scenario(member), bed);
+        self.ledger_of(member).vouches(&here) || self.what.library.has(&recipe)
+    }
+
+    /// Finds out now rather than after days of pouring whether beds can be kept.
+    fn check_library(&self) -> Result<()> {
+        let poured = |&member: &usize| {
+            let scenario = self.scenario(member);
+            let missing = |bed: &BedPlan| !self.at_hand(member, bed);
+            scenario.source.is_none() && scenario.beds().iter().any(missing)
+        };
+        match self
+            .open()
+            .into_iter()
+            .flatten()
+            .any(|member| poured(&member))
+        {
+            true => check_writable(self.what.library.folder()),
+            false => Ok(()),
+        }
+    }
+
+    fn run_folder(&self, job: &Job) -> PathBuf {
+        self.places[job.member].join("runs").join(&job.plan.name)
+    }
+
+    /// Finds the runs that came to their end before.
+    fn take_up(&self) -> Result<()> {
+        let ends: Vec<Slot> = self
+            .jobs
+            .iter()
+            .map(|job| self.ended(job))
+            .collect::<Result<_>>()?;
+        *self.slots() = ends;
+        self.write_table()
+    }
+
+    /// How a run ended before, if it did.
+    fn ended(&self, job: &Job) -> Result<Slot> {
+        let failures = [
+            self.places[job.member].join(FAILURE),
+            self.run_folder(job).join(FAILURE),
+        ];
+        for path in failures {
+            let ledger = self.ledger_of(job.member);
+            if self.what.retry {
+                ledger.remove(&path)?;
+            }
+            if !ledger.vouches(&path) {
+                continue;
+            }
+            let failure = serde_json::from_slice::<Failure>(&disk::read(&path)?).ok();
+            if let Some(failure) = failure {
+                return Ok(Some(Status::Failed(failure.reason)));
+            }
+        }
+        let path = self.run_folder(job).join("summary.json");
+        let ledger = self.ledger_of(job.member);
+        let damaged = ledger.damaged(&format!("runs/{}/", job.plan.name));
+        // What no manifest vouches for is not believed.
+        if !damaged.is_empty() || !ledger.is_finished(&job.plan.name) || !ledger.vouches(&path) {
+            return Ok(None);
+        }
+        let record = parse_record(&read_text(&path)?, &path).ok();
+        let folder = Folder(&self.places[job.member]);
+        let inputs = folder.inputs(self.scenario(job.member));
+        // Half a file, or another program's: the run is taken up from its checkpoints.
+        let whole =
+            record.filter(|record| record.inputs == inputs && !record.run.plug.is_unknown());
+        Ok(whole.map(|record| Status::Done(Box::new(record))))
+    }
+
+    /// The members of whose runs some are open, by the first of each recipe and the rest.
+    fn open(&self) -> [Vec<usize>; 2] {
+        let slots = self.slots();
+        let mut recipes: Vec<String> = Vec::new();
+        let mut open = [Vec::new(), Vec::new()];
+        for member in 0..self.places.len() {
+            let mut own = self.jobs.iter().zip(slots.iter());
+            let damaged = !self.ledger_of(member).damaged("beds/").is_empty();
+            if !damaged && !own.any(|(job, slot)| job.member == member && job.open(slot)) {
+                continue;
+            }
+            let scenario = self.scenario(member);
+            let digests = scenario
+                .beds()
+                .into_iter()
+                .map(|bed| Recipe::new(scenario, &bed).digest());
+            let digests: Vec<String> = digests.collect();
+            let again = digests.iter().any(|digest| recipes.contains(digest));
+            open[usize::from(again)].push(member);
+            recipes.extend(digests);
+        }
+        open
+    }
+
+    /// Makes the beds that are wanted, then does the drags that are open.
+    fn go_on(&self) -> Result<()> {
+        let open = self.open();
+        let overall = self.overall(&open);
+        let beds = self.beds(open, &overall)?;
+        let open: Vec<usize> = {
+            let slots = self.slots();
+            (0..self.jobs.len())
+                .filter(|&k| self.jobs[k].open(&slots[k]))
+                .collect()
+        };
+        let work = |k: usize| self.jobs[open[k]].work;
+        let ended = side_by_side(self.what.threads, self.what.jobs, open.len(), work, |k| {
+            let job = &self.jobs[open[k]];
+            let found = beds[job.member].as_ref().expect("its bed was made");
+            let folder = Folder(&self.places[job.member]);
+            let progress = self.progress(job.member);
+            let setting = self.setting(job.member, &folder, &progress);
+            let ledger = self.ledger_of(job.member);
+            let dragged = run::drag(setting, ledger, &job.plan, &found[job.plan.bed]);
+            let dragged = dragged.map(|(run, _)| run);
+            let ended = self.end(dragged, ledger, &self.run_folder(job))?;
+            overall.run_ended(ended.is_err());
+            self.record(open[k], ended, &found[job.plan.bed])
+        })?;
+        first_cause(ended).map(|_| ())
+    }
+
+    /// Makes beds, by member; of those that fail the runs do too.
+    fn beds(
+        &self,
+        open: [Vec<usize>; 2],
+        overall: &Overall,
+    ) -> Result<Vec<Option<Vec<BedSummary>>>> {
+        let mut beds: Vec<Option<Vec<BedSummary>>> = vec![None; self.places.len()];
+        for members in open {
+            let work = |k: usize| self.pouring(members[k]);
+            let made = side_by_side(
+                self.what.threads,
+                self.what.jobs,
+                members.len(),
+                work,
+                |k| {
+                    let folder = Folder(&self.places[members[k]]);
+                    let progress = self.progress(members[k]);
+                    let setting = self.setting(members[k], &folder, &progress);
+                    let planned = self.planned(members[k]);
+                    let all: Vec<usize> = (0..setting.scenario.beds().len()).collect();
+                    let ledger = self.ledger_of(members[k]);
+                    let made = run::beds(setting, ledger, &all).map(|(beds, _)| beds);
+                    if let Ok(beds) = &made
+                        && planned > 0
+                    {
+                        let steps = beds.iter().map(|bed| bed.steps * bed.grains as u64);
+                        overall.took(planned, steps.sum());
+                    }
+                    self.end(made, ledger, &self.places[members[k]])
+                },
+            )?;
+            for (member, made) in members.into_iter().zip(first_cause(made)?) {
+                match made {
+                    Ok(found) => beds[member] = Some(found),
+                    Err(reason) => self.fail_all(member, &reason, overall)?,
+                }
+            }
+        }
+        Ok(beds)
+    }
+
+    /// Grain-steps that the beds of a member take about.
+    fn pouring(&self, member: usize) -> u64 {
+        let scenario = self.scenario(member);
+        let one = |bed: &BedPlan| {
+            bed::pouring_steps(scenario, bed) * scenario.grain_count(bed.diameter) as u64
+        };
+        scenario.beds().iter().map(one).sum()
+    }
+
+    /// The same, or 0 where they are at hand.
+    fn planned(&self, member: usize) -> u64 {
+        let scenario = self.scenario(member);
+        let at_hand = |bed: &BedPlan| self.at_hand(member, bed);
+        match scenario.source.is_some() || scenario.beds().iter().all(at_hand) {
+            true => 0,
+            false => self.pouring(member),
+        }
+    }
+
+    /// The bar over all of it.
+    fn overall(&self, open: &[Vec<usize>; 2]) -> Overall<'_> {
+        let pouring: u64 = open[0].iter().map(|&member| self.planned(member)).sum();
+        let slots = self.slots();
+        let (mut before, mut ended, mut total) = (0, 0, pouring);
+        let wanted = self.jobs.iter().filter(|job| job.wanted).count();
+        for (job, slot) in self.jobs.iter().zip(slots.iter()) {
+            if !job.wanted {
+                continue;
+            }
+            total += job.work;
+            if slot.is_some() {
+                (before, ended) = (before + job.work, ended + 1);
+            }
+        }
+        let name = &self.what.plan.campaign.name;
+        self.what
+            .progress
+            .overall(name, total, before, wanted, ended)
+    }
+
+    /// A stage's end: what it gave, or why it failed, which is written down; whatever else stopped it stops
+    /// the campaign.
+    fn end<T>(
+        &self,
+        ended: Result<T>,
+        ledger: &Ledger,
+        place: &Path,
+    ) -> Result<std::result::Result<T, String>> {
+        let error = match ended {
+            Ok(given) => return Ok(Ok(given)),
+            Err(error) => error,
+        };
+        let failed = matches!(
+            error,
+            Error::Run { .. } | Error::Unsettled { .. } | Error::Input { .. }
+        );
+        if !failed {
+            // Nothing more is begun, and what is under way is saved.
+            self.what
+                .progress
+                .stop_flag()
+                .store(true, Ordering::Relaxed);
+            return Err(error);
+        }
+        let failure = Failure {
+            reason: error.to_string(),
+        };
+        let text = serde_json::to_string_pretty(&failure).expect("a sentence is text");
+        ledger.write(&place.join(FAILURE), format!("{text}\n").as_bytes())?;
+        ledger.save()?;
+        self.what
+            .progress
+            .warn(&format!("{error}; the others go on"));
+        Ok(Err(failure.reason))
+    }
+
+    fn fail_all(&self, member: usize, reason: &str, overall: &Overall) -> Result<()> {
+        let mut slots = self.slots();
+        for (job, slot) in self.jobs.iter().zip(slots.iter_mut()) {
+            if job.member == member && slot.is_none() {
+                *slot = Some(Status::Failed(reason.into()));
+                if job.wanted {
+                    overall.run_ended(true);
+                }
+            }
+        }
+        drop(slots);
+        self.write_table()
+    }
+}
+
+/// All results, or what stopped the first of them; an interruption only where nothing else did.
+fn first_cause<T>(results: Vec<Result<T>>) -> Result<Vec<T>> {
+    let (mut given, mut interrupted) = (Vec::with_capacity(results.len()), None);
+    for result in results {
+        match result {
+            Ok(value) => given.push(value),
+            Err(error @ Error::Interrupted { .. }) => interrupted = Some(error),
+            Err(error) => return Err(error),
+        }
+    }
+    interrupted.map_or(Ok(given), Err)
+}

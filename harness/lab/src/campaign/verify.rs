@@ -1,0 +1,184 @@
+//! Verification of a campaign: its manifest, those of its members, its members by execution, and its table from
+//! what their manifests vouch for.
+
+use super::columns::{Row, Status};
+use super::folder::{CampaignFolder, FAILURE, Failure};
+use super::plan::{Member, Plan};
+use super::{parquet, table, written};
+use crate::bed::recipe::Recipe;
+use crate::folder::Folder;
+use crate::manifest::{Manifest, NAME, Of, Vouched};
+use crate::progress::Progress;
+use crate::rerun::Past;
+use crate::run;
+use crate::scenario::DragPlan;
+use crate::summary::parse_record;
+use crate::verify::{Cause, Job, Scope, check_ends, check_manifest, execute, pieces, sampled};
+use bitgrain_sim::disk;
+use bitgrain_sim::error::{Error, Result};
+use bitgrain_sim::files::read_text;
+
+/// Verifies a campaign, and tells of each finding as a line of `say`; `expect` as in
+/// [`crate::verify::verify`].
+///
+/// # Errors
+/// [`Error::Unverified`] where something does not hold or is not finished, after all was told; [`Error::Input`]
+/// where there is nothing to verify.
+pub fn verify(
+    folder: &CampaignFolder<'_>,
+    scope: &Scope,
+    expect: &[String],
+    threads: usize,
+    progress: &Progress,
+    mut say: impl FnMut(&str) -> Result<()>,
+) -> Result<()> {
+    let place = folder.0.display().to_string();
+    if !scope.segments.is_empty() {
+        let problem =
+            "is a campaign: --segment is of a run, so give the folder of one of its members";
+        return Err(Error::input(place, problem));
+    }
+    let path = folder.campaign();
+    let plan = written::parse(&read_text(&path)?, &path.display().to_string(), folder.0)?;
+    let names = CampaignFolder::stages(&plan);
+    let (whole, mut problems) = check_manifest(folder.0, &names, expect, &mut say)?;
+
+    let places: Vec<_> = names.iter().map(|name| folder.member(name)).collect();
+    let folders: Vec<Folder> = places.iter().map(|place| Folder(place)).collect();
+    let labels: Vec<String> = names.iter().map(|name| format!("{name}: ")).collect();
+    let mut pasts = Vec::new();
+    for ((member, own), label) in plan.members.iter().zip(&folders).zip(&labels) {
+        let mut tell = |line: &str| say(&format!("{label}{line}"));
+        let stages = run::stages(&member.scenario);
+        let (manifest, found) = check_manifest(own.0, &stages, &[], &mut tell)?;
+        problems.take(label, found);
+        if let Some(problem) = disagreement(member, own, whole.as_ref(), manifest.as_ref()) {
+            say(&format!("{label}{problem}"))?;
+            problems.add(Cause::Changed, format!("{label}{problem}"));
+        }
+        match Past::open(own) {
+            Ok(past) => pasts.push((past, manifest, label)),
+            Err(e) => {
+                say(&format!("{label}cannot be run again: {e}"))?;
+                problems.add(Cause::Changed, format!("{label}cannot be run again"));
+            }
+        }
+    }
+    let mut jobs: Vec<Job> = Vec::new();
+    let mut poured: Vec<String> = Vec::new();
+    for (past, manifest, label) in &pasts {
+        for mut job in pieces(past, manifest.as_ref(), scope).unwrap_or_default() {
+            job.label = label;
+            // Members share beds: one that is byte for byte another's is poured once.
+            if let Some(bed) = job.bed() {
+                let bytes = disk::read(&past.folder.bed(&bed.name)).unwrap_or_default();
+                let recipe = Recipe::new(&past.scenario, bed).digest();
+                let which = format!("{recipe} {}", blake3::hash(&bytes));
+                if poured.contains(&which) {
+                    continue;
+                }
+                poured.push(which);
+            }
+            jobs.push(job);
+        }
+    }
+    if jobs.is_empty() {
+        let problem = "no member has a kept checkpoint: nothing can be executed again";
+        problems.add(Cause::Changed, problem);
+    }
+    let done = execute(&sampled(jobs, scope), threads, progress, &mut say)?;
+    if done.wrong > 0 {
+        let problem = format!("{} of {} pieces do not hold", done.wrong, done.pieces);
+        problems.add(Cause::Changed, problem);
+    } else {
+        let whole = scope.is_all().then_some(&pasts);
+        for (past, manifest, label) in whole.into_iter().flatten() {
+            let mut tell = |line: &str| say(&format!("{label}{line}"));
+            problems.take(label, check_ends(past, manifest.as_ref(), &mut tell)?);
+        }
+        let (links, count) = (done.links, done.pieces);
+        say(&format!("all {links} links of {count} pieces hold"))?;
+    }
+    if let Err(problem) = table_holds(folder, &plan) {
+        say(&problem)?;
+        problems.add(Cause::Changed, problem);
+    }
+    problems.conclude(folder.0)
+}
+
+/// What is wrong between a campaign and one of its members.
+fn disagreement(
+    member: &Member,
+    own: &Folder<'_>,
+    whole: Option<&Manifest>,
+    manifest: Option<&Manifest>,
+) -> Option<String> {
+    let text = own.scenario_text(&member.scenario);
+    if disk::read(&own.scenario()).ok() != Some(text.into_bytes()) {
+        return Some("its scenario is not the one that the campaign plans".into());
+    }
+    let stage = whole?
+        .stages
+        .iter()
+        .find(|stage| stage.name == member.name)?;
+    (stage.finished && stage.link != manifest?.closing)
+        .then(|| format!("its closing hash is not the one in the campaign's {NAME}"))
+}
+
+/// Whether the tables are those of the runs that the members' manifests vouch for.
+fn table_holds(folder: &CampaignFolder<'_>, plan: &Plan) -> std::result::Result<(), String> {
+    let mut ended: Vec<(&Member, DragPlan, Status)> = Vec::new();
+    for member in &plan.members {
+        let place = folder.member(&member.name);
+        let vouched = Vouched::open(&place, Of::Run).map_err(|e| e.to_string())?;
+        for run in member.scenario.runs() {
+            let status = status(&Folder(&place), &vouched, &run.name)?;
+            ended.extend(status.map(|status| (member, run, status)));
+        }
+    }
+    let mut rows: Vec<Row> = Vec::new();
+    for (member, run, status) in &ended {
+        rows.push(Row {
+            member: &member.name,
+            scenario: &member.scenario,
+            plan: run.clone(),
+            status,
+        });
+    }
+    let units = plan.members[0].scenario.units();
+    let bytes = parquet::bytes(&rows).map_err(|e| e.to_string())?;
+    for (path, made) in [
+        (folder.table(), table::text(&units, &rows).into_bytes()),
+        (folder.parquet(), bytes),
+    ] {
+        if disk::read(&path).ok() != Some(made) {
+            return Err(format!(
+                "{} is not what its members' results give",
+                path.display()
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// How a run ended, by what its member's manifest vouches for.
+fn status(
+    place: &Folder<'_>,
+    vouched: &Vouched,
+    run: &str,
+) -> std::result::Result<Option<Status>, String> {
+    for path in [place.0.join(FAILURE), place.of_run(run, FAILURE)] {
+        if vouched.lists(&path) {
+            let bytes = vouched.read(&path).map_err(|e| e.to_string())?;
+            let failure: Failure = serde_json::from_slice(&bytes).map_err(|e| e.to_string())?;
+            return Ok(Some(Status::Failed(failure.reason)));
+        }
+    }
+    let path = place.of_run(run, "summary.json");
+    if !vouched.lists(&path) {
+        return Ok(None);
+    }
+    let text = vouched.text(&path).map_err(|e| e.to_string())?;
+    let record = parse_record(&text, &path).map_err(|e| e.to_string())?;
+    Ok(Some(Status::Done(Box::new(record))))
+}

@@ -1,0 +1,110 @@
+//! What the file of a case says.
+
+use crate::case::MotionSpec;
+use bitgrain_sim::law::LawSpec;
+use serde::{Deserialize, Serialize};
+
+/// A case as its file spells it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Case {
+    /// Contact law.
+    pub law: LawSpec,
+    /// The box; open space where it is missing.
+    #[serde(rename = "box", default, skip_serializing_if = "Option::is_none")]
+    pub bounds: Option<BoxSpec>,
+    /// Acceleration of gravity on free grains.
+    #[serde(default)]
+    pub gravity: [f64; 3],
+    /// Time step.
+    pub dt: f64,
+    /// Obstacles, numbered from 0 in this order.
+    #[serde(default)]
+    pub obstacles: Vec<ObstacleSpec>,
+    /// Grains, in any order.
+    pub grains: Vec<GrainSpec>,
+}
+
+/// A box.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BoxSpec {
+    /// Lower edges.
+    pub lo: [f64; 3],
+    /// Upper edges.
+    pub hi: [f64; 3],
+    /// Which axes are periodic.
+    pub periodic: [bool; 3],
+}
+
+/// An obstacle.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "shape", rename_all = "snake_case", deny_unknown_fields)]
+pub enum ObstacleSpec {
+    /// A wall through `point`; grains live where `normal` points.
+    Plane {
+        /// A point of the wall.
+        point: [f64; 3],
+        /// Direction out of the wall, of any length.
+        normal: [f64; 3],
+        /// Velocity.
+        #[serde(default)]
+        velocity: [f64; 3],
+    },
+    /// A ball; with a density its own mass enters its contacts, without one it is infinitely heavy.
+    Sphere {
+        /// Centre.
+        center: [f64; 3],
+        /// Diameter.
+        diameter: f64,
+        /// Mass density; a null is no way to leave it out.
+        #[serde(
+            default,
+            deserialize_with = "number",
+            skip_serializing_if = "Option::is_none"
+        )]
+        density: Option<f64>,
+        /// Velocity.
+        #[serde(default)]
+        velocity: [f64; 3],
+    },
+    /// An endless, infinitely heavy bar.
+    Cylinder {
+        /// A point of its axis.
+        center: [f64; 3],
+        /// Direction of its axis, of any length.
+        axis: [f64; 3],
+        /// Diameter.
+        diameter: f64,
+        /// Velocity.
+        #[serde(default)]
+        velocity: [f64; 3],
+    },
+}
+
+/// A grain.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GrainSpec {
+    /// Name, from 1.
+    pub id: u32,
+    /// Diameter.
+    pub diameter: f64,
+    /// Mass density.
+    pub density: f64,
+    /// Position of the centre.
+    pub position: [f64; 3],
+    /// Velocity.
+    #[serde(default)]
+    pub velocity: [f64; 3],
+    /// Spin.
+    #[serde(default)]
+    pub spin: [f64; 3],
+    /// How it moves.
+    #[serde(default)]
+    pub motion: MotionSpec,
+}
+
+fn number<'de, D: serde::Deserializer<'de>>(from: D) -> std::result::Result<Option<f64>, D::Error> {
+    f64::deserialize(from).map(Some)
+}

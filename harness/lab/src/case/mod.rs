@@ -1,0 +1,175 @@
+//! Case files: a whole state and its law in one JSON file, the smallest unit of work to hand around.
+
+use std::path::Path;
+
+use bitgrain_kernel::{Domain, Fault, Group, Obstacle};
+
+use bitgrain_sim::error::{Error, FULL, Result};
+use bitgrain_sim::sim::{Grain, Sim, sphere_mass};
+
+mod check;
+mod keys;
+mod motion;
+
+pub use keys::{BoxSpec, Case, GrainSpec, ObstacleSpec};
+pub use motion::MotionSpec;
+
+/// Reads and checks a case file.
+///
+/// # Errors
+/// [`Error::Input`] with line or key, and what was expected.
+pub fn read(path: &Path) -> Result<Case> {
+    let text = bitgrain_sim::files::read_text(path)?;
+    parse(&text, &path.display().to_string())
+}
+
+/// Parses the text of a case file; `name` is what errors call it.
+///
+/// # Errors
+/// As [`read`].
+pub fn parse(text: &str, name: &str) -> Result<Case> {
+    let case: Case = crate::json::parse(text, name)?;
+    check::check(&case)
+        .map_err(|(key, problem)| Error::input(format!("{name}: `{key}`"), problem))?;
+    Ok(case)
+}
+
+impl ObstacleSpec {
+    fn build(&self) -> Obstacle<f64> {
+        match *self {
+            ObstacleSpec::Plane {
+                point,
+                normal,
+                velocity,
+            } => Obstacle {
+                velocity,
+                ..Obstacle::plane(point, normal)
+            },
+            ObstacleSpec::Sphere {
+                center,
+                diameter,
+                density,
+                velocity,
+            } => Obstacle {
+                velocity,
+                inverse_mass: density.map_or(0.0, |d| 1.0 / sphere_mass(diameter, d)),
+                ..Obstacle::sphere(center, 0.5 * diameter)
+            },
+            ObstacleSpec::Cylinder {
+                center,
+                axis,
+                diameter,
+                velocity,
+            } => Obstacle {
+                velocity,
+                ..Obstacle::cylinder(center, axis, 0.5 * diameter)
+            },
+        }
+    }
+}
+
+impl Case {
+    /// The case as a simulation that has evaluated its forces at step 0.
+    ///
+    /// A coordinate within one period outside a periodic axis is wrapped into the box.
+    ///
+    /// # Errors
+    /// [`Error::Input`] where grains, obstacles and box do not fit together; [`Error::Run`] where
+    /// grains overlap too deep to begin with.
+    pub fn start(
+        &self,
+        name: &str,
+        watch: impl FnMut(bitgrain_kernel::Pushed<f64>),
+    ) -> Result<Sim> {
+        let law = self
+            .law
+            .build()
+            .map_err(|(k, p)| Error::input(format!("{name}: `law.{k}`"), p))?;
+        let domain = match &self.bounds {
+            None => Domain::open(),
+            Some(b) => Domain::new(b.lo, b.hi, b.periodic).map_err(|_| {
+                let problem = "edges are not in order; expected lo below hi on every axis";
+                Error::input(format!("{name}: `box`"), problem)
+            })?,
+        };
+        let mut grains = Vec::with_capacity(self.grains.len());
+        for g in &self.grains {
+            let mut position = g.position;
+            domain.wrap(&mut position, &mut [0; 3]);
+            let (group, velocity) = match g.motion {
+                MotionSpec::Free => (0, g.velocity),
+                MotionSpec::Frozen => (1, g.velocity),
+                MotionSpec::Carried(v) => (2, v),
+                MotionSpec::Weightless => (3, g.velocity),
+                MotionSpec::Lid([x, y]) => (4, [x, y, g.velocity[2]]),
+            };
+            grains.push(Grain {
+                id: g.id,
+                group,
+                diameter: g.diameter,
+                density: g.density,
+                position,
+                velocity,
+                spin: g.spin,
+            });
+        }
+        grains.sort_by_key(|g| g.id);
+        let mut obstacles: Vec<Obstacle<f64>> = self.obstacles.iter().map(|o| o.build()).collect();
+        for body in &mut obstacles {
+            domain.wrap(&mut body.point, &mut [0; 3]);
+        }
+        let groups = vec![
+            Group::free(self.gravity),
+            Group::frozen(),
+            Group::carried(),
+            Group::free([0.0; 3]),
+            Group::lid(self.gravity),
+        ];
+        let mut sim = Sim::new(law, domain, self.dt, groups, &grains, obstacles);
+        sim.start_watched(watch).map_err(|fault| {
+            refuse(name, fault, |id| {
+                let at = self.grains.iter().position(|g| g.id == id).unwrap_or(0);
+                format!(
+                    "grain {id} (`grains[{at}]`, at {:?})",
+                    self.grains[at].position
+                )
+            })
+        })?;
+        Ok(sim)
+    }
+}
+
+/// What the kernel finds before the first step is the input's fault, except overlaps: those are the
+/// first step of a run that went wrong.
+pub fn refuse(name: &str, fault: Fault, place_of: impl Fn(u32) -> String) -> Error {
+    let problem = match fault {
+        Fault::Escaped { id } => format!("{} lies outside the box", place_of(id)),
+        Fault::PeriodTooShort { axis } => format!(
+            "the periodic box is too short along {}: a grain could touch two images of one body; \
+             make it longer than twice the largest contact distance",
+            ["x", "y", "z"][axis as usize]
+        ),
+        Fault::BadObstacle { obstacle } => format!(
+            "obstacle {obstacle} does not fit the box: a ball or bar must have its centre inside \
+             and be no larger; a plane may not face along a periodic axis; with periodic axes a \
+             cylinder must lie along x, y or z; and its mass must be a sound number"
+        ),
+        Fault::ObstacleTooFast { .. } => format!("{fault}; shorten dt"),
+        Fault::TooFast { id } => format!(
+            "{} would move more than its own radius in one step; shorten dt",
+            place_of(id)
+        ),
+        Fault::NotFinite { id } => format!(
+            "{} has a velocity, spin or force too large to compute with",
+            place_of(id)
+        ),
+        Fault::OverlapTooDeep { .. } | Fault::ObstacleTooDeep { .. } | Fault::Arithmetic { .. } => {
+            return Error::run(name, 0, fault);
+        }
+        Fault::PairsFull { .. } | Fault::CandidatesFull { .. } | Fault::TouchesFull { .. } => {
+            format!("{fault}{FULL}")
+        }
+        other => other.to_string(),
+    };
+    Error::input(name, problem)
+}

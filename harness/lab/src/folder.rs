@@ -1,0 +1,322 @@
+//! The run directory: where everything of a run is, and whose it is while a run is under way.
+
+use std::fs::{File, TryLockError};
+use std::path::{Path, PathBuf};
+
+use crate::manifest::{self, Ledger, Manifest, Of};
+use crate::progress::Progress;
+use crate::scenario::{self, Scenario};
+use bitgrain_sim::disk::{self, Kind, make_folder};
+use bitgrain_sim::error::{Error, Result};
+use bitgrain_sim::files::{bits, read_text};
+
+/// A run directory.
+#[derive(Clone, Copy, Debug)]
+pub struct Folder<'a>(pub &'a Path);
+
+/// What is put into a folder: by what it is known again, and which names are taken in it.
+pub struct Contents {
+    pub(crate) of: Of,
+    /// The file that says what the folder is for; its first line names the arithmetic.
+    pub(crate) marker: &'static str,
+    /// All names that may be written directly below it.
+    pub(crate) names: &'static [&'static str],
+}
+
+/// What a run directory holds.
+pub(crate) const RUN: Contents = Contents {
+    of: Of::Run,
+    marker: "scenario.toml",
+    names: &[
+        "scenario.toml",
+        manifest::NAME,
+        "beds",
+        "runs",
+        "summary.json",
+        "report.html",
+        "performance.json",
+        "analysis.json",
+    ],
+};
+
+/// A folder that is this process's as long as this lives, and its manifest.
+#[derive(Debug)]
+pub struct Claim {
+    _locks: Vec<File>,
+    /// Whether the file system could lock: else another run may be at work.
+    pub sure: bool,
+    /// The manifest under way.
+    pub ledger: Ledger,
+    damage: Option<Error>,
+}
+
+impl Claim {
+    /// Takes a folder for the stages of a run or campaign. `settle` checks what lies in it and writes the
+    /// marker, or refuses; before it nothing is written.
+    ///
+    /// # Errors
+    /// [`Error::Input`] where the folder is somebody else's, or another process is at work in it; what `settle`
+    /// returns; [`Error::Write`].
+    pub(crate) fn take(
+        folder: &Path,
+        contents: &Contents,
+        stages: &[String],
+        settle: impl FnOnce(&Ledger) -> Result<()>,
+    ) -> Result<Self> {
+        refuse_others(folder, contents)?;
+        make_folder(folder)?;
+        let file = folder.join(contents.marker);
+        let (mut locks, mut sure) = (Vec::new(), false);
+        // Before anything is written: what another process wrote is not to be replaced. The folder holds
+        // where its file is replaced, and the file where a network file system cannot lock folders.
+        lock(folder, disk::open_folder(folder), &mut locks, &mut sure)?;
+        let held = locks.len();
+        if disk::kind(&file) == Some(Kind::File) {
+            lock(folder, disk::open_to_lock(&file), &mut locks, &mut sure)?;
+        }
+        let (ledger, damage) = Ledger::open(folder, contents.of, stages)?;
+        settle(&ledger)?;
+        // It may be another file now; a second lock on the same one would wait for the first.
+        locks.truncate(held);
+        lock(folder, disk::open_to_lock(&file), &mut locks, &mut sure)?;
+        Ok(Self {
+            _locks: locks,
+            sure,
+            ledger,
+            damage,
+        })
+    }
+
+    /// Warns of what was wrong with the manifest that lay there.
+    pub fn warn_of_damage(&self, progress: &Progress) {
+        if let Some(damage) = &self.damage {
+            progress.warn(&format!(
+                "{damage}; what it vouched for counts as missing now"
+            ));
+        }
+    }
+}
+
+fn lock(
+    folder: &Path,
+    opened: std::io::Result<File>,
+    locks: &mut Vec<File>,
+    sure: &mut bool,
+) -> Result<()> {
+    *sure = false;
+    match opened.map(|file| (file.try_lock(), file)) {
+        Ok((Ok(()), file)) => {
+            locks.push(file);
+            *sure = true;
+            Ok(())
+        }
+        Ok((Err(TryLockError::WouldBlock), _)) => Err(Error::input(
+            folder.display().to_string(),
+            "another run is under way in it; wait for that, or choose another --out",
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// Refuses a folder that is not of this kind and holds a name that would be written, and one within the
+/// results of a run.
+fn refuse_others(folder: &Path, contents: &Contents) -> Result<()> {
+    let place = || folder.display().to_string();
+    let full = std::path::absolute(folder).map_err(|e| Error::read(folder, &e))?;
+    for above in full.ancestors().skip(1) {
+        let below = manifest::relative(above, &full).unwrap_or_default();
+        let within = ["beds", "runs"].iter().any(|own| {
+            below == *own
+                || below
+                    .strip_prefix(own)
+                    .is_some_and(|rest| rest.starts_with('/'))
+        });
+        if within && is_of(above, &RUN) {
+            let problem = format!(
+                "lies among the results of the run in {}; choose another --out",
+                above.display()
+            );
+            return Err(Error::input(place(), problem));
+        }
+    }
+    if is_of(folder, contents) {
+        return Ok(());
+    }
+    let taken = |name: &&&str| disk::is_there(&folder.join(name));
+    match contents.names.iter().find(taken) {
+        None => Ok(()),
+        Some(name) => {
+            let kind = contents.of.word();
+            let problem = format!(
+                "holds `{name}`, which a {kind} would write, and is no folder of a {kind}: choose another --out, \
+                 or move it away"
+            );
+            Err(Error::input(place(), problem))
+        }
+    }
+}
+
+/// Whether a folder is one of this kind, by its marker or its manifest.
+pub fn is_of(folder: &Path, contents: &Contents) -> bool {
+    let marker = folder.join(contents.marker);
+    let marked = || {
+        let text = disk::read(&marker).ok()?;
+        Some(text.starts_with(b"# BITS_VERSION "))
+    };
+    disk::kind(&marker) == Some(Kind::File) && marked() == Some(true)
+        || Manifest::of(folder).is_ok_and(|found| found.is_some_and(|one| one.of == contents.of))
+}
+
+impl Folder<'_> {
+    /// The scenario with every default written out.
+    pub fn scenario(&self) -> PathBuf {
+        self.0.join("scenario.toml")
+    }
+
+    /// The checkpoint of a settled bed.
+    pub fn bed(&self, bed: &str) -> PathBuf {
+        self.0.join("beds").join(format!("{bed}.safetensors"))
+    }
+
+    /// The checkpoint of a bed that is not yet settled.
+    pub fn pouring(&self, bed: &str) -> PathBuf {
+        self.0
+            .join("beds")
+            .join(format!("{bed}.pouring.safetensors"))
+    }
+
+    /// The chain of digests of a bed.
+    pub fn bed_chain(&self, bed: &str) -> PathBuf {
+        self.0.join("beds").join(format!("{bed}.chain.csv"))
+    }
+
+    /// The bed as a LAMMPS data file.
+    pub fn bed_data(&self, bed: &str) -> PathBuf {
+        self.0.join("beds").join(format!("{bed}.data"))
+    }
+
+    /// A file of one drag.
+    pub fn of_run(&self, run: &str, file: &str) -> PathBuf {
+        self.0.join("runs").join(run).join(file)
+    }
+
+    /// The force series of a drag.
+    pub fn series(&self, run: &str) -> PathBuf {
+        self.of_run(run, "forces.csv")
+    }
+
+    /// The force series of a drag that was stopped or went wrong.
+    pub fn partial_series(&self, run: &str) -> PathBuf {
+        self.of_run(run, "forces.partial.csv")
+    }
+
+    /// The chain of digests of a drag.
+    pub fn chain(&self, run: &str) -> PathBuf {
+        self.of_run(run, "chain.csv")
+    }
+
+    /// A checkpoint that is kept of a drag.
+    pub fn checkpoint(&self, run: &str, step: u64) -> PathBuf {
+        self.of_run(run, &format!("checkpoints/{step:012}.safetensors"))
+    }
+
+    /// The frames of a drag up to a checkpoint that is kept, from the one before it on.
+    pub fn frames(&self, run: &str, step: u64) -> PathBuf {
+        self.of_run(run, &format!("frames/{step:012}.csv"))
+    }
+
+    /// The checkpoint that a drag goes on from where it is stopped; gone when it has come to its end.
+    pub fn latest(&self, run: &str) -> PathBuf {
+        self.of_run(run, "latest.safetensors")
+    }
+
+    /// A snapshot of a drag: `kind` is `grains` or `contacts`. The number keeps files in order and
+    /// makes one animation of them in OVITO and ParaView.
+    pub fn snapshot(&self, run: &str, kind: &str, step: u64, ending: &str) -> PathBuf {
+        self.of_run(run, &format!("snapshots/{kind}.{step:012}.{ending}"))
+    }
+
+    /// All numbers.
+    pub fn summary(&self) -> PathBuf {
+        self.0.join("summary.json")
+    }
+
+    /// The report.
+    pub fn report(&self) -> PathBuf {
+        self.0.join("report.html")
+    }
+
+    /// Timings and other facts of the machine.
+    pub fn performance(&self) -> PathBuf {
+        self.0.join("performance.json")
+    }
+
+    /// The scenario of the run that this folder holds.
+    ///
+    /// # Errors
+    /// [`Error::Input`] where it holds none, a wrong one, or one of another arithmetic.
+    pub fn saved_scenario(&self) -> Result<Scenario> {
+        let path = self.scenario();
+        let place = || path.display().to_string();
+        if !disk::is_there(&path) {
+            return Err(Error::input(
+                place(),
+                "is not there: the folder holds no run that could go on",
+            ));
+        }
+        let text = read_text(&path)?;
+        let made = text.lines().next().unwrap_or_default();
+        if made != format!("# {}", bits()) {
+            let made = made.trim_start_matches("# ");
+            return Err(Error::input(
+                place(),
+                format!(
+                    "begins with `{made}`, and this program has {}: go on with the program that began \
+                     the run, or choose another folder",
+                    bits()
+                ),
+            ));
+        }
+        scenario::load(&place(), &[])
+    }
+
+    /// The scenario as this folder holds it: the file of an imported bed lies in it.
+    pub fn inputs(&self, scenario: &Scenario) -> Scenario {
+        let mut inputs = scenario.clone();
+        if let Some(source) = inputs.source.take() {
+            let name = source.file_name().unwrap_or_default();
+            inputs.bed.file = Some(format!("beds/imported/{}", name.to_string_lossy()));
+        }
+        inputs
+    }
+
+    /// Whether anything was made in it.
+    pub fn has_results(&self) -> bool {
+        let kinds = ["beds", "runs", "summary.json"];
+        kinds.iter().any(|kind| disk::is_there(&self.0.join(kind)))
+    }
+
+    /// The text of `scenario.toml` of a run of this scenario.
+    pub fn scenario_text(&self, scenario: &Scenario) -> String {
+        format!("# {}\n{}", bits(), self.inputs(scenario).to_toml())
+    }
+
+    /// The folders that files of a run are written to.
+    pub fn own_folders(&self, scenario: &Scenario) -> Vec<PathBuf> {
+        let mut own = vec![
+            self.0.to_path_buf(),
+            self.0.join("beds"),
+            self.0.join("beds/imported"),
+        ];
+        for run in scenario.runs() {
+            let runs = ["forces.csv", "checkpoints/0", "snapshots/0", "frames/0"];
+            let files = runs.map(|file| self.of_run(&run.name, file));
+            own.extend(
+                files
+                    .iter()
+                    .filter_map(|file| file.parent().map(Path::to_path_buf)),
+            );
+        }
+        own
+    }
+}

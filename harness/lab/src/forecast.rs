@@ -1,0 +1,445 @@
+//! What a scenario would take, before it runs: sizes, dimensionless groups, and the time, from the
+//! speed of this machine on a small settled bed.
+
+use std::fmt::Write;
+use std::time::Instant;
+
+use crate::bed;
+use crate::bed::library::Library;
+use crate::bed::recipe::Recipe;
+use crate::progress::Stage;
+use crate::scenario::{self, BedPlan, DragPlan, PACKING_GUESS, Scenario, UnitSystem};
+use bitgrain_sim::coefficients::table_text;
+use bitgrain_sim::error::{Error, Result};
+use bitgrain_sim::format::{bytes, short};
+use bitgrain_sim::law::{CONTACT_FRACTION_MAX, RAYLEIGH_FRACTION_MAX};
+use bitgrain_sim::memory::PER_GRAIN;
+
+/// Bytes of a grain in a checkpoint with its contacts.
+const CHECKPOINT: f64 = 290.0;
+/// Bytes of a grain in a data file.
+const DATA: f64 = 300.0;
+/// Bytes of a grain in a snapshot: dump, VTK grains, VTK contacts.
+const SNAPSHOT: f64 = 1400.0;
+/// Circles of a frame for each square d, and bytes of one.
+const CUTS: f64 = 1.3;
+const CUT: f64 = 55.0;
+/// Bytes of a point of the fields in VTK image data.
+const IMAGE: f64 = 95.0;
+/// The same in a checkpoint.
+const SUMS: f64 = 104.0;
+/// Bytes of a row of the table of their plane.
+const PLANE: f64 = 210.0;
+/// Bytes of a row of the force series.
+const ROW: f64 = 260.0;
+/// Least duration of the trial, in seconds.
+const TRIAL: f64 = 0.5;
+
+/// The forecast of a scenario as text: `threads` jobs run side by side, beds come from `library`.
+///
+/// # Errors
+/// What the trial may meet: a run that goes wrong.
+pub fn forecast(scenario: &Scenario, library: &Library, threads: usize) -> Result<String> {
+    let speed = trial(scenario)?;
+    let work = Work::of(scenario, library)?;
+    let mut out = Lines::default();
+    cost(scenario, &work, threads, speed, &mut out);
+    let si = scenario.units == UnitSystem::Si;
+    let (d, density) = (scenario.mean_diameter(), scenario.bed.density);
+    if let Some(table) = table_text(&scenario.law, d, density, si) {
+        out.gap();
+        out.text.push_str(&table);
+    }
+    groups(scenario, speed, &mut out);
+    Ok(out.text)
+}
+
+/// What has to be done before the drags.
+#[derive(Default)]
+struct Work {
+    /// Names of the beds that are not at hand.
+    missing: Vec<String>,
+    /// Steps of each pouring.
+    poured: Vec<u64>,
+    /// Steps of each settling under a lid.
+    covered: Vec<u64>,
+}
+
+impl Work {
+    /// Of a scenario whose beds may be in a library.
+    fn of(scenario: &Scenario, library: &Library) -> Result<Self> {
+        let mut work = Work::default();
+        if scenario.source.is_none() {
+            let absent = |plan: &BedPlan| {
+                let found = library.find(&Recipe::new(scenario, plan))?;
+                Ok::<bool, Error>(found.is_none())
+            };
+            for plan in scenario.beds() {
+                if !absent(&plan)? {
+                    continue;
+                }
+                if plan.lid.is_some() {
+                    work.covered.push(bed::covering_steps(scenario, &plan));
+                }
+                work.missing.push(plan.name);
+            }
+            for plan in scenario.bare_beds() {
+                if absent(&plan)? {
+                    work.poured.push(bed::pouring_steps(scenario, &plan));
+                }
+            }
+        }
+        Ok(work)
+    }
+
+    /// Steps that the last of so many threads has done when all is done.
+    fn longest(&self, runs: &[DragPlan], threads: usize) -> u64 {
+        let dragged: Vec<u64> = runs.iter().map(|run| run.steps()).collect();
+        let stages = [&self.poured, &self.covered, &dragged];
+        stages.iter().map(|jobs| side_by_side(jobs, threads)).sum()
+    }
+}
+
+/// A shipped scenario: its sizes, and its time in words.
+#[derive(Clone, Debug)]
+pub struct Size {
+    /// Its name.
+    pub name: &'static str,
+    /// Grains of its largest bed.
+    pub grains: usize,
+    /// Beds.
+    pub beds: usize,
+    /// Drags.
+    pub drags: usize,
+    /// From the least that it takes on this machine to the most.
+    pub time: String,
+}
+
+/// The shipped scenarios on so many threads, with no bed at hand.
+///
+/// # Errors
+/// What the trial may meet: a run that goes wrong.
+pub fn shipped(threads: usize) -> Result<Vec<Size>> {
+    let none = Library::new("");
+    let mut sizes = Vec::new();
+    let mut speed = None;
+    for (name, _) in scenario::SHIPPED {
+        let scenario = scenario::load(name, &[])?;
+        let speed = match speed {
+            Some(speed) => speed,
+            None => *speed.insert(trial(&scenario)?),
+        };
+        let (beds, runs) = (scenario.beds(), scenario.runs());
+        let grains = largest(&scenario, &beds);
+        let steps = Work::of(&scenario, &none)?.longest(&runs, threads);
+        sizes.push(Size {
+            name,
+            grains,
+            beds: beds.len(),
+            drags: runs.len(),
+            time: range(steps, grains, speed),
+        });
+    }
+    Ok(sizes)
+}
+
+/// Grains of the largest bed.
+fn largest(scenario: &Scenario, beds: &[BedPlan]) -> usize {
+    let sizes = beds.iter().map(|plan| scenario.grain_count(plan.diameter));
+    sizes.max().unwrap_or(0)
+}
+
+/// How much longer than at the speed of the trial a run takes at most: quick took 1 to 2.1 times as long, beds of
+/// ten thousand grains and more 1.1 to 1.6.
+const SLOWER: f64 = 2.0;
+
+/// The time of so many steps of so many grains, in words.
+fn range(steps: u64, grains: usize, speed: f64) -> String {
+    let least = steps as f64 * grains as f64 / speed;
+    format!("{} to {}", duration(least), duration(SLOWER * least))
+}
+
+/// Lines of a name and a value.
+#[derive(Default)]
+struct Lines {
+    text: String,
+}
+
+impl Lines {
+    fn add(&mut self, name: &str, value: impl std::fmt::Display) {
+        // Writing into a string has no way to fail.
+        let _ = writeln!(self.text, "{name:<34}{value}");
+    }
+
+    fn gap(&mut self) {
+        self.text.push('\n');
+    }
+}
+
+/// Grains, steps, memory, disk and time.
+fn cost(scenario: &Scenario, work: &Work, threads: usize, speed: f64, out: &mut Lines) {
+    let (beds, runs) = (scenario.beds(), scenario.runs());
+    let grains = largest(scenario, &beds);
+    let whole = work.longest(&runs, threads);
+    let drags: u64 = runs.iter().map(|run| run.steps()).sum();
+    let beds_steps: u64 = work.poured.iter().chain(&work.covered).sum();
+    let steps = beds_steps + drags;
+
+    out.add(
+        "scenario",
+        format!("{} ({})", scenario.name, system(scenario)),
+    );
+    out.add(
+        "grains",
+        format!("{grains} in each of {} bed(s)", beds.len()),
+    );
+    let pour = match (&work.poured[..], work.covered.len()) {
+        _ if scenario.source.is_some() => "none: the bed comes from a file".to_string(),
+        _ if work.missing.is_empty() => "none: every bed is at hand".to_string(),
+        ([], lids) => format!("none; {lids} to put a lid on"),
+        ([first, ..], lids) => {
+            let lids = match lids {
+                0 => String::new(),
+                n => format!("; {n} lid(s), about {} steps each", work.covered[0]),
+            };
+            let names = match &work.missing[..] {
+                [first, .., last] if work.missing.len() > 4 => format!("{first} to {last}"),
+                few => few.join(", "),
+            };
+            format!(
+                "{} ({names}), about {first} steps each{lids}",
+                work.poured.len()
+            )
+        }
+    };
+    out.add("beds to pour", pour);
+    out.add("steps in all", format!("{steps} (drags {drags})"));
+    let at_once = threads.min(runs.len());
+    // Sums of fields, and twice as much where a state is saved.
+    let sums = 3.0 * SUMS * points(scenario).iter().product::<f64>();
+    let memory = (PER_GRAIN * grains as f64 + sums) * at_once as f64;
+    out.add("memory", bytes(memory));
+    out.add("disk", bytes(disk(scenario, &runs, grains, beds.len())));
+    let million = 1e-6 * speed;
+    out.add(
+        "speed of this machine",
+        format!("{million:.1} million grain-steps/s (a settled bed of {TRIAL_GRAINS}, one thread)"),
+    );
+    let time = range(whole, grains, speed);
+    out.add("time", format!("{time} on {threads} thread(s)"));
+}
+
+/// Dimensionless groups, of the scenario and of each run.
+fn groups(scenario: &Scenario, speed: f64, out: &mut Lines) {
+    let units = scenario.units();
+    let (rayleigh, collision) = (scenario.rayleigh_time(), scenario.shortest_contact());
+    let bound = |time: f64, most: f64, name: &str| {
+        let ratio = short(scenario.drag.dt / time);
+        format!(
+            "{ratio} (at most {most}; {name} {} {})",
+            short(time),
+            units.time
+        )
+    };
+    out.gap();
+    out.add(
+        "time step / Rayleigh time",
+        bound(rayleigh, RAYLEIGH_FRACTION_MAX, "the time"),
+    );
+    let (fastest, what) = scenario.fastest();
+    let at = format!(
+        "at the speed of {what}, {} {},",
+        short(fastest),
+        units.speed
+    );
+    out.add(
+        "time step / collision",
+        bound(collision, CONTACT_FRACTION_MAX, &at),
+    );
+    out.add("stiffness K_n/(rho g d)", short(stiffness(scenario)));
+    runs(scenario, speed, out);
+}
+
+/// A row for each run.
+fn runs(scenario: &Scenario, speed: f64, out: &mut Lines) {
+    let units = scenario.units();
+    let beds = scenario.beds();
+    out.gap();
+    let mut rows = vec![[
+        "run".to_string(),
+        "steps".into(),
+        "time".into(),
+        format!("V ({})", units.speed),
+        "Fr".into(),
+        "inertial number".into(),
+        "contact (steps)".into(),
+        format!("depth ({})", units.length),
+        "depth/D".into(),
+    ]];
+    for run in scenario.runs() {
+        let plan = &beds[run.bed];
+        let depth = planned_depth(scenario, plan);
+        let contact = scenario.law.contact_duration(
+            run.motion.speed,
+            0.5 * scenario.mean_diameter(),
+            scenario.bed.density,
+        ) / scenario.drag.dt;
+        rows.push([
+            run.name.clone(),
+            run.steps().to_string(),
+            range(run.steps(), scenario.grain_count(plan.diameter), speed),
+            short(run.motion.speed),
+            short(run.froude),
+            short(inertial(scenario, &run, plan.diameter, depth)),
+            short(contact),
+            short(depth),
+            short(depth / plan.diameter),
+        ]);
+    }
+    let width = |k: usize| rows.iter().map(|row| row[k].chars().count()).max();
+    let widths: Vec<usize> = (0..9).map(|k| width(k).unwrap_or(0)).collect();
+    for row in &rows {
+        let cells = row.iter().zip(&widths).enumerate();
+        let cells = cells.map(|(k, (cell, &width))| match k {
+            0 => format!("{cell:<width$}"),
+            _ => format!("{cell:>width$}"),
+        });
+        let line = cells.collect::<Vec<_>>().join("  ");
+        out.text.push_str(line.trim_end());
+        out.text.push('\n');
+    }
+    out.text.push_str(
+        "A depth is expected at a packing fraction of 0.6, under a lid it is the effective depth; a contact is one \
+         at V.\n",
+    );
+}
+
+/// Depth, or effective depth under a lid, at the packing fraction that plans assume.
+fn planned_depth(scenario: &Scenario, plan: &BedPlan) -> f64 {
+    let own = scenario.expected_surface(plan.diameter) - plan.center[2];
+    let Some(lid) = &plan.lid else {
+        return own;
+    };
+    let added = |density| scenario.lid_depth(density, PACKING_GUESS * scenario.bed.density);
+    let below = if lid.pressure_gradient { own } else { 0.0 };
+    match (lid.effective_depth, lid.density) {
+        (Some(depth), _) => depth,
+        (None, density) => below + density.map_or(0.0, added),
+    }
+}
+
+fn system(scenario: &Scenario) -> &'static str {
+    match scenario.units {
+        crate::scenario::UnitSystem::Reduced => "reduced units: rho = d = g = 1",
+        crate::scenario::UnitSystem::Si => "SI units",
+    }
+}
+
+/// Steps that the busiest of `threads` workers does, the longest job first.
+pub(crate) fn side_by_side(jobs: &[u64], threads: usize) -> u64 {
+    let mut jobs = jobs.to_vec();
+    jobs.sort_unstable_by(|a, b| b.cmp(a));
+    let mut load = vec![0u64; threads.max(1)];
+    for job in jobs {
+        if let Some(least) = load.iter_mut().min() {
+            *least += job;
+        }
+    }
+    load.into_iter().max().unwrap_or(0)
+}
+
+/// Points of the fields along each axis; none where there are no fields.
+fn points(scenario: &Scenario) -> [f64; 3] {
+    let grid = scenario.fields_grid();
+    grid.map_or([0; 3], |grid| grid.counts).map(|n| n as f64)
+}
+
+pub(crate) fn disk(scenario: &Scenario, runs: &[DragPlan], grains: usize, beds: usize) -> f64 {
+    let grains = grains as f64;
+    // Twice: in the library and in the run directory.
+    let bed = grains * (2.0 * CHECKPOINT + DATA);
+    let rows = |run: &DragPlan| (run.steps() / scenario.measure.every) as f64;
+    let states = |run: &DragPlan| run.checkpoints.len() as f64 * grains * CHECKPOINT;
+    let shown = |run: &DragPlan| run.snapshots.len() as f64 * grains * SNAPSHOT;
+    let (points, plans) = (points(scenario), scenario.beds());
+    let fields = |run: &DragPlan| {
+        let whole = points[0] * points[1] * points[2];
+        whole * (IMAGE + SUMS * run.checkpoints.len() as f64) + points[0] * points[2] * PLANE
+    };
+    let d = scenario.mean_diameter();
+    let frames = |run: &DragPlan| {
+        let reach = crate::frames::reach(0.5 * plans[run.bed].diameter / d);
+        let width = (2.0 * reach).min(scenario.bed.size[0] / d);
+        run.frames.len() as f64 * width * 2.0 * reach * CUTS * CUT
+    };
+    let drag =
+        |run: &DragPlan| rows(run) * ROW + states(run) + shown(run) + fields(run) + frames(run);
+    beds as f64 * bed + runs.iter().map(drag).sum::<f64>()
+}
+
+/// Grains of the trial's bed.
+const TRIAL_GRAINS: usize = 300;
+
+/// Grain-steps a second on one thread: a small bed of the quick scenario's soft grains, poured just
+/// now, with the scenario's friction.
+pub(crate) fn trial(scenario: &Scenario) -> Result<f64> {
+    let sets = [
+        "name=trial".to_string(),
+        format!("bed.grains={TRIAL_GRAINS}"),
+        "bed.box=[6.4, 6.4, 8.0]".into(),
+        "bed.settled=1e-2".into(),
+        "intruder.diameter=1.5".into(),
+        "intruder.froude=1.0".into(),
+        "drag.distance=6.0".into(),
+        format!("law.mu={:?}", scenario.law.mu()),
+    ];
+    let small = crate::scenario::load("quick", &sets)?;
+    let mut sim = bed::pour(&small, &small.beds()[0], &mut Stage::silent())?;
+    let began = Instant::now();
+    let mut steps = 0;
+    while began.elapsed().as_secs_f64() < TRIAL {
+        sim.steps(500)
+            .map_err(|fault| Error::run("trial", steps, fault))?;
+        steps += 500;
+    }
+    Ok((steps * sim.count() as u64) as f64 / began.elapsed().as_secs_f64())
+}
+
+/// Normal stiffness over the weight of a grain's height of material.
+fn stiffness(scenario: &Scenario) -> f64 {
+    let weight = scenario.bed.density * scenario.gravity * scenario.mean_diameter();
+    scenario.law.normal_stiffness() / weight
+}
+
+/// `(V/D) d / sqrt(P/rho)` with the pressure `P = phi rho g h` at the intruder's depth.
+fn inertial(scenario: &Scenario, run: &DragPlan, diameter: f64, depth: f64) -> f64 {
+    let rate = run.motion.speed / diameter;
+    rate * scenario.mean_diameter() / (PACKING_GUESS * scenario.gravity * depth).sqrt()
+}
+
+/// Seconds in words.
+fn duration(seconds: f64) -> String {
+    match seconds {
+        ..100.0 => format!("{seconds:.0} s"),
+        ..6000.0 => format!("{:.0} min", seconds / 60.0),
+        ..172_800.0 => format!("{:.1} h", seconds / 3600.0),
+        _ => format!("{:.0} days", seconds / 86_400.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_longest_jobs_are_shared_out_first() {
+        assert_eq!(side_by_side(&[3, 5, 4, 2], 2), 7);
+        assert_eq!(side_by_side(&[3, 5], 1), 8);
+        assert_eq!(side_by_side(&[], 2), 0);
+    }
+
+    #[test]
+    fn times_are_told_in_words() {
+        assert_eq!(duration(7200.0), "2.0 h");
+    }
+}

@@ -1,0 +1,254 @@
+//! Frames of a drag: the grains that a vertical plane through the intruder's centre cuts, at steps close
+//! enough together for a moving picture. They are there to look at: no result is computed from them.
+
+use bitgrain_kernel::Shape;
+
+use bitgrain_sim::files::bits;
+use bitgrain_sim::files::finite;
+use bitgrain_sim::motion::{Motion, Moves};
+use bitgrain_sim::observe::INTRUDER;
+use bitgrain_sim::sim::{Role, Sim};
+
+/// Columns of the table: lengths over the mean grain diameter, from the intruder's centre; speeds over the
+/// speed V of the drag, relative to the base.
+pub const COLUMNS: &str = "step,travel,x,z,radius,u,w,speed,role";
+
+/// Reach of a frame round the intruder's centre, over its diameter, and its bounds in mean diameters.
+const REACH: (f64, [f64; 2]) = (3.5, [6.0, 12.0]);
+
+/// What the plane cuts of one grain.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slice {
+    /// Along the drag.
+    pub x: f64,
+    /// Upward.
+    pub z: f64,
+    /// Of the circle.
+    pub radius: f64,
+    /// Of the grain, along x.
+    pub u: f64,
+    /// And upward.
+    pub w: f64,
+    /// All three components.
+    pub speed: f64,
+    /// Whether the grain is free, of the base or of the lid.
+    pub role: Role,
+}
+
+/// The cuts at one step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frame {
+    /// Steps since the drag began.
+    pub step: u64,
+    /// Travel, over the mean grain diameter.
+    pub travel: f64,
+    /// Circles, in the order of the grains.
+    pub cuts: Vec<Slice>,
+}
+
+/// How far a frame reaches from the centre of an intruder, to both sides, up and down; all over the mean
+/// grain diameter.
+pub fn reach(radius: f64) -> f64 {
+    let [least, most] = REACH.1;
+    (REACH.0 * 2.0 * radius)
+        .clamp(least, most)
+        .max(3.0 * radius)
+}
+
+/// `x` less the multiple of `size` that brings it nearest to zero; unchanged without a size.
+pub fn nearest(x: f64, size: f64) -> f64 {
+    match size > 0.0 {
+        true => x - size * (x / size).round(),
+        false => x,
+    }
+}
+
+/// Height y of the plane: through the intruder's centre. A cylinder looks alike everywhere: it is cut
+/// through a row of the lid, not between two.
+pub fn plane(sim: &Sim) -> f64 {
+    let body = &sim.obstacles[INTRUDER as usize];
+    let y = body.point[1];
+    let off = |i: &usize| (sim.position[*i][1] - y).abs();
+    let row = (0..sim.count()).filter(|&i| sim.role(i) == Role::Lid);
+    match (body.shape, row.min_by(|a, b| off(a).total_cmp(&off(b)))) {
+        (Shape::Cylinder { .. }, Some(i)) => sim.position[i][1],
+        _ => y,
+    }
+}
+
+/// The rows of one frame: numbers to a thousandth, which is finer than any screen shows.
+pub fn rows(sim: &Sim, motion: &Motion, step: u64) -> String {
+    let d = motion.grain_diameter;
+    let body = &sim.obstacles[INTRUDER as usize];
+    let (centre, y) = (body.point, plane(sim));
+    let reach = reach(body.reach() / d);
+    let size = sim.domain.hi();
+    let size = [size[0] - sim.domain.lo()[0], size[1] - sim.domain.lo()[1]];
+    let half = reach.min(0.5 * size[0] / d);
+    let frame = match motion.moves {
+        Moves::Intruder => 0.0,
+        Moves::Bed => motion.speed,
+    };
+    let travel = motion.travel(step) / d;
+    let mut out = String::new();
+    for i in 0..sim.count() {
+        let [px, py, pz, radius] = sim.position[i];
+        let off = nearest(py - y, size[1]);
+        let square = radius * radius - off * off;
+        if square <= 0.0 || square.is_nan() {
+            continue;
+        }
+        let radius = square.sqrt() / d;
+        let x = nearest(px - centre[0], size[0]) / d;
+        let z = (pz - centre[2]) / d;
+        let [u, v, w, _] = sim.velocity[i];
+        let [u, v, w] = [u - frame, v, w].map(|v| v / motion.speed);
+        let speed = (u * u + v * v + w * w).sqrt();
+        let role = match sim.role(i) {
+            Role::Free => "free",
+            Role::Base => "base",
+            Role::Lid => "lid",
+        };
+        // A grain at the edge of the box is seen at both.
+        for x in [x, x - size[0] / d, x + size[0] / d] {
+            if x.abs() < half + radius && z.abs() < reach + radius {
+                out.push_str(&format!(
+                    "{step},{travel:.3},{x:.3},{z:.3},{radius:.3},{u:.3},{w:.3},{speed:.3},\
+                     {role}\n"
+                ));
+            }
+        }
+    }
+    out
+}
+
+/// A table of rows, with its head.
+pub fn text(rows: &str) -> String {
+    format!(
+        "# lengths over the mean grain diameter, from the intruder's centre; speeds over V, relative to the \
+         base; {}\n{COLUMNS}\n{rows}",
+        bits()
+    )
+}
+
+/// Reads a table of frames.
+///
+/// # Errors
+/// The line that is not a row, counted from 1.
+pub fn parse(text: &str) -> Result<Vec<Frame>, usize> {
+    let row = |line: &str| {
+        let words: Vec<&str> = line.split(',').collect();
+        let [step, travel, x, z, radius, u, w, speed, role] = words[..] else {
+            return None;
+        };
+        let role = match role {
+            "free" => Role::Free,
+            "base" => Role::Base,
+            "lid" => Role::Lid,
+            _ => return None,
+        };
+        let cut = Slice {
+            x: finite(x)?,
+            z: finite(z)?,
+            radius: finite(radius)?,
+            u: finite(u)?,
+            w: finite(w)?,
+            speed: finite(speed)?,
+            role,
+        };
+        Some((step.parse::<u64>().ok()?, finite(travel)?, cut))
+    };
+    let mut frames: Vec<Frame> = Vec::new();
+    let lines = text.lines().enumerate();
+    for (k, line) in lines.filter(|(_, line)| !line.starts_with('#')).skip(1) {
+        let (step, travel, cut) = row(line).ok_or(k + 1)?;
+        match frames.last_mut().filter(|frame| frame.step == step) {
+            Some(frame) => frame.cuts.push(cut),
+            None => frames.push(Frame {
+                step,
+                travel,
+                cuts: vec![cut],
+            }),
+        }
+    }
+    Ok(frames)
+}
+
+/// Steps of the frames that rows hold.
+pub fn steps(rows: &str) -> Vec<u64> {
+    let first = |line: &str| line.split(',').next().and_then(|word| word.parse().ok());
+    let mut steps: Vec<u64> = rows.lines().filter_map(first).collect();
+    steps.dedup();
+    steps
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_table_is_read_as_it_was_written() {
+        let rows = "5,0.100,-1.000,0.500,0.400,1.000,0.200,1.200,free\n\
+                    5,0.100,0.000,2.000,0.500,0.000,0.000,0.000,base\n\
+                    9,0.200,0.000,2.000,0.500,0.000,0.000,0.000,lid\n";
+        let frames = parse(&text(rows)).unwrap();
+        assert_eq!(steps(rows), [5, 9]);
+        assert_eq!(frames.len(), 2);
+        assert_eq!((frames[0].step, frames[0].cuts.len()), (5, 2));
+        assert_eq!(frames[0].cuts[0].x, -1.0);
+        assert_eq!(frames[1].cuts[0].role, Role::Lid);
+        assert_eq!(frames[1].travel, 0.2);
+        assert_eq!((frames[0].cuts[0].u, frames[0].cuts[0].w), (1.0, 0.2));
+        for wrong in [
+            "5,0.1,1,1,1,1,1,1",
+            "5,0.1,1,1,1,1,1,1,grain",
+            "5,nan,1,1,1,1,1,1,free",
+        ] {
+            assert_eq!(parse(&text(wrong)), Err(3), "{wrong}");
+        }
+    }
+
+    /// Grains round an intruder near an edge of the box: one beyond the edge, one that the plane misses, one of the
+    /// base, one so far away that it is not shown.
+    #[test]
+    fn rows_are_what_the_plane_cuts() {
+        use bitgrain_kernel::{Domain, Group, Obstacle, reference};
+
+        use bitgrain_sim::sim::{AnyLaw, Grain};
+
+        let domain = Domain::new([0.0; 3], [20.0, 8.0, 30.0], [true, true, false]).unwrap();
+        let grain = |id: u32, group, position, velocity| Grain {
+            id,
+            group,
+            diameter: 1.0,
+            density: 1.0,
+            position,
+            velocity,
+            spin: [0.0; 3],
+        };
+        let grains = [
+            grain(1, 0, [0.5, 4.3, 4.0], [1.0, 0.0, 0.5]),
+            grain(2, 0, [19.0, 5.0, 6.0], [1.0; 3]),
+            grain(3, 1, [18.0, 4.0, 0.5], [0.0; 3]),
+            grain(4, 0, [19.0, 4.0, 12.0], [0.0; 3]),
+        ];
+        let groups = vec![Group::free([0.0; 3]), Group::frozen()];
+        let ball = Obstacle::sphere([19.0, 4.0, 3.0], 1.0);
+        let law = AnyLaw::HertzHistory(reference::history(0.0));
+        let sim = Sim::new(law, domain, 1e-3, groups, &grains, vec![ball]);
+        let quick = crate::scenario::load("quick", &[]).unwrap();
+        let mut plan = quick.runs()[0].clone();
+        (plan.motion.speed, plan.motion.dt) = (2.0, sim.dt);
+        let still = "50,0.100,1.500,1.000,0.400,0.500,0.250,0.559,free\n\
+                     50,0.100,-1.000,-2.500,0.500,0.000,0.000,0.000,base\n";
+        assert_eq!(rows(&sim, &plan.motion, 50), still);
+        // Relative to a base that moves with V.
+        plan.motion.moves = Moves::Bed;
+        let moving = rows(&sim, &plan.motion, 50);
+        assert!(
+            moving.starts_with("50,0.100,1.500,1.000,0.400,-0.500,0.250,0.559"),
+            "{moving}"
+        );
+        assert!(moving.contains("0.500,-1.000,0.000,1.000,base"), "{moving}");
+    }
+}

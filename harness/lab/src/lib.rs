@@ -1,0 +1,43 @@
+//! Experiments on granular beds, every one reproducible to the last bit.
+//!
+//! Each stage reads and writes files, so that any of them can be redone alone:
+//!
+//! * [`scenario`] is what a user asks for, [`forecast`] what it would take, [`run`] the pipeline, [`folder`] and
+//!   [`manifest`] the run directory;
+//! * [`bed`] pours and settles grains, keeps beds for the next run and takes those of others;
+//! * [`drag`] pulls the intruder or carries the bed past it; [`series`], [`flow`], [`surroundings`], [`plug`],
+//!   [`frames`] and [`summary`] hold what was measured;
+//! * [`campaign`] runs a scenario over the values of its grids into one table;
+//! * [`verify`], [`bisect`], [`against`], [`rerun`] and [`replay`] do parts of it again and compare ([`compare`],
+//!   [`changes`]); [`case`](mod@case) is the smallest unit of work, [`selftest`](mod@selftest) tries the machine;
+//! * below them [`progress`], [`plain`] (text for a terminal), [`json`] and [`parse_errors`].
+
+#![forbid(unsafe_code)]
+
+pub mod against;
+pub mod bed;
+pub mod bisect;
+pub mod campaign;
+pub mod case;
+pub mod changes;
+pub mod compare;
+pub mod drag;
+pub mod flow;
+pub mod folder;
+pub mod forecast;
+pub mod frames;
+pub mod json;
+pub mod manifest;
+pub mod parse_errors;
+pub mod plain;
+pub mod plug;
+pub mod progress;
+pub mod replay;
+pub mod rerun;
+pub mod run;
+pub mod scenario;
+pub mod selftest;
+pub mod series;
+pub mod summary;
+pub mod surroundings;
+pub mod verify;

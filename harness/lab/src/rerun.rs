@@ -1,0 +1,165 @@
+//! A run done again, whole or in part, from what its folder holds: every checkpoint that was kept is a
+//! place to begin from.
+
+use crate::drag::Dragging;
+use crate::folder::Folder;
+use crate::progress::{Progress, Stage};
+use crate::run::{self, DragTask, surveyed};
+use crate::scenario::{BedPlan, DragPlan, Scenario};
+use crate::summary::BedSummary;
+use bitgrain_sim::checkpoint;
+use bitgrain_sim::disk;
+use bitgrain_sim::error::{Error, Result};
+use bitgrain_sim::sim::Sim;
+use bitgrain_sim::witness::Witness;
+
+/// A run directory and what its scenario plans.
+pub struct Past<'a> {
+    /// Where it is.
+    pub folder: &'a Folder<'a>,
+    /// The scenario.
+    pub scenario: Scenario,
+    /// Its beds: those below lids, then those that are dragged through.
+    pub beds: Vec<BedPlan>,
+    /// Its drags.
+    pub runs: Vec<DragPlan>,
+}
+
+/// A stage of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Part<'a> {
+    /// A bed, from release to rest.
+    Bed(&'a BedPlan),
+    /// A drag.
+    Drag(&'a DragPlan),
+}
+
+impl Part<'_> {
+    /// Its name.
+    pub fn name(&self) -> &str {
+        match self {
+            Part::Bed(plan) => &plan.name,
+            Part::Drag(plan) => &plan.name,
+        }
+    }
+}
+
+impl<'a> Past<'a> {
+    /// What a folder holds.
+    ///
+    /// # Errors
+    /// As [`Folder::saved_scenario`].
+    pub fn open(folder: &'a Folder<'a>) -> Result<Self> {
+        let scenario = folder.saved_scenario()?;
+        let mut beds = scenario.bare_beds();
+        for plan in scenario.beds() {
+            if !beds.contains(&plan) {
+                beds.push(plan);
+            }
+        }
+        Ok(Self {
+            folder,
+            beds,
+            runs: scenario.runs(),
+            scenario,
+        })
+    }
+
+    /// All stages, in the order in which they are run.
+    pub fn parts(&self) -> impl Iterator<Item = Part<'_>> {
+        let beds = self.beds.iter().map(Part::Bed);
+        beds.chain(self.runs.iter().map(Part::Drag))
+    }
+
+    /// The stage of this name.
+    ///
+    /// # Errors
+    /// [`Error::Input`] with the names that there are.
+    pub fn part(&self, name: &str) -> Result<Part<'_>> {
+        let mut parts = self.parts();
+        parts.find(|part| part.name() == name).ok_or_else(|| {
+            let problem = format!("is no stage of this run; there are {}", self.names());
+            Error::input(name, problem)
+        })
+    }
+
+    /// Names of all stages, to be read.
+    pub fn names(&self) -> String {
+        let names: Vec<String> = self.parts().map(|part| part.name().to_string()).collect();
+        names.join(", ")
+    }
+
+    /// What was measured of the settled bed of a drag.
+    ///
+    /// # Errors
+    /// Where its checkpoint cannot be read.
+    pub fn bed_of(&self, run: &DragPlan) -> Result<BedSummary> {
+        self.bed(&self.scenario.beds()[run.bed])
+    }
+
+    /// What was measured of a settled bed.
+    ///
+    /// # Errors
+    /// Where its checkpoint cannot be read.
+    pub fn bed(&self, plan: &BedPlan) -> Result<BedSummary> {
+        let (mut sim, note) = checkpoint::read_noted(&self.folder.bed(&plan.name))?;
+        surveyed(&self.scenario, plan, &mut sim, &note)
+    }
+
+    /// A drag with its bed.
+    pub fn drag<'b>(&'b self, plan: &'b DragPlan, bed: &'b BedSummary) -> DragTask<'b> {
+        DragTask {
+            folder: self.folder,
+            scenario: &self.scenario,
+            plan,
+            bed,
+        }
+    }
+
+    /// The state of a drag at a step: 0, or one of those that were kept.
+    ///
+    /// # Errors
+    /// Where the checkpoint cannot be read or is another drag's.
+    pub fn state(&self, drag: DragTask<'_>, step: u64) -> Result<(Sim, Dragging)> {
+        if step == 0 {
+            return run::begin(drag);
+        }
+        run::read(drag, &self.folder.checkpoint(&drag.plan.name, step))
+    }
+
+    /// The last step at or before this one at which the state of a drag was kept.
+    pub fn kept_before(&self, plan: &DragPlan, step: u64) -> u64 {
+        let kept = plan.checkpoints.iter().rev().copied();
+        let mut kept = kept.filter(|&n| n <= step);
+        let is_there = |&n: &u64| disk::is_there(&self.folder.checkpoint(&plan.name, n));
+        kept.find(is_there).unwrap_or(0)
+    }
+
+    /// Runs a stage again from the last kept state at or before `from` until `witness` has seen enough.
+    ///
+    /// # Errors
+    /// What goes wrong, and what `witness` returns.
+    pub fn rerun(
+        &self,
+        part: Part<'_>,
+        from: u64,
+        progress: &Progress,
+        witness: &mut impl Witness,
+    ) -> Result<()> {
+        let mut stage: Stage = progress.stage(part.name(), from);
+        match part {
+            Part::Bed(plan) => {
+                let mut bed = run::begin_bed(self.folder, &self.scenario, plan)?;
+                bed.go_on(&self.scenario, plan, &mut stage, witness)?;
+            }
+            Part::Drag(plan) => {
+                let bed = self.bed_of(plan)?;
+                let drag = self.drag(plan, &bed);
+                let (mut sim, mut dragging) = self.state(drag, self.kept_before(plan, from))?;
+                stage.resume(dragging.step);
+                dragging.go_on(&mut sim, plan, &stage, witness)?;
+            }
+        }
+        Ok(())
+    }
+}

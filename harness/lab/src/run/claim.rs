@@ -1,0 +1,213 @@
+//! A run directory as this process's own: what lies in it is held against the scenario before anything is
+//! written.
+
+use std::path::Path;
+
+use crate::bed::Course;
+use crate::bed::recipe::Recipe;
+use crate::changes;
+use crate::drag::Dragging;
+use crate::folder::{Claim, Folder, RUN};
+use crate::manifest::Ledger;
+use crate::scenario::{BedPlan, Scenario};
+use crate::summary::{RunRecord, Summary};
+use bitgrain_sim::chain;
+use bitgrain_sim::checkpoint::{self, Note};
+use bitgrain_sim::disk::{self, Kind};
+use bitgrain_sim::error::{Error, Result};
+
+/// Takes the folder for this scenario: a new one, or one that holds the same scenario. The file of an imported
+/// bed is copied into it, so that the folder stands alone.
+///
+/// # Errors
+/// [`Error::Input`] where it is somebody else's, holds another scenario's results, or another run is at work in
+/// it; [`Error::Write`].
+pub fn claim(folder: &Folder<'_>, scenario: &Scenario) -> Result<Claim> {
+    let claim = Claim::take(folder.0, &RUN, &stages(scenario), |ledger| {
+        survey(folder, scenario, ledger)?;
+        let text = folder.scenario_text(scenario);
+        ledger.write(&folder.scenario(), text.as_bytes())
+    })?;
+    if claim.sure {
+        // What a killed process was writing; nobody else writes here now.
+        for own in folder.own_folders(scenario) {
+            disk::clear_partials(&own);
+        }
+    }
+    let inputs = folder.inputs(scenario);
+    if let (Some(source), Some(file)) = (&scenario.source, &inputs.bed.file) {
+        let copy = folder.0.join(file);
+        if copy != *source {
+            claim.ledger.write(&copy, &disk::read(source)?)?;
+        } else if !claim.ledger.lists(&copy) {
+            claim.ledger.write(&copy, &disk::read(&copy)?)?;
+        }
+    }
+    claim.ledger.save()?;
+    Ok(claim)
+}
+
+/// Names of the stages of a run, in order.
+pub fn stages(scenario: &Scenario) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    let bare = scenario.bare_beds();
+    let beds = bare.iter().map(|bed| bed.name.clone());
+    let own = scenario.beds().into_iter().map(|bed| bed.name);
+    let runs = scenario.runs().into_iter().map(|run| run.name);
+    for name in beds.chain(own).chain(runs) {
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    names
+}
+
+/// Refuses a folder in which anything is of another scenario.
+fn survey(folder: &Folder<'_>, scenario: &Scenario, ledger: &Ledger) -> Result<()> {
+    refuse_other_scenario(folder, scenario, ledger)?;
+    let each = Looking { ledger };
+    let mut beds = scenario.bare_beds();
+    beds.extend(scenario.beds());
+    for plan in &beds {
+        let begins = match &scenario.bed.hash {
+            Some(hash) if scenario.source.is_some() => Some(chain::beginning(hash)),
+            _ => None,
+        };
+        for path in [folder.bed(&plan.name), folder.pouring(&plan.name)] {
+            each.state(&path, |note| {
+                is_bed(note, scenario, plan, begins.as_deref())
+            })?;
+        }
+    }
+    let inputs = folder.inputs(scenario);
+    for plan in scenario.runs() {
+        let key = scenario.key(&plan.name);
+        let kept = plan.checkpoints.iter();
+        let kept = kept.map(|&step| folder.checkpoint(&plan.name, step));
+        for path in kept.chain([folder.latest(&plan.name)]) {
+            each.state(&path, |note| Dragging::of(note).map(|drag| drag.key == key))?;
+        }
+        each.summary::<RunRecord>(&folder.of_run(&plan.name, "summary.json"), |record| {
+            record.inputs == inputs
+        })?;
+    }
+    each.summary::<Summary>(&folder.summary(), |whole| whole.inputs == inputs)
+}
+
+/// Whether a state is one of this bed: by its recipe, or by the file that it was taken over from.
+fn is_bed(
+    note: &Note,
+    scenario: &Scenario,
+    plan: &BedPlan,
+    begins: Option<&str>,
+) -> std::result::Result<bool, String> {
+    let course = Course::of(note)?;
+    Ok(match begins {
+        Some(begins) => course.chain().begins == begins,
+        None => course.is_by(&Recipe::new(scenario, plan)),
+    })
+}
+
+fn refuse_other_scenario(folder: &Folder<'_>, scenario: &Scenario, ledger: &Ledger) -> Result<()> {
+    let path = folder.scenario();
+    let text = folder.scenario_text(scenario);
+    let known = ledger.expects(&path, text.as_bytes());
+    if known == Some(true) || !folder.has_results() {
+        // A run that ended before it had any result binds nobody.
+        return Ok(());
+    }
+    let old = match disk::kind(&path) {
+        Some(_) => disk::read(&path)?,
+        None => Vec::new(),
+    };
+    let old = String::from_utf8_lossy(&old).into_owned();
+    let same_file = old == text || same_scenario(folder, &old, scenario);
+    if known.is_none() && (old.is_empty() || same_file) {
+        return Ok(());
+    }
+    let place = folder.0.display().to_string();
+    if same_file {
+        let problem = "holds the results of another scenario: its scenario.toml was changed since the run \
+                       began. Put it back, choose another --out, or remove the folder";
+        return Err(Error::input(place, problem));
+    }
+    Err(Error::input(
+        place,
+        format!(
+            "holds the results of another scenario (its scenario.toml differs):\n{}\nchange it back, choose \
+             another --out, or remove the folder",
+            changes::list(&old, &text)
+        ),
+    ))
+}
+
+/// Whether the text of a folder's scenario says the same in other words: with another space or comment.
+fn same_scenario(folder: &Folder<'_>, text: &str, scenario: &Scenario) -> bool {
+    let place = folder.scenario().display().to_string();
+    let read = crate::scenario::parse(text, &place, &[], folder.0);
+    read.is_ok_and(|read| folder.inputs(&read) == folder.inputs(scenario))
+}
+
+/// Looks at the files that the manifest does not vouch for.
+struct Looking<'a> {
+    ledger: &'a Ledger,
+}
+
+impl Looking<'_> {
+    /// The bytes of a file that is to be looked at; `None` where it is vouched for, or is not there.
+    fn bytes(&self, path: &Path) -> Result<Option<Vec<u8>>> {
+        if self.ledger.vouches(path) {
+            return Ok(None);
+        }
+        match disk::kind(path) {
+            None | Some(Kind::Link | Kind::Other) => Ok(None),
+            Some(Kind::Folder) => {
+                let problem = "is a folder, where a file of the run belongs: move it away";
+                Err(Error::input(path.display().to_string(), problem))
+            }
+            Some(Kind::File) => disk::read(path).map(Some),
+        }
+    }
+
+    /// A checkpoint, which must be what `belongs` says where it is whole; a damaged one is made again.
+    fn state(
+        &self,
+        path: &Path,
+        belongs: impl FnOnce(&Note) -> std::result::Result<bool, String>,
+    ) -> Result<()> {
+        let Some(bytes) = self.bytes(path)? else {
+            return Ok(());
+        };
+        let place = path.display().to_string();
+        let note = match checkpoint::note(&bytes, &place) {
+            Err(Error::Damaged { .. }) => return Ok(()),
+            note => note?,
+        };
+        match belongs(&note) {
+            Ok(false) => Err(of_others(place)),
+            // Without its course it cannot be gone on with, and is made again.
+            Ok(true) | Err(_) => Ok(()),
+        }
+    }
+
+    /// A summary, which must be what `belongs` says where it can be read; else it is made again.
+    fn summary<T: serde::de::DeserializeOwned>(
+        &self,
+        path: &Path,
+        belongs: impl FnOnce(&T) -> bool,
+    ) -> Result<()> {
+        let Some(bytes) = self.bytes(path)? else {
+            return Ok(());
+        };
+        match serde_json::from_slice(&bytes) {
+            Ok(found) if !belongs(&found) => Err(of_others(path.display().to_string())),
+            _ => Ok(()),
+        }
+    }
+}
+
+fn of_others(place: String) -> Error {
+    let problem = "was saved by a run of another scenario or stage: was scenario.toml changed since? Put it back, \
+                   choose another folder, or remove this file, and it is made again";
+    Error::input(place, problem)
+}

@@ -1,0 +1,398 @@
+//! The drags of a run: begun, or taken up from the latest of their checkpoints, and written down.
+
+use std::path::Path;
+
+use bitgrain_kernel::{BITS_VERSION, Pushed};
+
+use super::film::Frames;
+use super::performance::{StagePerformance, timed};
+use super::saving::{SaveEvery, Saver};
+use super::summarise::summarise;
+use super::task::DragTask;
+use crate::drag::Dragging;
+use crate::flow;
+use crate::folder::Folder;
+use crate::json::json_text;
+use crate::manifest::Ledger;
+use crate::plug::{self, Plug};
+use crate::progress::Progress;
+use crate::scenario::Scenario;
+use crate::series::series_text;
+use crate::summary::{BedSummary, RunRecord, RunSummary};
+use bitgrain_sim::audit::energy_text;
+use bitgrain_sim::blocks::METHOD;
+use bitgrain_sim::checkpoint::{self, Note};
+use bitgrain_sim::disk::{self, Kind};
+use bitgrain_sim::error::{Error, Result};
+use bitgrain_sim::fields::hole;
+use bitgrain_sim::files::{bits, packed_name, text_file};
+use bitgrain_sim::format::short;
+use bitgrain_sim::sim::Sim;
+use bitgrain_sim::witness::Witness;
+use bitgrain_sim::{export, fields, lammps};
+
+/// Does one drag, or what is left of it, and writes down what it measured.
+pub(super) fn drag_one(
+    drag: DragTask<'_>,
+    ledger: &Ledger,
+    save: SaveEvery,
+    frames: bool,
+    progress: &Progress,
+) -> Result<(RunSummary, StagePerformance)> {
+    let DragTask {
+        folder,
+        scenario,
+        plan,
+        ..
+    } = drag;
+    let mut stage = progress.stage(
+        &format!("{} Fr {:.2}", plan.name, plan.froude),
+        plan.steps(),
+    );
+    // Asked to stop before it began.
+    stage.look().map_err(Error::saved)?;
+    let (mut sim, mut dragging) = match take_up(drag, ledger, progress)? {
+        Some(found) => found,
+        None => begin(drag)?,
+    };
+    let began = dragging.step;
+    stage.resume(began);
+    let how = match began {
+        0 => "dragged",
+        n if n < plan.steps() => "resumed",
+        _ => "kept",
+    };
+    let mut files = Files {
+        drag,
+        ledger,
+        saver: Saver::new(ledger, save, folder.latest(&plan.name), began),
+        frames: Frames::go_on(drag, frames, &mut dragging),
+    };
+    let went = dragging.go_on(&mut sim, plan, &stage, &mut files);
+    if let Err(error @ Error::Contract { .. }) = went {
+        // What was measured since the last save may be wrong: none of it is written.
+        return Err(error);
+    }
+    if let Err(error) = went {
+        let text = series_text(
+            &scenario.units(),
+            scenario.measure.columns(),
+            &dragging.record.series,
+        );
+        // To look at, and to bisect; why the drag stopped is what must be told.
+        let _ = ledger.write(&folder.partial_series(&plan.name), text.as_bytes());
+        let chain = dragging.chain.text();
+        let _ = ledger.write(&folder.chain(&plan.name), chain.as_bytes());
+        let _ = ledger.save();
+        if matches!(error, Error::Interrupted { .. }) {
+            files
+                .saver
+                .save(&mut sim, &files.frames.note(dragging.note()))?;
+        }
+        return Err(error.saved());
+    }
+    let performance = timed(stage, how, &sim, plan.steps() - began);
+    let (tables, summary) = results(drag, &dragging, &mut sim)?;
+    for (file, text) in tables {
+        ledger.write(&folder.of_run(&plan.name, file), text.as_bytes())?;
+    }
+    let place = folder.of_run(&plan.name, "summary.json");
+    let text = json_text(&place, &record(folder, scenario, drag.bed, &summary))?;
+    ledger.write(&place, text.as_bytes())?;
+    ledger.remove(&folder.partial_series(&plan.name))?;
+    ledger.finish_stage(&plan.name, &summary.chain)?;
+    files.saver.clear();
+    tell(scenario, &summary, how, performance.seconds, progress);
+    Ok((summary, performance))
+}
+
+/// A settled bed whose drag begins.
+///
+/// # Errors
+/// Where the bed cannot be read or its drag not begun.
+pub fn begin(drag: DragTask<'_>) -> Result<(Sim, Dragging)> {
+    let path = drag.folder.bed(&drag.bed.name);
+    let (mut sim, note) = checkpoint::read_noted(&path)?;
+    let dragging = Dragging::begin(&mut sim, drag.plan, &note.link)?;
+    Ok((sim, dragging))
+}
+
+/// The drag as its furthest sound checkpoint has it, but for those that come after a file which is missing or
+/// not as it was written; `None` where there is none. Damaged ones are told and passed over.
+fn take_up(
+    drag: DragTask<'_>,
+    ledger: &Ledger,
+    progress: &Progress,
+) -> Result<Option<(Sim, Dragging)>> {
+    let (folder, name) = (drag.folder, &drag.plan.name);
+    for file in ledger.damaged(&format!("runs/{name}/")) {
+        let path = folder.0.join(file);
+        progress.warn(&format!(
+            "{} is missing or was changed since it was written: it is made again from the last sound state \
+             before it",
+            path.display()
+        ));
+    }
+    let mut furthest: Option<(Sim, Dragging)> = None;
+    let kept = drag.plan.checkpoints.iter().rev();
+    let kept = kept.map(|&step| folder.checkpoint(name, step));
+    // The kept ones descend, so that the first sound one is the furthest of them.
+    for path in std::iter::once(folder.latest(name)).chain(kept) {
+        let latest = path == folder.latest(name);
+        if disk::kind(&path) != Some(Kind::File) || !latest && !ledger.vouches(&path) {
+            continue;
+        }
+        let found = match read(drag, &path) {
+            Err(damage @ Error::Damaged { .. }) => {
+                progress.warn(&format!("{damage}; going on from a state before it"));
+                continue;
+            }
+            found => found?,
+        };
+        if !drag.has_files_until(found.1.step, ledger) {
+            continue;
+        }
+        if furthest.as_ref().is_none_or(|(_, f)| f.step < found.1.step) {
+            furthest = Some(found);
+        }
+        if !latest {
+            break;
+        }
+    }
+    Ok(furthest)
+}
+
+/// A state of a drag.
+///
+/// # Errors
+/// [`Error::Damaged`], and [`Error::Input`] where it is another drag's or another version's.
+pub fn read(drag: DragTask<'_>, path: &Path) -> Result<(Sim, Dragging)> {
+    let (sim, note) = checkpoint::read_noted(path)?;
+    let place = path.display().to_string();
+    let dragging = Dragging::of(&note).map_err(|problem| Error::Damaged {
+        place: place.clone(),
+        problem,
+    })?;
+    if dragging.key != drag.scenario.key(&drag.plan.name) {
+        let problem = "was saved by a run of another scenario: was scenario.toml changed since? Put it \
+                       back, or choose another folder";
+        return Err(Error::input(place, problem));
+    }
+    if dragging.chain.begins != drag.bed.chain {
+        let problem = "was dragged through another bed than lies here now; choose another folder, or \
+                       remove this one to drag anew";
+        return Err(Error::input(place, problem));
+    }
+    Ok((sim, dragging))
+}
+
+impl DragTask<'_> {
+    /// Whether everything that the drag wrote up to a step is there as it was written.
+    fn has_files_until(&self, step: u64, ledger: &Ledger) -> bool {
+        let snapshots = self.plan.snapshots.iter().filter(|n| **n <= step);
+        let kept = self.plan.checkpoints.iter().filter(|n| **n <= step);
+        let mut shown = snapshots.flat_map(|&n| self.snapshot(n));
+        let mut kept = kept.map(|&n| {
+            let name = &self.plan.name;
+            (self.folder.checkpoint(name, n), self.folder.frames(name, n))
+        });
+        // There may be no frames: they are there to look at, and not all runs have them.
+        shown.all(|path| ledger.vouches(&path))
+            && kept.all(|(state, frames)| {
+                ledger.vouches(&state) && (!ledger.lists(&frames) || ledger.vouches(&frames))
+            })
+    }
+
+    /// Whether a snapshot is taken after this step.
+    pub fn shows(&self, step: u64) -> bool {
+        // They ascend, and there may be thousands.
+        self.plan.snapshots.binary_search(&step).is_ok()
+    }
+
+    /// Whether the state after this step is a frame of its moving picture.
+    pub fn films(&self, step: u64) -> bool {
+        self.plan.frames.binary_search(&step).is_ok()
+    }
+
+    /// The files of a snapshot.
+    fn snapshot(&self, step: u64) -> [std::path::PathBuf; 3] {
+        let path = |kind, ending| self.folder.snapshot(&self.plan.name, kind, step, ending);
+        let dump = path("grains", "dump");
+        [
+            if self.scenario.measure.gzip {
+                packed_name(&dump)
+            } else {
+                dump
+            },
+            path("grains", "vtk"),
+            path("contacts", "vtk"),
+        ]
+    }
+
+    /// A state as a LAMMPS dump for OVITO, and as two VTK files, grains and contacts, for ParaView: paths
+    /// and bytes.
+    ///
+    /// # Errors
+    /// [`Error::Write`] where packing goes wrong.
+    pub fn snapshot_files(
+        &self,
+        step: u64,
+        sim: &Sim,
+        contacts: &[Pushed<f64>],
+    ) -> Result<[(std::path::PathBuf, Vec<u8>); 3]> {
+        let (folder, run) = (self.folder, &self.plan.name[..]);
+        let (mut frame, forces) = export::frame(sim);
+        frame.step = step;
+        let title = format!("{run}, step {step}; {}", bits());
+        let dump = folder.snapshot(run, "grains", step, "dump");
+        let text = lammps::dump_text(&frame, Some(&forces));
+        let dump = text_file(&dump, &text, self.scenario.measure.gzip)?;
+        let [_, grains, lines] = self.snapshot(step);
+        let contacts = export::vtk_contacts(sim, contacts, &title).into_bytes();
+        let points = export::vtk_grains(sim, &title).into_bytes();
+        Ok([dump, (grains, points), (lines, contacts)])
+    }
+}
+
+/// Writes what a drag leaves behind on its way.
+struct Files<'a> {
+    drag: DragTask<'a>,
+    ledger: &'a Ledger,
+    saver: Saver<'a>,
+    frames: Frames,
+}
+
+impl Witness for Files<'_> {
+    fn looks_at(&self, step: u64) -> bool {
+        self.drag.shows(step) || self.frames.wants(self.drag, step)
+    }
+
+    fn look(&mut self, step: u64, sim: &mut Sim, contacts: &[Pushed<f64>]) -> Result<()> {
+        if self.frames.wants(self.drag, step) {
+            self.frames.add(self.drag, step, sim);
+        }
+        if !self.drag.shows(step) {
+            return Ok(());
+        }
+        for (path, bytes) in self.drag.snapshot_files(step, sim, contacts)? {
+            self.ledger.write(&path, &bytes)?;
+        }
+        Ok(())
+    }
+
+    fn pause(&mut self, step: u64, sim: &mut Sim, note: &dyn Fn() -> Note) -> Result<()> {
+        if self.drag.plan.checkpoints.binary_search(&step).is_err() {
+            let frames = &self.frames;
+            return self.saver.pause(step, sim, &|| frames.note(note()));
+        }
+        if let Some(text) = self.frames.take() {
+            let path = self.drag.folder.frames(&self.drag.plan.name, step);
+            self.ledger.write(&path, text.as_bytes())?;
+        }
+        let path = self.drag.folder.checkpoint(&self.drag.plan.name, step);
+        self.ledger.write(&path, &checkpoint::pack(sim, &note())?)?;
+        self.ledger.save()?;
+        self.saver.saved(step);
+        Ok(())
+    }
+}
+
+/// The tables of a drag that has come to its end, by file, and its numbers.
+///
+/// # Errors
+/// [`Error::Input`] where the window is too short for a mean.
+pub fn results(
+    drag: DragTask<'_>,
+    dragging: &Dragging,
+    sim: &mut Sim,
+) -> Result<(Vec<(&'static str, String)>, RunSummary)> {
+    let DragTask { scenario, plan, .. } = drag;
+    let means = dragging.means(plan, sim.dt)?;
+    let (units, record) = (scenario.units(), &dragging.record);
+    let mut tables = vec![
+        (
+            "forces.csv",
+            series_text(&units, scenario.measure.columns(), &record.series),
+        ),
+        ("angles.csv", record.angles.text()),
+        ("coordination.csv", record.coordination.text()),
+        ("chain.csv", dragging.chain.text()),
+    ];
+    if scenario.measure.energy {
+        tables.push(("energy.csv", energy_text(&units, &record.energy)));
+    }
+    if let Some(gauge) = &record.flow {
+        tables.push(("flow.csv", flow::flow_text(&units, &gauge.rows)));
+        tables.push(("profile.csv", gauge.profile.text()));
+    }
+    if let Some(gauge) = &dragging.fields {
+        let hole = hole(sim);
+        let scales = fields::text::Scales {
+            units: &units,
+            diameter: scenario.mean_diameter(),
+            density: scenario.bed.density,
+            far: scenario.far_velocity(plan.motion.speed),
+        };
+        tables.push(("fields.vti", fields::text::vti(&gauge.points(hole), scales)));
+        let plane = fields::text::plane_text(&gauge.plane(hole), scales);
+        tables.push(("plane.csv", plane));
+    }
+    let summary = summarise(scenario, plan, drag.bed, &means, dragging, sim)?;
+    if let Some(load) = summary.flow.as_ref().and_then(|flow| flow.load.as_ref()) {
+        tables.push(("load.csv", fields::text::load_text(load, &units)));
+    }
+    Ok((tables, summary))
+}
+
+/// What `summary.json` of a drag's own folder holds.
+pub fn record(
+    folder: &Folder<'_>,
+    scenario: &Scenario,
+    bed: &BedSummary,
+    run: &RunSummary,
+) -> RunRecord {
+    RunRecord {
+        version: env!("CARGO_PKG_VERSION").into(),
+        bits_version: BITS_VERSION,
+        units: scenario.units(),
+        inputs: folder.inputs(scenario),
+        standard_error_method: METHOD.into(),
+        bed: bed.clone(),
+        run: run.clone(),
+    }
+}
+
+fn tell(scenario: &Scenario, run: &RunSummary, how: &str, seconds: f64, progress: &Progress) {
+    progress.line(&format!(
+        "{}: Fr {}, drag {} +- {} {} ({how}, {seconds:.1} s)",
+        run.name,
+        short(run.froude),
+        short(run.drag.mean),
+        short(run.drag.standard_error),
+        scenario.units().force,
+    ));
+    if run.plug == Plug::Slides {
+        let found = plug::found(
+            scenario.law.mu(),
+            run.plug_ratio,
+            run.drift.map(|drift| drift.mean),
+        );
+        progress.line(&format!(
+            "{}: {found}: the bed slides along, and the drag is the box's as much as the intruder's; make bed.box \
+             wider",
+            run.name
+        ));
+    }
+    if let Some(flow) = &run.flow {
+        progress.line(&format!(
+            "{}: drag/(rho g h D L) {:.2} +- {:.2}, lift {:.1} +- {:.1} buoyancies, far bed at {:.3} of \
+             the speed",
+            run.name,
+            flow.drag_coefficient,
+            flow.drag_coefficient_error,
+            flow.lift_over_buoyancy,
+            flow.lift_over_buoyancy_error,
+            flow.far_field
+        ));
+    }
+}

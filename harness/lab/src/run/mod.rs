@@ -1,0 +1,285 @@
+//! A whole experiment: scenario, beds, drags, summary, report. Each stage hands its result to the
+//! next through files of the run directory, in a first run too.
+
+mod beds;
+mod claim;
+mod drags;
+mod film;
+mod jobs;
+mod performance;
+mod saving;
+mod setting;
+mod summarise;
+mod task;
+
+use crate::json::json_text;
+pub use beds::{begin_bed, data_file, surveyed};
+pub use claim::{claim, stages};
+pub use drags::{begin, read, record, results};
+pub(crate) use jobs::side_by_side;
+use performance::Performance;
+pub use performance::StagePerformance;
+pub use saving::SaveEvery;
+pub use setting::{Setting, WriteReport};
+pub use task::DragTask;
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use bitgrain_kernel::BITS_VERSION;
+
+use crate::bed::recipe::Recipe;
+use crate::folder::{Claim, Folder};
+use crate::manifest::Ledger;
+use crate::progress::Progress;
+use crate::scenario::{BedPlan, DragPlan, Scenario, UnitSystem};
+use crate::summary::{BedSummary, RunSummary, Summary};
+use beds::{below, pour_bare, settle_one};
+use bitgrain_sim::blocks::METHOD;
+use bitgrain_sim::coefficients::table_text;
+use bitgrain_sim::disk::{check_writable, write_whole};
+use bitgrain_sim::error::{Error, Result};
+use drags::drag_one;
+
+/// What came of a run whose drags are all done.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Done {
+    /// Its report.
+    pub report: PathBuf,
+    /// Whether a step was executed: else all of it was there already.
+    pub executed: bool,
+}
+
+/// Runs a scenario into its folder, or what is left of it, and says where its report is; `None` where only some of
+/// its drags were wanted, and summary and report are left to the others.
+///
+/// Beds come from the library or are poured and kept there, side by side and then the drags, on so many
+/// threads, several for each where there are fewer of them. Each goes on from where it was saved.
+/// Results depend on none of this.
+///
+/// # Errors
+/// The first stage that went wrong, in the order of the scenario; what the others wrote stays.
+pub fn run_in(setting: Setting<'_>) -> Result<Option<Done>> {
+    let Setting {
+        scenario,
+        folder,
+        library,
+        threads,
+        progress,
+        ..
+    } = setting;
+    let began = Instant::now();
+    let runs = wanted(setting)?;
+    refuse_own_library(setting)?;
+    let claim = claimed(setting)?;
+    let ledger = &claim.ledger;
+    let plans = scenario.beds();
+    let dragged_through = |k: &usize| runs.iter().any(|run| run.bed == *k);
+    let places: Vec<usize> = (0..plans.len()).filter(dragged_through).collect();
+    let there = |k: &usize| {
+        let plan = &plans[*k];
+        ledger.vouches(&folder.bed(&plan.name)) || library.has(&Recipe::new(scenario, plan))
+    };
+    if scenario.source.is_none() && !places.iter().all(there) {
+        // Found out now rather than after days of pouring.
+        check_writable(library.folder())?;
+    }
+    let si = scenario.units == UnitSystem::Si;
+    let (d, density) = (scenario.mean_diameter(), scenario.bed.density);
+    if let Some(table) = table_text(&scenario.law, d, density, si) {
+        progress.line(table.trim_end());
+    }
+    progress.line(&scenario.time_step_line());
+    let (beds, mut stages) = beds(setting, ledger, &places)?;
+    let bed_of = |run: &DragPlan| &beds[places.partition_point(|k| *k < run.bed)];
+    let dragged = side_by_side(
+        threads,
+        threads,
+        runs.len(),
+        |k| runs[k].steps(),
+        |k| {
+            let done = drag(setting, ledger, &runs[k], bed_of(&runs[k]));
+            done.inspect_err(|error| tell_now(error, runs.len(), progress))
+        },
+    )?;
+    let dragged: Vec<(RunSummary, StagePerformance)> =
+        dragged.into_iter().collect::<Result<_>>()?;
+    let (runs, timed): (Vec<_>, Vec<_>) = dragged.into_iter().unzip();
+    stages.extend(timed);
+    let whole = runs.len() == scenario.runs().len();
+    if whole {
+        conclude(folder, ledger, scenario, beds, runs)?;
+        (setting.write_report)(folder)?;
+    }
+    let executed = stages.iter().any(|stage| stage.steps > 0);
+    let performance = Performance {
+        bits_version: BITS_VERSION,
+        threads,
+        seconds: began.elapsed().as_secs_f64(),
+        stages,
+    };
+    let path = folder.performance();
+    write_whole(&path, json_text(&path, &performance)?.as_bytes())?;
+    let report = folder.report();
+    Ok(whole.then_some(Done { report, executed }))
+}
+
+/// Refuses a library of beds that would lie among the run's own beds.
+fn refuse_own_library(setting: Setting<'_>) -> Result<()> {
+    let full = |path: &Path| std::path::absolute(path).map_err(|e| Error::read(path, &e));
+    let library = full(setting.library.folder())?;
+    let out = full(setting.folder.0)?;
+    if library.starts_with(out.join("beds")) || library.starts_with(out.join("runs")) {
+        let problem = format!(
+            "lies among the results of the run in {}; choose another --beds or --out",
+            setting.folder.0.display()
+        );
+        return Err(Error::input(
+            setting.library.folder().display().to_string(),
+            problem,
+        ));
+    }
+    Ok(())
+}
+
+/// The drags that are wanted.
+///
+/// # Errors
+/// [`Error::Input`] with a name that none of them has.
+fn wanted(setting: Setting<'_>) -> Result<Vec<DragPlan>> {
+    let (all, only) = (setting.scenario.runs(), setting.only);
+    if let Some(name) = only
+        .iter()
+        .find(|name| all.iter().all(|run| run.name != **name))
+    {
+        let names: Vec<&str> = all.iter().map(|run| &run.name[..]).collect();
+        let problem = format!(
+            "`{name}` is no drag of the scenario; there are {}",
+            names.join(", ")
+        );
+        return Err(Error::input("--only", problem));
+    }
+    let wants = |run: &DragPlan| only.is_empty() || only.contains(&run.name);
+    Ok(all.into_iter().filter(wants).collect())
+}
+
+/// The folder as this process's own.
+///
+/// # Errors
+/// As [`claim`].
+pub fn claimed(setting: Setting<'_>) -> Result<Claim> {
+    let claim = claim(setting.folder, setting.scenario)?;
+    claim.warn_of_damage(setting.progress);
+    if !claim.sure {
+        setting.progress.warn(&format!(
+            "{} cannot be locked: see that no other run is at work in it",
+            setting.folder.0.display()
+        ));
+    }
+    Ok(claim)
+}
+
+/// The settled beds of a run at these places of its plans, in a folder that is [`claimed`].
+///
+/// # Errors
+/// The first that went wrong.
+pub fn beds(
+    setting: Setting<'_>,
+    ledger: &Ledger,
+    places: &[usize],
+) -> Result<(Vec<BedSummary>, Vec<StagePerformance>)> {
+    let Setting {
+        scenario, threads, ..
+    } = setting;
+    let all = scenario.beds();
+    let plans: Vec<&BedPlan> = places.iter().map(|&k| &all[k]).collect();
+    let height = |plan: &BedPlan| plan.center[2] as u64;
+    // What lies below lids first: several lids lie on one bed.
+    let lids = plans.iter().filter(|plan| plan.lid.is_some());
+    let wanted: Vec<BedPlan> = lids.map(|plan| below(scenario, plan)).collect();
+    let mut bare = scenario.bare_beds();
+    bare.retain(|bare| wanted.contains(bare));
+    let poured = side_by_side(
+        threads,
+        threads,
+        bare.len(),
+        |k| height(&bare[k]),
+        |k| pour_bare(setting, ledger, &bare[k]),
+    )?;
+    let mut stages: Vec<StagePerformance> = poured.into_iter().collect::<Result<_>>()?;
+    let beds = side_by_side(
+        threads,
+        threads,
+        plans.len(),
+        |k| height(plans[k]),
+        |k| settle_one(setting, ledger, plans[k]),
+    )?;
+    let beds: Vec<(BedSummary, StagePerformance)> = beds.into_iter().collect::<Result<_>>()?;
+    let (beds, timed): (Vec<_>, Vec<_>) = beds.into_iter().unzip();
+    stages.extend(timed);
+    Ok((beds, stages))
+}
+
+/// One drag through a settled bed, or what is left of it.
+///
+/// # Errors
+/// Where it goes wrong or is interrupted.
+pub fn drag(
+    setting: Setting<'_>,
+    ledger: &Ledger,
+    plan: &DragPlan,
+    bed: &BedSummary,
+) -> Result<(RunSummary, StagePerformance)> {
+    let drag = DragTask {
+        folder: setting.folder,
+        scenario: setting.scenario,
+        plan,
+        bed,
+    };
+    drag_one(drag, ledger, setting.save, setting.frames, setting.progress)
+}
+
+/// Writes the summary of a run whose stages are all done, and returns the closing hash of its
+/// manifest.
+///
+/// # Errors
+/// [`Error::Write`].
+pub fn conclude(
+    folder: &Folder<'_>,
+    ledger: &Ledger,
+    scenario: &Scenario,
+    beds: Vec<BedSummary>,
+    runs: Vec<RunSummary>,
+) -> Result<String> {
+    let whole = whole_summary(folder, scenario, beds, runs);
+    let path = folder.summary();
+    ledger.write(&path, json_text(&path, &whole)?.as_bytes())?;
+    let closing = ledger.finish()?;
+    Ok(closing)
+}
+
+/// Tells of a stage that went wrong while others of several go on, which may take days.
+fn tell_now(error: &Error, stages: usize, progress: &Progress) {
+    if stages > 1 && !matches!(error, Error::Interrupted { .. }) {
+        progress.warn(&format!("{error}; the others go on"));
+    }
+}
+
+/// All numbers of a run.
+pub fn whole_summary(
+    folder: &Folder<'_>,
+    scenario: &Scenario,
+    beds: Vec<BedSummary>,
+    runs: Vec<RunSummary>,
+) -> Summary {
+    Summary {
+        version: env!("CARGO_PKG_VERSION").into(),
+        bits_version: BITS_VERSION,
+        scenario: scenario.name.clone(),
+        units: scenario.units(),
+        inputs: folder.inputs(scenario),
+        standard_error_method: METHOD.into(),
+        beds,
+        runs,
+    }
+}

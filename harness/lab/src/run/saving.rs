@@ -1,0 +1,119 @@
+//! When a stage under way is saved. How often changes no result.
+
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use crate::manifest::Ledger;
+use bitgrain_sim::checkpoint::{self, Note};
+use bitgrain_sim::disk::{self, write_whole};
+use bitgrain_sim::error::Result;
+use bitgrain_sim::sim::Sim;
+use bitgrain_sim::witness::Witness;
+
+/// Time between saves where nothing else is asked for.
+const DEFAULT: Duration = Duration::from_secs(300);
+
+/// How often a stage is saved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SaveEvery {
+    /// After so much time.
+    Time(Duration),
+    /// After so many steps.
+    Steps(u64),
+}
+
+impl Default for SaveEvery {
+    fn default() -> Self {
+        SaveEvery::Time(DEFAULT)
+    }
+}
+
+impl std::str::FromStr for SaveEvery {
+    type Err = String;
+
+    /// `5m`, minutes, or `20000`, steps.
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        let wrong = || "expected minutes, as in 5m, or steps, as in 20000".to_string();
+        if let Some(minutes) = text.strip_suffix('m') {
+            let minutes: f64 = minutes.parse().map_err(|_| wrong())?;
+            let seconds = Duration::try_from_secs_f64(60.0 * minutes).map_err(|_| wrong())?;
+            return Ok(SaveEvery::Time(seconds));
+        }
+        match text.parse() {
+            Ok(steps) if steps > 0 => Ok(SaveEvery::Steps(steps)),
+            _ => Err(wrong()),
+        }
+    }
+}
+
+/// Saves a stage under way, again and again, into one file.
+pub(super) struct Saver<'a> {
+    ledger: &'a Ledger,
+    every: SaveEvery,
+    path: PathBuf,
+    step: u64,
+    /// Of a clock that never goes back, whatever becomes of the time of day.
+    time: Instant,
+}
+
+impl<'a> Saver<'a> {
+    /// A saver of a stage that is at this step.
+    pub fn new(ledger: &'a Ledger, every: SaveEvery, path: PathBuf, step: u64) -> Self {
+        Self {
+            ledger,
+            every,
+            path,
+            step,
+            time: Instant::now(),
+        }
+    }
+
+    /// Takes note that the stage was saved at this step, here or elsewhere.
+    pub fn saved(&mut self, step: u64) {
+        (self.step, self.time) = (step, Instant::now());
+    }
+
+    /// Saves the stage now. The manifest comes first, so that it vouches for all that was written before this
+    /// state.
+    pub fn save(&self, sim: &mut Sim, note: &Note) -> Result<()> {
+        self.ledger.save()?;
+        write_whole(&self.path, &checkpoint::pack(sim, note)?)
+    }
+
+    /// Removes what was saved, of a stage that has come to its end.
+    pub fn clear(&self) {
+        // Where it stays it is older than the end, and no harm.
+        let _ = disk::remove(&self.path);
+    }
+}
+
+/// Saves the stage where it is time to.
+impl Witness for Saver<'_> {
+    fn pause(&mut self, step: u64, sim: &mut Sim, note: &dyn Fn() -> Note) -> Result<()> {
+        let due = match self.every {
+            SaveEvery::Time(time) => self.time.elapsed() >= time,
+            SaveEvery::Steps(steps) => step.saturating_sub(self.step) >= steps,
+        };
+        if due {
+            self.save(sim, &note())?;
+            self.saved(step);
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn intervals_are_read() {
+        let minutes = |m: f64| SaveEvery::Time(Duration::from_secs_f64(60.0 * m));
+        assert_eq!("5m".parse(), Ok(minutes(5.0)));
+        assert_eq!("0.5m".parse(), Ok(minutes(0.5)));
+        assert_eq!("20000".parse(), Ok(SaveEvery::Steps(20_000)));
+        for wrong in ["", "m", "0", "-1m", "nanm", "1e300m", "5 minutes", "-3"] {
+            assert!(wrong.parse::<SaveEvery>().is_err(), "{wrong}");
+        }
+    }
+}

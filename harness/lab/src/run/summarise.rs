@@ -1,0 +1,197 @@
+//! From what was measured to the numbers of the summary.
+
+use bitgrain_kernel::PARTS;
+
+use crate::drag::{Dragging, Means};
+use crate::flow::FlowMeans;
+use crate::plug::{self, Plug};
+use crate::scenario::{BedPlan, DragPlan, Scenario, Shape};
+use crate::summary::{BedSummary, Flow, Rig, RunSummary};
+use bitgrain_sim::error::{Error, Result};
+use bitgrain_sim::fields::zone::disturbance;
+use bitgrain_sim::fields::{Hole, hole};
+use bitgrain_sim::observe::{INTRUDER, pressure_at};
+use bitgrain_sim::sim::{Role, Sim, hex};
+
+/// Layers next to base and lid that do not count as the bed's, in mean diameters.
+const EDGE: f64 = 2.0;
+
+/// What a settled bed that flows has besides.
+pub(super) fn rig(scenario: &Scenario, plan: &BedPlan, bed: &BedSummary, sim: &Sim) -> Rig {
+    let lid: Vec<usize> = (0..sim.count())
+        .filter(|&i| sim.role(i) == Role::Lid)
+        .collect();
+    let lid_density = lid.first().map_or(0.0, |&i| {
+        let (mass, radius) = (sim.velocity[i][3], sim.position[i][3]);
+        mass / bitgrain_sim::sim::sphere_mass(2.0 * radius, 1.0)
+    });
+    let bulk_density = bed.packing_fraction * scenario.bed.density;
+    let body = &sim.obstacles[INTRUDER as usize];
+    let buoyancy = bulk_density * scenario.gravity * scenario.intruder_volume(plan.diameter);
+    let pressure_gradient = plan.lid.is_none_or(|lid| lid.pressure_gradient);
+    let mut rig = Rig {
+        seed: plan.seed,
+        diameter: plan.diameter,
+        length: match scenario.intruder.shape {
+            Shape::Cylinder => scenario.bed.size[1],
+            Shape::Sphere => plan.diameter,
+        },
+        pressure_gradient,
+        lid_grains: lid.len(),
+        lid_density,
+        bulk_density,
+        effective_depth: 0.0,
+        pressure: pressure_at(sim, body.point[2]),
+        reaction_over_buoyancy: body.force[2] / buoyancy,
+    };
+    rig.effective_depth = effective_depth(scenario, &rig, bed.depth, bulk_density);
+    rig
+}
+
+/// `h + (pi d/6)(rho_lid/rho)`, without h where the bed has no weight (Guillard 2014, section III A).
+fn effective_depth(scenario: &Scenario, rig: &Rig, depth: f64, bulk_density: f64) -> f64 {
+    let own = if rig.pressure_gradient { depth } else { 0.0 };
+    own + scenario.lid_depth(rig.lid_density, bulk_density)
+}
+
+/// Forces over what they scale with: `rho g h~ D L` for the drag and the buoyancy for the lift, `rho`
+/// with the packing fraction of the run (Guillard 2014, eq. 2 and Fig. 8).
+fn flow(
+    scenario: &Scenario,
+    plan: &DragPlan,
+    bed: &BedSummary,
+    means: &Means,
+    measured: &FlowMeans,
+    dragging: &Dragging,
+    hole: Hole,
+) -> Option<Flow> {
+    let (record, fields) = (&dragging.record, dragging.fields.as_ref());
+    let rig = bed.rig.as_ref()?;
+    let bulk_density = measured.packing * scenario.bed.density;
+    let effective_depth = effective_depth(scenario, rig, bed.depth, bulk_density);
+    let pressure = bulk_density * scenario.gravity * effective_depth;
+    let buoyancy = bulk_density * scenario.gravity * scenario.intruder_volume(rig.diameter);
+    let scale = pressure * rig.diameter * rig.length;
+    // Layers cut by the base or by the surface hold few grains.
+    let d = scenario.mean_diameter();
+    let layers = record
+        .flow
+        .as_ref()
+        .map_or(vec![], |flow| flow.profile.speeds());
+    let inside = layers
+        .iter()
+        .filter(|(low, high, _)| *low >= scenario.bed.base + d && *high <= bed.surface - d);
+    let least = inside.fold(
+        f64::INFINITY,
+        |a, (.., speed)| if *speed < a { *speed } else { a },
+    );
+    Some(Flow {
+        pressure_gradient: rig.pressure_gradient,
+        packing_fraction: measured.packing,
+        bulk_density,
+        effective_depth,
+        pressure,
+        pressure_measured: measured.pressure,
+        buoyancy,
+        drag_coefficient: means.drag.mean / scale,
+        drag_coefficient_error: means.drag.standard_error / scale,
+        lift_over_buoyancy: means.lift.mean / buoyancy,
+        lift_over_buoyancy_error: means.lift.standard_error / buoyancy,
+        far_field: measured.far_field,
+        far_field_least: if least.is_finite() {
+            least
+        } else {
+            measured.far_field
+        },
+        carried_by_base: measured.base / measured.drag,
+        carried_by_lid: measured.lid / measured.drag,
+        inertia: measured.inertia / measured.drag,
+        floating: measured.floating,
+        travel: (plan.distance - plan.discard) / d,
+        drag_halves: measured.drag_halves,
+        lift_halves: measured.lift_halves.map(|lift| lift / buoyancy),
+        load: fields.and_then(|f| f.load(hole, rig.length)),
+        disturbance: fields.and_then(|f| {
+            let (below, above) = (hole.height, bed.surface - hole.height);
+            let reach = if below < above { below } else { above } - EDGE * d;
+            disturbance(&f.plane(hole), hole, plan.motion.speed, reach)
+        }),
+    })
+}
+
+/// Normalised coordination number and its standard error, of an intruder so many grains wide (Kumar 2018,
+/// eq. 8); `None` where nothing touches it.
+fn kappa(means: &Means, diameter: f64) -> Option<(f64, f64)> {
+    let (bulk, own) = (means.around.coordination?, means.contacts);
+    let shape = (diameter + 1.0) * (diameter + 1.0) / (2.0 * 3f64.sqrt());
+    let kappa = bulk.mean / own.mean * shape;
+    let parts = [
+        bulk.standard_error / bulk.mean,
+        own.standard_error / own.mean,
+    ];
+    let relative = (parts[0] * parts[0] + parts[1] * parts[1]).sqrt();
+    (kappa.is_finite() && relative.is_finite()).then_some((kappa, kappa * relative))
+}
+
+pub(super) fn summarise(
+    scenario: &Scenario,
+    plan: &DragPlan,
+    bed: &BedSummary,
+    means: &Means,
+    dragging: &Dragging,
+    sim: &mut Sim,
+) -> Result<RunSummary> {
+    let wrong = |fault| Error::run(&plan.name, plan.steps(), fault);
+    let digest = sim.digest().map_err(wrong)?;
+    let [x, y, _] = scenario.bed.size;
+    let diameter = scenario.beds()[plan.bed].diameter;
+    let weight = bed.packing_fraction * scenario.bed.density * scenario.gravity;
+    let above = weight * (x * y) * (bed.depth + 0.5 * diameter);
+    let ratio = means.drag.mean / above;
+    let around = means.around;
+    let kappa = kappa(means, diameter / scenario.mean_diameter());
+    Ok(RunSummary {
+        name: plan.name.clone(),
+        bed: bed.name.clone(),
+        froude: plan.froude,
+        speed: plan.motion.speed,
+        diameter,
+        depth: bed.depth,
+        distance: plan.distance,
+        steps: plan.steps(),
+        window_start: plan.discard,
+        window_end: plan.distance,
+        window_steps: means.window_steps,
+        drag: means.drag,
+        lift: means.lift,
+        side: means.side,
+        contacts: means.contacts,
+        contact_angle: around.contact_angle,
+        coordination: around.coordination,
+        new_contact_angle: around.new_contact_angle,
+        floating: around.floating,
+        coordination_shares: dragging.record.coordination.shares(),
+        kappa: kappa.map(|k| k.0),
+        kappa_error: kappa.map(|k| k.1),
+        moving: around.moving,
+        drift: around.drift,
+        drag_uncut: means.drag_uncut,
+        plug_ratio: ratio,
+        plug: match scenario.flows() {
+            true => Plug::Sound,
+            false => plug::judge(scenario.law.mu(), ratio, around.drift.map(|d| d.mean)),
+        },
+        flow: means
+            .flow
+            .and_then(|m| flow(scenario, plan, bed, means, &m, dragging, hole(sim))),
+        overlap_max: dragging.record.deepest / scenario.mean_diameter(),
+        energy: dragging.record.energy.last().copied(),
+        chain: dragging.chain.end().to_string(),
+        digest: hex(&digest.whole),
+        digest_parts: PARTS
+            .iter()
+            .zip(digest.parts())
+            .map(|(name, part)| (name.to_string(), hex(part)))
+            .collect(),
+    })
+}

@@ -1,0 +1,393 @@
+//! The keys of a scenario, as TOML names them, and their defaults.
+
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+use crate::series::Columns;
+use bitgrain_sim::law::LawSpec;
+use bitgrain_sim::motion::Moves;
+
+/// A whole experiment: a bed poured round an intruder, and the two moved past each other.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scenario {
+    /// What the run directory is called.
+    pub name: String,
+    /// Which units the numbers are in.
+    pub units: UnitSystem,
+    /// Seed of every random number.
+    #[serde(default)]
+    pub seed: u64,
+    /// Several seeds instead of `seed`: each pours beds of its own.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub seeds: Vec<u64>,
+    /// Acceleration of gravity, along -z.
+    #[serde(default = "one")]
+    pub gravity: f64,
+    /// The bed.
+    pub bed: Bed,
+    /// The contact law; Kumar's by default.
+    #[serde(default = "kumar_law")]
+    pub law: LawSpec,
+    /// What the bed is moved past.
+    pub intruder: Intruder,
+    /// Heavy grains on the bed, for depths beyond its own (Guillard 2014, section III A).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lid: Option<Lid>,
+    /// How they move.
+    pub drag: Drag,
+    /// What is written down.
+    #[serde(default)]
+    pub measure: Measure,
+    /// Where the bed's file is, where the bed comes from one.
+    #[serde(skip)]
+    pub source: Option<PathBuf>,
+}
+
+/// Systems of units.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum UnitSystem {
+    /// Density, mean grain diameter and gravity are 1.
+    Reduced,
+    /// Metres, kilograms, seconds.
+    Si,
+}
+
+/// The bed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Bed {
+    /// A bed of others instead of pouring: a LAMMPS data file or dump, plain or gzip, relative to the
+    /// scenario's file. Its box, grains and intruder give the values of the keys that are left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub file: Option<String>,
+    /// BLAKE3 of that file's text, unpacked: another text under the same name is refused.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hash: Option<String>,
+    /// Lengths along x and y (both periodic) and the height that the settled bed may fill.
+    #[serde(rename = "box")]
+    pub size: [f64; 3],
+    /// Number of grains, the intruder not counted; or give `fill_height`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub grains: Option<usize>,
+    /// Height to fill, from which the number of grains follows at a packing fraction of 0.6.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fill_height: Option<f64>,
+    /// Diameters are uniform between these two.
+    #[serde(default = "kumar_diameters")]
+    pub diameters: [f64; 2],
+    /// Mass density of the grains.
+    #[serde(default = "one")]
+    pub density: f64,
+    /// Grains that settle with their centres below this height are frozen; 0 for none.
+    #[serde(default = "kumar_base")]
+    pub base: f64,
+    /// Whether a plane at z = 0 lies under the base.
+    #[serde(default = "yes")]
+    pub floor: bool,
+    /// How the grains are let fall.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub pouring: Pouring,
+    /// The bed is settled when the kinetic energy per free grain, over its mean weight times the
+    /// mean diameter, falls below this.
+    #[serde(default = "settled")]
+    pub settled: f64,
+    /// Whether all motion is stopped, while the bed settles under more damping, each time the kinetic
+    /// energy passes a maximum: high beds without friction breathe for long. Where it is not said: round a
+    /// cylinder, under a lid and where the bed moves.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub halting: Option<bool>,
+}
+
+/// One value or several.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Several {
+    /// One.
+    One(f64),
+    /// Several, in order.
+    Many(Vec<f64>),
+}
+
+impl<'de> Deserialize<'de> for Several {
+    fn deserialize<D: serde::Deserializer<'de>>(from: D) -> std::result::Result<Self, D::Error> {
+        struct Either;
+        impl<'de> serde::de::Visitor<'de> for Either {
+            type Value = Several;
+            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str("a number or a list of numbers")
+            }
+            fn visit_f64<E>(self, x: f64) -> std::result::Result<Several, E> {
+                Ok(Several::One(x))
+            }
+            fn visit_i64<E>(self, x: i64) -> std::result::Result<Several, E> {
+                Ok(Several::One(x as f64))
+            }
+            fn visit_u64<E>(self, x: u64) -> std::result::Result<Several, E> {
+                Ok(Several::One(x as f64))
+            }
+            fn visit_seq<A: serde::de::SeqAccess<'de>>(
+                self,
+                mut list: A,
+            ) -> std::result::Result<Several, A::Error> {
+                let mut values = Vec::new();
+                while let Some(x) = list.next_element()? {
+                    values.push(x);
+                }
+                Ok(Several::Many(values))
+            }
+        }
+        from.deserialize_any(Either)
+    }
+}
+
+impl Several {
+    /// The values in order.
+    pub fn values(&self) -> Vec<f64> {
+        match self {
+            Several::One(x) => vec![*x],
+            Several::Many(xs) => xs.clone(),
+        }
+    }
+}
+
+/// How the grains of a poured bed are let fall.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Pouring {
+    /// All at once, round the intruder in its place (Kumar 2018, section II).
+    #[default]
+    AtOnce,
+    /// Up to the intruder's lowest point first; the intruder is put in when they lie, and the rest
+    /// poured over it (Guillard 2014, section III A).
+    InTurn,
+}
+
+/// What the bed is moved past. It starts in the middle of the box.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Intruder {
+    /// A sphere, or a bar along y.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub shape: Shape,
+    /// Diameter; several make several beds.
+    pub diameter: Several,
+    /// Mass density of a sphere, as it enters the effective mass of its contacts; a cylinder counts
+    /// as a wall and has none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub density: Option<f64>,
+    /// Height of its centre above z = 0; or give `depth`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub height: Option<Several>,
+    /// Depth of its centre below the free surface expected at a packing fraction of 0.6; the depth
+    /// in the settled bed is measured. Each depth gets a bed of its own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub depth: Option<Several>,
+    /// Speeds along x; or give `froude`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub speed: Option<Several>,
+    /// Froude numbers 2 V sqrt(2 D/g)/(D + d).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub froude: Option<Several>,
+}
+
+/// What an intruder is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Shape {
+    /// A ball.
+    #[default]
+    Sphere,
+    /// An endless round bar along y.
+    Cylinder,
+}
+
+/// A monolayer of heavy grains, a square lattice of the mean diameter, on top of the settled bed: free
+/// vertically, carried horizontally with the bed (Guillard 2014, section III A).
+///
+/// Give `effective_depth` or `density`; several make several beds.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Lid {
+    /// Effective depths `h + (pi d/6)(rho_lid/rho)` of the intruder's centre; the density of the lid
+    /// follows from what is measured on the poured bed. The one that is the bed's own depth, to half
+    /// a grain, needs no lid.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub effective_depth: Option<Several>,
+    /// Mass densities of the lid's grains.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub density: Option<Several>,
+    /// Whether the bed below the lid has weight.
+    #[serde(default)]
+    pub pressure_gradient: Gradient,
+}
+
+/// Whether gravity acts on the bed or on its lid alone.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Gradient {
+    /// On all grains: the pressure grows with depth.
+    #[default]
+    With,
+    /// On the lid alone, once the bed is poured: the same pressure everywhere.
+    Without,
+    /// A bed of each kind.
+    Both,
+}
+
+/// The drag.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Drag {
+    /// Time step, also of the pouring.
+    pub dt: f64,
+    /// Which of the two moves along x.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub moves: Moves,
+    /// Travel of the intruder through the bed: one for all speeds, or one for each.
+    pub distance: Several,
+    /// Whether the travel may go beyond one box length, where the intruder is in its own wake.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub own_wake: bool,
+    /// Travel left out of the averages [default: the larger of D and a tenth of the distance; for a
+    /// cylinder 2 D].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub discard: Option<f64>,
+    /// Whether the contacts keep their histories as the drag begins; those of a bed from a file have
+    /// none.
+    #[serde(default)]
+    pub history: History,
+}
+
+/// Tangential springs of the settled bed as the drag begins.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum History {
+    /// They stay.
+    #[default]
+    Kept,
+    /// They are emptied, and the forces evaluated anew before the intruder takes on its speed: how
+    /// LAMMPS begins a run from a data file.
+    Empty,
+}
+
+/// What is written down.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Measure {
+    /// Steps between rows of the force series.
+    #[serde(default = "hundred")]
+    pub every: u64,
+    /// Whether the series holds the torque on the intruder.
+    #[serde(default = "yes")]
+    pub torque: bool,
+    /// Whether it holds the number of grains that touch the intruder, their mean angle and the
+    /// coordination number near it.
+    #[serde(default = "yes")]
+    pub contacts: bool,
+    /// Snapshots of each drag, evenly spaced, the last at its end; 0 for none.
+    #[serde(default = "two")]
+    pub snapshots: u64,
+    /// Whether the energy of each drag is accounted for, at three times its cost.
+    #[serde(default)]
+    pub energy: bool,
+    /// Whether LAMMPS files, the beds' and the snapshots', are packed with gzip.
+    #[serde(default)]
+    pub gzip: bool,
+    /// Checkpoints that are kept of each drag, evenly spaced, the last at its end.
+    #[serde(default = "four")]
+    pub checkpoints: u64,
+    /// Steps between links of each drag's chain of digests (a bed's has one every 1,000 steps).
+    #[serde(default = "thousand")]
+    pub digest_every: u64,
+    /// Fields of velocity and stress round the intruder, and the load on a cylinder by angle.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fields: Option<FieldsAsked>,
+}
+
+/// Continuous fields by coarse-graining, averaged over the steady state (Guillard 2014, appendix A).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FieldsAsked {
+    /// Points along x, y and z, the paper's by default; each in the middle of its cell of `bed.box`.
+    #[serde(default = "paper")]
+    pub grid: [usize; 3],
+    /// Radius R of the averaging window about each point [default: the mean diameter].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub window: Option<f64>,
+    /// Steps between samples [default: those of a tenth of a mean diameter of travel].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub every: Option<u64>,
+}
+
+fn paper() -> [usize; 3] {
+    [120, 3, 120]
+}
+
+impl Measure {
+    /// Columns of the force series.
+    pub fn columns(&self) -> Columns {
+        Columns {
+            torque: self.torque,
+            contacts: self.contacts,
+        }
+    }
+}
+
+impl Default for Measure {
+    fn default() -> Self {
+        Self {
+            every: hundred(),
+            torque: true,
+            contacts: true,
+            snapshots: two(),
+            energy: false,
+            gzip: false,
+            checkpoints: four(),
+            digest_every: thousand(),
+            fields: None,
+        }
+    }
+}
+
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+fn one() -> f64 {
+    1.0
+}
+fn yes() -> bool {
+    true
+}
+fn two() -> u64 {
+    2
+}
+fn four() -> u64 {
+    4
+}
+fn thousand() -> u64 {
+    1000
+}
+fn hundred() -> u64 {
+    100
+}
+fn settled() -> f64 {
+    1e-6
+}
+fn kumar_diameters() -> [f64; 2] {
+    [0.9, 1.1]
+}
+fn kumar_base() -> f64 {
+    0.6
+}
+pub(super) fn kumar_law() -> LawSpec {
+    LawSpec::HertzHistory {
+        kn: 2e8,
+        kt: 2.45e8,
+        gamma_n: 5e4,
+        gamma_t: 5e4,
+        mu: 0.5,
+    }
+}

@@ -1,0 +1,245 @@
+//! Scenarios: what a user asks for, as TOML, with the papers' values as defaults.
+
+use std::path::Path;
+
+mod check;
+mod fields;
+mod guard;
+mod keys;
+mod limits;
+mod plan;
+mod refusal;
+mod rig;
+pub mod source;
+
+pub use keys::{
+    Bed, Drag, FieldsAsked, Gradient, History, Intruder, Lid, Measure, Pouring, Scenario, Several,
+    Shape, UnitSystem,
+};
+pub use plan::{BedPlan, DragPlan, LidPlan, PACKING_GUESS};
+pub use rig::{BULK_FRICTION, DRAG_COEFFICIENT};
+
+use crate::parse_errors::{teach, wrong_toml};
+use bitgrain_sim::disk;
+use bitgrain_sim::error::{Error, Result};
+use keys::kumar_law;
+
+/// Names and texts of the scenarios that ship with the program.
+pub const SHIPPED: [(&str, &str); 6] = [
+    ("quick", include_str!("../../scenarios/quick.toml")),
+    (
+        "kumar-system-1",
+        include_str!("../../scenarios/kumar-system-1.toml"),
+    ),
+    (
+        "kumar-system-2",
+        include_str!("../../scenarios/kumar-system-2.toml"),
+    ),
+    (
+        "guillard-small",
+        include_str!("../../scenarios/guillard-small.toml"),
+    ),
+    (
+        "guillard-medium",
+        include_str!("../../scenarios/guillard-medium.toml"),
+    ),
+    (
+        "guillard-2014",
+        include_str!("../../scenarios/guillard-2014.toml"),
+    ),
+];
+
+/// Loads a scenario by the name of a shipped one or the path of a file, changes keys as `sets` say
+/// (`key.subkey=value`), and checks it.
+///
+/// # Errors
+/// [`Error::Input`] with line or key, what was expected and the nearest valid key.
+pub fn load(name: &str, sets: &[String]) -> Result<Scenario> {
+    if let Some((key, text)) = SHIPPED.iter().find(|(key, _)| *key == name) {
+        return parse(text, &format!("{key} (shipped)"), sets, Path::new(""));
+    }
+    let path = Path::new(name);
+    if !disk::is_there(path) && path.extension().is_none() {
+        return Err(unknown_name(name));
+    }
+    let text = bitgrain_sim::files::read_text(path)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    parse(&text, &path.display().to_string(), sets, folder)
+}
+
+/// The text of a new scenario of this name: the quick one, with every key and a comment on it.
+pub fn template(name: &str) -> String {
+    let (_, quick) = SHIPPED[0];
+    let from = quick.find("name = ").expect("a scenario has a name");
+    let rest = quick[from..].replacen("\"quick\"", &format!("\"{name}\""), 1);
+    format!(
+        "# A bed of soft grains and a sphere that is dragged through it. Lines that begin with `##` show the\n\
+         # other keys and their defaults; the guide says more of each in its chapter Scenarios.\n\n{rest}"
+    )
+}
+
+fn unknown_name(name: &str) -> Error {
+    let names: Vec<&str> = SHIPPED.iter().map(|(key, _)| *key).collect();
+    let nearest = names
+        .iter()
+        .min_by_key(|key| strsim::damerau_levenshtein(key, name))
+        .filter(|key| strsim::damerau_levenshtein(key, name) <= 1 + name.len() / 3);
+    let ask = nearest.map_or(String::new(), |key| format!("; did you mean `{key}`?"));
+    Error::input(
+        name,
+        format!(
+            "no such scenario; shipped are {}, or give a TOML file{ask}",
+            names.join(", ")
+        ),
+    )
+}
+
+/// Parses and checks the text of a scenario; `place` is what errors call it, and `folder` is where a
+/// bed's file is looked for.
+///
+/// # Errors
+/// As [`load`].
+pub fn parse(text: &str, place: &str, sets: &[String], folder: &Path) -> Result<Scenario> {
+    let from_file = |e: toml::de::Error| wrong_toml(place, text, &e);
+    let alone = toml::from_str::<Scenario>(text);
+    let mut table: toml::Table = toml::from_str(text).map_err(from_file)?;
+    for set in sets {
+        apply(&mut table, set)?;
+    }
+    // A file named on the command line lies where the command was given.
+    let key = |set: &String| {
+        set.split('=')
+            .next()
+            .is_some_and(|key| key.trim() == "bed.file")
+    };
+    let named = sets.iter().any(key);
+    let folder = if named { Path::new("") } else { folder };
+    let source = source::fill_in(&mut table, place, folder)?;
+    refuse_reduced_defaults(&table, place)?;
+    let mut scenario = if sets.is_empty() && source.is_none() {
+        alone.map_err(from_file)?
+    } else {
+        let together = serde_path_to_error::deserialize(toml::Value::Table(table));
+        match (together, alone) {
+            (Ok(scenario), _) => scenario,
+            // A file that is wrong by itself is told with its line.
+            (Err(_), Err(own)) if source.is_none() => return Err(from_file(own)),
+            (Err(e), _) => {
+                let with = if sets.is_empty() { "" } else { " with --set" };
+                let at = format!("{place}{with}: `{}`", e.path());
+                return Err(Error::input(at, teach(e.inner().message())));
+            }
+        }
+    };
+    scenario.source = source;
+    if scenario.intruder.shape == Shape::Sphere && scenario.intruder.density.is_none() {
+        scenario.intruder.density = Some(1.0);
+    }
+    scenario
+        .check()
+        .map_err(|(key, problem)| Error::input(format!("{place}: `{key}`"), problem))?;
+    Ok(scenario)
+}
+
+/// The defaults are the paper's, in reduced units: in SI units every one of them must be given.
+fn refuse_reduced_defaults(table: &toml::Table, place: &str) -> Result<()> {
+    if table.get("units").and_then(toml::Value::as_str) != Some("si") {
+        return Ok(());
+    }
+    let shape = table.get("intruder").and_then(|i| i.get("shape"));
+    let sphere = shape.is_none_or(|shape| shape.as_str() == Some("sphere"));
+    let needed = [
+        "gravity",
+        "law",
+        "bed.density",
+        "bed.diameters",
+        "bed.base",
+        "intruder.density",
+    ];
+    // A cylinder has no density, and of what is neither more will be said.
+    let needed = &needed[..needed.len() - usize::from(!sphere)];
+    for &key in needed {
+        let found = match key.split_once('.') {
+            None => table.get(key),
+            Some((outer, inner)) => table.get(outer).and_then(|t| t.get(inner)),
+        };
+        if found.is_none() {
+            return Err(Error::input(
+                format!("{place}: `{key}`"),
+                "is missing; its default is in reduced units, so with units = \"si\" give it",
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// Most parts of a key: tables in tables without end would be more than can be taken apart again.
+const DEEPEST: usize = 8;
+
+/// Changes a key of a scenario, as `key.subkey=value` says.
+///
+/// # Errors
+/// [`Error::Input`] where it is no such pair.
+pub(crate) fn apply(table: &mut toml::Table, set: &str) -> Result<()> {
+    let place = || format!("--set {set}");
+    let Some((key, text)) = set.split_once('=') else {
+        return Err(Error::input(
+            place(),
+            "expected key=value, as in law.mu=0.3",
+        ));
+    };
+    let parsed: Option<toml::Table> = toml::from_str(&format!("value = {text}")).ok();
+    let value = parsed
+        .and_then(|mut t| t.remove("value"))
+        .unwrap_or_else(|| toml::Value::String(text.to_string()));
+    let words: Vec<&str> = key.split('.').map(str::trim).collect();
+    if words.len() > DEEPEST {
+        let problem = format!("names a key of {} parts; expected key.subkey", words.len());
+        return Err(Error::input(place(), problem));
+    }
+    if text.contains('\n') {
+        return Err(Error::input(
+            place(),
+            "holds more than one line; expected one value",
+        ));
+    }
+    if words == ["law", "kind"]
+        && let Some(toml::Value::Table(law)) = table.get_mut("law")
+        && law.get("kind") != Some(&value)
+    {
+        // Another law has other keys: only friction is common to all.
+        law.retain(|key, _| key == "mu");
+    }
+    if words[0] == "law" && !table.contains_key("law") {
+        // One key of the law that is the default: the others come with it.
+        let law = toml::Table::try_from(kumar_law()).expect("a law is a table of numbers");
+        table.insert("law".into(), toml::Value::Table(law));
+    }
+    let mut at = table;
+    for word in &words[..words.len() - 1] {
+        let next = at
+            .entry(word.to_string())
+            .or_insert_with(|| toml::Value::Table(toml::Table::new()));
+        let toml::Value::Table(inner) = next else {
+            return Err(Error::input(place(), format!("`{word}` is not a table")));
+        };
+        at = inner;
+    }
+    let last = words[words.len() - 1];
+    // One of two spellings replaces the other: asking for speeds drops the Froude numbers.
+    for (a, b) in [
+        ("speed", "froude"),
+        ("height", "depth"),
+        ("grains", "fill_height"),
+        ("seed", "seeds"),
+        ("effective_depth", "density"),
+    ] {
+        if last == a {
+            at.remove(b);
+        } else if last == b {
+            at.remove(a);
+        }
+    }
+    at.insert(last.to_string(), value);
+    Ok(())
+}

@@ -1,0 +1,421 @@
+//! What a scenario amounts to: units, numbers of grains, beds to pour and drags to run.
+
+use serde::{Deserialize, Serialize};
+
+use super::limits::STEADY;
+use super::{Gradient, History, Scenario, Several, Shape, UnitSystem};
+use bitgrain_sim::fields::Sampling;
+use bitgrain_sim::motion::{Motion, Moves};
+use bitgrain_sim::units::Units;
+
+/// Most steps of one drag: a guard against a slip of the pen, a year on one core.
+pub(super) const STEPS_MAX: u64 = 1_000_000_000_000;
+
+/// Packing fraction that plans assume before a bed has been poured.
+pub const PACKING_GUESS: f64 = 0.6;
+
+/// A bed to make: its intruder, its lid, its seed and its name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BedPlan {
+    /// Name of the bed and its files.
+    pub name: String,
+    /// Centre of the intruder.
+    pub center: [f64; 3],
+    /// Its diameter.
+    pub diameter: f64,
+    /// Seed of every random number.
+    pub seed: u64,
+    /// What is put on top of the poured bed.
+    pub lid: Option<LidPlan>,
+}
+
+impl BedPlan {
+    /// The bed below the lid of this one.
+    #[must_use]
+    pub fn bare(&self) -> Self {
+        Self {
+            name: format!("{}-bare", self.name),
+            lid: None,
+            ..self.clone()
+        }
+    }
+}
+
+/// A lid to put on a bed. One of the two numbers is given.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LidPlan {
+    /// Effective depth that the lid is to give the intruder's centre.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub effective_depth: Option<f64>,
+    /// Mass density of its grains.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub density: Option<f64>,
+    /// Whether the bed below it keeps its weight.
+    pub pressure_gradient: bool,
+}
+
+/// One drag to run in a bed: all that is needed to do it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DragPlan {
+    /// Name of the drag and its folder.
+    pub name: String,
+    /// Digest of everything that shapes it: [`Scenario::key`].
+    pub key: String,
+    /// Place of its bed among the bed plans.
+    pub bed: usize,
+    /// How intruder and bed move past each other, and over which steps means are taken.
+    pub motion: Motion,
+    /// Froude number of the speed.
+    pub froude: f64,
+    /// Travel.
+    pub distance: f64,
+    /// Travel at which averaging begins.
+    pub discard: f64,
+    /// Tangential springs of the settled bed as it begins.
+    pub history: History,
+    /// Steps between rows of the force series.
+    pub every: u64,
+    /// Steps between links of its chain of digests.
+    pub digest_every: u64,
+    /// Whether its energy is accounted for.
+    pub energy: bool,
+    /// Whether the flow of its bed is measured too.
+    pub flows: bool,
+    /// Fields that are averaged on the way.
+    pub fields: Option<Sampling>,
+    /// Steps after which a snapshot is taken, ascending.
+    pub snapshots: Vec<u64>,
+    /// Steps after which a checkpoint is kept, ascending; the last is the last step.
+    pub checkpoints: Vec<u64>,
+    /// Steps of its frames, ascending: of a moving picture, or the panel's alone.
+    pub frames: Vec<u64>,
+    /// Step of the frame at the travel at which all drags of the scenario are compared.
+    pub panel: u64,
+}
+
+impl DragPlan {
+    /// Steps of the whole drag.
+    pub fn steps(&self) -> u64 {
+        self.motion.steps()
+    }
+
+    /// Steps that are averaged.
+    pub fn averaged(&self) -> u64 {
+        let [first, last] = self.motion.window;
+        (last + 1).saturating_sub(first)
+    }
+}
+
+/// Frames of a drag, and the most travel from one to the next in mean diameters: what moves further jumps.
+const FRAMES: u64 = 60;
+const FRAME: f64 = 0.25;
+
+/// The last of `steps` steps and others before it, so many in all, evenly spaced.
+fn evenly(steps: u64, count: u64) -> Vec<u64> {
+    let share = |k: u64| (u128::from(steps) * u128::from(k)).div_ceil(count.into());
+    let mut chosen: Vec<u64> = (1..=count).map(|k| share(k) as u64).collect();
+    chosen.dedup();
+    chosen.retain(|step| *step > 0);
+    chosen
+}
+
+impl Scenario {
+    /// Digest of everything that shapes a run of this scenario, wherever the file of its bed lies.
+    pub fn key(&self, run: &str) -> String {
+        let mut inputs = self.clone();
+        // Its content has a digest among the inputs.
+        inputs.bed.file = inputs.bed.file.map(|_| String::new());
+        let text = format!("{run}\n{}", inputs.to_toml());
+        bitgrain_sim::sim::hex(blake3::hash(text.as_bytes()).as_bytes())
+    }
+
+    /// The resolved scenario as TOML, every default written out.
+    pub fn to_toml(&self) -> String {
+        toml::to_string(self).expect("a scenario has only string keys and finite numbers")
+    }
+
+    /// Mean grain diameter.
+    pub fn mean_diameter(&self) -> f64 {
+        0.5 * (self.bed.diameters[0] + self.bed.diameters[1])
+    }
+
+    /// What one unit of each kind of number stands for.
+    pub fn units(&self) -> Units {
+        match self.units {
+            UnitSystem::Reduced => Units::reduced(),
+            UnitSystem::Si => Units::si(),
+        }
+    }
+
+    /// Mean volume of a grain: the mean of pi/6 diameter^3 over the uniform distribution.
+    fn mean_volume(&self) -> f64 {
+        let [a, b] = self.bed.diameters;
+        std::f64::consts::PI / 6.0 * 0.25 * (a + b) * (a * a + b * b)
+    }
+
+    /// Whether the bed's flow is measured too: round a cylinder, under a lid, and where it moves.
+    pub fn flows(&self) -> bool {
+        let sphere = self.intruder.shape == Shape::Sphere;
+        !sphere || self.lid.is_some() || self.drag.moves == Moves::Bed
+    }
+
+    /// Volume of an intruder of this diameter in the box.
+    pub fn intruder_volume(&self, diameter: f64) -> f64 {
+        match self.intruder.shape {
+            Shape::Sphere => bitgrain_sim::sim::sphere_mass(diameter, 1.0),
+            Shape::Cylinder => std::f64::consts::PI / 4.0 * diameter * diameter * self.bed.size[1],
+        }
+    }
+
+    /// Number of grains round an intruder of this diameter, given or from the fill height.
+    pub fn grain_count(&self, diameter: f64) -> usize {
+        match (self.bed.grains, self.bed.fill_height) {
+            (Some(n), _) => n,
+            (None, Some(height)) => self.filling(height, self.intruder_volume(diameter)),
+            (None, None) => 0,
+        }
+    }
+
+    /// How many grains fill the box to this height at the packing fraction that plans assume, but for
+    /// the volume of an obstacle.
+    pub(crate) fn filling(&self, height: f64, obstacle: f64) -> usize {
+        let [x, y, _] = self.bed.size;
+        ((x * y * height - obstacle) * PACKING_GUESS / self.mean_volume()) as usize
+    }
+
+    /// Height of the free surface expected at a packing fraction of 0.6.
+    pub fn expected_surface(&self, diameter: f64) -> f64 {
+        let [x, y, _] = self.bed.size;
+        let grains = self.grain_count(diameter) as f64;
+        let ball = self.intruder_volume(diameter);
+        (grains * self.mean_volume() / PACKING_GUESS + ball) / (x * y)
+    }
+
+    /// Effective depth that a lid of this density adds: `(pi d/6)(rho_lid/rho)` (Guillard 2014,
+    /// section III A); `bulk_density` is `rho = phi rho_g`.
+    pub fn lid_depth(&self, lid_density: f64, bulk_density: f64) -> f64 {
+        std::f64::consts::PI * self.mean_diameter() / 6.0 * (lid_density / bulk_density)
+    }
+
+    /// Grains of the lid's square lattice along x and y.
+    pub fn lid_sites(&self) -> [usize; 2] {
+        let d = self.mean_diameter();
+        [self.bed.size[0], self.bed.size[1]].map(|length| (length / d).round() as usize)
+    }
+
+    /// Froude number of a speed: 2 V sqrt(2 D/g)/(D + d) (Kumar 2018, eq. 4).
+    pub fn froude(&self, speed: f64, diameter: f64) -> f64 {
+        2.0 * speed * self.fall_time(diameter) / (diameter + self.mean_diameter())
+    }
+
+    fn fall_time(&self, diameter: f64) -> f64 {
+        (2.0 * diameter / self.gravity).sqrt()
+    }
+
+    /// Heights of the centre of an intruder of this diameter.
+    pub(super) fn heights(&self, diameter: f64) -> Vec<f64> {
+        match (&self.intruder.height, &self.intruder.depth) {
+            (Some(heights), _) => heights.values(),
+            (None, Some(depths)) => {
+                let surface = self.expected_surface(diameter);
+                depths.values().iter().map(|h| surface - h).collect()
+            }
+            (None, None) => vec![],
+        }
+    }
+
+    /// Speeds with their Froude numbers, whichever of the two was given kept as it is.
+    pub(super) fn speeds(&self, diameter: f64) -> Vec<(f64, f64)> {
+        match (&self.intruder.speed, &self.intruder.froude) {
+            (Some(speeds), _) => speeds
+                .values()
+                .iter()
+                .map(|&v| (v, self.froude(v, diameter)))
+                .collect(),
+            (None, Some(numbers)) => {
+                let width = diameter + self.mean_diameter();
+                let per_froude = width / (2.0 * self.fall_time(diameter));
+                numbers
+                    .values()
+                    .iter()
+                    .map(|&fr| (fr * per_froude, fr))
+                    .collect()
+            }
+            (None, None) => vec![],
+        }
+    }
+
+    /// The seeds, one or several.
+    pub fn all_seeds(&self) -> Vec<u64> {
+        if self.seeds.is_empty() {
+            vec![self.seed]
+        } else {
+            self.seeds.clone()
+        }
+    }
+
+    /// What is put on top of a bed whose intruder is this deep, by effective depth and then with the
+    /// pressure gradient first.
+    pub(super) fn lids(&self, depth: f64) -> Vec<Option<LidPlan>> {
+        let Some(lid) = &self.lid else {
+            return vec![None];
+        };
+        let list = |key: &Option<Several>| key.as_ref().map_or(vec![], Several::values);
+        let deep = list(&lid.effective_depth);
+        let dense = list(&lid.density);
+        let asked = deep.iter().map(|&h| (Some(h), None));
+        let asked = asked.chain(dense.iter().map(|&rho| (None, Some(rho))));
+        let gradients: &[bool] = match lid.pressure_gradient {
+            Gradient::With => &[true],
+            Gradient::Without => &[false],
+            Gradient::Both => &[true, false],
+        };
+        let mut lids = Vec::new();
+        for (effective_depth, density) in asked {
+            for &pressure_gradient in gradients {
+                // At the bed's own depth its own weight does.
+                let bare = pressure_gradient
+                    && effective_depth
+                        .is_some_and(|h| (h - depth).abs() <= 0.5 * self.mean_diameter());
+                lids.push((!bare).then_some(LidPlan {
+                    effective_depth,
+                    density,
+                    pressure_gradient,
+                }));
+            }
+        }
+        lids
+    }
+
+    /// The beds to make, by diameter, height, lid and seed.
+    pub fn beds(&self) -> Vec<BedPlan> {
+        let [x, y, _] = self.bed.size;
+        let mut beds = Vec::new();
+        for diameter in self.intruder.diameter.values() {
+            for z in self.heights(diameter) {
+                for lid in self.lids(self.expected_surface(diameter) - z) {
+                    for seed in self.all_seeds() {
+                        beds.push(BedPlan {
+                            name: format!("bed-{}", beds.len() + 1),
+                            center: [0.5 * x, 0.5 * y, z],
+                            diameter,
+                            seed,
+                            lid,
+                        });
+                    }
+                }
+            }
+        }
+        if let [one] = &mut beds[..] {
+            one.name = "bed".into();
+        }
+        beds
+    }
+
+    /// The beds to pour, each once: those without a lid, and what lies below the lids of the others. A
+    /// bed that only lies below lids is named after them.
+    pub fn bare_beds(&self) -> Vec<BedPlan> {
+        let (mut bare, covered): (Vec<BedPlan>, Vec<BedPlan>) =
+            self.beds().into_iter().partition(|plan| plan.lid.is_none());
+        for plan in covered {
+            let below = plan.bare();
+            let same = |other: &BedPlan| {
+                let named = BedPlan {
+                    name: below.name.clone(),
+                    ..other.clone()
+                };
+                named == below
+            };
+            if !bare.iter().any(same) {
+                bare.push(below);
+            }
+        }
+        bare
+    }
+
+    /// The drags to run, by bed and then speed.
+    pub fn runs(&self) -> Vec<DragPlan> {
+        let (beds, distances) = (self.beds(), self.drag.distance.values());
+        let mut runs = Vec::new();
+        for (bed, plan) in beds.iter().enumerate() {
+            let speeds = self.speeds(plan.diameter);
+            for (k, &(speed, froude)) in speeds.iter().enumerate() {
+                let distance = distances[if distances.len() == 1 { 0 } else { k }];
+                let run = format!("run-{}", k + 1);
+                let name = if beds.len() == 1 {
+                    run
+                } else {
+                    format!("{}-{run}", plan.name)
+                };
+                let default = self.default_discard(plan.diameter, distance);
+                let steps = (distance / (speed * self.drag.dt)).round() as u64;
+                let discard = self.drag.discard.unwrap_or(default);
+                let motion = Motion {
+                    moves: self.drag.moves,
+                    speed,
+                    dt: self.drag.dt,
+                    grain_diameter: self.mean_diameter(),
+                    window: [steps, steps],
+                };
+                // Of a drag without end, which is refused, nothing is counted step by step.
+                let sane = steps <= STEPS_MAX && (speed * self.drag.dt).is_normal();
+                let motion = match sane {
+                    true => motion.averaged_beyond(discard, steps),
+                    false => motion,
+                };
+                runs.push(DragPlan {
+                    key: self.key(&name),
+                    name,
+                    bed,
+                    motion,
+                    froude,
+                    distance,
+                    discard,
+                    history: self.drag.history,
+                    every: self.measure.every,
+                    digest_every: self.measure.digest_every,
+                    energy: self.measure.energy,
+                    flows: self.flows(),
+                    fields: self.fields_sampling(speed),
+                    snapshots: evenly(steps, self.measure.snapshots),
+                    checkpoints: evenly(steps, self.measure.checkpoints),
+                    frames: Vec::new(),
+                    panel: 0,
+                });
+            }
+        }
+        self.plan_frames(&mut runs);
+        runs
+    }
+
+    /// Where frames are taken: of each drag at one travel, and of the first, the middle and the last, which
+    /// show the range, many of a travel that a moving picture can show.
+    fn plan_frames(&self, runs: &mut [DragPlan]) {
+        let most = FRAMES as f64 * FRAME * self.mean_diameter();
+        let common = runs.iter().map(|run| 0.5 * run.distance);
+        let common = common.fold(most, f64::min);
+        let last = runs.len().saturating_sub(1);
+        for (k, run) in runs.iter_mut().enumerate() {
+            let (steps, distance) = (run.steps() as f64, run.distance);
+            let step = |travel: f64| (steps * (travel / distance).min(1.0)) as u64;
+            run.panel = step(common).max(1);
+            if [0, last / 2, last].contains(&k) {
+                run.frames = evenly(step(most), FRAMES);
+            }
+            if let Err(place) = run.frames.binary_search(&run.panel) {
+                run.frames.insert(place, run.panel);
+            }
+        }
+    }
+
+    /// Travel left out of the averages where the scenario does not say: the larger of D and a tenth
+    /// of the distance; for a cylinder 2 D (Guillard 2014, section III A).
+    fn default_discard(&self, diameter: f64, distance: f64) -> f64 {
+        match self.intruder.shape {
+            Shape::Cylinder => STEADY * diameter,
+            Shape::Sphere if 0.1 * distance > diameter => 0.1 * distance,
+            Shape::Sphere => diameter,
+        }
+    }
+}

@@ -1,0 +1,280 @@
+//! What is refused of a summary that was read: whatever could not be of a run of its own inputs.
+//!
+//! Numbers are finite already, for JSON has no others.
+
+use bitgrain_kernel::PARTS;
+
+use super::record::{BedSummary, Flow, Rig, RunRecord, RunSummary, Summary};
+use crate::scenario::{BedPlan, DragPlan, Scenario};
+use bitgrain_sim::blocks::Mean;
+use bitgrain_sim::fields::load::{self, Load, POINTS};
+use bitgrain_sim::units::Units;
+
+/// Nothing, or the key that is wrong and what is wrong with it.
+type Check = Result<(), (String, String)>;
+
+/// Largest relative difference at which two numbers are one: other programs may write fewer digits.
+const SAME: f64 = 1e-9;
+
+/// Longest of the words that a summary says of itself, in bytes.
+const WORDS_MAX: usize = 1000;
+
+/// Most numbers of contacts that shares are counted of: no grain has so many neighbours.
+const SHARES_MAX: usize = 1000;
+
+/// Digits of a digest in hex.
+const DIGITS: usize = 64;
+
+fn refuse(key: impl Into<String>, problem: impl Into<String>) -> Check {
+    Err((key.into(), problem.into()))
+}
+
+impl Summary {
+    /// Whether it can be the summary of a run of its own inputs.
+    ///
+    /// # Errors
+    /// The key that is wrong, and what is wrong with it.
+    pub(super) fn check(&self) -> Check {
+        check_head(&self.version, &self.standard_error_method)?;
+        check_inputs(&self.inputs, &self.units)?;
+        if self.scenario != self.inputs.name {
+            let problem = format!("is not `{}`, as the inputs say", self.inputs.name);
+            return refuse("scenario", problem);
+        }
+        let beds = self.inputs.beds();
+        let runs = self.inputs.runs();
+        // Longer lists hold something twice, and need not be compared.
+        for (key, given, planned) in [
+            ("beds", self.beds.len(), beds.len()),
+            ("runs", self.runs.len(), runs.len()),
+        ] {
+            if given == 0 || given > planned {
+                let problem = format!("holds {given}; the inputs plan {planned}");
+                return refuse(key, problem);
+            }
+        }
+        for (k, bed) in self.beds.iter().enumerate() {
+            let at = format!("beds[{k}]");
+            if self.beds[..k].iter().any(|other| other.name == bed.name) {
+                return refuse(format!("{at}.name"), "is there twice");
+            }
+            check_bed(bed, &beds, &self.inputs, &at)?;
+        }
+        for (k, run) in self.runs.iter().enumerate() {
+            let at = format!("runs[{k}]");
+            if self.runs[..k].iter().any(|other| other.name == run.name) {
+                return refuse(format!("{at}.name"), "is there twice");
+            }
+            let Some(bed) = self.beds.iter().find(|bed| bed.name == run.bed) else {
+                return refuse(format!("{at}.bed"), "is none of the beds in this file");
+            };
+            check_run(run, bed, (&beds, &runs), &self.inputs, &at)?;
+        }
+        Ok(())
+    }
+}
+
+impl RunRecord {
+    /// Whether it can be the summary of a drag of its own inputs.
+    ///
+    /// # Errors
+    /// As [`Summary::check`].
+    pub(super) fn check(&self) -> Check {
+        check_head(&self.version, &self.standard_error_method)?;
+        check_inputs(&self.inputs, &self.units)?;
+        let plans = (&self.inputs.beds()[..], &self.inputs.runs()[..]);
+        check_bed(&self.bed, plans.0, &self.inputs, "bed")?;
+        if self.run.bed != self.bed.name {
+            let problem = format!("is not `{}`, the bed in this file", self.bed.name);
+            return refuse("run.bed", problem);
+        }
+        check_run(&self.run, &self.bed, plans, &self.inputs, "run")
+    }
+}
+
+fn check_head(version: &str, method: &str) -> Check {
+    for (key, words) in [("version", version), ("standard_error_method", method)] {
+        if words.len() > WORDS_MAX || words.chars().any(char::is_control) {
+            let problem = format!("expected a line of at most {WORDS_MAX} bytes");
+            return refuse(key, problem);
+        }
+    }
+    Ok(())
+}
+
+fn check_inputs(inputs: &Scenario, units: &Units) -> Check {
+    inputs
+        .check_resolved()
+        .map_err(|(key, problem)| (format!("inputs.{key}"), problem))?;
+    if *units != inputs.units() {
+        return refuse("units", "are not those of the inputs");
+    }
+    Ok(())
+}
+
+/// A number that is not the one the inputs come to.
+fn same(key: String, given: f64, planned: f64) -> Check {
+    if (given - planned).abs() <= SAME * planned.abs() {
+        return Ok(());
+    }
+    refuse(key, format!("is {given}, but the inputs come to {planned}"))
+}
+
+/// A digest in hex; an empty one where files of before had none.
+fn digest(key: String, text: &str, may_be_empty: bool) -> Check {
+    let digits =
+        text.len() == DIGITS && text.bytes().all(|c| matches!(c, b'0'..=b'9' | b'a'..=b'f'));
+    if digits || may_be_empty && text.is_empty() {
+        return Ok(());
+    }
+    refuse(key, format!("is no digest; expected {DIGITS} hex digits"))
+}
+
+fn check_bed(bed: &BedSummary, plans: &[BedPlan], inputs: &Scenario, at: &str) -> Check {
+    let Some(plan) = plans.iter().find(|plan| plan.name == bed.name) else {
+        return refuse(format!("{at}.name"), "is no bed that the inputs plan");
+    };
+    if bed.frozen > bed.grains {
+        let problem = format!("is {}, of {} grains", bed.frozen, bed.grains);
+        return refuse(format!("{at}.frozen"), problem);
+    }
+    digest(format!("{at}.digest"), &bed.digest, false)?;
+    digest(format!("{at}.chain"), &bed.chain, true)?;
+    match (&bed.rig, inputs.flows()) {
+        (Some(rig), true) => check_rig(rig, plan, &format!("{at}.rig")),
+        (None, false) => Ok(()),
+        (Some(_), false) => refuse(
+            format!("{at}.rig"),
+            "is there, but no bed of these inputs flows",
+        ),
+        (None, true) => refuse(format!("{at}.rig"), "is missing, and the bed flows"),
+    }
+}
+
+fn check_rig(rig: &Rig, plan: &BedPlan, at: &str) -> Check {
+    if rig.seed != plan.seed {
+        let problem = format!("is {}, but the inputs come to {}", rig.seed, plan.seed);
+        return refuse(format!("{at}.seed"), problem);
+    }
+    same(format!("{at}.diameter"), rig.diameter, plan.diameter)
+}
+
+fn check_run(
+    run: &RunSummary,
+    bed: &BedSummary,
+    (beds, runs): (&[BedPlan], &[DragPlan]),
+    inputs: &Scenario,
+    at: &str,
+) -> Check {
+    let key = |name: &str| format!("{at}.{name}");
+    let Some(plan) = runs.iter().find(|plan| plan.name == run.name) else {
+        return refuse(key("name"), "is no drag that the inputs plan");
+    };
+    let planned = &beds[plan.bed];
+    if run.bed != planned.name {
+        let problem = format!("is not `{}`, which the inputs plan", planned.name);
+        return refuse(key("bed"), problem);
+    }
+    for (name, given, planned) in [
+        ("speed", run.speed, plan.motion.speed),
+        ("froude", run.froude, plan.froude),
+        ("diameter", run.diameter, planned.diameter),
+        ("depth", run.depth, bed.depth),
+        ("distance", run.distance, plan.distance),
+        ("window_start", run.window_start, plan.discard),
+        ("window_end", run.window_end, plan.distance),
+    ] {
+        same(key(name), given, planned)?;
+    }
+    if run.steps != plan.steps() {
+        let problem = format!("is {}, but the inputs come to {}", run.steps, plan.steps());
+        return refuse(key("steps"), problem);
+    }
+    if run.window_steps > run.steps {
+        let problem = format!("is {}, of {} steps", run.window_steps, run.steps);
+        return refuse(key("window_steps"), problem);
+    }
+    check_means(run, at)?;
+    check_shares(&run.coordination_shares, key("coordination_shares"))?;
+    digest(key("digest"), &run.digest, false)?;
+    digest(key("chain"), &run.chain, true)?;
+    let parts = run.digest_parts.iter().map(|(name, _)| &name[..]);
+    if !parts.eq(PARTS) {
+        let problem = format!("expected one each of {}", PARTS.join(", "));
+        return refuse(key("digest_parts"), problem);
+    }
+    for (name, part) in &run.digest_parts {
+        digest(key(&format!("digest_parts.{name}")), part, false)?;
+    }
+    match &run.flow {
+        Some(_) if !inputs.flows() => {
+            refuse(key("flow"), "is there, but no bed of these inputs flows")
+        }
+        Some(flow) => check_flow(flow, &key("flow")),
+        None => Ok(()),
+    }
+}
+
+fn check_means(run: &RunSummary, at: &str) -> Check {
+    let means: [(&str, Option<&Mean>); 10] = [
+        ("drag", Some(&run.drag)),
+        ("lift", Some(&run.lift)),
+        ("side", Some(&run.side)),
+        ("contacts", Some(&run.contacts)),
+        ("contact_angle", run.contact_angle.as_ref()),
+        ("coordination", run.coordination.as_ref()),
+        ("new_contact_angle", run.new_contact_angle.as_ref()),
+        ("floating", run.floating.as_ref()),
+        ("moving", run.moving.as_ref()),
+        ("drift", run.drift.as_ref()),
+    ];
+    for (name, mean) in means {
+        if mean.is_some_and(|mean| mean.standard_error < 0.0) {
+            return refuse(
+                format!("{at}.{name}.standard_error"),
+                "is below zero, which no error is",
+            );
+        }
+    }
+    Ok(())
+}
+
+fn check_shares(shares: &[f64], key: String) -> Check {
+    if shares.len() > SHARES_MAX || !shares.iter().all(|share| (0.0..=1.0).contains(share)) {
+        let problem = format!("expected at most {SHARES_MAX} numbers between 0 and 1");
+        return refuse(key, problem);
+    }
+    Ok(())
+}
+
+fn check_flow(flow: &Flow, at: &str) -> Check {
+    let Some(load) = &flow.load else {
+        return Ok(());
+    };
+    let Load {
+        normal,
+        normal_error,
+        tangential,
+        tangential_error,
+        parts,
+    } = load;
+    for (name, given, expected) in [
+        ("normal", normal.len(), POINTS),
+        ("normal_error", normal_error.len(), POINTS),
+        ("tangential", tangential.len(), POINTS),
+        ("tangential_error", tangential_error.len(), POINTS),
+        ("parts", parts.len(), load::PARTS),
+    ] {
+        if given != expected {
+            let problem = format!("holds {given} entries; expected {expected}");
+            return refuse(format!("{at}.load.{name}"), problem);
+        }
+    }
+    for (name, errors) in [("normal", normal_error), ("tangential", tangential_error)] {
+        if errors.iter().any(|error| *error < 0.0) {
+            let problem = "has an entry below zero, which no error is";
+            return refuse(format!("{at}.load.{name}_error"), problem);
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,148 @@
+//! What is measured of the grains round an intruder, beside the force on it: where they touch it, how
+//! many contacts they have, and how much of the bed goes along.
+
+use bitgrain_kernel::Obstacle;
+use serde::{Deserialize, Serialize};
+
+use bitgrain_sim::blocks::{BlockSums, Mean};
+use bitgrain_sim::histogram::{Angles, Coordination};
+use bitgrain_sim::motion::Moves;
+use bitgrain_sim::observe::{self, INTRUDER};
+use bitgrain_sim::sim::{Role, Sim};
+
+/// Grains whose centres lie within so many mean diameters of the intruder's surface are its
+/// neighbourhood (Kumar 2018, Fig. 7).
+pub const NEAR: f64 = 2.0;
+
+/// Grains that go at this part of the intruder's speed or faster count as moving with it (what
+/// Kumar 2018, Fig. 9, calls comparable is not said).
+pub const ALONG: f64 = 0.5;
+
+/// Sums over the averaging window, and what one step hands to the next.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Surroundings {
+    /// Places of the grains that touched the intruder after the last step.
+    touching: Vec<u32>,
+    angle: BlockSums,
+    new_angle: BlockSums,
+    coordination: BlockSums,
+    floating: BlockSums,
+    moving: BlockSums,
+    drift: BlockSums,
+}
+
+/// Means over the averaging window.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SurroundingMeans {
+    /// Contact angle, over all contacts of the samples.
+    pub contact_angle: Option<Mean>,
+    /// Contact angle where contacts begin, over all that began.
+    pub new_contact_angle: Option<Mean>,
+    /// Contacts of a grain near the intruder, over all such grains of the samples.
+    pub coordination: Option<Mean>,
+    /// Share of these grains that have none.
+    pub floating: Option<Mean>,
+    /// Free grains that go at [`ALONG`] of the intruder's speed or faster; none where the bed moves.
+    pub moving: Option<Mean>,
+    /// Speed along x of the free grains above the intruder's top, over the intruder's; none where the bed
+    /// moves, or nothing is above.
+    pub drift: Option<Mean>,
+}
+
+/// What one sample says of single moments, for the series.
+pub struct Sample {
+    /// Mean contact angle; none without a contact.
+    pub angle: Option<f64>,
+    /// Mean number of contacts of a grain near the intruder; none without grains.
+    pub coordination: Option<f64>,
+}
+
+impl Surroundings {
+    /// After every step: contacts that began with it, which are summed where the step is `counted`.
+    pub fn touched(&mut self, sim: &Sim, moves: Moves, counted: bool, angles: &mut Angles) {
+        let before = std::mem::take(&mut self.touching);
+        self.touching.extend(sim.touching(INTRUDER));
+        if !counted {
+            return;
+        }
+        for &i in &self.touching {
+            // Both lists ascend.
+            if before.binary_search(&i).is_err() {
+                let angle = observe::contact_angle(sim, i as usize, moves.forward());
+                self.new_angle.add(angle);
+                angles.add_new(angle);
+            }
+        }
+    }
+
+    /// At a row of the series: the whole neighbourhood; its numbers are summed where it is `counted`.
+    pub fn sample(
+        &mut self,
+        sim: &mut Sim,
+        moves: Moves,
+        mean_diameter: f64,
+        counted: Option<(&mut Angles, &mut Coordination)>,
+    ) -> Sample {
+        let (angles, near) = observe::neighbourhood(sim, NEAR * mean_diameter, moves.forward());
+        let sample = Sample {
+            angle: mean(&angles),
+            coordination: mean(&near),
+        };
+        let Some((all_angles, all_near)) = counted else {
+            return sample;
+        };
+        // Every contact and every grain counts alike, in whichever sample.
+        angles.iter().for_each(|x| self.angle.add(*x));
+        for &contacts in &near {
+            self.coordination.add(contacts);
+            self.floating.add(f64::from(u8::from(contacts == 0.0)));
+        }
+        all_angles.add(&angles);
+        all_near.add(&near);
+        let body = sim.obstacles[INTRUDER as usize];
+        let speed = body.velocity[0];
+        if moves == Moves::Intruder && speed != 0.0 {
+            let (moving, drift) = going_along(sim, &body);
+            self.moving.add(moving as f64);
+            drift.into_iter().for_each(|v| self.drift.add(v / speed));
+        }
+        sample
+    }
+
+    /// The means of what was summed.
+    pub fn means(&self) -> SurroundingMeans {
+        SurroundingMeans {
+            contact_angle: self.angle.mean(),
+            new_contact_angle: self.new_angle.mean(),
+            coordination: self.coordination.mean(),
+            floating: self.floating.mean(),
+            moving: self.moving.mean(),
+            drift: self.drift.mean(),
+        }
+    }
+}
+
+/// How many free grains go along with the intruder, and the mean speed along x of those above its top.
+fn going_along(sim: &Sim, body: &Obstacle<f64>) -> (usize, Option<f64>) {
+    let top = body.point[2] + body.reach();
+    let least = ALONG * body.velocity[0].abs();
+    let (mut moving, mut above, mut sum) = (0, 0u64, 0.0);
+    for i in (0..sim.count()).filter(|&i| sim.role(i) == Role::Free) {
+        let [x, y, z, _] = sim.velocity[i];
+        moving += usize::from(x * x + y * y + z * z >= least * least);
+        if sim.position[i][2] > top {
+            above += 1;
+            sum += x;
+        }
+    }
+    (moving, (above > 0).then(|| sum / above as f64))
+}
+
+/// The mean in the order given; `None` of nothing.
+fn mean(values: &[f64]) -> Option<f64> {
+    match values.len() {
+        0 => None,
+        n => Some(values.iter().sum::<f64>() / n as f64),
+    }
+}

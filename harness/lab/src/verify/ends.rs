@@ -1,0 +1,71 @@
+//! What a run says of its ends, held against its last states.
+
+use super::{Cause, Problems};
+use crate::manifest::{Manifest, NAME};
+use crate::rerun::{Part, Past};
+use crate::run;
+use bitgrain_sim::checkpoint;
+use bitgrain_sim::disk;
+use bitgrain_sim::error::{Error, Result};
+
+/// Holds what a run says of its ends against its last states, none of which is executed for it: the last link of
+/// each finished stage, and the summary. Tells what was found, and returns what does not hold.
+///
+/// # Errors
+/// What `say` returns.
+pub(crate) fn check_ends(
+    past: &Past<'_>,
+    manifest: Option<&Manifest>,
+    say: &mut impl FnMut(&str) -> Result<()>,
+) -> Result<Problems> {
+    let mut problems = Problems::default();
+    let mut wrong = |problem: String| {
+        say(&problem)?;
+        problems.add(Cause::Changed, problem);
+        Ok::<_, Error>(())
+    };
+    for stage in manifest.map_or(&[][..], |manifest| &manifest.stages) {
+        let Ok(part) = past.part(&stage.name) else {
+            continue; // Not planned, which was told.
+        };
+        let path = match part {
+            Part::Bed(plan) => past.folder.bed(&plan.name),
+            Part::Drag(plan) => past.folder.checkpoint(&plan.name, plan.steps()),
+        };
+        let link = checkpoint::read_noted(&path).map(|(_, note)| note.link);
+        if stage.finished && !link.is_ok_and(|link| link == stage.link) {
+            let place = path.display();
+            wrong(format!(
+                "{}: its link in {NAME} is not the last one of {place}",
+                stage.name
+            ))?;
+        }
+    }
+    let path = past.folder.summary();
+    if manifest.is_some_and(|manifest| manifest.finished) || disk::is_there(&path) {
+        let made = summary_text(past).map(String::into_bytes);
+        let written = disk::read(&path);
+        if !matches!((&made, &written), (Ok(made), Ok(written)) if made == written) {
+            let place = path.display();
+            wrong(format!("{place}: not what the checkpoints give"))?;
+        }
+    }
+    Ok(problems)
+}
+
+/// The run's own summary, made from its beds and the last checkpoints of its drags.
+fn summary_text(past: &Past<'_>) -> Result<String> {
+    let plans = past.scenario.beds();
+    let mut beds = Vec::with_capacity(plans.len());
+    for plan in &plans {
+        beds.push(past.bed(plan)?);
+    }
+    let mut runs = Vec::new();
+    for plan in &past.runs {
+        let drag = past.drag(plan, &beds[plan.bed]);
+        let (mut sim, dragging) = past.state(drag, plan.steps())?;
+        runs.push(run::results(drag, &dragging, &mut sim)?.1);
+    }
+    let whole = run::whole_summary(past.folder, &past.scenario, beds, runs);
+    crate::json::json_text(&past.folder.summary(), &whole)
+}

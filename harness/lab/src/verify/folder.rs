@@ -1,0 +1,122 @@
+//! What the manifest of a folder says of it, and the verdict on a folder.
+
+use std::path::Path;
+
+use crate::manifest::audit::audit;
+use crate::manifest::{Manifest, NAME, Of};
+use bitgrain_sim::error::{CHANGED, Error, Result, UNEXPECTED};
+
+/// Why a folder is not verified; the last that was found tells what to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Cause {
+    /// It has not come to its end.
+    Unfinished(Of),
+    /// It is not the one that was expected.
+    Unexpected,
+    /// What lies in it is not what its scenario gives, or nothing says what belongs to it.
+    Changed,
+}
+
+impl Cause {
+    fn hint(self) -> &'static str {
+        match self {
+            Cause::Unfinished(Of::Run) => "`bitgrain run --resume FOLDER` brings it to its end",
+            Cause::Unfinished(Of::Campaign) => {
+                "`bitgrain sweep CAMPAIGN --out FOLDER` brings it to its end"
+            }
+            Cause::Unexpected => UNEXPECTED,
+            Cause::Changed => CHANGED,
+        }
+    }
+}
+
+/// What does not hold in a folder, each with its cause.
+#[derive(Debug, Default)]
+pub(crate) struct Problems(Vec<(Cause, String)>);
+
+impl Problems {
+    pub(crate) fn add(&mut self, cause: Cause, problem: impl Into<String>) {
+        self.0.push((cause, problem.into()));
+    }
+
+    /// Takes those of a part, each with the part's name before it.
+    pub(crate) fn take(&mut self, label: &str, part: Problems) {
+        let named = |(cause, problem)| (cause, format!("{label}{problem}"));
+        self.0.extend(part.0.into_iter().map(named));
+    }
+
+    /// The verdict on the folder.
+    pub(crate) fn conclude(self, root: &Path) -> Result<()> {
+        let Some(worst) = self.0.iter().map(|(cause, _)| *cause).max() else {
+            return Ok(());
+        };
+        let words: Vec<String> = self.0.into_iter().map(|(_, problem)| problem).collect();
+        Err(Error::Unverified {
+            problem: format!("{}: {}", root.display(), words.join("; ")),
+            hint: worst.hint(),
+        })
+    }
+}
+
+/// Compares a folder with its manifest, tells what was found, and returns the manifest, where it is sound, and what
+/// does not hold.
+///
+/// # Errors
+/// Where a folder cannot be read, and what `say` returns.
+pub(crate) fn check_manifest(
+    root: &Path,
+    planned: &[String],
+    expect: &[String],
+    say: &mut impl FnMut(&str) -> Result<()>,
+) -> Result<(Option<Manifest>, Problems)> {
+    let mut problems = Problems::default();
+    let manifest = match Manifest::of(root) {
+        Ok(Some(manifest)) => manifest,
+        Ok(None) => {
+            say(&format!(
+                "{NAME}: missing: nothing says what belongs to the folder"
+            ))?;
+            problems.add(Cause::Changed, format!("it has no {NAME}"));
+            return Ok((None, problems));
+        }
+        Err(damage @ Error::Manifest { .. }) => {
+            say(&damage.to_string())?;
+            problems.add(Cause::Changed, format!("its {NAME} is damaged"));
+            return Ok((None, problems));
+        }
+        Err(other) => return Err(other),
+    };
+    let found = audit(root, &manifest, planned)?;
+    for line in &found.wrong {
+        say(&format!("{NAME}: {line}"))?;
+    }
+    match found.wrong.len() {
+        0 => {}
+        n => problems.add(
+            Cause::Changed,
+            format!("its folder departs from {NAME} in {n} places"),
+        ),
+    }
+    if !found.unfinished.is_empty() {
+        let names = found.unfinished.join(", ");
+        say(&format!("unfinished: {names}"))?;
+        problems.add(Cause::Unfinished(manifest.of), "it is not finished");
+    }
+    if !found.uncovered.is_empty() {
+        let names = found.uncovered.join(", ");
+        say(&format!("not covered by {NAME}: {names}"))?;
+    }
+    let (count, closing) = (found.sound, &manifest.closing);
+    say(&format!(
+        "{NAME}: {count} files are as they were written; closing hash {closing}"
+    ))?;
+    for link in expect {
+        if !manifest.has_link(link) {
+            problems.add(
+                Cause::Unexpected,
+                format!("{link} is neither its closing hash nor the last link of a stage"),
+            );
+        }
+    }
+    Ok((Some(manifest), problems))
+}

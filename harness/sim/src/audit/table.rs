@@ -1,0 +1,172 @@
+//! Rows of the account, as a series and as a replay print them.
+
+use serde::{Deserialize, Serialize};
+
+use crate::files::bits;
+use crate::files::finite;
+use crate::units::Units;
+
+/// The account of a simulation's energy at one step: state, and sums since the account began.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EnergyRow {
+    /// Step.
+    pub step: u64,
+    /// Kinetic energy of all grains, by velocity and by spin.
+    pub kinetic: f64,
+    /// Stored in the normal direction of contacts.
+    pub normal: f64,
+    /// Stored in tangential springs.
+    pub tangential: f64,
+    /// Gravitational energy, less that at the start.
+    pub gravitational: f64,
+    /// Work of the obstacles on the grains.
+    pub obstacles: f64,
+    /// Work of what carries grains: of base and lid, by the velocities that are prescribed.
+    pub carriers: f64,
+    /// Dissipated by normal damping.
+    pub normal_damping: f64,
+    /// Dissipated by tangential damping of contacts that do not slide.
+    pub tangential_damping: f64,
+    /// Dissipated by sliding.
+    pub sliding: f64,
+    /// Gained by tangential springs that grew stiffer at fixed displacement, less what those that grew
+    /// softer lost.
+    pub stiffening: f64,
+    /// Lost by tangential springs whose plane turned: by the projection.
+    pub projection: f64,
+    /// Lost with the history of contacts that parted.
+    pub erased: f64,
+    /// What the residual is measured by: work of obstacles, of carriers and of gravity, each step's as
+    /// a magnitude, and what kinetic and elastic energy there was at the start.
+    pub work: f64,
+    /// What the balance leaves: the change of the four energies, less work and stiffening, plus all that
+    /// was dissipated and lost.
+    pub residual: f64,
+}
+
+impl EnergyRow {
+    /// The residual over the work done; 0 where nothing has happened.
+    pub fn closure(&self) -> f64 {
+        if self.work > 0.0 {
+            self.residual / self.work
+        } else {
+            0.0
+        }
+    }
+
+    /// The numbers in the order of the columns, without the step.
+    fn numbers(&self) -> [f64; 14] {
+        [
+            self.kinetic,
+            self.normal,
+            self.tangential,
+            self.gravitational,
+            self.obstacles,
+            self.carriers,
+            self.normal_damping,
+            self.tangential_damping,
+            self.sliding,
+            self.stiffening,
+            self.projection,
+            self.erased,
+            self.work,
+            self.residual,
+        ]
+    }
+}
+
+/// Column names of an energy series, in order.
+pub const ENERGY_COLUMNS: &str = "step,kinetic,normal,tangential,gravitational,obstacles,carriers,\
+    normal_damping,tangential_damping,sliding,stiffening,projection,erased,work,residual";
+
+/// The text of an energy series: a line of units, the column names, the rows.
+pub fn energy_text(units: &Units, rows: &[EnergyRow]) -> String {
+    let mut out = format!(
+        "# units: all energies {}, since the first step; {}\n{ENERGY_COLUMNS}\n",
+        units.energy,
+        bits()
+    );
+    for row in rows {
+        out.push_str(&row.step.to_string());
+        for number in row.numbers() {
+            out.push_str(&format!(",{number}"));
+        }
+        out.push('\n');
+    }
+    out
+}
+
+/// Reads the rows of an energy series.
+///
+/// # Errors
+/// The line that is not a row of finite numbers, counted from 1.
+pub fn parse_energy(text: &str) -> Result<Vec<EnergyRow>, usize> {
+    let mut rows = Vec::new();
+    for (k, line) in text.lines().enumerate() {
+        if line.starts_with('#') || line == ENERGY_COLUMNS {
+            continue;
+        }
+        rows.push(parse_row(line).ok_or(k + 1)?);
+    }
+    Ok(rows)
+}
+
+fn parse_row(line: &str) -> Option<EnergyRow> {
+    let mut words = line.split(',');
+    let step = words.next()?.parse().ok()?;
+    let mut real = || finite(words.next()?);
+    let row = EnergyRow {
+        step,
+        kinetic: real()?,
+        normal: real()?,
+        tangential: real()?,
+        gravitational: real()?,
+        obstacles: real()?,
+        carriers: real()?,
+        normal_damping: real()?,
+        tangential_damping: real()?,
+        sliding: real()?,
+        stiffening: real()?,
+        projection: real()?,
+        erased: real()?,
+        work: real()?,
+        residual: real()?,
+    };
+    words.next().is_none().then_some(row)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_written_is_read_back() {
+        let row = EnergyRow {
+            step: 25,
+            kinetic: 0.1,
+            sliding: 1e-300,
+            erased: -3.0,
+            residual: -2.5e-7,
+            work: 2.0,
+            ..EnergyRow::default()
+        };
+        let units = crate::units::Units::reduced();
+        let text = energy_text(&units, &[row, row]);
+        assert_eq!(parse_energy(&text), Ok(vec![row, row]));
+        assert_eq!(row.closure(), -1.25e-7);
+        assert_eq!(EnergyRow::default().closure(), 0.0);
+        let good = text.lines().last().unwrap();
+        for bad in [
+            "1,2,x",
+            "",
+            good.rsplit_once(',').unwrap().0,
+            &format!("{good},1"),
+            &good.replacen("0.1", "NaN", 1),
+            &good.replacen("25", "-25", 1),
+        ] {
+            assert_ne!(bad, good);
+            assert_eq!(parse_energy(&format!("{text}{bad}\n")), Err(5), "{bad}");
+        }
+    }
+}
