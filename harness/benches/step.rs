@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use bitgrain::bench::{read_bed, tiled};
 use bitgrain::sim::{AnyLaw, Sim};
 use bitgrain::threads::on_threads;
-use bitgrain_kernel::law::HertzTsuji;
+use bitgrain_kernel::contact::HertzTsuji;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 
 /// The golden bed of 200 grains, repeated along x and along y, started and stepped so that its lists

@@ -3,11 +3,11 @@
 
 use std::hint::black_box;
 
-use bitgrain_kernel::law::{HertzHistory, HertzTsuji, Law};
-use bitgrain_kernel::motion::{Pass, pass};
-use bitgrain_kernel::push::{After, Part, Sight, Span, Spill, no_fetch, spill, sum};
-use bitgrain_kernel::seal::seal;
-use bitgrain_kernel::step::{begin, find_who_may_touch};
+use bitgrain_kernel::contact::{HertzHistory, HertzTsuji, Law};
+use bitgrain_kernel::phases::seal;
+use bitgrain_kernel::phases::{After, Part, Sight, Span, Spill, no_fetch, spill, sum};
+use bitgrain_kernel::phases::{Pass, pass};
+use bitgrain_kernel::phases::{begin, find_who_may_touch};
 use bitgrain_kernel::{Candidates, Cells, Clock, Domain, Grains, Group, Pairs, Row, World};
 use bitgrain_kernel::{resume, start};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};

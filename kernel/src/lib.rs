@@ -13,25 +13,18 @@
 //! * [`Domain`] is the box and its periods. [`Grains`] are rows of four words that the caller owns;
 //!   a [`Group`] says how grains move. An [`Obstacle`] pushes grains and moves as prescribed, and
 //!   the force on it is a result.
-//! * A [`law::Law`] turns how two bodies touch into a force: [`law::HertzHistory`] (Kumar 2018) or
-//!   [`law::HertzTsuji`] (Guillard 2014).
+//! * A [`contact::Law`] turns how two bodies touch into a force: [`contact::HertzHistory`] (Kumar 2018) or
+//!   [`contact::HertzTsuji`] (Guillard 2014).
 //! * [`Pairs`] list who may touch and keep the tangential springs of those who do. The search that
 //!   fills them runs when it must, and when that is has no effect on any result.
 //! * [`World`] gathers all of that, borrowed. [`start`] evaluates the forces, [`step()`] goes on by
 //!   one time step, [`resume`] goes on from a saved state.
 //! * [`digest()`] hashes a state, part by part. [`BITS_VERSION`] names the arithmetic.
-//! * [`reference`](mod@reference) holds small worlds with published digests: run them on a new target,
+//! * [`conformance`] holds small worlds with published digests: run them on a new target,
 //!   and see whether it keeps the contract. [`check_arithmetic`] tries what a host often gets wrong, and
 //!   every world does so as it starts and after each stretch of steps.
 //!
-//! A host with threads makes a step of its phases, each over ranges of grains with disjoint output;
-//! any cut into ranges gives the same bits. In order: [`seal::seal`] and [`step::begin`], which finds what
-//! was written to since the last step; [`motion::pass`] that drifts and [`step::drift`];
-//! then, for each of several steps, [`step::find_who_touches`], [`touch::push_obstacles`],
-//! [`push::spill`] for the pairs of two ranges and [`push::sum`] for all others, which also ends the step
-//! of a grain and begins its next one as soon as its sum is complete, [`step::judge`] and
-//! [`step::finish`], and [`step::drift`] unless it was the last; at last [`seal::seal`] and [`step::end`].
-//! Until then all that is lent is the phases' alone.
+//! A host with threads makes a step of its [`phases`].
 //!
 //! # What it does not do
 //!
@@ -43,7 +36,7 @@
 //! # A ball dropped on a floor
 //!
 //! ```
-//! use bitgrain_kernel::{Domain, Group, Obstacle, Store, law::HertzHistory, start, step};
+//! use bitgrain_kernel::{Domain, Group, Obstacle, Store, contact::HertzHistory, start, step};
 //!
 //! // Units in which density, diameter and gravity are 1; 1 grain, 4 pairs, 1 touch, 1 obstacle and group.
 //! let mut store = Store::<f64, 1, 4, 1, 1>::new(Domain::open(), 1e-4, 0.1);
@@ -75,40 +68,34 @@ extern crate std;
 ))]
 compile_error!("x87 arithmetic rounds twice, so its bits differ: build for a target with SSE2");
 
-pub mod blake3;
-mod block;
-mod canary;
+pub mod conformance;
+pub mod contact;
 mod digest;
-mod domain;
-mod fault;
-mod grains;
-pub mod law;
-pub mod motion;
-mod near;
-mod obstacle;
-mod pairs;
-pub mod push;
-mod real;
-pub mod reference;
-mod rows;
-pub mod seal;
-mod search;
-pub mod step;
+mod error;
+mod forces;
+mod fp_environment;
+mod integrate;
+mod math;
+mod neighbors;
+pub mod phases;
+mod state;
+mod step;
 mod store;
-pub mod touch;
-pub mod vec3;
 mod world;
 
-pub use canary::check_arithmetic;
-pub use digest::{Digest, PARTS, digest};
-pub use domain::Domain;
-pub use fault::{Fault, Flaw};
-pub use grains::{Grains, Group, Row};
-pub use obstacle::{Obstacle, Shape};
-pub use pairs::{Bond, Pairs, TOUCHING};
-pub use push::{Partner, Pushed};
-pub use real::Real;
-pub use search::{Candidates, Cells};
+pub use digest::blake3;
+pub use digest::state::{Digest, PARTS, digest};
+pub use error::{Fault, Flaw};
+pub use forces::accumulate::{Partner, Pushed};
+pub use fp_environment::check_arithmetic;
+pub use math::real::Real;
+pub use math::rows::Row;
+pub use math::vec3;
+pub use neighbors::cell_list::{Candidates, Cells};
+pub use neighbors::pair_list::{Bond, Pairs, TOUCHING};
+pub use state::domain::Domain;
+pub use state::grains::{Grains, Group};
+pub use state::obstacle::{Obstacle, Shape};
 pub use step::{resume, start, start_watched, step, step_watched};
 pub use store::Store;
 pub use world::{Clock, World};

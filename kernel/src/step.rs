@@ -1,19 +1,25 @@
 //! One step: velocity Verlet with spin. This file is the physics on one screen; each phase is a
 //! pass that lives in its own file.
 
-use crate::canary::check_arithmetic;
-use crate::fault::Fault;
-use crate::law::Law;
-use crate::motion::{Pass, Passed, pass};
-use crate::near::{Picking, pick};
-use crate::pairs::{Bond, Listed};
-use crate::push::{After, Deep, Pushed, no_fetch, sum};
-use crate::real::{Real, smaller};
-use crate::rows::at;
-use crate::seal::{Sealed, seal, whole};
-use crate::search::{Found, Scene, keep_touches, search};
-use crate::touch::push_obstacles;
-use crate::vec3::dot;
+use crate::contact::law::Law;
+use crate::error::Fault;
+use crate::forces::accumulate::{After, Pushed, no_fetch, sum};
+use crate::forces::obstacle_contacts::push_obstacles;
+use crate::fp_environment::check_arithmetic;
+use crate::integrate::Pass;
+use crate::math::real::{Real, smaller};
+use crate::neighbors::pair_list::{Bond, Listed};
+use crate::phases::begin;
+use crate::phases::come_to_rest;
+use crate::phases::drift;
+use crate::phases::end;
+use crate::phases::find_who_may_touch;
+use crate::phases::finish;
+use crate::phases::judge;
+use crate::phases::moved;
+use crate::phases::next_travel;
+use crate::phases::renew;
+use crate::phases::seal_all;
 use crate::world::{Stage, World};
 
 /// Advances a started world by one step `dt`. Within a stretch that the host began with [`begin`] the rows are not
@@ -163,205 +169,6 @@ fn list_first<R: Real>(world: &mut World<'_, R>, has_moved: bool) -> Result<(), 
     renew(world, travel, &[])
 }
 
-/// A pass over all grains: one copy of it, for small machines.
-#[inline(never)]
-fn moved<R: Real>(world: &mut World<'_, R>, which: Pass) -> Passed<R> {
-    pass(&mut world.moving(), which)
-}
-
-/// The seal of all grains: one copy of it, for small machines.
-#[inline(never)]
-fn seal_all<R: Real>(world: &mut World<'_, R>) -> Sealed {
-    seal(&world.moving(), 0)
-}
-
-/// The joint before a stretch of steps, after [`seal()`] over all grains: sees that nothing was written to
-/// since the last stretch ended. From here to [`end`] all that is lent is the phases' alone.
-///
-/// # Errors
-/// Before anything is changed: a world that does not rest, slices that do not fit together, and
-/// [`Fault::Edited`].
-#[inline]
-pub fn begin<R: Real>(world: &mut World<'_, R>, sealed: Sealed) -> Result<(), Fault> {
-    if world.clock.stage != Stage::Resting {
-        return Err(Fault::NotStarted);
-    }
-    world.check_storage()?;
-    if whole(world, sealed) != world.clock.seal {
-        return Err(Fault::Edited);
-    }
-    world.clock.stage = Stage::Going;
-    Ok(())
-}
-
-/// The joint after a stretch of steps and [`seal()`] over all grains: tries the arithmetic of the thread
-/// that it is called on, and leaves the world at rest.
-///
-/// # Errors
-/// [`Fault::Arithmetic`], where something changed the processor's modes since the world was started: it
-/// is stopped, and none of its numbers can be trusted. A world that is not between two steps of a stretch.
-#[inline]
-pub fn end<R: Real>(world: &mut World<'_, R>, sealed: Sealed) -> Result<(), Fault> {
-    if world.clock.stage != Stage::Going {
-        return Err(Fault::NotStarted);
-    }
-    world.clock.stage = Stage::Stopped;
-    check_arithmetic::<R>()?;
-    world.clock.seal = whole(world, sealed);
-    world.clock.stage = Stage::Resting;
-    Ok(())
-}
-
-/// The first joint of a step over one range, of a world that has begun: lists pairs anew when the list
-/// might not hold through the coming drift. Which step does so has no effect on any result.
-///
-/// # Errors
-/// A full list, before anything is changed; an obstacle that is too fast; a world that has not begun.
-#[inline]
-pub fn find_who_may_touch<R: Real>(world: &mut World<'_, R>) -> Result<(), Fault> {
-    if world.clock.stage != Stage::Going {
-        return Err(Fault::NotStarted);
-    }
-    world.check_storage()?;
-    let travel = next_travel(world)?;
-    renew_if_old(world, travel, &[])
-}
-
-/// The joint after a pass that drifted: moves the obstacles, and counts what the list has lost of its
-/// validity.
-///
-/// # Errors
-/// A world that has not begun; a grain that left the box; an obstacle that is too fast or so far away that
-/// its place is no number. The world is stopped in the middle of a step.
-#[inline]
-pub fn drift<R: Real>(world: &mut World<'_, R>, passed: Passed<R>) -> Result<(), Fault> {
-    if world.clock.stage != Stage::Going {
-        return Err(Fault::NotStarted);
-    }
-    world.clock.stage = Stage::Stopped;
-    let travel = next_travel(world)?;
-    if let Some(fault) = passed.escaped {
-        return Err(fault);
-    }
-    world.clock.budget = world.clock.budget - travel;
-    world.clock.far = world.clock.far - (travel + travel);
-    for (k, body) in world.obstacles.iter_mut().enumerate() {
-        body.advance(world.domain, world.dt);
-        if !body.point.iter().all(|x| x.is_finite()) {
-            return Err(Fault::ObstacleNotFinite { obstacle: k as u32 });
-        }
-    }
-    world.clock.stage = Stage::Drifted;
-    Ok(())
-}
-
-/// The joint between a drift and the forces, where [`find_who_may_touch`] did not come before the
-/// drift: lists pairs anew when the list is too old or cut elsewhere than [`World::cuts`] says.
-///
-/// # Errors
-/// A full list: enlarge the storage and call again; nothing is lost. A world that has not drifted.
-#[inline]
-pub fn find_who_touches<R: Real>(world: &mut World<'_, R>) -> Result<(), Fault> {
-    if world.clock.stage != Stage::Drifted {
-        return Err(Fault::NotStarted);
-    }
-    world.check_storage()?;
-    renew_if_old(world, R::ZERO, world.cuts)?;
-    // Whoever comes again after a fault of the forces is refused: they would be summed twice.
-    world.clock.stage = Stage::Listed;
-    Ok(())
-}
-
-/// Lists pairs anew where the list does not hold for `travel`, or is cut elsewhere.
-#[inline]
-fn renew_if_old<R: Real>(world: &mut World<'_, R>, travel: R, cuts: &[u32]) -> Result<(), Fault> {
-    if travel > world.clock.budget || world.clock.cut != mark(cuts) {
-        renew(world, travel, cuts)?;
-    }
-    Ok(())
-}
-
-/// Bound of what the fastest body moves in the next step.
-#[inline]
-fn next_travel<R: Real>(world: &World<'_, R>) -> Result<R, Fault> {
-    let mut travel = world.clock.next_travel;
-    for (k, body) in world.obstacles.iter().enumerate() {
-        let way = dot(body.velocity, body.velocity).sqrt() * world.dt;
-        let slow = way < world.clock.radius_min;
-        if !slow {
-            return Err(Fault::ObstacleTooFast { obstacle: k as u32 });
-        }
-        travel = if way > travel { way } else { travel };
-    }
-    // The speed was rounded; a part in a thousand covers that and is nothing to the skin.
-    Ok(travel * R::from_f64(1.001) + world.clock.rounding)
-}
-
-/// Tells one list of cuts from another: the hash of Fowler, Noll and Vo, word by word.
-#[inline]
-fn mark(cuts: &[u32]) -> u64 {
-    let each = |mark: u64, cut: &u32| (mark ^ u64::from(*cut)).wrapping_mul(0x0100_0000_01b3);
-    cuts.iter().fold(0xcbf2_9ce4_8422_2325, each)
-}
-
-/// Lists pairs anew, so that the list holds for `travel` at least; searches for candidates first,
-/// where those of the last search do not reach as far.
-#[inline(never)]
-fn renew<R: Real>(world: &mut World<'_, R>, travel: R, cuts: &[u32]) -> Result<(), Fault> {
-    let need = travel + travel;
-    let skin = if need > world.skin { need } else { world.skin };
-    let mut found = None;
-    if world.clock.far < skin {
-        found = Some(seek(world, skin + world.reach)?);
-    }
-    let picking = Picking {
-        domain: world.domain,
-        position: world.grains.position,
-        candidates: &world.candidates,
-        near: skin + world.clock.slack,
-        cuts,
-    };
-    let old = world.clock.listed;
-    let clock = &mut *world.clock;
-    // Whatever is full, the lists are still what they were: nothing above wrote to them.
-    clock.listed = pick(&picking, &mut world.pairs, &mut world.spare, old)?;
-    if let Some(found) = found {
-        keep_touches(&mut world.pairs, &world.spare, found.touches);
-        clock.listed.touches = found.touches;
-        clock.far = found.far;
-    }
-    clock.cut = mark(cuts);
-    clock.renewals += 1;
-    clock.budget = skin * R::HALF;
-    Ok(())
-}
-
-/// The search for candidates. They count from when the pairs picked from them are listed.
-#[inline(never)]
-fn seek<R: Real>(world: &mut World<'_, R>, far: R) -> Result<Found<R>, Fault> {
-    let scene = Scene {
-        domain: world.domain,
-        grains: &world.grains,
-        obstacles: world.obstacles,
-        far,
-    };
-    let clock = &mut *world.clock;
-    // Until it is done there are none.
-    clock.far = -R::ONE;
-    let found = search(
-        &scene,
-        &mut world.candidates,
-        &world.pairs,
-        &mut world.spare,
-        &mut world.cells,
-        clock.listed.touches,
-    )?;
-    clock.searches += 1;
-    clock.slack = found.slack;
-    clock.rounding = found.rounding;
-    Ok(found)
-}
-
 /// Obstacles first, then pairs: the order of every grain's sum.
 fn push_and_sum<R: Real, L: Law<R>>(
     world: &mut World<'_, R>,
@@ -382,63 +189,4 @@ fn push_and_sum<R: Real, L: Law<R>>(
         After::Stay,
     );
     judge(world, hit, deep)
-}
-
-/// The joint after [`push_obstacles`] and [`sum`], which say what they found too deep.
-///
-/// # Errors
-/// A force on an obstacle that is not finite, or one of the overlaps.
-pub fn judge<R: Real>(world: &World<'_, R>, hit: Deep, deep: Deep) -> Result<(), Fault> {
-    for (k, body) in world.obstacles.iter().enumerate() {
-        if !body.force.iter().chain(&body.torque).all(|f| f.is_finite()) {
-            return Err(Fault::ObstacleNotFinite { obstacle: k as u32 });
-        }
-    }
-    let id = |place: u32| at(world.grains.id, place as usize);
-    if let Some((i, obstacle)) = hit {
-        return Err(Fault::ObstacleTooDeep {
-            id: id(i),
-            obstacle,
-        });
-    }
-    if let Some((i, j)) = deep {
-        return Err(Fault::OverlapTooDeep { i: id(i), j: id(j) });
-    }
-    Ok(())
-}
-
-/// The last joint of a step, after a pass that kicked: counts the step.
-///
-/// # Errors
-/// What the pass found unsound; the world is stopped. A world that has not drifted.
-#[inline]
-pub fn finish<R: Real>(world: &mut World<'_, R>, passed: Passed<R>) -> Result<(), Fault> {
-    if !matches!(world.clock.stage, Stage::Drifted | Stage::Listed) {
-        return Err(Fault::NotStarted);
-    }
-    go_on(world, passed)?;
-    // A caller may have set any number; one that cannot be counted on from stays.
-    world.clock.step = world.clock.step.saturating_add(1);
-    Ok(())
-}
-
-/// Leaves a world that was checked and has its list and forces at rest.
-#[inline]
-fn come_to_rest<R: Real>(world: &mut World<'_, R>) -> Result<(), Fault> {
-    let passed = moved(world, Pass::Look);
-    go_on(world, passed)?;
-    let sealed = seal_all(world);
-    end(world, sealed)
-}
-
-/// Leaves a world between two steps, unless it is unsound.
-#[inline]
-fn go_on<R: Real>(world: &mut World<'_, R>, passed: Passed<R>) -> Result<(), Fault> {
-    world.clock.stage = Stage::Stopped;
-    if let Some(fault) = passed.unsound {
-        return Err(fault);
-    }
-    world.clock.next_travel = passed.speed2.sqrt() * world.dt;
-    world.clock.stage = Stage::Going;
-    Ok(())
 }

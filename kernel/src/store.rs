@@ -2,13 +2,14 @@
 
 use heapless::Vec;
 
-use crate::domain::Domain;
-use crate::fault::Fault;
-use crate::grains::{Grains, Group, Row};
-use crate::obstacle::Obstacle;
-use crate::pairs::Pairs;
-use crate::real::Real;
-use crate::search::{Candidates, Cells};
+use crate::error::Fault;
+use crate::math::real::Real;
+use crate::math::rows::Row;
+use crate::neighbors::cell_list::{Candidates, Cells};
+use crate::neighbors::pair_list::Pairs;
+use crate::state::domain::Domain;
+use crate::state::grains::{Grains, Group};
+use crate::state::obstacle::Obstacle;
 use crate::world::{Clock, Stage, World};
 
 /// A world of at most `GRAINS` grains, `PAIRS` listed pairs, `TOUCHES` listed obstacle contacts and

@@ -1,17 +1,17 @@
 //! A world: everything one step needs, borrowed from whoever owns it.
 
-use crate::domain::Domain;
-use crate::fault::Fault;
-use crate::grains::Grains;
-use crate::motion::Moving;
-use crate::obstacle::Obstacle;
-use crate::pairs::{Bond, Listed, Pairs, TOUCHING};
-use crate::push::{Part, Sight, Span};
-use crate::real::{Real, larger, magnitude};
-use crate::rows::{at, front, front_mut, halves, halves_mut};
-use crate::search::{Candidates, Cells};
-use crate::touch::TouchPart;
-use crate::vec3::{Vec3, dot, head};
+use crate::error::Fault;
+use crate::forces::accumulate::{Part, Sight, Span};
+use crate::forces::obstacle_contacts::TouchPart;
+use crate::integrate::Moving;
+use crate::math::real::{Real, larger, magnitude};
+use crate::math::rows::{at, front, front_mut, halves, halves_mut};
+use crate::math::vec3::{Vec3, dot, head};
+use crate::neighbors::cell_list::{Candidates, Cells};
+use crate::neighbors::pair_list::{Bond, Listed, Pairs, TOUCHING};
+use crate::state::domain::Domain;
+use crate::state::grains::Grains;
+use crate::state::obstacle::Obstacle;
 
 /// Units in the last place of the largest coordinate that a step must move by.
 const RESOLVED: f64 = 16.0;
@@ -39,7 +39,7 @@ pub struct Clock<R> {
     pub(crate) next_travel: R,
     /// What rounding may add to it.
     pub(crate) rounding: R,
-    /// Of the world as it came to rest; see [`crate::seal`].
+    /// Of the world as it came to rest; see [`crate::digest::seal`].
     pub(crate) seal: u64,
     pub(crate) stage: Stage,
 }

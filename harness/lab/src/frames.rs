@@ -212,7 +212,7 @@ mod tests {
     /// base, one so far away that it is not shown.
     #[test]
     fn rows_are_what_the_plane_cuts() {
-        use bitgrain_kernel::{Domain, Group, Obstacle, reference};
+        use bitgrain_kernel::{Domain, Group, Obstacle, conformance};
 
         use bitgrain_sim::sim::{AnyLaw, Grain};
 
@@ -234,7 +234,7 @@ mod tests {
         ];
         let groups = vec![Group::free([0.0; 3]), Group::frozen()];
         let ball = Obstacle::sphere([19.0, 4.0, 3.0], 1.0);
-        let law = AnyLaw::HertzHistory(reference::history(0.0));
+        let law = AnyLaw::HertzHistory(conformance::history(0.0));
         let sim = Sim::new(law, domain, 1e-3, groups, &grains, vec![ball]);
         let quick = crate::scenario::load("quick", &[]).unwrap();
         let mut plan = quick.runs()[0].clone();

@@ -2,7 +2,7 @@
 //! stepping, beside their published digests.
 
 use bitgrain_kernel::blake3::Hasher;
-use bitgrain_kernel::reference::{self, EVERY, Line, Room, World};
+use bitgrain_kernel::conformance::{self, EVERY, Line, Room, World};
 use bitgrain_kernel::{BITS_VERSION, Fault, Real, check_arithmetic};
 
 use bitgrain_sim::error::{Error, Result};
@@ -36,7 +36,7 @@ fn against(published: &str, mut show: impl FnMut(&str) -> Result<()>) -> Result<
     let mut lines = by_the_kernel::<f64>(&mut all).map_err(|fault| broken("the kernel", fault))?;
     let double = lines.len();
     lines.extend(by_the_kernel::<f32>(&mut all).map_err(|fault| broken("the kernel", fault))?);
-    lines.push(reference::last(&all));
+    lines.push(conformance::last(&all));
     compare("the kernel", &lines, published, &mut show)?;
 
     for registers in Registers::all() {
@@ -61,7 +61,7 @@ fn against(published: &str, mut show: impl FnMut(&str) -> Result<()>) -> Result<
 fn by_the_kernel<R: Real>(all: &mut Hasher) -> std::result::Result<Vec<Line>, Fault> {
     let mut room = Box::new(Room::<R>::vacant());
     let mut lines = Vec::new();
-    reference::run(&mut room, all, |line| lines.push(*line))?;
+    conformance::run(&mut room, all, |line| lines.push(*line))?;
     Ok(lines)
 }
 
@@ -80,8 +80,8 @@ fn by_ranges(registers: Registers, threads: usize) -> std::result::Result<Vec<Li
                 body.velocity[0] = speed;
             }
             sim.law = match stage.gamma {
-                Some(gamma) => AnyLaw::HertzHistory(reference::history(gamma)),
-                None => AnyLaw::HertzTsuji(reference::tsuji()),
+                Some(gamma) => AnyLaw::HertzHistory(conformance::history(gamma)),
+                None => AnyLaw::HertzTsuji(conformance::tsuji()),
             };
             let mut tell = |sim: &mut Sim| -> std::result::Result<(), Fault> {
                 lines.push(Line {
@@ -109,7 +109,7 @@ fn by_ranges(registers: Registers, threads: usize) -> std::result::Result<Vec<Li
 /// The world of a room as a simulation.
 fn taken(room: &mut Room<f64>) -> Sim {
     let world = room.world();
-    let law = AnyLaw::HertzTsuji(reference::tsuji());
+    let law = AnyLaw::HertzTsuji(conformance::tsuji());
     let (groups, obstacles) = (world.grains.groups.to_vec(), world.obstacles.to_vec());
     let mut sim = Sim::new(law, *world.domain, world.dt, groups, &[], obstacles);
     let g = &world.grains;

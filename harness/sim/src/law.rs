@@ -1,6 +1,6 @@
 //! Contact laws as files name them, checked, and the time step they allow.
 
-use bitgrain_kernel::law::{HertzHistory, HertzTsuji};
+use bitgrain_kernel::contact::{HertzHistory, HertzTsuji};
 use serde::{Deserialize, Serialize};
 
 use crate::sim::{AnyLaw, sphere_mass};

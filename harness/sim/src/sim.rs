@@ -4,7 +4,7 @@ mod grain;
 
 pub use grain::{Grain, Role, hex, sphere_mass};
 
-use bitgrain_kernel::law::{HertzHistory, HertzTsuji};
+use bitgrain_kernel::contact::{HertzHistory, HertzTsuji};
 use bitgrain_kernel::{
     Bond, Candidates, Cells, Clock, Digest, Domain, Fault, Grains, Group, Obstacle, Pushed, Row,
     TOUCHING, World, check_arithmetic, start_watched, step_watched,

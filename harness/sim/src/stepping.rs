@@ -5,12 +5,12 @@
 use std::sync::OnceLock;
 use std::time::Instant;
 
-use bitgrain_kernel::law::Law;
-use bitgrain_kernel::motion::{Moving, Pass, Passed, pass};
-use bitgrain_kernel::push::{After, Deep, Part, Sight, Span, Spill, first_deep, spill, sum};
-use bitgrain_kernel::seal::{Sealed, seal};
-use bitgrain_kernel::step::{begin, drift, end, find_who_touches, finish, judge};
-use bitgrain_kernel::touch::{TouchPart, push_obstacles};
+use bitgrain_kernel::contact::Law;
+use bitgrain_kernel::phases::{After, Deep, Part, Sight, Span, Spill, first_deep, spill, sum};
+use bitgrain_kernel::phases::{Moving, Pass, Passed, pass};
+use bitgrain_kernel::phases::{Sealed, seal};
+use bitgrain_kernel::phases::{TouchPart, push_obstacles};
+use bitgrain_kernel::phases::{begin, drift, end, find_who_touches, finish, judge};
 use bitgrain_kernel::{Fault, Row, World, check_arithmetic};
 use prefetch_index::prefetch_index;
 
@@ -355,7 +355,7 @@ mod tests {
     use super::*;
     use crate::sim::{AnyLaw, Grain, Sim};
     use crate::threads::on_threads;
-    use bitgrain_kernel::law::HertzHistory;
+    use bitgrain_kernel::contact::HertzHistory;
     use bitgrain_kernel::{Domain, Group};
 
     /// Eight grains in a row along x, of diameter 1 and 2 apart, that move along z or x as told.

@@ -19,7 +19,7 @@ fn found<R: Real>() -> Option<Flaw> {
 mod modes {
     use core::arch::asm;
 
-    use bitgrain_kernel::law::HertzHistory;
+    use bitgrain_kernel::contact::HertzHistory;
     use bitgrain_kernel::{Domain, Group, Store, start};
 
     use super::*;

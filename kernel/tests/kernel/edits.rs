@@ -1,10 +1,10 @@
 //! Rows are read-only between two steps: one that was written to is found at every skin, and after
 //! an edit that the kernel was told of a run has the same bits at every skin.
 
-use bitgrain_kernel::law::HertzHistory;
-use bitgrain_kernel::motion::{Pass, pass};
-use bitgrain_kernel::seal::seal;
-use bitgrain_kernel::step::{begin, drift, end, find_who_may_touch, find_who_touches};
+use bitgrain_kernel::contact::HertzHistory;
+use bitgrain_kernel::phases::seal;
+use bitgrain_kernel::phases::{Pass, pass};
+use bitgrain_kernel::phases::{begin, drift, end, find_who_may_touch, find_who_touches};
 use bitgrain_kernel::{
     Bond, Digest, Domain, Fault, Group, Obstacle, Real, Shape, Store, World, digest, resume, start,
     step,

@@ -4,7 +4,7 @@
 //! them is exact and two worlds can be compared to the bit.
 
 use crate::common::cases::cases;
-use bitgrain_kernel::law::HertzHistory;
+use bitgrain_kernel::contact::HertzHistory;
 use bitgrain_kernel::vec3::{Vec3, head};
 use bitgrain_kernel::{Domain, Group, Obstacle, Store, World, start, start_watched, step};
 use bitgrain_kernel::{Partner, step_watched};

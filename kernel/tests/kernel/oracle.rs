@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 
 use crate::common::cases::cases;
 use crate::common::crowd::{DENSE, PER_GRAIN, Packing, REDUCED, SI, Units, crowd, history, tsuji};
-use bitgrain_kernel::law::{Contact, Law};
+use bitgrain_kernel::contact::{Contact, Law};
 use bitgrain_kernel::vec3::{self, head};
 use bitgrain_kernel::{Bond, Domain, Group, Obstacle, Row, Shape, World, start, step};
 use proptest::prelude::*;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use bitgrain_kernel::blake3::Hasher;
-use bitgrain_kernel::reference::{EVERY, LINE, Line, Room, World, history, last, run, tsuji};
+use bitgrain_kernel::conformance::{EVERY, LINE, Line, Room, World, history, last, run, tsuji};
 use bitgrain_kernel::vec3::{dot, head};
 use bitgrain_kernel::{Partner, Pushed, start, step_watched};
 

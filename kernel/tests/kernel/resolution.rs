@@ -1,6 +1,6 @@
 //! The valid range of a number type: what moves slower than it can resolve is refused.
 
-use bitgrain_kernel::law::HertzHistory;
+use bitgrain_kernel::contact::HertzHistory;
 use bitgrain_kernel::{Domain, Fault, Group, Obstacle, Real, Store, start};
 
 /// How fast something moves, or 0.

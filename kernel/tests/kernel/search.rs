@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use crate::common::cases::cases;
 use crate::common::crowd::{DENSE, PER_GRAIN, REDUCED, SI, Units, crowd, history, tsuji};
-use bitgrain_kernel::law::Law;
+use bitgrain_kernel::contact::Law;
 use bitgrain_kernel::vec3::{Vec3, dot, head, scale};
 use bitgrain_kernel::{
     Bond, Digest, Domain, Group, Obstacle, Partner, Store, World, digest, resume, start,

@@ -1,6 +1,6 @@
 //! The store of fixed capacity, on its own: a small bed collapses round a ball and comes to rest.
 
-use bitgrain_kernel::law::HertzHistory;
+use bitgrain_kernel::contact::HertzHistory;
 use bitgrain_kernel::vec3::{dot, head, sub};
 use bitgrain_kernel::{
     Domain, Fault, Group, Obstacle, Store, World, digest, start, step, step_watched,

@@ -3,7 +3,7 @@
 use crate::common::cases::cases;
 use crate::common::crowd::{DENSE, PER_GRAIN, REDUCED, SI, Units, crowd, history, tsuji};
 use crate::common::cuts::steps_cut;
-use bitgrain_kernel::law::Law;
+use bitgrain_kernel::contact::Law;
 use bitgrain_kernel::vec3::{Vec3, add, cross, dot, head, scale, sub};
 use bitgrain_kernel::{
     Digest, Domain, Fault, Group, Obstacle, Partner, Pushed, Store, World, digest, start, step,

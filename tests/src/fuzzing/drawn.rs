@@ -1,6 +1,6 @@
 //! Numbers, slices and worlds of any kind, sound or not.
 
-use bitgrain_kernel::push::Spill;
+use bitgrain_kernel::phases::Spill;
 use bitgrain_kernel::{Bond, Domain, Fault, Group, Obstacle, Real, Row, Shape};
 
 use super::bytes::Bytes;

@@ -2,15 +2,15 @@
 //! called, the kernel neither panics nor hangs, and a full list changes nothing.
 
 use bitgrain_kernel::blake3::Hasher;
-use bitgrain_kernel::law::{Contact, HertzHistory, HertzTsuji, Law};
-use bitgrain_kernel::motion::{Pass, Passed, pass};
-use bitgrain_kernel::push::{After, Deep, Part, first_deep, no_fetch, spill, sum};
-use bitgrain_kernel::reference::Line;
-use bitgrain_kernel::seal::{Sealed, seal};
-use bitgrain_kernel::step::{
+use bitgrain_kernel::conformance::Line;
+use bitgrain_kernel::contact::{Contact, HertzHistory, HertzTsuji, Law};
+use bitgrain_kernel::phases::push_obstacles;
+use bitgrain_kernel::phases::{After, Deep, Part, first_deep, no_fetch, spill, sum};
+use bitgrain_kernel::phases::{Pass, Passed, pass};
+use bitgrain_kernel::phases::{Sealed, seal};
+use bitgrain_kernel::phases::{
     begin, drift, end, find_who_may_touch, find_who_touches, finish, judge,
 };
-use bitgrain_kernel::touch::push_obstacles;
 use bitgrain_kernel::{
     Domain, Real, Row, Store, check_arithmetic, digest, resume, start, start_watched, step,
     step_watched,

@@ -1,12 +1,12 @@
 //! The neighbour search against all pairs: grains on the edges of cells and of the box, across periods, at
 //! equal places and just touching, which fly through each other without a force.
 
-use bitgrain_kernel::law::HertzHistory;
-use bitgrain_kernel::motion::{Pass, pass};
-use bitgrain_kernel::push::{After, no_fetch, spill, sum};
-use bitgrain_kernel::seal::seal;
-use bitgrain_kernel::step::{begin, drift, end, find_who_may_touch, find_who_touches, finish};
-use bitgrain_kernel::touch::push_obstacles;
+use bitgrain_kernel::contact::HertzHistory;
+use bitgrain_kernel::phases::push_obstacles;
+use bitgrain_kernel::phases::seal;
+use bitgrain_kernel::phases::{After, no_fetch, spill, sum};
+use bitgrain_kernel::phases::{Pass, pass};
+use bitgrain_kernel::phases::{begin, drift, end, find_who_may_touch, find_who_touches, finish};
 use bitgrain_kernel::vec3::{dot, head, scale, sub};
 use bitgrain_kernel::{
     Domain, Fault, Group, Obstacle, Partner, Shape, TOUCHING, World, start_watched,

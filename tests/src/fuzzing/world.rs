@@ -4,12 +4,12 @@
 //! they were, and with more room the run goes on to the digests of one that had room from the beginning.
 //! Unsound ones are in `hostile.rs`.
 
-use bitgrain_kernel::law::{HertzHistory, HertzTsuji, Law};
-use bitgrain_kernel::motion::{Pass, Passed, pass};
-use bitgrain_kernel::push::{After, Spill, first_deep, no_fetch, spill, sum};
-use bitgrain_kernel::seal::{Sealed, seal};
-use bitgrain_kernel::step::{begin, drift, end, find_who_touches, finish, judge};
-use bitgrain_kernel::touch::push_obstacles;
+use bitgrain_kernel::contact::{HertzHistory, HertzTsuji, Law};
+use bitgrain_kernel::phases::push_obstacles;
+use bitgrain_kernel::phases::{After, Spill, first_deep, no_fetch, spill, sum};
+use bitgrain_kernel::phases::{Pass, Passed, pass};
+use bitgrain_kernel::phases::{Sealed, seal};
+use bitgrain_kernel::phases::{begin, drift, end, find_who_touches, finish, judge};
 use bitgrain_kernel::{
     Digest, Domain, Fault, Group, Obstacle, PARTS, Real, World, digest, resume, start, step,
 };

@@ -4,7 +4,7 @@ use std::io::Write;
 
 use bitgrain::checkpoint;
 use bitgrain::sim::{AnyLaw, Role, Sim, hex};
-use bitgrain_kernel::law::{HertzHistory, Law};
+use bitgrain_kernel::contact::{HertzHistory, Law};
 use bitgrain_kernel::{Digest, Group, Obstacle, Partner, Pushed, Store, digest, start, step};
 use bitgrain_tests::{golden, golden_case};
 

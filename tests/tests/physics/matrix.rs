@@ -10,7 +10,7 @@ use bitgrain::registers::Registers;
 use bitgrain::sim::{AnyLaw, Sim};
 use bitgrain::threads::on_threads;
 use bitgrain_kernel::Digest;
-use bitgrain_kernel::law::HertzTsuji;
+use bitgrain_kernel::contact::HertzTsuji;
 use bitgrain_tests::{golden, settled_quick};
 
 /// A settled bed of 10,000 grains round a ball that moves.

@@ -1,7 +1,7 @@
 //! The golden cases in the kernel's own storage: the digests of the harness, without an allocator.
 
 use bitgrain::sim::{AnyLaw, Sim, hex};
-use bitgrain_kernel::law::Law;
+use bitgrain_kernel::contact::Law;
 use bitgrain_kernel::{Store, digest, start, step};
 use bitgrain_tests::{golden, golden_case};
 

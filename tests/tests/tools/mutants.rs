@@ -30,7 +30,7 @@ const UNIT: &str = "unit tests";
 const MUTANTS: &[Mutant] = &[
     Mutant {
         name: "what was written to between two steps goes unseen",
-        file: "step.rs",
+        file: "phases.rs",
         from: "whole(world, sealed) != world.clock.seal",
         to: "whole(world, sealed) == 0",
         target: "edits",
@@ -42,7 +42,7 @@ const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "rows are sealed wherever they stand",
-        file: "seal.rs",
+        file: "digest/seal.rs",
         from: "place = place.wrapping_add(1);",
         to: "let _ = place.wrapping_add(1);",
         target: "edits",
@@ -50,7 +50,7 @@ const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "sum order: partners as the cells hold them",
-        file: "search.rs",
+        file: "neighbors/cell_list.rs",
         from: "            sort(row);",
         to: "            let _ = row;",
         target: "sums",
@@ -61,7 +61,7 @@ const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "sum order: what lower ranges send comes backwards",
-        file: "push.rs",
+        file: "forces/accumulate.rs",
         from: "for one in lower {",
         to: "let mut sent = [Spill::default(); 999];\n    let mut count = 0;\n    for one in lower {\n        \
              (sent[count], count) = (*one, count + 1);\n    }\n    for one in sent[..count].iter().rev() {",
@@ -70,7 +70,7 @@ const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "sum order: obstacles by descending number",
-        file: "search.rs",
+        file: "neighbors/cell_list.rs",
         from: "in obstacles.iter().enumerate() {",
         to: "in obstacles.iter().enumerate().rev() {",
         target: "sums",
@@ -78,7 +78,7 @@ const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "a grain goes on before its last pair was heard",
-        file: "push.rs",
+        file: "forces/accumulate.rs",
         from: "|&i| (i as usize).wrapping_sub(first));",
         to: "|&i| (i as usize + 1).wrapping_sub(first));",
         target: "sums",
@@ -86,7 +86,7 @@ const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "what higher ranges give comes a grain late",
-        file: "push.rs",
+        file: "forces/accumulate.rs",
         from: "        if i >= next {",
         to: "        if i + 1 >= next {",
         target: "sums",
@@ -94,7 +94,7 @@ const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "a list cut elsewhere counts as cut here",
-        file: "step.rs",
+        file: "phases.rs",
         from: "travel > world.clock.budget || world.clock.cut != mark(cuts)",
         to: "travel > world.clock.budget",
         target: "sums",
@@ -102,7 +102,7 @@ const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "candidates are trusted for ever",
-        file: "step.rs",
+        file: "phases.rs",
         from: "if world.clock.far < skin {",
         to: "if world.clock.far < R::ZERO {",
         target: "search",
@@ -110,7 +110,7 @@ const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "third law: the partner is pulled along",
-        file: "push.rs",
+        file: "forces/accumulate.rs",
         from: "lose(grains.force, j, push);",
         to: "gain(grains.force, j, push);",
         target: "sums",
@@ -118,7 +118,7 @@ const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "third law: the partner's torque with the other lever's sign",
-        file: "push.rs",
+        file: "forces/accumulate.rs",
         from: "lose(grains.torque, j, &times(couple, arm_j));",
         to: "gain(grains.torque, j, &times(couple, arm_j));",
         target: "oracle",
@@ -126,7 +126,7 @@ const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "skipped projection",
-        file: "law/mod.rs",
+        file: "contact/law.rs",
         from: "spring: sub(grown, scale(normal, dot(grown, normal))),",
         to: "spring: grown,",
         target: UNIT,
@@ -137,7 +137,7 @@ const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "cap not applied: hertz_history",
-        file: "law/hertz_history.rs",
+        file: "contact/hertz_history.rs",
         from: "let slides = ft > cap;",
         to: "let slides = ft > cap + R::MAX;",
         target: UNIT,
@@ -145,7 +145,7 @@ const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "cap not applied: hertz_tsuji",
-        file: "law/hertz_tsuji.rs",
+        file: "contact/hertz_tsuji.rs",
         from: "let slides = pull > cap;",
         to: "let slides = pull > cap + R::MAX;",
         target: UNIT,
@@ -153,7 +153,7 @@ const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "damping puts energy in",
-        file: "law/hertz_tsuji.rs",
+        file: "contact/hertz_tsuji.rs",
         from: "* c.overlap - (self.cn * damp) * c.speed",
         to: "* c.overlap + (self.cn * damp) * c.speed",
         target: UNIT,
@@ -161,7 +161,7 @@ const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "lost history: a pair's spring at a rebuild",
-        file: "near.rs",
+        file: "neighbors/prune.rs",
         from: "|(_, _, from)| old.spring_of(from)",
         to: "|_| [R::ZERO; 3]",
         target: "search",
@@ -172,7 +172,7 @@ const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "lost history: an obstacle's spring at a rebuild",
-        file: "search.rs",
+        file: "neighbors/cell_list.rs",
         from: "at(old.touch_spring, from)",
         to: "[R::ZERO; 4]",
         target: "search",
@@ -183,7 +183,7 @@ const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "kept history: who parted remembers",
-        file: "block.rs",
+        file: "contact/block.rs",
         from: "either(touches, shear.spring, [R::ZERO; 3])",
         to: "either(touches, shear.spring, slide.spring)",
         target: "images",
@@ -191,7 +191,7 @@ const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "shifted image: half a period in a separation",
-        file: "domain.rs",
+        file: "state/domain.rs",
         from: "let up = raw + self.period[k];",
         to: "let up = raw + self.half[k];",
         target: "images",
@@ -199,7 +199,7 @@ const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "shifted image: a crossing is not counted",
-        file: "domain.rs",
+        file: "state/domain.rs",
         from: "crossing = -1;",
         to: "crossing = 0;",
         target: "images",
@@ -207,7 +207,7 @@ const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "cells do not close across a period",
-        file: "search.rs",
+        file: "neighbors/cell_list.rs",
         from: "let after = if k + 1 < n { k + 1 } else { 0 };",
         to: "let after = if k + 1 < n { k + 1 } else { n - 3 };",
         target: "search",
@@ -215,7 +215,7 @@ const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "list too short by rounding",
-        file: "step.rs",
+        file: "phases.rs",
         from: "near: skin + world.clock.slack,",
         to: "near: skin - world.clock.slack,",
         target: "search",
@@ -223,7 +223,7 @@ const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "the list ignores the step's own travel",
-        file: "step.rs",
+        file: "phases.rs",
         from: "let need = travel + travel;",
         to: "let need = R::ZERO * travel;",
         target: "search",
@@ -231,7 +231,7 @@ const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "the list is trusted for the whole skin",
-        file: "step.rs",
+        file: "phases.rs",
         from: "clock.budget = skin * R::HALF;",
         to: "clock.budget = skin;",
         target: "search",
@@ -239,7 +239,7 @@ const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "a lid gives way along x",
-        file: "motion.rs",
+        file: "integrate.rs",
         from: "if !group.integrates[a] {",
         to: "if !group.integrates[2] {",
         target: "oracle",
@@ -247,7 +247,7 @@ const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "all weigh alike, whatever their group",
-        file: "motion.rs",
+        file: "integrate.rs",
         from: "&plus(&times(force, per_mass), &gravity)",
         to: "&plus(&times(force, per_mass), &addend([-R::ONE; 3]))",
         target: "oracle",
@@ -255,7 +255,7 @@ const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "a bar is as curved as a ball",
-        file: "obstacle.rs",
+        file: "state/obstacle.rs",
         from: "overlap: (radius + own) - distance,\n                    radius: R::ZERO,",
         to: "overlap: (radius + own) - distance,\n                    radius: own,",
         target: "oracle",
@@ -263,7 +263,7 @@ const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "a hollow ball's moment of inertia",
-        file: "motion.rs",
+        file: "integrate.rs",
         from: "R::from_f64(0.4)",
         to: "R::from_f64(2.0 / 3.0)",
         target: "oracle",

@@ -5,7 +5,7 @@ use std::process::Output;
 
 use bitgrain_kernel::Real;
 use bitgrain_kernel::blake3::Hasher;
-use bitgrain_kernel::reference::{self, Line, Room};
+use bitgrain_kernel::conformance::{self, Line, Room};
 use bitgrain_tests::{golden, output};
 
 use crate::machines::compare::first_difference;
@@ -20,14 +20,14 @@ fn lines() -> Vec<u8> {
     let mut all = Hasher::new();
     collect::<f64>(&mut all, &mut text);
     collect::<f32>(&mut all, &mut text);
-    text.extend(reference::last(&all).text());
+    text.extend(conformance::last(&all).text());
     text
 }
 
 fn collect<R: Real>(all: &mut Hasher, text: &mut Vec<u8>) {
     let mut room = Room::<R>::vacant();
     let show = |line: &Line| text.extend(line.text());
-    reference::run(&mut room, all, show).expect("every reference world runs to its end");
+    conformance::run(&mut room, all, show).expect("every reference world runs to its end");
 }
 
 /// `INSTA_UPDATE=always` makes the golden text anew, as wherever a bit changed for a reason.

@@ -1,7 +1,7 @@
 //! Restitution on a flat wall, as the law gives it, against the series for viscoelastic spheres
 //! (Kumar 2018, Fig. 2).
 
-use bitgrain_kernel::law::{HertzHistory, Law, Squeeze};
+use bitgrain_kernel::contact::{HertzHistory, Law, Squeeze};
 
 use super::kumar_curves::Found;
 use crate::analysis::Value;

@@ -1,7 +1,7 @@
 //! Touching contacts as the audit sees them: where two bodies meet, how they move over each other, and
 //! what their springs store.
 
-use bitgrain_kernel::law::{Contact, Law, Reaction};
+use bitgrain_kernel::contact::{Contact, Law, Reaction};
 use bitgrain_kernel::vec3::{Vec3, add, cross, dot, head, scale, sub};
 use bitgrain_kernel::{Bond, Obstacle, Partner, Pushed, Row, Shape};
 

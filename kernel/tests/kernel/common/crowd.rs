@@ -1,6 +1,6 @@
 //! A crowd in a small periodic box over a floor, with a driven ball, a bar and every kind of group.
 
-use bitgrain_kernel::law::{HertzHistory, HertzTsuji};
+use bitgrain_kernel::contact::{HertzHistory, HertzTsuji};
 use bitgrain_kernel::{Domain, Group, Obstacle, Store};
 
 /// The numbers that a world of one law is measured in.

@@ -1,11 +1,11 @@
 //! Several steps of a world over ranges of its grains, as threads would do them.
 
-use bitgrain_kernel::law::Law;
-use bitgrain_kernel::motion::{Pass, Passed, pass};
-use bitgrain_kernel::push::{After, Spill, no_fetch, spill, sum};
-use bitgrain_kernel::seal::seal;
-use bitgrain_kernel::step::{begin, drift, end, find_who_touches, finish, judge};
-use bitgrain_kernel::touch::push_obstacles;
+use bitgrain_kernel::contact::Law;
+use bitgrain_kernel::phases::push_obstacles;
+use bitgrain_kernel::phases::seal;
+use bitgrain_kernel::phases::{After, Spill, no_fetch, spill, sum};
+use bitgrain_kernel::phases::{Pass, Passed, pass};
+use bitgrain_kernel::phases::{begin, drift, end, find_who_touches, finish, judge};
 use bitgrain_kernel::{Fault, World};
 
 /// Does `count` steps of a started world over the ranges that end at its cuts: each grain goes on to

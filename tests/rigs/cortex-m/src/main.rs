@@ -10,7 +10,7 @@ use core::mem::ManuallyDrop;
 use core::ptr::addr_of_mut;
 
 use bitgrain_kernel::blake3::Hasher;
-use bitgrain_kernel::reference::{self, Line, Room};
+use bitgrain_kernel::conformance::{self, Line, Room};
 use bitgrain_kernel::{Fault, Real};
 use cortex_m_semihosting::debug::{self, EXIT_FAILURE, EXIT_SUCCESS};
 use cortex_m_semihosting::hio::{self, HostStream};
@@ -48,7 +48,7 @@ fn report() -> bool {
     // SAFETY: one core, no interrupts, and this function runs once.
     let all = unsafe { &mut *addr_of_mut!(ALL) };
     let ran = double(all, &mut host).and_then(|()| single(all, &mut host));
-    print(&mut host, &reference::last(all));
+    print(&mut host, &conformance::last(all));
     tell_stack(&mut host);
     ran.is_ok()
 }
@@ -71,7 +71,7 @@ fn single(all: &mut Hasher, host: &mut HostStream) -> Result<(), Fault> {
 }
 
 fn show<R: Real>(room: &mut Room<R>, all: &mut Hasher, host: &mut HostStream) -> Result<(), Fault> {
-    reference::run(room, all, |line| print(host, line))
+    conformance::run(room, all, |line| print(host, line))
 }
 
 #[inline(never)]

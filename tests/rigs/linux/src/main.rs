@@ -5,7 +5,7 @@
 #![no_main]
 
 use bitgrain_kernel::blake3::Hasher;
-use bitgrain_kernel::reference::{self, Line, Room};
+use bitgrain_kernel::conformance::{self, Line, Room};
 use bitgrain_kernel::{Fault, Real};
 
 #[cfg_attr(target_os = "none", path = "bare.rs")]
@@ -16,13 +16,13 @@ mod system;
 fn report() -> i32 {
     let mut all = Hasher::new();
     let ran = show::<f64>(&mut all).and_then(|()| show::<f32>(&mut all));
-    print(&reference::last(&all));
+    print(&conformance::last(&all));
     i32::from(ran.is_err())
 }
 
 fn show<R: Real>(all: &mut Hasher) -> Result<(), Fault> {
     let mut room = Room::<R>::vacant();
-    reference::run(&mut room, all, print)
+    conformance::run(&mut room, all, print)
 }
 
 fn print(line: &Line) {

@@ -1,9 +1,9 @@
 //! What is done under a law.
 
-use bitgrain_kernel::law::{Contact, Law, Press, Reaction, Shear, Slide, Squeeze};
-use bitgrain_kernel::motion::Passed;
-use bitgrain_kernel::push::{After, Deep, Part, Sight, Span, Spill, no_fetch, spill, sum};
-use bitgrain_kernel::touch::{TouchPart, push_obstacles};
+use bitgrain_kernel::contact::{Contact, Law, Press, Reaction, Shear, Slide, Squeeze};
+use bitgrain_kernel::phases::Passed;
+use bitgrain_kernel::phases::{After, Deep, Part, Sight, Span, Spill, no_fetch, spill, sum};
+use bitgrain_kernel::phases::{TouchPart, push_obstacles};
 use bitgrain_kernel::{Fault, Pushed, Real, Row, World, start, start_watched, step, step_watched};
 
 type Watch<'w, R> = &'w mut dyn FnMut(Pushed<R>);

@@ -9,7 +9,7 @@
 mod calls;
 mod state;
 
-use bitgrain_kernel::law::{HertzHistory, HertzTsuji};
+use bitgrain_kernel::contact::{HertzHistory, HertzTsuji};
 
 use calls::Calls;
 use state::{Plain, State};

@@ -3,15 +3,15 @@
 use core::fmt;
 
 use bitgrain_kernel::blake3::Hasher;
-use bitgrain_kernel::law::{HertzHistory, HertzTsuji};
-use bitgrain_kernel::motion::{Moving, Pass, Passed, pass};
-use bitgrain_kernel::push::{Deep, Part, Sight, Span, first_deep};
-use bitgrain_kernel::reference::{self, Line, Room};
-use bitgrain_kernel::seal::{Sealed, seal};
-use bitgrain_kernel::step::{
+use bitgrain_kernel::contact::{HertzHistory, HertzTsuji};
+use bitgrain_kernel::phases::{Moving, Pass, Passed, pass};
+use bitgrain_kernel::phases::{Deep, Part, Sight, Span, first_deep};
+use bitgrain_kernel::conformance::{self, Line, Room};
+use bitgrain_kernel::phases::{Sealed, seal};
+use bitgrain_kernel::phases::{
     begin, drift, end, find_who_may_touch, find_who_touches, finish, judge,
 };
-use bitgrain_kernel::touch::TouchPart;
+use bitgrain_kernel::phases::TouchPart;
 use bitgrain_kernel::vec3::{self, Vec3};
 use bitgrain_kernel::{
     Bond, Clock, Digest, Domain, Fault, Flaw, Grains, Group, Obstacle, Real, Row, Store, World,
@@ -29,10 +29,10 @@ pub struct Plain {
     hash: fn(&mut Hasher, &[u8; 32]),
     finish: fn(&Hasher) -> [u8; 32],
     parts: fn(&Digest) -> [&[u8; 32]; 6],
-    text: fn(&Line) -> [u8; reference::LINE],
+    text: fn(&Line) -> [u8; conformance::LINE],
     last: fn(&Hasher) -> Line,
-    name: fn(reference::World) -> &'static str,
-    stages: fn(reference::World) -> &'static [reference::Stage],
+    name: fn(conformance::World) -> &'static str,
+    stages: fn(conformance::World) -> &'static [conformance::Stage],
     first_deep: fn(Deep, Deep) -> Deep,
     show: fn(&Fault, &mut dyn fmt::Write) -> fmt::Result,
     show_flaw: fn(&Flaw, &mut dyn fmt::Write) -> fmt::Result,
@@ -47,9 +47,9 @@ impl Plain {
         finish: Hasher::finish,
         parts: Digest::parts,
         text: Line::text,
-        last: reference::last,
-        name: reference::World::name,
-        stages: reference::World::stages,
+        last: conformance::last,
+        name: conformance::World::name,
+        stages: conformance::World::stages,
         first_deep,
         show: |fault, out| write!(out, "{fault}"),
         show_flaw: |flaw, out| write!(out, "{flaw}"),
@@ -174,7 +174,7 @@ impl<R: Real> Pieces<R> {
             ]
         },
         tsuji: HertzTsuji::new,
-        laws: |gamma| (reference::history(gamma), reference::tsuji()),
+        laws: |gamma| (conformance::history(gamma), conformance::tsuji()),
         vectors: |a, b, by, first| {
             [
                 vec3::add(a, b),
@@ -209,7 +209,7 @@ pub struct Stores<R: Real> {
     add_obstacle: fn(&mut Few<R>, Obstacle<R>) -> Result<(), Obstacle<R>>,
     add_grain: fn(&mut Few<R>, u32, u8, Vec3<R>, R, R) -> Ended,
     world: for<'s> fn(&'s mut Few<R>) -> World<'s, R>,
-    lay: fn(reference::World, &mut Room<R>) -> Ended,
+    lay: fn(conformance::World, &mut Room<R>) -> Ended,
     run: fn(&mut Room<R>, &mut Hasher, &mut dyn FnMut(&Line)) -> Ended,
 }
 
@@ -224,7 +224,7 @@ impl<R: Real> Stores<R> {
         add_obstacle: Store::add_obstacle,
         add_grain: Store::add_grain,
         world: Store::world,
-        lay: reference::World::lay,
-        run: |room, all, show| reference::run(room, all, show),
+        lay: conformance::World::lay,
+        run: |room, all, show| conformance::run(room, all, show),
     };
 }

@@ -6,7 +6,7 @@
 use core::ptr::addr_of_mut;
 
 use bitgrain_kernel::blake3::Hasher;
-use bitgrain_kernel::reference::{self, LINE, Line, Room};
+use bitgrain_kernel::conformance::{self, LINE, Line, Room};
 use bitgrain_kernel::{Fault, Real};
 
 /// Room for several times the lines that there are.
@@ -33,13 +33,13 @@ pub extern "C" fn run() -> usize {
     let mut all = Hasher::new();
     // A fault shows as lines that are missing.
     let _ = lines::<f64>(&mut all, &mut put).and_then(|()| lines::<f32>(&mut all, &mut put));
-    put(&reference::last(&all));
+    put(&conformance::last(&all));
     length
 }
 
 fn lines<R: Real>(all: &mut Hasher, put: &mut impl FnMut(&Line)) -> Result<(), Fault> {
     let mut room = Room::<R>::vacant();
-    reference::run(&mut room, all, put)
+    conformance::run(&mut room, all, put)
 }
 
 #[panic_handler]

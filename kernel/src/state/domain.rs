@@ -1,9 +1,9 @@
 //! The box: where it ends, which of its axes are periodic, and the nearest image across them.
 
-use crate::fault::Fault;
-use crate::grains::Row;
-use crate::real::Real;
-use crate::vec3::{Vec3, sub};
+use crate::error::Fault;
+use crate::math::real::Real;
+use crate::math::rows::Row;
+use crate::math::vec3::{Vec3, sub};
 
 /// A rectangular box, each axis periodic or closed by its edges; or open space.
 #[derive(Clone, Copy, Debug, PartialEq)]

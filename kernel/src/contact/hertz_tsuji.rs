@@ -4,9 +4,9 @@
 //! LIGGGHTS (`hertz tangential history`), whose numbers the paper reports. The order of evaluation
 //! written here is part of the bit contract.
 
-use super::{Law, Press, Shear, Slide, Squeeze};
-use crate::real::{Real, magnitude};
-use crate::vec3::{add, dot, scale};
+use super::law::{Law, Press, Shear, Slide, Squeeze};
+use crate::math::real::{Real, magnitude};
+use crate::math::vec3::{add, dot, scale};
 
 /// `F_n = k_n delta - gamma_n v_n`, `F_t = -k_t s - gamma_t v_t`, all four coefficients growing
 /// with `sqrt(R delta)`; the spring alone is held to `mu |F_n|`, and a contact that slides has no

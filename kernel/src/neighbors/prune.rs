@@ -5,14 +5,14 @@
 //! made in the spare storage, takes over the springs of the old one and is copied back, so that a
 //! full list leaves the old one whole.
 
-use crate::domain::Domain;
-use crate::fault::Fault;
-use crate::grains::Row;
-use crate::pairs::{Listed, Pairs};
-use crate::real::Real;
-use crate::rows::{at, copy, front, front_mut, set};
-use crate::search::Candidates;
-use crate::vec3::{dot, head};
+use crate::error::Fault;
+use crate::math::real::Real;
+use crate::math::rows::Row;
+use crate::math::rows::{at, copy, front, front_mut, set};
+use crate::math::vec3::{dot, head};
+use crate::neighbors::cell_list::Candidates;
+use crate::neighbors::pair_list::{Listed, Pairs};
+use crate::state::domain::Domain;
 
 /// What picking reads.
 pub(crate) struct Picking<'a, R> {

@@ -1,9 +1,7 @@
 //! Grains as rows of four words, and the groups that say how they move.
 
-use crate::real::Real;
-
-/// Four words: the unit of grain storage, and the layout that other languages lend.
-pub type Row<R> = [R; 4];
+use crate::Row;
+use crate::math::real::Real;
 
 /// How the grains of a group move and what weighs on them. A motion that is not integrated keeps
 /// the velocity that the grain's row holds: zero for frozen grains, the carrying velocity for others.

@@ -3,11 +3,11 @@
 //! A digest reads the numbers' words, little-endian, by ascending id, so it is the same on machines
 //! of either byte order, and its parts say what differs when two runs differ.
 
-use crate::blake3::Hasher;
-use crate::pairs::Bond;
-use crate::real::Real;
-use crate::rows::at;
-use crate::vec3::{Vec3, head};
+use crate::digest::blake3::Hasher;
+use crate::math::real::Real;
+use crate::math::rows::at;
+use crate::math::vec3::{Vec3, head};
+use crate::neighbors::pair_list::Bond;
 use crate::world::World;
 
 /// BLAKE3 hashes of a state, 32 bytes each.

@@ -1,6 +1,6 @@
 //! Three-vectors as plain arrays, every sum written out so that its order is part of the contract.
 
-use crate::real::Real;
+use crate::math::real::Real;
 
 /// A vector with components along x, y and z.
 pub type Vec3<R> = [R; 3];

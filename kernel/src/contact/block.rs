@@ -6,12 +6,12 @@
 //! the next one lies in columns that stay in the nearest cache. Nothing here branches on the data:
 //! a pair that does not touch is evaluated too and gives +0.0, which changes no sum.
 
-use crate::domain::Domain;
-use crate::grains::Row;
-use crate::law::{Law, Press, Slide, Squeeze, roll, slide};
-use crate::real::{Real, smaller};
-use crate::rows::{copy, fewer, front, front_mut, less};
-use crate::vec3::{Vec3, add, cross, dot, either, head, scale};
+use crate::contact::law::{Law, Press, Slide, Squeeze, roll, slide};
+use crate::math::real::{Real, smaller};
+use crate::math::rows::Row;
+use crate::math::rows::{copy, fewer, front, front_mut, less};
+use crate::math::vec3::{Vec3, add, cross, dot, either, head, scale};
+use crate::state::domain::Domain;
 
 /// Pairs of a block: enough that filling and emptying it costs little, few enough for the nearest
 /// cache; fewer where the stack is small. A multiple of [`STRIDE`].

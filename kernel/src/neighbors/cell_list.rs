@@ -5,14 +5,15 @@
 //! ones around it. What it finds are candidates, kept for many steps; the pairs that a step
 //! evaluates are picked from them, more often, in `near.rs`.
 
-use crate::domain::Domain;
-use crate::fault::Fault;
-use crate::grains::{Grains, Row};
-use crate::obstacle::Obstacle;
-use crate::pairs::{PLACE, Pairs};
-use crate::real::{Real, larger, magnitude, smaller};
-use crate::rows::{at, copy, front, front_mut, set};
-use crate::vec3::{dot, head};
+use crate::error::Fault;
+use crate::math::real::{Real, larger, magnitude, smaller};
+use crate::math::rows::Row;
+use crate::math::rows::{at, copy, front, front_mut, set};
+use crate::math::vec3::{dot, head};
+use crate::neighbors::pair_list::{PLACE, Pairs};
+use crate::state::domain::Domain;
+use crate::state::grains::Grains;
+use crate::state::obstacle::Obstacle;
 
 /// Storage of the cells, borrowed.
 pub struct Cells<'a> {

@@ -4,11 +4,11 @@
 //! are a list of their own, by grain and then obstacle. A pair keeps its spring as long as its bodies
 //! touch; which further pairs are listed has no effect on any result.
 
-use crate::domain::Domain;
-use crate::grains::Row;
-use crate::real::Real;
-use crate::rows::{at, front, set};
-use crate::vec3::{dot, head};
+use crate::math::real::Real;
+use crate::math::rows::Row;
+use crate::math::rows::{at, front, set};
+use crate::math::vec3::{dot, head};
+use crate::state::domain::Domain;
 
 /// Bit of a listed obstacle that says the contact touched in the last evaluation.
 pub const TOUCHING: u32 = 1 << 31;

@@ -3,14 +3,14 @@
 //! Between them they hold every law, obstacle and kind of group. They are written down here and read
 //! from nowhere, and all of them fit, one at a time, into one [`Room`].
 
-use crate::blake3::Hasher;
-use crate::digest::digest;
-use crate::domain::Domain;
-use crate::fault::Fault;
-use crate::grains::Group;
-use crate::law::{HertzHistory, HertzTsuji, Law};
-use crate::obstacle::Obstacle;
-use crate::real::Real;
+use crate::contact::{HertzHistory, HertzTsuji, Law};
+use crate::digest::blake3::Hasher;
+use crate::digest::state::digest;
+use crate::error::Fault;
+use crate::math::real::Real;
+use crate::state::domain::Domain;
+use crate::state::grains::Group;
+use crate::state::obstacle::Obstacle;
 use crate::step::{start, step};
 use crate::store::Store;
 

@@ -15,14 +15,14 @@
 //! After the pairs of grain `g` nothing is added to its force and nothing reads its rows any more: it
 //! can be kicked, and moved on, while its rows are in the cache.
 
-use crate::block::{BLOCK, Block, Bodies};
-use crate::domain::Domain;
-use crate::grains::Row;
-use crate::law::Law;
-use crate::motion::{Moving, Pass, Passed, pass};
-use crate::real::Real;
-use crate::rows::{at, copy, fewer, gain, halves, halves_mut, lose, part, part_mut, times};
-use crate::vec3::Vec3;
+use crate::contact::block::{BLOCK, Block, Bodies};
+use crate::contact::law::Law;
+use crate::integrate::{Moving, Pass, Passed, pass};
+use crate::math::real::Real;
+use crate::math::rows::Row;
+use crate::math::rows::{at, copy, fewer, gain, halves, halves_mut, lose, part, part_mut, times};
+use crate::math::vec3::Vec3;
+use crate::state::domain::Domain;
 
 /// Listed pairs, one after the other, with their springs.
 pub struct Span<'a, R> {

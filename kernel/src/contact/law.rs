@@ -6,14 +6,8 @@
 //! contacts is evaluated in lanes, function by function: short chains of operations keep a processor
 //! busy where one long chain has it wait. A new law is one new file in this folder.
 
-mod hertz_history;
-mod hertz_tsuji;
-
-pub use hertz_history::HertzHistory;
-pub use hertz_tsuji::HertzTsuji;
-
-use crate::real::Real;
-use crate::vec3::{Vec3, add, cross, dot, scale, sub};
+use crate::math::real::Real;
+use crate::math::vec3::{Vec3, add, cross, dot, scale, sub};
 
 /// How two bodies touch. `i` is the grain that is pushed, `j` its partner.
 #[derive(Clone, Copy, Debug)]
@@ -171,7 +165,8 @@ pub(crate) fn slide<R: Real>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::vec3::{add, cross, dot, scale, sub};
+    use crate::contact::{HertzHistory, HertzTsuji};
+    use crate::math::vec3::{add, cross, dot, scale, sub};
     use proptest::prelude::*;
 
     fn unit(v: Vec3<f64>) -> Vec3<f64> {

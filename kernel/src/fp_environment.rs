@@ -3,8 +3,8 @@
 
 use core::hint::black_box;
 
-use crate::fault::{Fault, Flaw};
-use crate::real::Real;
+use crate::error::{Fault, Flaw};
+use crate::math::real::Real;
 
 /// Tries the few operations that a machine off the contract gets wrong; some twenty of them.
 ///

@@ -4,9 +4,11 @@
 //! handled here in place of a panic is never seen; without a panic the kernel can go into firmware
 //! that must not have one.
 
-use crate::grains::Row;
-use crate::real::Real;
-use crate::vec3::Vec3;
+use crate::math::real::Real;
+use crate::math::vec3::Vec3;
+
+/// Four words: the unit of grain storage, and the layout that other languages lend.
+pub type Row<R> = [R; 4];
 
 /// The entry at a place; the default beyond the end.
 #[inline(always)]

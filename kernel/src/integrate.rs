@@ -2,12 +2,13 @@
 
 use core::hint::cold_path;
 
-use crate::domain::Domain;
-use crate::fault::Fault;
-use crate::grains::{Group, Row};
-use crate::real::{Real, larger};
-use crate::rows::{fewer, halves, halves_mut, part, part_mut, plus, times};
-use crate::vec3::{Vec3, dot, head};
+use crate::error::Fault;
+use crate::math::real::{Real, larger};
+use crate::math::rows::Row;
+use crate::math::rows::{fewer, halves, halves_mut, part, part_mut, plus, times};
+use crate::math::vec3::{Vec3, dot, head};
+use crate::state::domain::Domain;
+use crate::state::grains::Group;
 
 /// What a pass of motion reads and writes for a range of grains; ranges share nothing that is
 /// written.

@@ -1,15 +1,15 @@
 //! Forces on obstacles and of obstacles on grains: the first part of every grain's sum. An obstacle's
 //! own sum runs over grains by ascending id.
 
-use crate::grains::Row;
-use crate::law::{Contact, Law};
-use crate::motion::Moving;
-use crate::obstacle::Obstacle;
-use crate::pairs::{PLACE, TOUCHING};
-use crate::push::{Deep, Part, Partner, Pushed};
-use crate::real::{Real, smaller};
-use crate::rows::{at, gain, lose, row};
-use crate::vec3::{Vec3, add, cross, head, scale, sub};
+use crate::contact::law::{Contact, Law};
+use crate::forces::accumulate::{Deep, Part, Partner, Pushed};
+use crate::integrate::Moving;
+use crate::math::real::{Real, smaller};
+use crate::math::rows::Row;
+use crate::math::rows::{at, gain, lose, row};
+use crate::math::vec3::{Vec3, add, cross, head, scale, sub};
+use crate::neighbors::pair_list::{PLACE, TOUCHING};
+use crate::state::obstacle::Obstacle;
 
 /// Storage of the obstacle contacts: the list and the obstacles' own sums.
 pub struct TouchPart<'a, R> {

@@ -15,11 +15,11 @@
 //! range in any order. Of all ways to write to a row about one in 2^32 leaves it as it was. It is no
 //! digest: nobody is kept from finding two worlds with one seal who looks for them.
 
-use crate::grains::Row;
-use crate::motion::Moving;
-use crate::obstacle::Shape;
-use crate::real::Real;
-use crate::vec3::Vec3;
+use crate::integrate::Moving;
+use crate::math::real::Real;
+use crate::math::rows::Row;
+use crate::math::vec3::Vec3;
+use crate::state::obstacle::Shape;
 use crate::world::World;
 
 /// The seal of a range of grains, or of several.

@@ -1,9 +1,9 @@
 //! Obstacles: bodies that push grains and move as prescribed, and the force the grains put on them.
 
-use crate::domain::Domain;
-use crate::fault::Fault;
-use crate::real::Real;
-use crate::vec3::{Vec3, dot, scale, sub};
+use crate::error::Fault;
+use crate::math::real::Real;
+use crate::math::vec3::{Vec3, dot, scale, sub};
+use crate::state::domain::Domain;
 
 /// What an obstacle is.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,9 +3,9 @@
 //! Symbols follow the paper: `delta` overlap, `R` effective radius, `m` effective mass, `s`
 //! tangential spring. The order of evaluation written here is part of the bit contract.
 
-use super::{Law, Press, Shear, Slide, Squeeze};
-use crate::real::{Real, magnitude};
-use crate::vec3::{add, dot, either, scale, sub};
+use super::law::{Law, Press, Shear, Slide, Squeeze};
+use crate::math::real::{Real, magnitude};
+use crate::math::vec3::{add, dot, either, scale, sub};
 
 /// `F_n = sqrt(R delta) (K_n delta - m gamma_n v_n)` and
 /// `F_t = -sqrt(R delta) (K_t s + m gamma_t v_t)` with `|F_t| <= mu |F_n|`.

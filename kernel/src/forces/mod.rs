@@ -1,0 +1,4 @@
+//! Forces of contacts, added up in one written order.
+
+pub(crate) mod accumulate;
+pub(crate) mod obstacle_contacts;

@@ -1,0 +1,5 @@
+//! Who may touch: cells, the outer list that is made from them, and the pair list that is pruned from that.
+
+pub(crate) mod cell_list;
+pub(crate) mod pair_list;
+pub(crate) mod prune;

@@ -1,0 +1,5 @@
+//! What a world consists of: grains and their groups, the box, obstacles.
+
+pub(crate) mod domain;
+pub(crate) mod grains;
+pub(crate) mod obstacle;
