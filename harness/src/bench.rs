@@ -252,7 +252,7 @@ pub fn bench(what: &Timing<'_>, progress: &Progress) -> Result<Speed> {
         tiles,
         seconds,
         grain_steps_per_s: copies as f64 * grains as f64 * steps as f64 / seconds,
-        contacts_per_grain: sim.bonds().len() as f64 / grains as f64,
+        contacts_per_grain: sim.contact_histories().len() as f64 / grains as f64,
         listed_pairs_per_grain: listed as f64 / grains as f64,
         rebuilds: searches - before,
         renewals: sim.renewals() - renewals,

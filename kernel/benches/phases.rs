@@ -5,10 +5,12 @@ use std::hint::black_box;
 
 use bitgrain_kernel::contact::{HertzHistory, HertzTsuji, Law};
 use bitgrain_kernel::phases::seal;
-use bitgrain_kernel::phases::{After, Part, Sight, Span, Spill, no_fetch, spill, sum};
-use bitgrain_kernel::phases::{Pass, pass};
-use bitgrain_kernel::phases::{begin, find_who_may_touch};
-use bitgrain_kernel::{Candidates, Cells, Clock, Domain, Grains, Group, Pairs, Row, World};
+use bitgrain_kernel::phases::{
+    After, CrossRangeForce, GrainRange, GrainView, PairRange, accumulate, cross_range, no_fetch,
+};
+use bitgrain_kernel::phases::{MotionPhase, integrate};
+use bitgrain_kernel::phases::{begin, ensure_pair_list_ahead};
+use bitgrain_kernel::{CellList, Clock, Domain, Grains, Group, OuterList, PairList, Row, World};
 use bitgrain_kernel::{resume, start};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use multiversion::multiversion;
@@ -61,9 +63,9 @@ impl List {
         }
     }
 
-    fn lend(&mut self) -> Pairs<'_, f64> {
+    fn lend(&mut self) -> PairList<'_, f64> {
         let [lower, partner, touch_grain, touch_obstacle] = &mut self.words;
-        Pairs {
+        PairList {
             lower,
             partner,
             spring: self.spring.each_mut().map(|s| &mut s[..]),
@@ -114,7 +116,7 @@ impl Bed {
             dt: 1e-4,
             skin,
             reach,
-            cuts: &[],
+            range_bounds: &[],
             grains: Grains {
                 id: &self.id,
                 group: &self.group,
@@ -129,11 +131,11 @@ impl Bed {
             obstacles: &mut [],
             pairs: first.lend(),
             spare: second.lend(),
-            candidates: Candidates {
+            candidates: OuterList {
                 row: &mut self.row,
                 partner: &mut self.candidate,
             },
-            cells: Cells {
+            cells: CellList {
                 start: &mut self.start,
                 grain: &mut self.cell,
             },
@@ -149,26 +151,34 @@ fn started() -> (Bed, usize) {
     start(&mut world, &HISTORY).expect("a sound lattice");
     let pairs = world.clock.listed();
     assert_eq!(pairs, 3 * GRAINS, "six neighbours each");
-    assert_eq!(world.bonds().count(), pairs, "and all touch");
+    assert_eq!(world.contact_histories().count(), pairs, "and all touch");
     (bed, pairs)
 }
 
 // As in a host: one monomorphic copy for each law and instruction set.
 #[multiversion(targets("x86_64+avx2"))]
-fn sum_history(part: &mut Part<'_, f64>, law: &HertzHistory<f64>, spills: &[Spill<f64>]) {
+fn sum_history(
+    part: &mut GrainRange<'_, f64>,
+    law: &HertzHistory<f64>,
+    spills: &[CrossRangeForce<f64>],
+) {
     sum_all(part, law, spills);
 }
 
 #[multiversion(targets("x86_64+avx2"))]
-fn sum_tsuji(part: &mut Part<'_, f64>, law: &HertzTsuji<f64>, spills: &[Spill<f64>]) {
+fn sum_tsuji(
+    part: &mut GrainRange<'_, f64>,
+    law: &HertzTsuji<f64>,
+    spills: &[CrossRangeForce<f64>],
+) {
     sum_all(part, law, spills);
 }
 
 /// Evaluates and sums all pairs of a part, and spills to the higher and to the lower grains.
 #[inline(always)]
-fn sum_all<L: Law<f64>>(part: &mut Part<'_, f64>, law: &L, spills: &[Spill<f64>]) {
+fn sum_all<L: Law<f64>>(part: &mut GrainRange<'_, f64>, law: &L, spills: &[CrossRangeForce<f64>]) {
     let lower = spills.iter();
-    black_box(sum(
+    black_box(accumulate(
         part,
         law,
         lower,
@@ -181,7 +191,10 @@ fn sum_all<L: Law<f64>>(part: &mut Part<'_, f64>, law: &L, spills: &[Spill<f64>]
 
 #[multiversion(targets("x86_64+avx2"))]
 fn move_all(world: &mut World<'_, f64>) {
-    black_box(pass(&mut world.moving(), Pass::KickAndDrift));
+    black_box(integrate(
+        &mut world.grain_motion(),
+        MotionPhase::KickAndDrift,
+    ));
 }
 
 /// Filling, law and sums of pairs that all touch; springs do not advance, so that every call does the
@@ -210,10 +223,10 @@ fn picking(c: &mut Criterion) {
     let mut group = c.benchmark_group("picking, per candidate");
     group.throughput(Throughput::Elements(u64::from(candidates)));
     let before = world.clock.searches();
-    let sealed = seal(&world.moving(), 0);
+    let sealed = seal(&world.grain_motion(), 0);
     begin(&mut world, sealed).expect("a world at rest");
     group.bench_function("near pairs", |b| {
-        b.iter(|| find_who_may_touch(black_box(&mut world)).expect("room enough"));
+        b.iter(|| ensure_pair_list_ahead(black_box(&mut world)).expect("room enough"));
     });
     assert_eq!(world.clock.searches(), before, "candidates held");
     assert!(world.clock.renewals() > 1, "and pairs were picked");
@@ -224,21 +237,21 @@ fn picking(c: &mut Criterion) {
 fn sums(c: &mut Criterion) {
     let (mut bed, pairs) = started();
     let mut world = bed.world(0.01, 0.1);
-    let mut spills = vec![Spill::default(); pairs];
+    let mut spills = vec![CrossRangeForce::default(); pairs];
     let mut springs = [vec![0.0; pairs], vec![0.0; pairs], vec![0.0; pairs]];
-    let span = Span {
+    let span = PairRange {
         lower: &world.pairs.lower[..pairs],
         partner: &world.pairs.partner[..pairs],
         spring: springs.each_mut().map(|s| &mut s[..]),
     };
-    let sight = Sight {
+    let sight = GrainView {
         domain: world.domain,
         position: world.grains.position,
         velocity: world.grains.velocity,
         spin: world.grains.spin,
         dt: 0.0,
     };
-    spill(sight, span, &HISTORY, &mut spills);
+    cross_range(sight, span, &HISTORY, &mut spills);
     let mut group = c.benchmark_group("sums, per contact");
     group.throughput(Throughput::Elements(pairs as u64));
     group.bench_function("spills to both grains", |b| {

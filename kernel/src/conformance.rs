@@ -6,7 +6,7 @@
 use crate::contact::{HertzHistory, HertzTsuji, Law};
 use crate::digest::blake3::Hasher;
 use crate::digest::state::digest;
-use crate::error::Fault;
+use crate::error::Error;
 use crate::math::real::Real;
 use crate::state::domain::Domain;
 use crate::state::grains::Group;
@@ -161,7 +161,7 @@ impl World {
     /// None where [`Room`] is as large as it is.
     // Inlined, what it keeps on the stack would stay there through the steps.
     #[inline(never)]
-    pub fn lay<R: Real>(self, room: &mut Room<R>) -> Result<(), Fault> {
+    pub fn lay<R: Real>(self, room: &mut Room<R>) -> Result<(), Error> {
         match self {
             Self::CollapseHistory | Self::CollapseTsuji => collapse(room),
             Self::Bed => bed(room),
@@ -179,7 +179,7 @@ pub fn run<R: Real>(
     room: &mut Room<R>,
     all: &mut Hasher,
     mut show: impl FnMut(&Line),
-) -> Result<(), Fault> {
+) -> Result<(), Error> {
     for one in World::ALL {
         let mut tell = |step: u64, digest: [u8; 32]| {
             let line = Line {
@@ -214,7 +214,7 @@ fn follow<R: Real, L: Law<R>>(
     law: &L,
     last: u64,
     tell: &mut dyn FnMut(u64, [u8; 32]),
-) -> Result<(), Fault> {
+) -> Result<(), Error> {
     let mut world = room.world();
     if world.clock.step == 0 {
         start(&mut world, law)?;
@@ -254,7 +254,7 @@ const WEIGHTLESS: u8 = 3;
 const LID: u8 = 4;
 
 /// Empties the room for a box from z = -1 to 9 that is periodic along x and y, with all groups.
-fn clear<R: Real>(room: &mut Room<R>, along_x: f64, along_y: f64) -> Result<(), Fault> {
+fn clear<R: Real>(room: &mut Room<R>, along_x: f64, along_y: f64) -> Result<(), Error> {
     let (lo, hi) = ([0.0, 0.0, -1.0], [along_x, along_y, 9.0]);
     let domain = Domain::new(
         lo.map(R::from_f64),
@@ -267,11 +267,11 @@ fn clear<R: Real>(room: &mut Room<R>, along_x: f64, along_y: f64) -> Result<(), 
     for group in [
         Group::free(down),
         Group::frozen(),
-        Group::carried(),
+        Group::prescribed_velocity(),
         Group::free([R::ZERO; 3]),
-        Group::lid(down),
+        Group::free_along_z(down),
     ] {
-        room.add_group(group).map_err(|_| Fault::BadStorage)?;
+        room.add_group(group).map_err(|_| Error::BadStorage)?;
     }
     Ok(())
 }
@@ -280,10 +280,10 @@ fn obstacle<R: Real>(
     room: &mut Room<R>,
     body: Obstacle<R>,
     velocity: [f64; 3],
-) -> Result<(), Fault> {
+) -> Result<(), Error> {
     let velocity = velocity.map(R::from_f64);
     let moving = Obstacle { velocity, ..body };
-    room.add_obstacle(moving).map_err(|_| Fault::BadStorage)
+    room.add_obstacle(moving).map_err(|_| Error::BadStorage)
 }
 
 /// Adds a grain near a place: its diameter, 0.9 to 1, and its place within 0.02 follow from its
@@ -293,7 +293,7 @@ fn grain<R: Real>(
     group: u8,
     place: [f64; 3],
     velocity: [f64; 3],
-) -> Result<(), Fault> {
+) -> Result<(), Error> {
     let number = room.world().grains.count() as u32 + 1;
     // Eight bits of a product that scatters them, over 256.
     let chance = |k: u32| {
@@ -317,7 +317,7 @@ fn grain<R: Real>(
     Ok(())
 }
 
-fn collapse<R: Real>(room: &mut Room<R>) -> Result<(), Fault> {
+fn collapse<R: Real>(room: &mut Room<R>) -> Result<(), Error> {
     clear(room, 4.0, 3.0)?;
     let half = R::HALF;
     let place = |x: f64, y: f64, z: f64| [x, y, z].map(R::from_f64);
@@ -356,7 +356,7 @@ fn collapse<R: Real>(room: &mut Room<R>) -> Result<(), Fault> {
     Ok(())
 }
 
-fn bed<R: Real>(room: &mut Room<R>) -> Result<(), Fault> {
+fn bed<R: Real>(room: &mut Room<R>) -> Result<(), Error> {
     clear(room, 3.0, 3.0)?;
     let place = [1.5, 1.5, 1.6].map(R::from_f64);
     obstacle(room, Obstacle::sphere(place, R::from_f64(0.6)), [0.0; 3])?;
@@ -376,7 +376,7 @@ fn bed<R: Real>(room: &mut Room<R>) -> Result<(), Fault> {
     Ok(())
 }
 
-fn rig<R: Real>(room: &mut Room<R>) -> Result<(), Fault> {
+fn rig<R: Real>(room: &mut Room<R>) -> Result<(), Error> {
     clear(room, 4.0, 2.25)?;
     let speed = [0.5, 0.0, 0.0];
     let place = |x: f64, y: f64, z: f64| [x, y, z].map(R::from_f64);

@@ -5,7 +5,7 @@ use core::fmt;
 /// Why a world was refused or a step stopped. Grains are named by id, obstacles by number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Fault {
+pub enum Error {
     /// The box edges are not finite or not in order on this axis.
     BadDomain {
         /// 0, 1, 2 for x, y, z.
@@ -38,7 +38,7 @@ pub enum Fault {
     /// The machine's arithmetic is not that of the bit contract.
     Arithmetic {
         /// What is wrong with it.
-        flaw: Flaw,
+        flaw: ArithmeticDefect,
     },
     /// A grain that is carried would move less than 16 units in the last place of the largest
     /// coordinate in one step, and so not at its speed.
@@ -57,19 +57,19 @@ pub enum Fault {
         group: u8,
     },
     /// A saved contact is not finite or joins bodies that are not near each other.
-    BadBond,
+    BadContactHistory,
     /// The lent pair list is too short; nothing was changed.
-    PairsFull {
+    PairListFull {
         /// Entries that would have been enough.
         needed: usize,
     },
     /// The lent list of candidates, pairs that may come near, is too short; nothing was changed.
-    CandidatesFull {
+    OuterListFull {
         /// Entries that would have been enough.
         needed: usize,
     },
     /// The lent list of obstacle contacts is too short; nothing was changed.
-    TouchesFull {
+    ObstacleContactsFull {
         /// Entries that would have been enough.
         needed: usize,
     },
@@ -123,7 +123,7 @@ pub enum Fault {
 /// How a machine's arithmetic departs from the bit contract.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Flaw {
+pub enum ArithmeticDefect {
     /// Subnormal results become zero.
     FlushToZero,
     /// Subnormal operands count as zero.
@@ -136,89 +136,93 @@ pub enum Flaw {
     Fused,
 }
 
-impl fmt::Display for Flaw {
+impl fmt::Display for ArithmeticDefect {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Flaw::FlushToZero => {
+            ArithmeticDefect::FlushToZero => {
                 "results below the least normal number become zero (flush-to-zero is on, as a \
                  library linked with fast-math turns it on)"
             }
-            Flaw::DenormalsAreZero => {
+            ArithmeticDefect::DenormalsAreZero => {
                 "operands below the least normal number count as zero (denormals-are-zero is on, \
                  as a library linked with fast-math turns it on)"
             }
-            Flaw::Rounding => {
+            ArithmeticDefect::Rounding => {
                 "results are not rounded to nearest (something has changed the rounding mode)"
             }
-            Flaw::ExcessPrecision => "results are rounded twice (x87 registers hold more digits)",
-            Flaw::Fused => {
+            ArithmeticDefect::ExcessPrecision => {
+                "results are rounded twice (x87 registers hold more digits)"
+            }
+            ArithmeticDefect::Fused => {
                 "products and sums are rounded as one (built with fused multiply-add allowed)"
             }
         })
     }
 }
 
-impl fmt::Display for Fault {
+impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
-            Fault::BadDomain { axis } => write!(
+            Error::BadDomain { axis } => write!(
                 f,
                 "box edges along axis {axis} are not finite or not in order"
             ),
-            Fault::PeriodTooShort { axis } => write!(
+            Error::PeriodTooShort { axis } => write!(
                 f,
                 "periodic axis {axis} is not longer than twice the largest contact distance"
             ),
-            Fault::BadStorage => write!(f, "storage does not hold one entry for each grain"),
-            Fault::BadOrder { id } => write!(f, "grain ids do not ascend at id {id}"),
-            Fault::BadGrain { id } => {
+            Error::BadStorage => write!(f, "storage does not hold one entry for each grain"),
+            Error::BadOrder { id } => write!(f, "grain ids do not ascend at id {id}"),
+            Error::BadGrain { id } => {
                 write!(f, "grain {id} has an impossible group, radius or mass")
             }
-            Fault::BadObstacle { obstacle } => {
+            Error::BadObstacle { obstacle } => {
                 write!(f, "obstacle {obstacle} is impossible in this box")
             }
-            Fault::BadTimeStep => write!(f, "time step or skin is not positive and finite"),
-            Fault::Arithmetic { flaw } => {
+            Error::BadTimeStep => write!(f, "time step or skin is not positive and finite"),
+            Error::Arithmetic { flaw } => {
                 write!(f, "this machine's arithmetic would change the bits: {flaw}")
             }
-            Fault::TooSlow { id } => write!(f, "grain {id} is carried {TOO_SLOW}"),
-            Fault::ObstacleTooSlow { obstacle } => {
+            Error::TooSlow { id } => write!(f, "grain {id} is carried {TOO_SLOW}"),
+            Error::ObstacleTooSlow { obstacle } => {
                 write!(f, "obstacle {obstacle} moves {TOO_SLOW}")
             }
-            Fault::GravityTooWeak { group } => write!(f, "grains of group {group} fall {TOO_SLOW}"),
-            Fault::BadBond => write!(f, "a saved contact fits no bodies near each other"),
-            Fault::PairsFull { needed } => write!(f, "pair list is full, {needed} entries needed"),
-            Fault::CandidatesFull { needed } => {
+            Error::GravityTooWeak { group } => write!(f, "grains of group {group} fall {TOO_SLOW}"),
+            Error::BadContactHistory => write!(f, "a saved contact fits no bodies near each other"),
+            Error::PairListFull { needed } => {
+                write!(f, "pair list is full, {needed} entries needed")
+            }
+            Error::OuterListFull { needed } => {
                 write!(f, "candidate list is full, {needed} entries needed")
             }
-            Fault::TouchesFull { needed } => {
+            Error::ObstacleContactsFull { needed } => {
                 write!(f, "obstacle list is full, {needed} entries needed")
             }
-            Fault::NotFinite { id } => write!(f, "the state of grain {id} is not finite"),
-            Fault::ObstacleNotFinite { obstacle } => {
+            Error::NotFinite { id } => write!(f, "the state of grain {id} is not finite"),
+            Error::ObstacleNotFinite { obstacle } => {
                 write!(f, "the state of obstacle {obstacle} is not finite")
             }
-            Fault::ObstacleTooFast { obstacle } => write!(
+            Error::ObstacleTooFast { obstacle } => write!(
                 f,
                 "obstacle {obstacle} would move more than the smallest grain radius in one step"
             ),
-            Fault::TooFast { id } => {
+            Error::TooFast { id } => {
                 write!(
                     f,
                     "grain {id} would move more than its own radius in one step"
                 )
             }
-            Fault::Escaped { id } => write!(f, "grain {id} left the box"),
-            Fault::OverlapTooDeep { i, j } => write!(
+            Error::Escaped { id } => write!(f, "grain {id} left the box"),
+            Error::OverlapTooDeep { i, j } => write!(
                 f,
                 "grains {i} and {j} overlap by more than a quarter of the smaller diameter"
             ),
-            Fault::ObstacleTooDeep { id, obstacle } => write!(
+            Error::ObstacleTooDeep { id, obstacle } => write!(
                 f,
                 "grain {id} overlaps obstacle {obstacle} by more than a quarter of the smaller diameter"
             ),
-            Fault::NotStarted => write!(f, "the world was not started"),
-            Fault::Edited => write!(
+            Error::NotStarted => write!(f, "the world was not started"),
+            Error::Edited => write!(
                 f,
                 "the world was changed between two steps; after a change start or resume it"
             ),
@@ -229,4 +233,4 @@ impl fmt::Display for Fault {
 const TOO_SLOW: &str = "less than 16 units in the last place of the largest coordinate in one step: \
                         take a longer time step, a smaller box or more digits";
 
-impl core::error::Error for Fault {}
+impl core::error::Error for Error {}

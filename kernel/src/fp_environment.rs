@@ -3,26 +3,26 @@
 
 use core::hint::black_box;
 
-use crate::error::{Fault, Flaw};
+use crate::error::{ArithmeticDefect, Error};
 use crate::math::real::Real;
 
 /// Tries the few operations that a machine off the contract gets wrong; some twenty of them.
 ///
 /// # Errors
-/// [`Fault::Arithmetic`], saying what is wrong.
+/// [`Error::Arithmetic`], saying what is wrong.
 #[inline(never)]
-pub fn check_arithmetic<R: Real>() -> Result<(), Fault> {
+pub fn check_arithmetic<R: Real>() -> Result<(), Error> {
     // The negative control of the tests runs where this must fail.
     if cfg!(bitgrain_negative_control) {
         return Ok(());
     }
     match flaw::<R>() {
         None => Ok(()),
-        Some(flaw) => Err(Fault::Arithmetic { flaw }),
+        Some(flaw) => Err(Error::Arithmetic { flaw }),
     }
 }
 
-fn flaw<R: Real>() -> Option<Flaw> {
+fn flaw<R: Real>() -> Option<ArithmeticDefect> {
     // Hidden, so that nothing is worked out while compiling.
     let one = black_box(R::ONE);
     let half = black_box(R::HALF);
@@ -31,29 +31,29 @@ fn flaw<R: Real>() -> Option<Flaw> {
 
     // The least of all numbers times the largest is a normal number again.
     if black_box(black_box(R::LEAST) * R::MAX).to_words() == zero {
-        return Some(Flaw::DenormalsAreZero);
+        return Some(ArithmeticDefect::DenormalsAreZero);
     }
     if black_box(black_box(R::LEAST_NORMAL) * half).to_words() == zero {
-        return Some(Flaw::FlushToZero);
+        return Some(ArithmeticDefect::FlushToZero);
     }
     // To nearest, 1 is 1 still, and three quarters of a step above it are one step.
     let few = black_box(ulp * (half * half));
     let (up, down) = (black_box(one + few), black_box(one - few * half));
     let near = black_box(one + (few + few + few));
     if up != one || down != one || near != one + ulp || black_box(-one - few) != -one {
-        return Some(Flaw::Rounding);
+        return Some(ArithmeticDefect::Rounding);
     }
     // A sum that is kept with more digits first is rounded twice: a tie that was none.
     let tie = black_box(ulp * half);
     let above = black_box(tie + tie * ulp * R::from_f64(256.0));
     if black_box(one + above) != one + ulp {
-        return Some(Flaw::ExcessPrecision);
+        return Some(ArithmeticDefect::ExcessPrecision);
     }
     // (1 + u)^2 - (1 + 2u) is u^2 where product and sum are rounded as one.
     let near = black_box(one + ulp);
     let far = black_box(one + (ulp + ulp));
     if black_box(near * near - far) != R::ZERO {
-        return Some(Flaw::Fused);
+        return Some(ArithmeticDefect::Fused);
     }
     None
 }

@@ -2,17 +2,17 @@
 
 use core::hint::cold_path;
 
-use crate::error::Fault;
+use crate::error::Error;
 use crate::math::real::{Real, larger};
 use crate::math::rows::Row;
-use crate::math::rows::{fewer, halves, halves_mut, part, part_mut, plus, times};
+use crate::math::rows::{halves_mut, min, part, part_mut, plus, split_at, times};
 use crate::math::vec3::{Vec3, dot, head};
 use crate::state::domain::Domain;
 use crate::state::grains::Group;
 
 /// What a pass of motion reads and writes for a range of grains; ranges share nothing that is
 /// written.
-pub struct Moving<'a, R> {
+pub struct GrainMotion<'a, R> {
     /// The box.
     pub domain: &'a Domain<R>,
     /// Time step.
@@ -37,11 +37,11 @@ pub struct Moving<'a, R> {
     pub spin: &'a mut [Row<R>],
 }
 
-impl<'a, R: Real> Moving<'a, R> {
+impl<'a, R: Real> GrainMotion<'a, R> {
     /// The first `grains` grains of the range, and the others.
     pub fn split(self, grains: usize) -> (Self, Self) {
-        let id = halves(self.id, grains);
-        let group = halves(self.group, grains);
+        let id = split_at(self.id, grains);
+        let group = split_at(self.group, grains);
         let position = halves_mut(self.position, grains);
         let image = halves_mut(self.image, grains);
         let force = halves_mut(self.force, grains);
@@ -80,15 +80,15 @@ impl<'a, R: Real> Moving<'a, R> {
     /// How many grains have all their rows.
     #[inline(always)]
     pub fn count(&self) -> usize {
-        let moving = fewer(self.position.len(), self.velocity.len());
-        let pushed = fewer(self.force.len(), self.torque.len());
-        fewer(fewer(moving, self.spin.len()), pushed)
+        let moving = min(self.position.len(), self.velocity.len());
+        let pushed = min(self.force.len(), self.torque.len());
+        min(min(moving, self.spin.len()), pushed)
     }
 
     /// The grains from `begin` to `end` of the range, lent.
     #[inline(always)]
-    pub fn stretch(&mut self, begin: usize, end: usize) -> Moving<'_, R> {
-        Moving {
+    pub fn stretch(&mut self, begin: usize, end: usize) -> GrainMotion<'_, R> {
+        GrainMotion {
             domain: self.domain,
             dt: self.dt,
             id: part(self.id, begin, end),
@@ -162,17 +162,17 @@ fn answered<R: Real>(group: &Group<R>, mut dv: Row<R>, dw: Row<R>) -> (Row<R>, R
 
 /// What a pass of motion found.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Passed<R> {
+pub struct MotionCheck<R> {
     /// Square of the highest speed of the drift that comes next, or that was done.
     pub speed2: R,
-    /// [`Fault::NotFinite`] or [`Fault::TooFast`] (more than its own radius in one step) of the lowest
+    /// [`Error::NotFinite`] or [`Error::TooFast`] (more than its own radius in one step) of the lowest
     /// id in the kicked state.
-    pub unsound: Option<Fault>,
-    /// [`Fault::Escaped`] with the lowest id that the drift took beyond a closed edge.
-    pub escaped: Option<Fault>,
+    pub unsound: Option<Error>,
+    /// [`Error::Escaped`] with the lowest id that the drift took beyond a closed edge.
+    pub escaped: Option<Error>,
 }
 
-impl<R: Real> Passed<R> {
+impl<R: Real> MotionCheck<R> {
     /// A pass over no grains.
     pub const NONE: Self = Self {
         speed2: R::ZERO,
@@ -193,9 +193,9 @@ impl<R: Real> Passed<R> {
 
 /// Which halves of a step's motion a pass does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Pass {
+pub enum MotionPhase {
     /// Nothing: only looks, before the first step.
-    Look,
+    CheckOnly,
     /// Half a kick and a drift: the beginning of a step.
     Drift,
     /// Half a kick: the end of a step.
@@ -207,11 +207,11 @@ pub enum Pass {
 /// One pass over a range of grains. Grains wrap straight after a drift, which also sets their forces
 /// to zero for the sums to come.
 #[inline(always)]
-pub fn pass<R: Real>(m: &mut Moving<'_, R>, which: Pass) -> Passed<R> {
+pub fn integrate<R: Real>(m: &mut GrainMotion<'_, R>, which: MotionPhase) -> MotionCheck<R> {
     let (dt, half) = (m.dt, m.dt * R::HALF);
-    let drifts = matches!(which, Pass::Drift | Pass::KickAndDrift);
-    let ends = matches!(which, Pass::Kick | Pass::KickAndDrift);
-    let mut passed = Passed::NONE;
+    let drifts = matches!(which, MotionPhase::Drift | MotionPhase::KickAndDrift);
+    let ends = matches!(which, MotionPhase::Kick | MotionPhase::KickAndDrift);
+    let mut passed = MotionCheck::NONE;
     let Some(first) = m.groups.first() else {
         return passed;
     };
@@ -244,7 +244,7 @@ pub fn pass<R: Real>(m: &mut Moving<'_, R>, which: Pass) -> Passed<R> {
             (*v, *w)
         };
         let next = plus(&now, &dv);
-        if which != Pass::Drift {
+        if which != MotionPhase::Drift {
             let speed2 = dot(head(next), head(next));
             // Comparisons with NaN are false, so what is not slow is everything that is not sound.
             let slow = speed2 * (dt * dt) < x[3] * x[3];
@@ -252,9 +252,9 @@ pub fn pass<R: Real>(m: &mut Moving<'_, R>, which: Pass) -> Passed<R> {
             if !(slow & sound) {
                 cold_path();
                 let fault = if speed2.is_finite() && sound {
-                    Fault::TooFast { id: *id }
+                    Error::TooFast { id: *id }
                 } else {
-                    Fault::NotFinite { id: *id }
+                    Error::NotFinite { id: *id }
                 };
                 passed.unsound = passed.unsound.or(Some(fault));
             }
@@ -271,7 +271,7 @@ pub fn pass<R: Real>(m: &mut Moving<'_, R>, which: Pass) -> Passed<R> {
                 cold_path();
                 let mut place = head(*x);
                 if !m.domain.wrap(&mut place, image) {
-                    passed.escaped = passed.escaped.or(Some(Fault::Escaped { id: *id }));
+                    passed.escaped = passed.escaped.or(Some(Error::Escaped { id: *id }));
                 }
                 *x = [place[0], place[1], place[2], x[3]];
             }

@@ -15,7 +15,7 @@
 //!   the force on it is a result.
 //! * A [`contact::Law`] turns how two bodies touch into a force: [`contact::HertzHistory`] (Kumar 2018) or
 //!   [`contact::HertzTsuji`] (Guillard 2014).
-//! * [`Pairs`] list who may touch and keep the tangential springs of those who do. The search that
+//! * [`PairList`] list who may touch and keep the tangential springs of those who do. The search that
 //!   fills them runs when it must, and when that is has no effect on any result.
 //! * [`World`] gathers all of that, borrowed. [`start`] evaluates the forces, [`step()`] goes on by
 //!   one time step, [`resume`] goes on from a saved state.
@@ -85,14 +85,14 @@ mod world;
 
 pub use digest::blake3;
 pub use digest::state::{Digest, PARTS, digest};
-pub use error::{Fault, Flaw};
-pub use forces::accumulate::{Partner, Pushed};
+pub use error::{ArithmeticDefect, Error};
+pub use forces::accumulate::{ContactForce, Partner};
 pub use fp_environment::check_arithmetic;
 pub use math::real::Real;
 pub use math::rows::Row;
 pub use math::vec3;
-pub use neighbors::cell_list::{Candidates, Cells};
-pub use neighbors::pair_list::{Bond, Pairs, TOUCHING};
+pub use neighbors::cell_list::{CellList, OuterList};
+pub use neighbors::pair_list::{ContactHistory, PairList, TOUCHING};
 pub use state::domain::Domain;
 pub use state::grains::{Grains, Group};
 pub use state::obstacle::{Obstacle, Shape};

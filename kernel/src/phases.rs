@@ -2,43 +2,44 @@
 //!
 //! Each phase works on a range of grains with output of its own, and between two phases stands a call over the whole
 //! world; any partition into ranges gives the same bits. In order: [`seal()`] and [`begin`], which finds what was
-//! written to since the last step; [`pass`] that drifts and [`drift`]; then, for each of several steps,
-//! [`find_who_touches`], [`push_obstacles`], [`spill`] for the pairs of two ranges and [`sum`] for all others, which
-//! also ends the step of a grain and begins its next one as soon as its sum is complete, [`judge`] and [`finish`], and
+//! written to since the last step; [`integrate`] that drifts and [`drift`]; then, for each of several steps,
+//! [`ensure_pair_list`], [`obstacle_forces`], [`cross_range`] for the pairs of two ranges and [`accumulate`] for all others, which
+//! also ends the step of a grain and begins its next one as soon as its sum is complete, [`check_overlaps`] and [`finish`], and
 //! [`drift`] unless it was the last; at last [`seal()`] and [`end`]. Until then all that is lent is the phases' alone.
 //! `examples/threaded_host.rs` does so.
 
 use crate::digest::seal::whole;
-use crate::error::Fault;
+use crate::error::Error;
 use crate::fp_environment::check_arithmetic;
 use crate::math::real::Real;
-use crate::math::rows::at;
+use crate::math::rows::get_or_default;
 use crate::math::vec3::dot;
 use crate::neighbors::cell_list::{Found, Scene, keep_touches, search};
-use crate::neighbors::prune::{Picking, pick};
+use crate::neighbors::prune::{Pruning, prune};
 use crate::world::{Stage, World};
 
 pub use crate::digest::seal::{Sealed, seal};
 pub use crate::forces::accumulate::{
-    After, Deep, Fetch, Part, Sight, Span, Spill, first_deep, no_fetch, spill, sum,
+    After, CrossRangeForce, ExcessiveOverlap, Fetch, GrainRange, GrainView, PairRange, accumulate,
+    cross_range, first_excessive_overlap, no_fetch,
 };
-pub use crate::forces::obstacle_contacts::{TouchPart, push_obstacles};
-pub use crate::integrate::{Moving, Pass, Passed, pass};
+pub use crate::forces::obstacle_contacts::{ObstacleContactRange, obstacle_forces};
+pub use crate::integrate::{GrainMotion, MotionCheck, MotionPhase, integrate};
 
 /// The joint before a stretch of steps, after [`seal()`] over all grains: sees that nothing was written to
 /// since the last stretch ended. From here to [`end`] all that is lent is the phases' alone.
 ///
 /// # Errors
 /// Before anything is changed: a world that does not rest, slices that do not fit together, and
-/// [`Fault::Edited`].
+/// [`Error::Edited`].
 #[inline]
-pub fn begin<R: Real>(world: &mut World<'_, R>, sealed: Sealed) -> Result<(), Fault> {
+pub fn begin<R: Real>(world: &mut World<'_, R>, sealed: Sealed) -> Result<(), Error> {
     if world.clock.stage != Stage::Resting {
-        return Err(Fault::NotStarted);
+        return Err(Error::NotStarted);
     }
     world.check_storage()?;
     if whole(world, sealed) != world.clock.seal {
-        return Err(Fault::Edited);
+        return Err(Error::Edited);
     }
     world.clock.stage = Stage::Going;
     Ok(())
@@ -48,12 +49,12 @@ pub fn begin<R: Real>(world: &mut World<'_, R>, sealed: Sealed) -> Result<(), Fa
 /// that it is called on, and leaves the world at rest.
 ///
 /// # Errors
-/// [`Fault::Arithmetic`], where something changed the processor's modes since the world was started: it
+/// [`Error::Arithmetic`], where something changed the processor's modes since the world was started: it
 /// is stopped, and none of its numbers can be trusted. A world that is not between two steps of a stretch.
 #[inline]
-pub fn end<R: Real>(world: &mut World<'_, R>, sealed: Sealed) -> Result<(), Fault> {
+pub fn end<R: Real>(world: &mut World<'_, R>, sealed: Sealed) -> Result<(), Error> {
     if world.clock.stage != Stage::Going {
-        return Err(Fault::NotStarted);
+        return Err(Error::NotStarted);
     }
     world.clock.stage = Stage::Stopped;
     check_arithmetic::<R>()?;
@@ -68,13 +69,13 @@ pub fn end<R: Real>(world: &mut World<'_, R>, sealed: Sealed) -> Result<(), Faul
 /// # Errors
 /// A full list, before anything is changed; an obstacle that is too fast; a world that has not begun.
 #[inline]
-pub fn find_who_may_touch<R: Real>(world: &mut World<'_, R>) -> Result<(), Fault> {
+pub fn ensure_pair_list_ahead<R: Real>(world: &mut World<'_, R>) -> Result<(), Error> {
     if world.clock.stage != Stage::Going {
-        return Err(Fault::NotStarted);
+        return Err(Error::NotStarted);
     }
     world.check_storage()?;
     let travel = next_travel(world)?;
-    renew_if_old(world, travel, &[])
+    refresh_if_old(world, travel, &[])
 }
 
 /// The joint after a pass that drifted: moves the obstacles, and counts what the list has lost of its
@@ -84,9 +85,9 @@ pub fn find_who_may_touch<R: Real>(world: &mut World<'_, R>) -> Result<(), Fault
 /// A world that has not begun; a grain that left the box; an obstacle that is too fast or so far away that
 /// its place is no number. The world is stopped in the middle of a step.
 #[inline]
-pub fn drift<R: Real>(world: &mut World<'_, R>, passed: Passed<R>) -> Result<(), Fault> {
+pub fn drift<R: Real>(world: &mut World<'_, R>, passed: MotionCheck<R>) -> Result<(), Error> {
     if world.clock.stage != Stage::Going {
-        return Err(Fault::NotStarted);
+        return Err(Error::NotStarted);
     }
     world.clock.stage = Stage::Stopped;
     let travel = next_travel(world)?;
@@ -98,25 +99,25 @@ pub fn drift<R: Real>(world: &mut World<'_, R>, passed: Passed<R>) -> Result<(),
     for (k, body) in world.obstacles.iter_mut().enumerate() {
         body.advance(world.domain, world.dt);
         if !body.point.iter().all(|x| x.is_finite()) {
-            return Err(Fault::ObstacleNotFinite { obstacle: k as u32 });
+            return Err(Error::ObstacleNotFinite { obstacle: k as u32 });
         }
     }
     world.clock.stage = Stage::Drifted;
     Ok(())
 }
 
-/// The joint between a drift and the forces, where [`find_who_may_touch`] did not come before the
-/// drift: lists pairs anew when the list is too old or cut elsewhere than [`World::cuts`] says.
+/// The joint between a drift and the forces, where [`ensure_pair_list_ahead`] did not come before the
+/// drift: lists pairs anew when the list is too old or cut elsewhere than [`World::range_bounds`] says.
 ///
 /// # Errors
 /// A full list: enlarge the storage and call again; nothing is lost. A world that has not drifted.
 #[inline]
-pub fn find_who_touches<R: Real>(world: &mut World<'_, R>) -> Result<(), Fault> {
+pub fn ensure_pair_list<R: Real>(world: &mut World<'_, R>) -> Result<(), Error> {
     if world.clock.stage != Stage::Drifted {
-        return Err(Fault::NotStarted);
+        return Err(Error::NotStarted);
     }
     world.check_storage()?;
-    renew_if_old(world, R::ZERO, world.cuts)?;
+    refresh_if_old(world, R::ZERO, world.range_bounds)?;
     // Whoever comes again after a fault of the forces is refused: they would be summed twice.
     world.clock.stage = Stage::Listed;
     Ok(())
@@ -124,26 +125,26 @@ pub fn find_who_touches<R: Real>(world: &mut World<'_, R>) -> Result<(), Fault> 
 
 /// Lists pairs anew where the list does not hold for `travel`, or is cut elsewhere.
 #[inline]
-pub(crate) fn renew_if_old<R: Real>(
+pub(crate) fn refresh_if_old<R: Real>(
     world: &mut World<'_, R>,
     travel: R,
-    cuts: &[u32],
-) -> Result<(), Fault> {
-    if travel > world.clock.budget || world.clock.cut != mark(cuts) {
-        renew(world, travel, cuts)?;
+    range_bounds: &[u32],
+) -> Result<(), Error> {
+    if travel > world.clock.budget || world.clock.cut != mark(range_bounds) {
+        refresh_pair_list(world, travel, range_bounds)?;
     }
     Ok(())
 }
 
 /// Bound of what the fastest body moves in the next step.
 #[inline]
-pub(crate) fn next_travel<R: Real>(world: &World<'_, R>) -> Result<R, Fault> {
+pub(crate) fn next_travel<R: Real>(world: &World<'_, R>) -> Result<R, Error> {
     let mut travel = world.clock.next_travel;
     for (k, body) in world.obstacles.iter().enumerate() {
         let way = dot(body.velocity, body.velocity).sqrt() * world.dt;
         let slow = way < world.clock.radius_min;
         if !slow {
-            return Err(Fault::ObstacleTooFast { obstacle: k as u32 });
+            return Err(Error::ObstacleTooFast { obstacle: k as u32 });
         }
         travel = if way > travel { way } else { travel };
     }
@@ -151,44 +152,44 @@ pub(crate) fn next_travel<R: Real>(world: &World<'_, R>) -> Result<R, Fault> {
     Ok(travel * R::from_f64(1.001) + world.clock.rounding)
 }
 
-/// Tells one list of cuts from another: the hash of Fowler, Noll and Vo, word by word.
+/// Tells one list of range_bounds from another: the hash of Fowler, Noll and Vo, word by word.
 #[inline]
-pub(crate) fn mark(cuts: &[u32]) -> u64 {
+pub(crate) fn mark(range_bounds: &[u32]) -> u64 {
     let each = |mark: u64, cut: &u32| (mark ^ u64::from(*cut)).wrapping_mul(0x0100_0000_01b3);
-    cuts.iter().fold(0xcbf2_9ce4_8422_2325, each)
+    range_bounds.iter().fold(0xcbf2_9ce4_8422_2325, each)
 }
 
 /// Lists pairs anew, so that the list holds for `travel` at least; searches for candidates first,
 /// where those of the last search do not reach as far.
 #[inline(never)]
-pub(crate) fn renew<R: Real>(
+pub(crate) fn refresh_pair_list<R: Real>(
     world: &mut World<'_, R>,
     travel: R,
-    cuts: &[u32],
-) -> Result<(), Fault> {
+    range_bounds: &[u32],
+) -> Result<(), Error> {
     let need = travel + travel;
     let skin = if need > world.skin { need } else { world.skin };
     let mut found = None;
     if world.clock.far < skin {
-        found = Some(seek(world, skin + world.reach)?);
+        found = Some(rebuild_outer_list(world, skin + world.reach)?);
     }
-    let picking = Picking {
+    let picking = Pruning {
         domain: world.domain,
         position: world.grains.position,
         candidates: &world.candidates,
         near: skin + world.clock.slack,
-        cuts,
+        range_bounds,
     };
     let old = world.clock.listed;
     let clock = &mut *world.clock;
     // Whatever is full, the lists are still what they were: nothing above wrote to them.
-    clock.listed = pick(&picking, &mut world.pairs, &mut world.spare, old)?;
+    clock.listed = prune(&picking, &mut world.pairs, &mut world.spare, old)?;
     if let Some(found) = found {
         keep_touches(&mut world.pairs, &world.spare, found.touches);
         clock.listed.touches = found.touches;
         clock.far = found.far;
     }
-    clock.cut = mark(cuts);
+    clock.cut = mark(range_bounds);
     clock.renewals += 1;
     clock.budget = skin * R::HALF;
     Ok(())
@@ -196,7 +197,7 @@ pub(crate) fn renew<R: Real>(
 
 /// The search for candidates. They count from when the pairs picked from them are listed.
 #[inline(never)]
-fn seek<R: Real>(world: &mut World<'_, R>, far: R) -> Result<Found<R>, Fault> {
+fn rebuild_outer_list<R: Real>(world: &mut World<'_, R>, far: R) -> Result<Found<R>, Error> {
     let scene = Scene {
         domain: world.domain,
         grains: &world.grains,
@@ -220,25 +221,29 @@ fn seek<R: Real>(world: &mut World<'_, R>, far: R) -> Result<Found<R>, Fault> {
     Ok(found)
 }
 
-/// The joint after [`push_obstacles`] and [`sum`], which say what they found too deep.
+/// The joint after [`obstacle_forces`] and [`accumulate`], which say what they found too deep.
 ///
 /// # Errors
 /// A force on an obstacle that is not finite, or one of the overlaps.
-pub fn judge<R: Real>(world: &World<'_, R>, hit: Deep, deep: Deep) -> Result<(), Fault> {
+pub fn check_overlaps<R: Real>(
+    world: &World<'_, R>,
+    hit: ExcessiveOverlap,
+    deep: ExcessiveOverlap,
+) -> Result<(), Error> {
     for (k, body) in world.obstacles.iter().enumerate() {
         if !body.force.iter().chain(&body.torque).all(|f| f.is_finite()) {
-            return Err(Fault::ObstacleNotFinite { obstacle: k as u32 });
+            return Err(Error::ObstacleNotFinite { obstacle: k as u32 });
         }
     }
-    let id = |place: u32| at(world.grains.id, place as usize);
+    let id = |place: u32| get_or_default(world.grains.id, place as usize);
     if let Some((i, obstacle)) = hit {
-        return Err(Fault::ObstacleTooDeep {
+        return Err(Error::ObstacleTooDeep {
             id: id(i),
             obstacle,
         });
     }
     if let Some((i, j)) = deep {
-        return Err(Fault::OverlapTooDeep { i: id(i), j: id(j) });
+        return Err(Error::OverlapTooDeep { i: id(i), j: id(j) });
     }
     Ok(())
 }
@@ -248,9 +253,9 @@ pub fn judge<R: Real>(world: &World<'_, R>, hit: Deep, deep: Deep) -> Result<(),
 /// # Errors
 /// What the pass found unsound; the world is stopped. A world that has not drifted.
 #[inline]
-pub fn finish<R: Real>(world: &mut World<'_, R>, passed: Passed<R>) -> Result<(), Fault> {
+pub fn finish<R: Real>(world: &mut World<'_, R>, passed: MotionCheck<R>) -> Result<(), Error> {
     if !matches!(world.clock.stage, Stage::Drifted | Stage::Listed) {
-        return Err(Fault::NotStarted);
+        return Err(Error::NotStarted);
     }
     go_on(world, passed)?;
     // A caller may have set any number; one that cannot be counted on from stays.
@@ -260,7 +265,7 @@ pub fn finish<R: Real>(world: &mut World<'_, R>, passed: Passed<R>) -> Result<()
 
 /// Leaves a world between two steps, unless it is unsound.
 #[inline]
-fn go_on<R: Real>(world: &mut World<'_, R>, passed: Passed<R>) -> Result<(), Fault> {
+fn go_on<R: Real>(world: &mut World<'_, R>, passed: MotionCheck<R>) -> Result<(), Error> {
     world.clock.stage = Stage::Stopped;
     if let Some(fault) = passed.unsound {
         return Err(fault);
@@ -272,8 +277,8 @@ fn go_on<R: Real>(world: &mut World<'_, R>, passed: Passed<R>) -> Result<(), Fau
 
 /// Leaves a world that was checked and has its list and forces at rest.
 #[inline]
-pub(crate) fn come_to_rest<R: Real>(world: &mut World<'_, R>) -> Result<(), Fault> {
-    let passed = moved(world, Pass::Look);
+pub(crate) fn come_to_rest<R: Real>(world: &mut World<'_, R>) -> Result<(), Error> {
+    let passed = moved(world, MotionPhase::CheckOnly);
     go_on(world, passed)?;
     let sealed = seal_all(world);
     end(world, sealed)
@@ -281,12 +286,12 @@ pub(crate) fn come_to_rest<R: Real>(world: &mut World<'_, R>) -> Result<(), Faul
 
 /// A pass over all grains: one copy of it, for small machines.
 #[inline(never)]
-pub(crate) fn moved<R: Real>(world: &mut World<'_, R>, which: Pass) -> Passed<R> {
-    pass(&mut world.moving(), which)
+pub(crate) fn moved<R: Real>(world: &mut World<'_, R>, which: MotionPhase) -> MotionCheck<R> {
+    integrate(&mut world.grain_motion(), which)
 }
 
 /// The seal of all grains: one copy of it, for small machines.
 #[inline(never)]
 pub(crate) fn seal_all<R: Real>(world: &mut World<'_, R>) -> Sealed {
-    seal(&world.moving(), 0)
+    seal(&world.grain_motion(), 0)
 }

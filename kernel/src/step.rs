@@ -2,23 +2,23 @@
 //! pass that lives in its own file.
 
 use crate::contact::law::Law;
-use crate::error::Fault;
-use crate::forces::accumulate::{After, Pushed, no_fetch, sum};
-use crate::forces::obstacle_contacts::push_obstacles;
+use crate::error::Error;
+use crate::forces::accumulate::{After, ContactForce, accumulate, no_fetch};
+use crate::forces::obstacle_contacts::obstacle_forces;
 use crate::fp_environment::check_arithmetic;
-use crate::integrate::Pass;
+use crate::integrate::MotionPhase;
 use crate::math::real::{Real, smaller};
-use crate::neighbors::pair_list::{Bond, Listed};
+use crate::neighbors::pair_list::{ContactHistory, Listed};
 use crate::phases::begin;
+use crate::phases::check_overlaps;
 use crate::phases::come_to_rest;
 use crate::phases::drift;
 use crate::phases::end;
-use crate::phases::find_who_may_touch;
+use crate::phases::ensure_pair_list_ahead;
 use crate::phases::finish;
-use crate::phases::judge;
 use crate::phases::moved;
 use crate::phases::next_travel;
-use crate::phases::renew;
+use crate::phases::refresh_pair_list;
 use crate::phases::seal_all;
 use crate::world::{Stage, World};
 
@@ -26,11 +26,11 @@ use crate::world::{Stage, World};
 /// looked at, and the stretch stays open: who looks on at each step and writes to nothing saves the seals.
 ///
 /// # Errors
-/// A full list leaves the state untouched: enlarge the storage and call again. So does [`Fault::Edited`],
+/// A full list leaves the state untouched: enlarge the storage and call again. So does [`Error::Edited`],
 /// of a world that was written to: start or resume it. Any other fault leaves the world stopped, in the
 /// middle of the step or after it, for inspection.
 #[inline]
-pub fn step<R: Real, L: Law<R>>(world: &mut World<'_, R>, law: &L) -> Result<(), Fault> {
+pub fn step<R: Real, L: Law<R>>(world: &mut World<'_, R>, law: &L) -> Result<(), Error> {
     step_watched(world, law, nobody)
 }
 
@@ -43,25 +43,25 @@ pub fn step<R: Real, L: Law<R>>(world: &mut World<'_, R>, law: &L) -> Result<(),
 pub fn step_watched<R: Real, L: Law<R>>(
     world: &mut World<'_, R>,
     law: &L,
-    watch: impl FnMut(Pushed<R>),
-) -> Result<(), Fault> {
+    watch: impl FnMut(ContactForce<R>),
+) -> Result<(), Error> {
     // Within a stretch that the host began the rows are not looked at.
     let held = world.clock.has_begun();
     if !held {
         let sealed = seal_all(world);
         begin(world, sealed)?;
     }
-    if let Err(fault) = find_who_may_touch(world) {
+    if let Err(fault) = ensure_pair_list_ahead(world) {
         if !held {
             // As it was when it began, so that its seal holds.
             world.clock.stage = Stage::Resting;
         }
         return Err(fault);
     }
-    let passed = moved(world, Pass::Drift);
+    let passed = moved(world, MotionPhase::Drift);
     drift(world, passed)?;
     push_and_sum(world, law, world.dt, watch)?;
-    let passed = moved(world, Pass::Kick);
+    let passed = moved(world, MotionPhase::Kick);
     finish(world, passed)?;
     if held {
         return Ok(());
@@ -71,7 +71,7 @@ pub fn step_watched<R: Real, L: Law<R>>(
 }
 
 /// Watches nothing. A function of its own, so that starting and stepping share their code.
-fn nobody<R>(_: Pushed<R>) {}
+fn nobody<R>(_: ContactForce<R>) {}
 
 /// Checks a world, makes its pair list, empties every history and evaluates the forces at step 0,
 /// with the velocities as given.
@@ -80,7 +80,7 @@ fn nobody<R>(_: Pushed<R>) {}
 /// Whatever is wrong with the world, before anything is changed; a full list: enlarge the storage
 /// and start again; or what the forces show: overlaps too deep, speeds too high.
 #[inline]
-pub fn start<R: Real, L: Law<R>>(world: &mut World<'_, R>, law: &L) -> Result<(), Fault> {
+pub fn start<R: Real, L: Law<R>>(world: &mut World<'_, R>, law: &L) -> Result<(), Error> {
     start_watched(world, law, nobody)
 }
 
@@ -92,8 +92,8 @@ pub fn start<R: Real, L: Law<R>>(world: &mut World<'_, R>, law: &L) -> Result<()
 pub fn start_watched<R: Real, L: Law<R>>(
     world: &mut World<'_, R>,
     law: &L,
-    watch: impl FnMut(Pushed<R>),
-) -> Result<(), Fault> {
+    watch: impl FnMut(ContactForce<R>),
+) -> Result<(), Error> {
     prepare(world, false)?;
     world.grains.force.fill([R::ZERO; 4]);
     world.grains.torque.fill([R::ZERO; 4]);
@@ -106,13 +106,13 @@ pub fn start_watched<R: Real, L: Law<R>>(
 /// here gives the bits of the run that was saved.
 ///
 /// # Errors
-/// As [`start`]; [`Fault::BadBond`] for a bond that is not finite or joins bodies that are not near
+/// As [`start`]; [`Error::BadContactHistory`] for a bond that is not finite or joins bodies that are not near
 /// each other.
 #[inline]
 pub fn resume<R: Real>(
     world: &mut World<'_, R>,
-    bonds: impl IntoIterator<Item = Bond<R>>,
-) -> Result<(), Fault> {
+    histories: impl IntoIterator<Item = ContactHistory<R>>,
+) -> Result<(), Error> {
     prepare(world, true)?;
     // Saved rows may hold anything in the words that are unused; a step takes them for zero.
     for row in world
@@ -123,9 +123,9 @@ pub fn resume<R: Real>(
     {
         row[3] = R::ZERO;
     }
-    for bond in bonds {
+    for bond in histories {
         if !world.pairs.restore(&bond, world.clock.listed) {
-            return Err(Fault::BadBond);
+            return Err(Error::BadContactHistory);
         }
     }
     come_to_rest(world)
@@ -134,7 +134,7 @@ pub fn resume<R: Real>(
 /// Checks a world and makes its first pair list. Where that fails the contacts are still those that were
 /// listed before, so that a full list loses nothing.
 #[inline]
-fn prepare<R: Real>(world: &mut World<'_, R>, has_moved: bool) -> Result<(), Fault> {
+fn prepare<R: Real>(world: &mut World<'_, R>, has_moved: bool) -> Result<(), Error> {
     let listed = world.clock.listed;
     world.clock.stage = Stage::Stopped;
     world.clock.listed = Listed::default();
@@ -146,7 +146,7 @@ fn prepare<R: Real>(world: &mut World<'_, R>, has_moved: bool) -> Result<(), Fau
 }
 
 #[inline]
-fn list_first<R: Real>(world: &mut World<'_, R>, has_moved: bool) -> Result<(), Fault> {
+fn list_first<R: Real>(world: &mut World<'_, R>, has_moved: bool) -> Result<(), Error> {
     check_arithmetic::<R>()?;
     world.check(has_moved)?;
     world.clock.radius_min = R::MAX;
@@ -166,7 +166,7 @@ fn list_first<R: Real>(world: &mut World<'_, R>, has_moved: bool) -> Result<(), 
     world.clock.far = -R::ONE;
     world.clock.next_travel = R::ZERO;
     let travel = next_travel(world)?;
-    renew(world, travel, &[])
+    refresh_pair_list(world, travel, &[])
 }
 
 /// Obstacles first, then pairs: the order of every grain's sum.
@@ -174,12 +174,12 @@ fn push_and_sum<R: Real, L: Law<R>>(
     world: &mut World<'_, R>,
     law: &L,
     dt: R,
-    mut watch: impl FnMut(Pushed<R>),
-) -> Result<(), Fault> {
+    mut watch: impl FnMut(ContactForce<R>),
+) -> Result<(), Error> {
     let (mut part, mut touch) = world.pushing(dt);
-    let hit = push_obstacles(&mut part, &mut touch, law, &mut watch);
+    let hit = obstacle_forces(&mut part, &mut touch, law, &mut watch);
     let none = core::iter::empty();
-    let (deep, _) = sum(
+    let (deep, _) = accumulate(
         &mut part,
         law,
         none,
@@ -188,5 +188,5 @@ fn push_and_sum<R: Real, L: Law<R>>(
         no_fetch::<R>(),
         After::Stay,
     );
-    judge(world, hit, deep)
+    check_overlaps(world, hit, deep)
 }

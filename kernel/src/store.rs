@@ -2,17 +2,17 @@
 
 use heapless::Vec;
 
-use crate::error::Fault;
+use crate::error::Error;
 use crate::math::real::Real;
 use crate::math::rows::Row;
-use crate::neighbors::cell_list::{Candidates, Cells};
-use crate::neighbors::pair_list::Pairs;
+use crate::neighbors::cell_list::{CellList, OuterList};
+use crate::neighbors::pair_list::PairList;
 use crate::state::domain::Domain;
 use crate::state::grains::{Grains, Group};
 use crate::state::obstacle::Obstacle;
 use crate::world::{Clock, Stage, World};
 
-/// A world of at most `GRAINS` grains, `PAIRS` listed pairs, `TOUCHES` listed obstacle contacts and
+/// A world of at most `GRAINS` grains, `PAIRS` listed pairs, `OBSTACLE_CONTACTS` listed obstacle contacts and
 /// `BODIES` obstacles and as many groups, all inside one value.
 ///
 /// With too few `PAIRS` for its skin a store can be given a smaller skin; at skin 0 it lists what
@@ -27,7 +27,7 @@ pub struct Store<
     R,
     const GRAINS: usize,
     const PAIRS: usize,
-    const TOUCHES: usize,
+    const OBSTACLE_CONTACTS: usize,
     const BODIES: usize,
 > {
     domain: Domain<R>,
@@ -44,7 +44,7 @@ pub struct Store<
     torque: Vec<Row<R>, GRAINS>,
     image: Vec<[i32; 3], GRAINS>,
     obstacles: Vec<Obstacle<R>, BODIES>,
-    lists: [List<R, PAIRS, TOUCHES>; 2],
+    lists: [List<R, PAIRS, OBSTACLE_CONTACTS>; 2],
     /// One entry more than grains.
     candidate_row: Vec<u32, PAIRS>,
     candidate: [u32; PAIRS],
@@ -53,27 +53,29 @@ pub struct Store<
     clock: Clock<R>,
 }
 
-struct List<R, const PAIRS: usize, const TOUCHES: usize> {
+struct List<R, const PAIRS: usize, const OBSTACLE_CONTACTS: usize> {
     lower: [u32; PAIRS],
     partner: [u32; PAIRS],
     spring: [[R; PAIRS]; 3],
-    touch_grain: [u32; TOUCHES],
-    touch_obstacle: [u32; TOUCHES],
-    touch_spring: [Row<R>; TOUCHES],
+    touch_grain: [u32; OBSTACLE_CONTACTS],
+    touch_obstacle: [u32; OBSTACLE_CONTACTS],
+    touch_spring: [Row<R>; OBSTACLE_CONTACTS],
 }
 
-impl<R: Real, const PAIRS: usize, const TOUCHES: usize> List<R, PAIRS, TOUCHES> {
+impl<R: Real, const PAIRS: usize, const OBSTACLE_CONTACTS: usize>
+    List<R, PAIRS, OBSTACLE_CONTACTS>
+{
     const EMPTY: Self = Self {
         lower: [0; PAIRS],
         partner: [0; PAIRS],
         spring: [[R::ZERO; PAIRS]; 3],
-        touch_grain: [0; TOUCHES],
-        touch_obstacle: [0; TOUCHES],
-        touch_spring: [[R::ZERO; 4]; TOUCHES],
+        touch_grain: [0; OBSTACLE_CONTACTS],
+        touch_obstacle: [0; OBSTACLE_CONTACTS],
+        touch_spring: [[R::ZERO; 4]; OBSTACLE_CONTACTS],
     };
 
-    fn lend(&mut self) -> Pairs<'_, R> {
-        Pairs {
+    fn lend(&mut self) -> PairList<'_, R> {
+        PairList {
             lower: &mut self.lower,
             partner: &mut self.partner,
             spring: self.spring.each_mut().map(|s| &mut s[..]),
@@ -84,8 +86,13 @@ impl<R: Real, const PAIRS: usize, const TOUCHES: usize> List<R, PAIRS, TOUCHES> 
     }
 }
 
-impl<R: Real, const GRAINS: usize, const PAIRS: usize, const TOUCHES: usize, const BODIES: usize>
-    Store<R, GRAINS, PAIRS, TOUCHES, BODIES>
+impl<
+    R: Real,
+    const GRAINS: usize,
+    const PAIRS: usize,
+    const OBSTACLE_CONTACTS: usize,
+    const BODIES: usize,
+> Store<R, GRAINS, PAIRS, OBSTACLE_CONTACTS, BODIES>
 {
     /// A store without a box, for static memory: every byte of it is zero. [`Store::clear`] makes an
     /// empty world of it; until then [`crate::start`] refuses it. `PAIRS` must be at least
@@ -146,7 +153,7 @@ impl<R: Real, const GRAINS: usize, const PAIRS: usize, const TOUCHES: usize, con
     }
 
     /// How far beyond the skin pairs are candidates from now on (length; 0 at first): speed only, never
-    /// a bit. Candidates are stored in `PAIRS` entries too.
+    /// a bit. OuterList are stored in `PAIRS` entries too.
     pub fn set_reach(&mut self, reach: R) {
         self.reach = reach;
     }
@@ -177,7 +184,7 @@ impl<R: Real, const GRAINS: usize, const PAIRS: usize, const TOUCHES: usize, con
     /// Adds a resting grain of this radius and mass; ids must ascend.
     ///
     /// # Errors
-    /// [`Fault::BadStorage`] where `GRAINS` are there already.
+    /// [`Error::BadStorage`] where `GRAINS` are there already.
     pub fn add_grain(
         &mut self,
         id: u32,
@@ -185,9 +192,9 @@ impl<R: Real, const GRAINS: usize, const PAIRS: usize, const TOUCHES: usize, con
         position: [R; 3],
         radius: R,
         mass: R,
-    ) -> Result<(), Fault> {
+    ) -> Result<(), Error> {
         if self.id.is_full() {
-            return Err(Fault::BadStorage);
+            return Err(Error::BadStorage);
         }
         self.clock.stage = Stage::Stopped;
         let rest = [R::ZERO; 4];
@@ -216,7 +223,7 @@ impl<R: Real, const GRAINS: usize, const PAIRS: usize, const TOUCHES: usize, con
             dt: self.dt,
             skin: self.skin,
             reach: self.reach,
-            cuts: &[],
+            range_bounds: &[],
             grains: Grains {
                 id: &self.id,
                 group: &self.group,
@@ -231,11 +238,11 @@ impl<R: Real, const GRAINS: usize, const PAIRS: usize, const TOUCHES: usize, con
             obstacles: &mut self.obstacles,
             pairs: first.lend(),
             spare: second.lend(),
-            candidates: Candidates {
+            candidates: OuterList {
                 row: &mut self.candidate_row,
                 partner: &mut self.candidate,
             },
-            cells: Cells {
+            cells: CellList {
                 start: &mut self.cell_start,
                 grain: &mut self.cell_grain,
             },

@@ -1,14 +1,14 @@
 //! A world: everything one step needs, borrowed from whoever owns it.
 
-use crate::error::Fault;
-use crate::forces::accumulate::{Part, Sight, Span};
-use crate::forces::obstacle_contacts::TouchPart;
-use crate::integrate::Moving;
+use crate::error::Error;
+use crate::forces::accumulate::{GrainRange, GrainView, PairRange};
+use crate::forces::obstacle_contacts::ObstacleContactRange;
+use crate::integrate::GrainMotion;
 use crate::math::real::{Real, larger, magnitude};
-use crate::math::rows::{at, front, front_mut, halves, halves_mut};
+use crate::math::rows::{front_mut, get_or_default, halves_mut, prefix, split_at};
 use crate::math::vec3::{Vec3, dot, head};
-use crate::neighbors::cell_list::{Candidates, Cells};
-use crate::neighbors::pair_list::{Bond, Listed, Pairs, TOUCHING};
+use crate::neighbors::cell_list::{CellList, OuterList};
+use crate::neighbors::pair_list::{ContactHistory, Listed, PairList, TOUCHING};
 use crate::state::domain::Domain;
 use crate::state::grains::Grains;
 use crate::state::obstacle::Obstacle;
@@ -25,7 +25,7 @@ pub struct Clock<R> {
     pub(crate) searches: u64,
     pub(crate) renewals: u64,
     pub(crate) listed: Listed,
-    /// What the cuts were when the pairs were listed.
+    /// What the range_bounds were when the pairs were listed.
     pub(crate) cut: u64,
     /// The smallest grain radius: what an obstacle may move in one step.
     pub(crate) radius_min: R,
@@ -103,7 +103,7 @@ impl<R: Real> Clock<R> {
         self.listed.touching
     }
 
-    /// Those of them whose grains are in two ranges; see [`World::cuts`].
+    /// Those of them whose grains are in two ranges; see [`World::range_bounds`].
     pub fn listed_across(&self) -> usize {
         self.listed.pairs.saturating_sub(self.listed.inner)
     }
@@ -125,7 +125,7 @@ impl<R: Real> Clock<R> {
     }
 
     /// Stops a world of which its host found that it was computed wrongly: all further steps are refused
-    /// with [`Fault::NotStarted`].
+    /// with [`Error::NotStarted`].
     pub fn stop(&mut self) {
         self.stage = Stage::Stopped;
     }
@@ -135,8 +135,8 @@ impl<R: Real> Clock<R> {
 ///
 /// It is made anew for each stretch of steps from storage that its owner keeps; making one costs
 /// nothing. All that a step reads is read-only between steps: after changing it by hand, call
-/// [`crate::start`] or [`crate::resume`], or the next step is refused with [`Fault::Edited`]. Free to change
-/// at any time are skin, reach and cuts, the number of steps done, and the velocity of an obstacle, which is
+/// [`crate::start`] or [`crate::resume`], or the next step is refused with [`Error::Edited`]. Free to change
+/// at any time are skin, reach and range_bounds, the number of steps done, and the velocity of an obstacle, which is
 /// not checked then.
 pub struct World<'a, R> {
     /// The box.
@@ -150,19 +150,19 @@ pub struct World<'a, R> {
     pub reach: R,
     /// Where ranges of grains end, but for the last: places that ascend, none for one range. The list
     /// keeps pairs of two ranges apart, so that ranges share nothing: a matter of speed only.
-    pub cuts: &'a [u32],
+    pub range_bounds: &'a [u32],
     /// The grains.
     pub grains: Grains<'a, R>,
     /// The obstacles, by number.
     pub obstacles: &'a mut [Obstacle<R>],
     /// The pair list.
-    pub pairs: Pairs<'a, R>,
+    pub pairs: PairList<'a, R>,
     /// Storage for the next list; its pair and obstacle entries bound how many can be listed.
-    pub spare: Pairs<'a, R>,
+    pub spare: PairList<'a, R>,
     /// Storage of the candidates.
-    pub candidates: Candidates<'a>,
+    pub candidates: OuterList<'a>,
     /// Storage of the search.
-    pub cells: Cells<'a>,
+    pub cells: CellList<'a>,
     /// Time, and how long the list holds.
     pub clock: &'a mut Clock<R>,
 }
@@ -170,16 +170,17 @@ pub struct World<'a, R> {
 impl<R: Real> World<'_, R> {
     /// The contacts that touched in the last evaluation, by places: grain pairs by `(i, j)`, then obstacle
     /// contacts by grain and obstacle.
-    pub fn bonds(&self) -> impl Iterator<Item = Bond<R>> + '_ {
+    pub fn contact_histories(&self) -> impl Iterator<Item = ContactHistory<R>> + '_ {
         let (domain, position) = (self.domain, &*self.grains.position);
-        self.pairs.bonds(self.clock.listed, domain, position)
+        self.pairs
+            .contact_histories(self.clock.listed, domain, position)
     }
 
     /// What the passes of motion read and write, for all grains.
     #[inline(always)]
-    pub fn moving(&mut self) -> Moving<'_, R> {
+    pub fn grain_motion(&mut self) -> GrainMotion<'_, R> {
         let g = &mut self.grains;
-        Moving {
+        GrainMotion {
             domain: self.domain,
             dt: self.dt,
             id: g.id,
@@ -197,22 +198,22 @@ impl<R: Real> World<'_, R> {
     /// All grains and the pairs within ranges of them, and the obstacle contacts; `dt` is the time by
     /// which springs advance.
     #[inline(always)]
-    pub fn pushing(&mut self, dt: R) -> (Part<'_, R>, TouchPart<'_, R>) {
+    pub fn pushing(&mut self, dt: R) -> (GrainRange<'_, R>, ObstacleContactRange<'_, R>) {
         let listed = self.clock.listed;
         let (g, pairs) = (&mut self.grains, &mut self.pairs);
-        let touch = TouchPart {
-            grain: front(pairs.touch_grain, listed.touches),
+        let touch = ObstacleContactRange {
+            grain: prefix(pairs.touch_grain, listed.touches),
             obstacle: front_mut(pairs.touch_obstacle, listed.touches),
             spring: front_mut(pairs.touch_spring, listed.touches),
             obstacles: self.obstacles,
         };
         let [x, y, z] = &mut pairs.spring;
-        let span = Span {
-            lower: front(pairs.lower, listed.inner),
-            partner: front(pairs.partner, listed.inner),
+        let span = PairRange {
+            lower: prefix(pairs.lower, listed.inner),
+            partner: prefix(pairs.partner, listed.inner),
             spring: [x, y, z].map(|s| front_mut(s, listed.inner)),
         };
-        let grains = Moving {
+        let grains = GrainMotion {
             domain: self.domain,
             dt: self.dt,
             id: g.id,
@@ -225,7 +226,7 @@ impl<R: Real> World<'_, R> {
             velocity: g.velocity,
             spin: g.spin,
         };
-        let part = Part {
+        let part = GrainRange {
             first: 0,
             grains,
             pairs: span,
@@ -236,17 +237,17 @@ impl<R: Real> World<'_, R> {
 
     /// The pairs of two ranges, and the rows they read.
     #[inline(always)]
-    pub fn across(&mut self) -> (Sight<'_, R>, Span<'_, R>) {
+    pub fn across(&mut self) -> (GrainView<'_, R>, PairRange<'_, R>) {
         let Listed { inner, pairs, .. } = self.clock.listed;
         let list = &mut self.pairs;
         let [x, y, z] = &mut list.spring;
-        let span = Span {
-            lower: halves(front(list.lower, pairs), inner).1,
-            partner: halves(front(list.partner, pairs), inner).1,
+        let span = PairRange {
+            lower: split_at(prefix(list.lower, pairs), inner).1,
+            partner: split_at(prefix(list.partner, pairs), inner).1,
             spring: [x, y, z].map(|s| halves_mut(front_mut(s, pairs), inner).1),
         };
         let g = &self.grains;
-        let sight = Sight {
+        let sight = GrainView {
             domain: self.domain,
             position: g.position,
             velocity: g.velocity,
@@ -258,7 +259,7 @@ impl<R: Real> World<'_, R> {
 
     /// Checks that the lent slices fit together: what a step relies on.
     #[inline(always)]
-    pub(crate) fn check_storage(&self) -> Result<(), Fault> {
+    pub(crate) fn check_storage(&self) -> Result<(), Error> {
         let n = self.grains.count();
         let lists = self.pairs.is_whole()
             && self.spare.is_whole()
@@ -271,12 +272,12 @@ impl<R: Real> World<'_, R> {
         if self.grains.is_whole() && lists && cells && countable {
             Ok(())
         } else {
-            Err(Fault::BadStorage)
+            Err(Error::BadStorage)
         }
     }
 
     /// Checks storage, ids, grains, obstacles and box; obstacles that have moved may be beyond it.
-    pub(crate) fn check(&self, has_moved: bool) -> Result<(), Fault> {
+    pub(crate) fn check(&self, has_moved: bool) -> Result<(), Error> {
         let n = self.grains.count();
         self.check_storage()?;
         if !(self.dt > R::ZERO
@@ -284,31 +285,35 @@ impl<R: Real> World<'_, R> {
             && self.skin >= R::ZERO
             && self.reach >= R::ZERO)
         {
-            return Err(Fault::BadTimeStep);
+            return Err(Error::BadTimeStep);
         }
         let g = &self.grains;
         for i in 0..n {
-            let id = at(g.id, i);
-            if i > 0 && at(g.id, i - 1) >= id {
-                return Err(Fault::BadOrder { id });
+            let id = get_or_default(g.id, i);
+            if i > 0 && get_or_default(g.id, i - 1) >= id {
+                return Err(Error::BadOrder { id });
             }
-            let numbers = [at(g.position, i), at(g.velocity, i), at(g.spin, i)];
+            let numbers = [
+                get_or_default(g.position, i),
+                get_or_default(g.velocity, i),
+                get_or_default(g.spin, i),
+            ];
             let [[.., radius], [.., mass], _] = numbers;
             let sized = radius > R::ZERO && radius.is_finite();
             let heavy = mass > R::ZERO && mass.is_finite() && (R::ONE / mass).is_finite();
-            if usize::from(at(g.group, i)) >= g.groups.len() || !sized || !heavy {
-                return Err(Fault::BadGrain { id });
+            if usize::from(get_or_default(g.group, i)) >= g.groups.len() || !sized || !heavy {
+                return Err(Error::BadGrain { id });
             }
             let finite = numbers
                 .iter()
                 .all(|row| head(*row).iter().all(|x| x.is_finite()));
             if !finite {
-                return Err(Fault::NotFinite { id });
+                return Err(Error::NotFinite { id });
             }
-            let mut place = head(at(g.position, i));
+            let mut place = head(get_or_default(g.position, i));
             let mut image = [0; 3];
             if !self.domain.wrap(&mut place, &mut image) || image != [0; 3] {
-                return Err(Fault::Escaped { id });
+                return Err(Error::Escaped { id });
             }
         }
         for (number, body) in self.obstacles.iter().enumerate() {
@@ -320,7 +325,7 @@ impl<R: Real> World<'_, R> {
 
     /// What is carried, what moves as prescribed and what falls must move by [`RESOLVED`] units in
     /// the last place in a step, or rounding would rule its speed: the valid range of a number type.
-    fn check_resolution(&self) -> Result<(), Fault> {
+    fn check_resolution(&self) -> Result<(), Error> {
         let mut extent = R::ZERO;
         for a in 0..3 {
             for x in self.grains.position.iter() {
@@ -339,12 +344,12 @@ impl<R: Real> World<'_, R> {
         let lost = |v: &Vec3<R>, speed: R| moves(v) && speed * self.dt < least;
         for (k, body) in self.obstacles.iter().enumerate() {
             if lost(&body.velocity, dot(body.velocity, body.velocity).sqrt()) {
-                return Err(Fault::ObstacleTooSlow { obstacle: k as u32 });
+                return Err(Error::ObstacleTooSlow { obstacle: k as u32 });
             }
         }
         let g = &self.grains;
         for (i, (x, v)) in g.position.iter().zip(g.velocity.iter()).enumerate() {
-            let number = at(g.group, i);
+            let number = get_or_default(g.group, i);
             let Some(group) = g.groups.get(usize::from(number)) else {
                 continue;
             };
@@ -358,10 +363,12 @@ impl<R: Real> World<'_, R> {
                 }
             }
             if lost(&carried, dot(carried, carried).sqrt()) {
-                return Err(Fault::TooSlow { id: at(g.id, i) });
+                return Err(Error::TooSlow {
+                    id: get_or_default(g.id, i),
+                });
             }
             if lost(&pull, (dot(pull, pull).sqrt() * x[3]).sqrt()) {
-                return Err(Fault::GravityTooWeak { group: number });
+                return Err(Error::GravityTooWeak { group: number });
             }
         }
         Ok(())
@@ -369,7 +376,7 @@ impl<R: Real> World<'_, R> {
 
     /// Every period must be longer than twice the largest contact distance, or a grain could touch
     /// two images of one body.
-    fn check_periods(&self) -> Result<(), Fault> {
+    fn check_periods(&self) -> Result<(), Error> {
         let mut radius = R::ZERO;
         for x in self.grains.position.iter() {
             radius = larger(radius, x[3]);
@@ -381,7 +388,7 @@ impl<R: Real> World<'_, R> {
         let (lo, hi) = (self.domain.lo(), self.domain.hi());
         for a in 0..3 {
             if self.domain.periodic()[a] && hi[a] - lo[a] <= widest + widest {
-                return Err(Fault::PeriodTooShort { axis: a as u8 });
+                return Err(Error::PeriodTooShort { axis: a as u8 });
             }
         }
         Ok(())

@@ -17,7 +17,7 @@ use bitgrain::checkpoint;
 use bitgrain::law::LawSpec;
 use bitgrain::sim::Sim;
 use bitgrain::witness::Witness;
-use bitgrain_kernel::Pushed;
+use bitgrain_kernel::ContactForce;
 use serde_json::Value;
 
 /// A witness that is shown the states after some steps, which ascend.
@@ -28,7 +28,12 @@ impl<F: FnMut(u64, &mut Sim)> Witness for Shown<'_, F> {
         self.0.binary_search(&step).is_ok()
     }
 
-    fn look(&mut self, step: u64, sim: &mut Sim, _: &[Pushed<f64>]) -> bitgrain::error::Result<()> {
+    fn look(
+        &mut self,
+        step: u64,
+        sim: &mut Sim,
+        _: &[ContactForce<f64>],
+    ) -> bitgrain::error::Result<()> {
         (self.1)(step, sim);
         Ok(())
     }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use bitgrain_kernel::{Bond, PARTS};
+use bitgrain_kernel::{ContactHistory, PARTS};
 
 use bitgrain_sim::sim::Sim;
 
@@ -130,13 +130,13 @@ fn numbers(sim: &mut Sim) -> Vec<Number> {
     for i in 0..n {
         put(2, &grain(sim.id[i]), &AXES, &sim.spin[i]);
     }
-    for bond in sim.bonds() {
+    for bond in sim.contact_histories() {
         let (body, spring) = match bond {
-            Bond::Pair { i, j, spring } => {
+            ContactHistory::Pair { i, j, spring } => {
                 let [i, j] = [i, j].map(|place| sim.id[place as usize]);
                 (format!("grains {i} and {j}"), spring)
             }
-            Bond::Touch {
+            ContactHistory::Obstacle {
                 i,
                 obstacle,
                 spring,

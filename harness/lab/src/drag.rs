@@ -1,7 +1,7 @@
 //! Dragging: the intruder moves at constant speed through a settled bed, or the bed past it, and the
 //! force on it is summed at every step.
 
-use bitgrain_kernel::{Fault, check_arithmetic};
+use bitgrain_kernel::{Error as KernelError, check_arithmetic};
 use serde::{Deserialize, Serialize};
 
 use crate::flow::{FlowGauge, FlowMeans};
@@ -328,8 +328,8 @@ pub fn drag(sim: &mut Sim, plan: &DragPlan, witness: &mut impl Witness) -> Resul
 }
 
 /// Sets the intruder in motion, or base, lid and planes; all at once.
-fn set_off(sim: &mut Sim, moves: Moves, speed: f64) -> std::result::Result<(), Fault> {
-    let bonds = sim.bonds();
+fn set_off(sim: &mut Sim, moves: Moves, speed: f64) -> std::result::Result<(), KernelError> {
+    let histories = sim.contact_histories();
     if moves == Moves::Intruder {
         sim.obstacles[INTRUDER as usize].velocity = [speed, 0.0, 0.0];
     } else {
@@ -344,7 +344,7 @@ fn set_off(sim: &mut Sim, moves: Moves, speed: f64) -> std::result::Result<(), F
     }
     // Taken up anew, so that the list of pairs reckons with the motion, and a speed that cannot be
     // resolved is refused.
-    sim.resume(&bonds)
+    sim.resume(&histories)
 }
 
 /// Drag, along the motion of the bed past the intruder, lift up, and side force along y.

@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use bitgrain_kernel::{Partner, Pushed, vec3};
+use bitgrain_kernel::{ContactForce, Partner, vec3};
 use serde::{Deserialize, Serialize};
 
 use crate::case;
@@ -203,7 +203,7 @@ impl<W: Write> Witness for Tape<'_, W> {
         (self.from..=self.to).contains(&step) && (step == self.to || sampled(step - self.from))
     }
 
-    fn look(&mut self, step: u64, sim: &mut Sim, contacts: &[Pushed<f64>]) -> Result<()> {
+    fn look(&mut self, step: u64, sim: &mut Sim, contacts: &[ContactForce<f64>]) -> Result<()> {
         write_sample(step, sim, self.what, (contacts, None), self.out)?;
         self.last = Some(step);
         match self.save {
@@ -227,7 +227,7 @@ fn write_sample(
     step: u64,
     sim: &mut Sim,
     what: &Replay,
-    (seen, energy): (&[Pushed<f64>], Option<EnergyRow>),
+    (seen, energy): (&[ContactForce<f64>], Option<EnergyRow>),
     out: &mut impl Write,
 ) -> Result<()> {
     let digest = sim.digest();

@@ -3,7 +3,7 @@
 
 use bitgrain_kernel::blake3::Hasher;
 use bitgrain_kernel::conformance::{self, EVERY, Line, Room, World};
-use bitgrain_kernel::{BITS_VERSION, Fault, Real, check_arithmetic};
+use bitgrain_kernel::{BITS_VERSION, Error as KernelError, Real, check_arithmetic};
 
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::registers::Registers;
@@ -25,7 +25,7 @@ pub fn selftest(show: impl FnMut(&str) -> Result<()>) -> Result<()> {
 }
 
 fn against(published: &str, mut show: impl FnMut(&str) -> Result<()>) -> Result<()> {
-    let broken = |what: &str, fault: Fault| Error::Contract {
+    let broken = |what: &str, fault: KernelError| Error::Contract {
         problem: format!("{what}: {fault}"),
     };
     check_arithmetic::<f64>().map_err(|fault| broken("double precision", fault))?;
@@ -58,7 +58,7 @@ fn against(published: &str, mut show: impl FnMut(&str) -> Result<()>) -> Result<
 }
 
 /// The lines as the kernel's own step gives them.
-fn by_the_kernel<R: Real>(all: &mut Hasher) -> std::result::Result<Vec<Line>, Fault> {
+fn by_the_kernel<R: Real>(all: &mut Hasher) -> std::result::Result<Vec<Line>, KernelError> {
     let mut room = Box::new(Room::<R>::vacant());
     let mut lines = Vec::new();
     conformance::run(&mut room, all, |line| lines.push(*line))?;
@@ -66,7 +66,7 @@ fn by_the_kernel<R: Real>(all: &mut Hasher) -> std::result::Result<Vec<Line>, Fa
 }
 
 /// The lines in double precision as a simulation gives them, on the threads round this call.
-fn by_ranges(registers: Registers, threads: usize) -> std::result::Result<Vec<Line>, Fault> {
+fn by_ranges(registers: Registers, threads: usize) -> std::result::Result<Vec<Line>, KernelError> {
     let mut room = Box::new(Room::<f64>::vacant());
     let mut lines = Vec::new();
     for one in World::ALL {
@@ -83,7 +83,7 @@ fn by_ranges(registers: Registers, threads: usize) -> std::result::Result<Vec<Li
                 Some(gamma) => AnyLaw::HertzHistory(conformance::history(gamma)),
                 None => AnyLaw::HertzTsuji(conformance::tsuji()),
             };
-            let mut tell = |sim: &mut Sim| -> std::result::Result<(), Fault> {
+            let mut tell = |sim: &mut Sim| -> std::result::Result<(), KernelError> {
                 lines.push(Line {
                     real: f64::NAME,
                     world: one.name(),

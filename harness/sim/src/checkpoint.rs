@@ -10,7 +10,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use arrays::Arrays;
-use bitgrain_kernel::{BITS_VERSION, Bond, Fault, Row};
+use bitgrain_kernel::{BITS_VERSION, ContactHistory, Error as KernelError, Row};
 use safetensors::tensor::{Dtype, SafeTensors, TensorView, serialize};
 
 use crate::disk::{self, write_whole};
@@ -84,10 +84,10 @@ type Array = (&'static str, (Dtype, Vec<usize>, Vec<u8>));
 /// Grains, contacts and the stage under way as arrays, by name.
 fn arrays(sim: &mut Sim, note: &Note) -> Vec<Array> {
     let (mut bodies, mut springs, mut kinds) = (Vec::new(), Vec::new(), Vec::new());
-    for bond in sim.bonds() {
+    for bond in sim.contact_histories() {
         let (kind, i, partner, spring) = match bond {
-            Bond::Pair { i, j, spring } => (0u8, i, j, spring),
-            Bond::Touch {
+            ContactHistory::Pair { i, j, spring } => (0u8, i, j, spring),
+            ContactHistory::Obstacle {
                 i,
                 obstacle,
                 spring,
@@ -258,11 +258,11 @@ fn restore(bytes: &[u8], head: &Head, name: &str) -> Result<(Sim, Note)> {
     let file = SafeTensors::deserialize(bytes).map_err(|e| damaged(e.to_string()))?;
     let arrays = Arrays { file: &file };
     let mut sim = arrays.sim(head).map_err(&damaged)?;
-    let bonds = arrays.bonds().map_err(&damaged)?;
+    let histories = arrays.contact_histories().map_err(&damaged)?;
     sim.set_step_count(head.step);
-    sim.resume(&bonds).map_err(|fault| match fault {
+    sim.resume(&histories).map_err(|fault| match fault {
         // The machine's fault, not the file's.
-        Fault::Arithmetic { .. } => Error::run(name, head.step, fault),
+        KernelError::Arithmetic { .. } => Error::run(name, head.step, fault),
         _ => damaged(fault.to_string()),
     })?;
     let digest = sim.digest();

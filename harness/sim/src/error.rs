@@ -3,7 +3,7 @@
 use crate::threads::ThreadsError;
 use std::path::{Path, PathBuf};
 
-use bitgrain_kernel::Fault;
+use bitgrain_kernel::Error as KernelError;
 use thiserror::Error;
 
 /// What an interrupted run is told.
@@ -57,7 +57,7 @@ pub enum Error {
         /// The step that failed; 0 where the start did.
         step: u64,
         /// What the kernel found.
-        fault: Fault,
+        fault: KernelError,
         /// What to look at next.
         hint: String,
     },
@@ -214,8 +214,8 @@ impl Error {
     }
 
     /// A run that the kernel stopped.
-    pub fn run(stage: impl Into<String>, step: u64, fault: Fault) -> Self {
-        if let Fault::Arithmetic { flaw } = fault {
+    pub fn run(stage: impl Into<String>, step: u64, fault: KernelError) -> Self {
+        if let KernelError::Arithmetic { flaw } = fault {
             let problem = flaw.to_string();
             return Error::Contract { problem };
         }
@@ -252,18 +252,20 @@ fn write_hint(source: &std::io::Error) -> &'static str {
 pub const FULL: &str = "; that is more than there is memory for, or than bodies have that do not lie in each \
                                other: look for many in one place, or for sizes that differ by many orders";
 
-fn hint(fault: Fault) -> &'static str {
+fn hint(fault: KernelError) -> &'static str {
     match fault {
-        Fault::ObstacleTooDeep { .. } => {
+        KernelError::ObstacleTooDeep { .. } => {
             "; in a scenario obstacle 0 is the intruder and 1 the floor; bodies this deep in each other \
              come from too fast an intruder, too soft a contact or too long a time step"
         }
-        Fault::OverlapTooDeep { .. } => {
+        KernelError::OverlapTooDeep { .. } => {
             "; grains this deep in each other come from a bad start, too soft a contact or too long a time step"
         }
-        Fault::PairsFull { .. } | Fault::CandidatesFull { .. } | Fault::TouchesFull { .. } => FULL,
-        Fault::Escaped { .. } => "; make the box higher, or see what pushed the grain out",
-        Fault::TooFast { .. } | Fault::NotFinite { .. } => {
+        KernelError::PairListFull { .. }
+        | KernelError::OuterListFull { .. }
+        | KernelError::ObstacleContactsFull { .. } => FULL,
+        KernelError::Escaped { .. } => "; make the box higher, or see what pushed the grain out",
+        KernelError::TooFast { .. } | KernelError::NotFinite { .. } => {
             "; look for overlaps at the start, or take a shorter time step"
         }
         _ => "",

@@ -4,7 +4,7 @@
 //! are written here, by a few lines: the crate that would do it, `vtkio`, has had nothing but
 //! candidates for its next release since 2023.
 
-use bitgrain_kernel::{Obstacle, Partner, Pushed, Shape};
+use bitgrain_kernel::{ContactForce, Obstacle, Partner, Shape};
 
 use crate::lammps::{Atom, DataFile, Frame};
 use crate::sim::{Role, Sim, sphere_mass};
@@ -159,7 +159,7 @@ pub fn vtk_grains(sim: &Sim, title: &str) -> String {
 /// A line runs from the centre of the lower grain to that of the other, or to the obstacle's
 /// surface. Across a periodic edge it ends at the nearest image, outside the box, so that none
 /// crosses the box.
-pub fn vtk_contacts(sim: &Sim, contacts: &[Pushed<f64>], title: &str) -> String {
+pub fn vtk_contacts(sim: &Sim, contacts: &[ContactForce<f64>], title: &str) -> String {
     let n = contacts.len();
     let mut out = vtk_head(title);
     out.push_str(&format!("POINTS {} double\n", 2 * n));
@@ -178,7 +178,7 @@ pub fn vtk_contacts(sim: &Sim, contacts: &[Pushed<f64>], title: &str) -> String 
         contacts.iter().map(|c| c.tangential_force),
     );
     push_reals(&mut out, "overlap", contacts.iter().map(|c| c.overlap));
-    let number = |c: &Pushed<f64>| match c.partner {
+    let number = |c: &ContactForce<f64>| match c.partner {
         Partner::Grain(_) => -1,
         Partner::Obstacle(k) => i64::from(k),
     };
@@ -187,7 +187,7 @@ pub fn vtk_contacts(sim: &Sim, contacts: &[Pushed<f64>], title: &str) -> String 
 }
 
 /// Where the line of a contact begins and ends.
-fn ends(sim: &Sim, contact: &Pushed<f64>) -> [[f64; 3]; 2] {
+fn ends(sim: &Sim, contact: &ContactForce<f64>) -> [[f64; 3]; 2] {
     let [x, y, z, radius] = sim.position[contact.i as usize];
     let from = [x, y, z];
     let branch = match contact.partner {

@@ -2,7 +2,7 @@
 
 use std::collections::TryReserveError;
 
-use bitgrain_kernel::{Pairs, Row};
+use bitgrain_kernel::{PairList, Row};
 
 /// Whether there was memory for a longer list.
 pub(crate) type Grown = Result<(), TryReserveError>;
@@ -46,8 +46,8 @@ impl List {
     }
 
     /// Lends it to the kernel.
-    pub fn lend(&mut self) -> Pairs<'_, f64> {
-        Pairs {
+    pub fn lend(&mut self) -> PairList<'_, f64> {
+        PairList {
             lower: &mut self.lower,
             partner: &mut self.partner,
             spring: self.spring.each_mut().map(|s| &mut s[..]),

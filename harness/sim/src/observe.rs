@@ -2,7 +2,7 @@
 //!
 //! Every function reads and none changes a state; sums run by ascending id.
 
-use bitgrain_kernel::{Bond, Domain, Obstacle, Shape};
+use bitgrain_kernel::{ContactHistory, Domain, Obstacle, Shape};
 
 use crate::sim::{Role, Sim};
 
@@ -89,18 +89,18 @@ pub fn pressure_at(sim: &Sim, height: f64) -> f64 {
 /// Mean number of contacts, with grains and obstacles, of the free grains whose centres lie below
 /// `top`; 0 where there are none.
 pub fn coordination_number(sim: &mut Sim, top: f64) -> f64 {
-    let bonds = sim.bonds();
+    let histories = sim.contact_histories();
     let counted = |place: u32| {
         let i = place as usize;
         sim.role(i) == Role::Free && sim.position[i][2] < top
     };
     let mut contacts = 0usize;
-    for bond in &bonds {
+    for bond in &histories {
         match *bond {
-            Bond::Pair { i, j, .. } => {
+            ContactHistory::Pair { i, j, .. } => {
                 contacts += usize::from(counted(i)) + usize::from(counted(j))
             }
-            Bond::Touch { i, .. } => contacts += usize::from(counted(i)),
+            ContactHistory::Obstacle { i, .. } => contacts += usize::from(counted(i)),
         }
     }
     let grains = (0..sim.count() as u32).filter(|&i| counted(i)).count();
@@ -152,13 +152,13 @@ pub fn contact_angle(sim: &Sim, i: usize, front: f64) -> f64 {
 pub fn neighbourhood(sim: &mut Sim, reach: f64, front: f64) -> (Vec<f64>, Vec<f64>) {
     let mut contacts = vec![0u32; sim.count()];
     let mut angles = Vec::new();
-    for bond in sim.bonds() {
+    for bond in sim.contact_histories() {
         match bond {
-            Bond::Pair { i, j, .. } => {
+            ContactHistory::Pair { i, j, .. } => {
                 contacts[i as usize] += 1;
                 contacts[j as usize] += 1;
             }
-            Bond::Touch { i, obstacle, .. } => {
+            ContactHistory::Obstacle { i, obstacle, .. } => {
                 contacts[i as usize] += 1;
                 if obstacle == INTRUDER {
                     angles.push(contact_angle(sim, i as usize, front));
@@ -179,20 +179,20 @@ pub fn neighbourhood(sim: &mut Sim, reach: f64, front: f64) -> (Vec<f64>, Vec<f6
 /// Deepest overlap of two grains, or of a grain and the intruder, from the positions; 0 where none touch.
 pub fn deepest_overlap(sim: &mut Sim) -> f64 {
     let mut deepest = 0.0;
-    for bond in sim.bonds() {
+    for bond in sim.contact_histories() {
         let overlap = match bond {
-            Bond::Pair { i, j, .. } => {
+            ContactHistory::Pair { i, j, .. } => {
                 let (x, y) = (sim.position[i as usize], sim.position[j as usize]);
                 let d = sim
                     .domain
                     .separation([x[0], x[1], x[2]], [y[0], y[1], y[2]]);
                 x[3] + y[3] - length(d)
             }
-            Bond::Touch { i, obstacle, .. } if obstacle == INTRUDER => {
+            ContactHistory::Obstacle { i, obstacle, .. } if obstacle == INTRUDER => {
                 let reach = sim.obstacles[INTRUDER as usize].reach();
                 sim.position[i as usize][3] + reach - length(from_intruder(sim, i as usize))
             }
-            Bond::Touch { .. } => continue,
+            ContactHistory::Obstacle { .. } => continue,
         };
         if overlap > deepest {
             deepest = overlap;

@@ -6,8 +6,9 @@ pub use grain::{Grain, Role, hex, sphere_mass};
 
 use bitgrain_kernel::contact::{HertzHistory, HertzTsuji};
 use bitgrain_kernel::{
-    Bond, Candidates, Cells, Clock, Digest, Domain, Fault, Grains, Group, Obstacle, Pushed, Row,
-    TOUCHING, World, check_arithmetic, start_watched, step_watched,
+    CellList, Clock, ContactForce, ContactHistory, Digest, Domain, Error as KernelError, Grains,
+    Group, Obstacle, OuterList, Row, TOUCHING, World, check_arithmetic, start_watched,
+    step_watched,
 };
 use serde::{Deserialize, Serialize};
 
@@ -69,7 +70,7 @@ pub struct Sim {
     pub stepping: Stepping,
     lists: [List; 2],
     /// Where ranges of grains end, but for the last.
-    cuts: Vec<u32>,
+    range_bounds: Vec<u32>,
     candidate_row: Vec<u32>,
     candidate: Vec<u32>,
     cell_start: Vec<u32>,
@@ -113,7 +114,7 @@ impl Sim {
             obstacles,
             stepping: Stepping::default(),
             lists: [List::default(), List::default()],
-            cuts: Vec::new(),
+            range_bounds: Vec::new(),
             candidate_row: Vec::new(),
             candidate: Vec::new(),
             cell_start: Vec::new(),
@@ -216,7 +217,7 @@ impl Sim {
         self.clock = Clock::default();
         self.clock.step = step;
         self.stepping = self.stepping.clone();
-        self.cuts.clear();
+        self.range_bounds.clear();
     }
 
     fn reserve(&mut self, pairs: usize, candidates: usize, touches: usize) -> Grown {
@@ -241,7 +242,7 @@ impl Sim {
             dt: self.dt,
             skin: self.skin,
             reach: self.reach,
-            cuts: &self.cuts,
+            range_bounds: &self.range_bounds,
             grains: Grains {
                 id: &self.id,
                 group: &self.group,
@@ -256,11 +257,11 @@ impl Sim {
             obstacles: &mut self.obstacles,
             pairs: first.lend(),
             spare: second.lend(),
-            candidates: Candidates {
+            candidates: OuterList {
                 row: &mut self.candidate_row,
                 partner: &mut self.candidate,
             },
-            cells: Cells {
+            cells: CellList {
                 start: &mut self.cell_start,
                 grain: &mut self.cell_grain,
             },
@@ -273,8 +274,8 @@ impl Sim {
     /// returned.
     fn grow_while_full(
         &mut self,
-        mut act: impl FnMut(&mut Self) -> Result<(), Fault>,
-    ) -> Result<(), Fault> {
+        mut act: impl FnMut(&mut Self) -> Result<(), KernelError>,
+    ) -> Result<(), KernelError> {
         let most = self
             .count()
             .saturating_mul(PAIRS_MAX)
@@ -284,9 +285,11 @@ impl Sim {
                 return Ok(());
             };
             let (needed, wanted) = match full {
-                Fault::PairsFull { needed } => (needed, [needed + needed / 8, 0, 0]),
-                Fault::CandidatesFull { needed } => (needed, [0, needed + needed / 8, 0]),
-                Fault::TouchesFull { needed } => (needed, [0, 0, needed + needed / 8]),
+                KernelError::PairListFull { needed } => (needed, [needed + needed / 8, 0, 0]),
+                KernelError::OuterListFull { needed } => (needed, [0, needed + needed / 8, 0]),
+                KernelError::ObstacleContactsFull { needed } => {
+                    (needed, [0, 0, needed + needed / 8])
+                }
                 other => return Err(other),
             };
             if needed > most || self.reserve(wanted[0], wanted[1], wanted[2]).is_err() {
@@ -298,14 +301,14 @@ impl Sim {
     /// Refuses crowds of grains in each other, of whom all pairs would be listed first.
     ///
     /// # Errors
-    /// [`Fault::OverlapTooDeep`] with two of them.
-    fn check_crowds(&self) -> Result<(), Fault> {
+    /// [`KernelError::OverlapTooDeep`] with two of them.
+    fn check_crowds(&self) -> Result<(), KernelError> {
         let light = |i: usize| {
             let group = self.groups.get(usize::from(self.group[i]));
             group.is_some_and(|group| !group.heavy)
         };
         match deep_pair(&self.position, light) {
-            Some((i, j)) => Err(Fault::OverlapTooDeep {
+            Some((i, j)) => Err(KernelError::OverlapTooDeep {
                 i: self.id[i],
                 j: self.id[j],
             }),
@@ -317,7 +320,7 @@ impl Sim {
     ///
     /// # Errors
     /// What the kernel finds wrong with the world.
-    pub fn start(&mut self) -> Result<(), Fault> {
+    pub fn start(&mut self) -> Result<(), KernelError> {
         self.start_watched(|_| {})
     }
 
@@ -325,11 +328,17 @@ impl Sim {
     ///
     /// # Errors
     /// As [`Sim::start`].
-    pub fn start_watched(&mut self, mut watch: impl FnMut(Pushed<f64>)) -> Result<(), Fault> {
+    pub fn start_watched(
+        &mut self,
+        mut watch: impl FnMut(ContactForce<f64>),
+    ) -> Result<(), KernelError> {
         self.start_shown(&mut watch)
     }
 
-    fn start_shown(&mut self, mut watch: &mut dyn FnMut(Pushed<f64>)) -> Result<(), Fault> {
+    fn start_shown(
+        &mut self,
+        mut watch: &mut dyn FnMut(ContactForce<f64>),
+    ) -> Result<(), KernelError> {
         self.check_crowds()?;
         self.grow_while_full(|sim| match sim.law {
             AnyLaw::HertzHistory(law) => start_watched(&mut sim.world(), &law, &mut watch),
@@ -341,32 +350,40 @@ impl Sim {
     ///
     /// # Errors
     /// As [`Sim::steps`].
-    pub fn step_watched(&mut self, mut watch: impl FnMut(Pushed<f64>)) -> Result<(), Fault> {
+    pub fn step_watched(
+        &mut self,
+        mut watch: impl FnMut(ContactForce<f64>),
+    ) -> Result<(), KernelError> {
         self.step_shown(&mut watch)
     }
 
-    fn step_shown(&mut self, mut watch: &mut dyn FnMut(Pushed<f64>)) -> Result<(), Fault> {
+    fn step_shown(
+        &mut self,
+        mut watch: &mut dyn FnMut(ContactForce<f64>),
+    ) -> Result<(), KernelError> {
         self.grow_while_full(|sim| match sim.law {
             AnyLaw::HertzHistory(law) => step_watched(&mut sim.world(), &law, &mut watch),
             AnyLaw::HertzTsuji(law) => step_watched(&mut sim.world(), &law, &mut watch),
         })
     }
 
-    /// Goes on from saved rows and bonds; see [`bitgrain_kernel::resume`].
+    /// Goes on from saved rows and histories; see [`bitgrain_kernel::resume`].
     ///
     /// # Errors
     /// What the kernel finds wrong with the world.
-    pub fn resume(&mut self, bonds: &[Bond<f64>]) -> Result<(), Fault> {
+    pub fn resume(&mut self, histories: &[ContactHistory<f64>]) -> Result<(), KernelError> {
         self.check_crowds()?;
-        self.grow_while_full(|sim| bitgrain_kernel::resume(&mut sim.world(), bonds.iter().copied()))
+        self.grow_while_full(|sim| {
+            bitgrain_kernel::resume(&mut sim.world(), histories.iter().copied())
+        })
     }
 
     /// Advances by `count` steps, on the threads of the rayon pool that this is called in.
     ///
     /// # Errors
-    /// The fault that stopped a step; [`Sim::step_count`] says how many were finished. [`Fault::Edited`], where
+    /// The fault that stopped a step; [`Sim::step_count`] says how many were finished. [`KernelError::Edited`], where
     /// rows were written to since the last step: [`Sim::resume`] or start again.
-    pub fn steps(&mut self, count: u64) -> Result<(), Fault> {
+    pub fn steps(&mut self, count: u64) -> Result<(), KernelError> {
         // A file may say that any number of steps was done.
         let end = self.clock.step.saturating_add(count);
         self.cut();
@@ -389,8 +406,8 @@ impl Sim {
     /// are sealed once, and not at each call. What is written to them all the same is not found.
     ///
     /// # Errors
-    /// [`Fault::Edited`], of rows that were written to since the last stretch ended.
-    pub fn hold(&mut self) -> Result<(), Fault> {
+    /// [`KernelError::Edited`], of rows that were written to since the last stretch ended.
+    pub fn hold(&mut self) -> Result<(), KernelError> {
         self.cut();
         let mut stepping = std::mem::take(&mut self.stepping);
         let begun = stepping.begin(&mut self.world());
@@ -401,8 +418,8 @@ impl Sim {
     /// Ends the stretch that [`Sim::hold`] began.
     ///
     /// # Errors
-    /// [`Fault::Arithmetic`]; [`Fault::NotStarted`] where a fault stopped the steps.
-    pub fn release(&mut self) -> Result<(), Fault> {
+    /// [`KernelError::Arithmetic`]; [`KernelError::NotStarted`] where a fault stopped the steps.
+    pub fn release(&mut self) -> Result<(), KernelError> {
         let mut stepping = std::mem::take(&mut self.stepping);
         let ended = stepping.end(&mut self.world());
         self.stepping = stepping;
@@ -414,30 +431,30 @@ impl Sim {
         let n = self.count();
         let least = self.stepping.range_min.max(1);
         let ranges = threads().min(n / least).max(1);
-        if ranges != self.cuts.len() + 1 {
+        if ranges != self.range_bounds.len() + 1 {
             let listed = self.clock.listed() - self.clock.listed_across();
-            self.cuts = cut(n, &self.lists[0].lower[..listed], ranges);
+            self.range_bounds = cut(n, &self.lists[0].lower[..listed], ranges);
         }
     }
 
     /// Ranges of the last steps: how many threads had a part in them.
     pub fn ranges(&self) -> usize {
-        self.cuts.len() + 1
+        self.range_bounds.len() + 1
     }
 
     /// The digest of the state, on a thread whose arithmetic is that of the bit contract.
     ///
     /// # Errors
-    /// [`Fault::Arithmetic`], where something changed the processor's modes since the last step: what was
+    /// [`KernelError::Arithmetic`], where something changed the processor's modes since the last step: what was
     /// measured of the state since then may be wrong.
-    pub fn digest(&mut self) -> Result<Digest, Fault> {
+    pub fn digest(&mut self) -> Result<Digest, KernelError> {
         check_arithmetic::<f64>()?;
         Ok(bitgrain_kernel::digest(&self.world()))
     }
 
     /// The touching contacts, by places.
-    pub fn bonds(&mut self) -> Vec<Bond<f64>> {
-        self.world().bonds().collect()
+    pub fn contact_histories(&mut self) -> Vec<ContactHistory<f64>> {
+        self.world().contact_histories().collect()
     }
 
     /// Kinetic energy of all grains, translation and rotation, summed by id.

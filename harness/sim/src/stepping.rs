@@ -6,19 +6,22 @@ use std::sync::OnceLock;
 use std::time::Instant;
 
 use bitgrain_kernel::contact::Law;
-use bitgrain_kernel::phases::{After, Deep, Part, Sight, Span, Spill, first_deep, spill, sum};
-use bitgrain_kernel::phases::{Moving, Pass, Passed, pass};
+use bitgrain_kernel::phases::{
+    After, CrossRangeForce, ExcessiveOverlap, GrainRange, GrainView, PairRange, accumulate,
+    cross_range, first_excessive_overlap,
+};
+use bitgrain_kernel::phases::{GrainMotion, MotionCheck, MotionPhase, integrate};
+use bitgrain_kernel::phases::{ObstacleContactRange, obstacle_forces};
 use bitgrain_kernel::phases::{Sealed, seal};
-use bitgrain_kernel::phases::{TouchPart, push_obstacles};
-use bitgrain_kernel::phases::{begin, drift, end, find_who_touches, finish, judge};
-use bitgrain_kernel::{Fault, Row, World, check_arithmetic};
+use bitgrain_kernel::phases::{begin, check_overlaps, drift, end, ensure_pair_list, finish};
+use bitgrain_kernel::{Error as KernelError, Row, World, check_arithmetic};
 use prefetch_index::prefetch_index;
 
 use crate::registers::{Job, Registers};
 use crate::skin::{Lists, Skin};
 use crate::threads::{Split, awake, each};
 
-type Fallible<T> = std::result::Result<T, Fault>;
+type Fallible<T> = std::result::Result<T, KernelError>;
 
 /// Fewest grains of a range: handing over less costs more than it saves.
 const RANGE_MIN: usize = 500;
@@ -40,7 +43,7 @@ pub struct Stepping {
     /// Whether the owner began the stretch that is under way, and will end it.
     held: bool,
     /// What pairs of two ranges give.
-    spills: Vec<Spill<f64>>,
+    spills: Vec<CrossRangeForce<f64>>,
 }
 
 /// A copy has the knobs; what is fitted to a pair list stays with that list.
@@ -80,7 +83,7 @@ impl Stepping {
         law: &L,
         last: u64,
     ) -> Fallible<()> {
-        if world.cuts.is_empty() {
+        if world.range_bounds.is_empty() {
             self.steps_here(world, law, last)
         } else {
             awake(|| self.steps_here(world, law, last))
@@ -105,14 +108,20 @@ impl Stepping {
         }
         // A full list may have stopped these steps on their way.
         if world.clock.has_begun() {
-            let (cuts, modes) = (world.cuts, Modes::of(world));
-            let work = |m| modes.after(with.run(Move(m, Pass::Drift)));
-            let passed = each(world.moving(), 0, cuts, &work, &Passed::and);
-            modes.judge(world)?;
+            let (range_bounds, modes) = (world.range_bounds, Modes::of(world));
+            let work = |m| modes.after(with.run(Move(m, MotionPhase::Drift)));
+            let passed = each(
+                world.grain_motion(),
+                0,
+                range_bounds,
+                &work,
+                &MotionCheck::and,
+            );
+            modes.check_overlaps(world)?;
             drift(world, passed)?;
         }
         while world.clock.step < last {
-            self.renew(world)?;
+            self.refresh_pair_list(world)?;
             let is_last = world.clock.step + 1 == last;
             let passed = self.push_and_move(world, law, is_last)?;
             finish(world, passed)?;
@@ -143,18 +152,24 @@ impl Stepping {
 
     /// The seal of all grains, each range by its own thread.
     fn sealed(&self, world: &mut World<'_, f64>) -> Sealed {
-        let (with, cuts) = (self.registers, world.cuts);
+        let (with, range_bounds) = (self.registers, world.range_bounds);
         let work = |grains| with.run(grains);
-        each(Seal(world.moving(), 0), 0, cuts, &work, &Sealed::and)
+        each(
+            Seal(world.grain_motion(), 0),
+            0,
+            range_bounds,
+            &work,
+            &Sealed::and,
+        )
     }
 
     /// Renews the pair list where it is too old, and learns what that costs.
-    fn renew(&mut self, world: &mut World<'_, f64>) -> Fallible<()> {
+    fn refresh_pair_list(&mut self, world: &mut World<'_, f64>) -> Fallible<()> {
         if !self.tunes {
-            return find_who_touches(world);
+            return ensure_pair_list(world);
         }
         let (before, began) = (Lists::of(world), Instant::now());
-        find_who_touches(world)?;
+        ensure_pair_list(world)?;
         self.skin.learn(world, before, began);
         Ok(())
     }
@@ -165,21 +180,22 @@ impl Stepping {
         world: &mut World<'_, f64>,
         law: &L,
         last: bool,
-    ) -> Fallible<Passed<f64>> {
-        let (with, cuts, modes) = (self.registers, world.cuts, Modes::of(world));
+    ) -> Fallible<MotionCheck<f64>> {
+        let (with, range_bounds, modes) = (self.registers, world.range_bounds, Modes::of(world));
         let (part, touch) = world.pushing(world.dt);
         let hit = with.run(Touch(part, touch, law));
 
         let count = world.clock.listed_across();
         if self.spills.len() < count {
-            self.spills.resize(count + count / 8, Spill::default());
+            self.spills
+                .resize(count + count / 8, CrossRangeForce::default());
         }
         let spills = &mut self.spills[..count];
         let mut deep = None;
         if count > 0 {
             let (sight, pairs) = world.across();
             let sending = Sending(sight, pairs, spills);
-            deep = share(sending, cuts.len() + 1, &|s| {
+            deep = share(sending, range_bounds.len() + 1, &|s| {
                 modes.after(with.run(Across(s, law)))
             });
         }
@@ -187,10 +203,12 @@ impl Stepping {
         let spills = &*spills;
         let (part, _) = world.pushing(world.dt);
         let work = |part| modes.after(with.run(Sum(part, law, spills, last)));
-        let join = |(a, p): (Deep, Passed<f64>), (b, q)| (first_deep(a, b), p.and(q));
-        let (within, passed) = each(part, 0, cuts, &work, &join);
-        modes.judge(world)?;
-        judge(world, hit, first_deep(deep, within))?;
+        let join = |(a, p): (ExcessiveOverlap, MotionCheck<f64>), (b, q)| {
+            (first_excessive_overlap(a, b), p.and(q))
+        };
+        let (within, passed) = each(part, 0, range_bounds, &work, &join);
+        modes.check_overlaps(world)?;
+        check_overlaps(world, hit, first_excessive_overlap(deep, within))?;
         Ok(passed)
     }
 }
@@ -200,13 +218,13 @@ impl Stepping {
 /// steps end, and a look costs as much as a few contacts.
 struct Modes {
     looks: bool,
-    found: OnceLock<Fault>,
+    found: OnceLock<KernelError>,
 }
 
 impl Modes {
     fn of(world: &World<'_, f64>) -> Self {
         Self {
-            looks: !world.cuts.is_empty(),
+            looks: !world.range_bounds.is_empty(),
             found: OnceLock::new(),
         }
     }
@@ -222,7 +240,7 @@ impl Modes {
     }
 
     /// Stops the world where any of the looks found something.
-    fn judge(&self, world: &mut World<'_, f64>) -> Fallible<()> {
+    fn check_overlaps(&self, world: &mut World<'_, f64>) -> Fallible<()> {
         let Some(fault) = self.found.get() else {
             return Ok(());
         };
@@ -232,7 +250,11 @@ impl Modes {
 }
 
 /// Evaluates the pairs of two ranges in as many shares as there are ranges, side by side.
-fn share(piece: Sending<'_>, shares: usize, work: &(impl Fn(Sending<'_>) -> Deep + Sync)) -> Deep {
+fn share(
+    piece: Sending<'_>,
+    shares: usize,
+    work: &(impl Fn(Sending<'_>) -> ExcessiveOverlap + Sync),
+) -> ExcessiveOverlap {
     if shares <= 1 {
         return work(piece);
     }
@@ -243,23 +265,27 @@ fn share(piece: Sending<'_>, shares: usize, work: &(impl Fn(Sending<'_>) -> Deep
         || share(left, lower, work),
         || share(right, shares - lower, work),
     );
-    first_deep(left, right)
+    first_excessive_overlap(left, right)
 }
 
-impl Split for Moving<'_, f64> {
+impl Split for GrainMotion<'_, f64> {
     fn split(self, grains: usize) -> (Self, Self) {
-        Moving::split(self, grains)
+        GrainMotion::split(self, grains)
     }
 }
 
-impl Split for Part<'_, f64> {
+impl Split for GrainRange<'_, f64> {
     fn split(self, grains: usize) -> (Self, Self) {
-        Part::split(self, grains)
+        GrainRange::split(self, grains)
     }
 }
 
-/// Pairs of two ranges, what they read, and what they give.
-struct Sending<'a>(Sight<'a, f64>, Span<'a, f64>, &'a mut [Spill<f64>]);
+/// PairList of two ranges, what they read, and what they give.
+struct Sending<'a>(
+    GrainView<'a, f64>,
+    PairRange<'a, f64>,
+    &'a mut [CrossRangeForce<f64>],
+);
 
 impl Sending<'_> {
     /// The first `pairs` of them, and the others.
@@ -271,7 +297,7 @@ impl Sending<'_> {
 }
 
 /// A range and the place of its first grain.
-struct Seal<'a>(Moving<'a, f64>, usize);
+struct Seal<'a>(GrainMotion<'a, f64>, usize);
 
 impl Split for Seal<'_> {
     fn split(self, grains: usize) -> (Self, Self) {
@@ -289,38 +315,38 @@ impl Job for Seal<'_> {
     }
 }
 
-struct Move<'a>(Moving<'a, f64>, Pass);
+struct Move<'a>(GrainMotion<'a, f64>, MotionPhase);
 
 impl Job for Move<'_> {
-    type Output = Passed<f64>;
+    type Output = MotionCheck<f64>;
 
     #[inline(always)]
     fn run(mut self) -> Self::Output {
-        pass(&mut self.0, self.1)
+        integrate(&mut self.0, self.1)
     }
 }
 
 /// All obstacle contacts at once: an obstacle's sum runs over all grains.
-struct Touch<'a, L>(Part<'a, f64>, TouchPart<'a, f64>, &'a L);
+struct Touch<'a, L>(GrainRange<'a, f64>, ObstacleContactRange<'a, f64>, &'a L);
 
 impl<L: Law<f64>> Job for Touch<'_, L> {
-    type Output = Deep;
+    type Output = ExcessiveOverlap;
 
     #[inline(always)]
-    fn run(mut self) -> Deep {
-        push_obstacles(&mut self.0, &mut self.1, self.2, |_| {})
+    fn run(mut self) -> ExcessiveOverlap {
+        obstacle_forces(&mut self.0, &mut self.1, self.2, |_| {})
     }
 }
 
 struct Across<'a, L>(Sending<'a>, &'a L);
 
 impl<L: Law<f64>> Job for Across<'_, L> {
-    type Output = Deep;
+    type Output = ExcessiveOverlap;
 
     #[inline(always)]
-    fn run(self) -> Deep {
+    fn run(self) -> ExcessiveOverlap {
         let Across(Sending(sight, pairs, out), law) = self;
-        spill(sight, pairs, law, out)
+        cross_range(sight, pairs, law, out)
     }
 }
 
@@ -331,10 +357,10 @@ fn near(rows: &[Row<f64>], place: usize) {
 }
 
 /// A range, what pairs across it give, and whether this is the last of several steps.
-struct Sum<'a, L>(Part<'a, f64>, &'a L, &'a [Spill<f64>], bool);
+struct Sum<'a, L>(GrainRange<'a, f64>, &'a L, &'a [CrossRangeForce<f64>], bool);
 
 impl<L: Law<f64>> Job for Sum<'_, L> {
-    type Output = (Deep, Passed<f64>);
+    type Output = (ExcessiveOverlap, MotionCheck<f64>);
 
     #[inline(always)]
     fn run(self) -> Self::Output {
@@ -344,9 +370,13 @@ impl<L: Law<f64>> Job for Sum<'_, L> {
         let own = &spills[place(grains.start)..place(grains.end)];
         let lower = spills[..place(grains.start)].iter();
         let lower = lower.filter(|one| grains.contains(&(one.j as usize)));
-        let after = if last { After::Rest } else { After::GoOn };
+        let after = if last {
+            After::Rest
+        } else {
+            After::FinishAndBegin
+        };
         let fetch = (part.grains.position.len() > NEAR).then_some(near);
-        sum(&mut part, law, lower, own, |_| {}, fetch, after)
+        accumulate(&mut part, law, lower, own, |_| {}, fetch, after)
     }
 }
 
@@ -393,7 +423,7 @@ mod tests {
     }
 
     /// The fault that ends a row, and after how many steps, on so many threads.
-    fn end(threads: usize, velocity: impl Fn(u32) -> [f64; 3]) -> (Option<Fault>, u64) {
+    fn end(threads: usize, velocity: impl Fn(u32) -> [f64; 3]) -> (Option<KernelError>, u64) {
         let mut sim = row(velocity);
         let ended = on_threads(threads, || sim.steps(2000)).unwrap();
         (ended.err(), sim.step_count())
@@ -424,8 +454,8 @@ mod tests {
         // Grains 4 and 7 hit the ones before them too fast for their stiffness.
         let hits = |id: u32| [if [4, 7].contains(&id) { -300.0 } else { 0.0 }, 0.0, 0.0];
         let (first, second) = (end(1, leaves), end(1, hits));
-        assert_eq!(first.0, Some(Fault::Escaped { id: 3 }));
-        assert_eq!(second.0, Some(Fault::OverlapTooDeep { i: 3, j: 4 }));
+        assert_eq!(first.0, Some(KernelError::Escaped { id: 3 }));
+        assert_eq!(second.0, Some(KernelError::OverlapTooDeep { i: 3, j: 4 }));
         for threads in [2, 3, 5, 8] {
             assert_eq!(end(threads, leaves), first);
             assert_eq!(end(threads, hits), second);

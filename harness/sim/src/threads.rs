@@ -4,7 +4,7 @@
 use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use bitgrain_kernel::{Fault, check_arithmetic};
+use bitgrain_kernel::{Error as KernelError, check_arithmetic};
 use rayon::ThreadPoolBuilder;
 
 /// Why a job was not done on so many threads.
@@ -20,7 +20,7 @@ pub enum ThreadsError {
     },
     /// One of them computes otherwise than the bit contract has it.
     #[error("{0}")]
-    Arithmetic(Fault),
+    Arithmetic(KernelError),
 }
 
 impl ThreadsError {
@@ -104,16 +104,16 @@ thread_local! {
 }
 
 /// A join under way on this thread, also where it panics.
-struct Part;
+struct GrainRange;
 
-impl Part {
+impl GrainRange {
     fn begin() -> Self {
         PARTS.set(PARTS.get() + 1);
         Self
     }
 }
 
-impl Drop for Part {
+impl Drop for GrainRange {
     fn drop(&mut self) {
         PARTS.set(PARTS.get() - 1);
     }
@@ -127,7 +127,7 @@ const PATIENCE: u32 = 1000;
 pub(crate) fn cut(grains: usize, lower: &[u32], ranges: usize) -> Vec<u32> {
     // A grain costs about as much as a pair.
     let work = |i: usize| i + lower.partition_point(|&l| (l as usize) < i);
-    let mut cuts: Vec<u32> = Vec::new();
+    let mut range_bounds: Vec<u32> = Vec::new();
     for range in 1..ranges {
         let share = work(grains) * range / ranges;
         let (mut from, mut to) = (0, grains);
@@ -140,10 +140,10 @@ pub(crate) fn cut(grains: usize, lower: &[u32], ranges: usize) -> Vec<u32> {
             }
         }
         // No range is empty, however few the grains.
-        let least = cuts.last().map_or(1, |&before| before as usize + 1);
-        cuts.push(from.clamp(least, grains - (ranges - range)) as u32);
+        let least = range_bounds.last().map_or(1, |&before| before as usize + 1);
+        range_bounds.push(from.clamp(least, grains - (ranges - range)) as u32);
     }
-    cuts
+    range_bounds
 }
 
 /// Something for a stretch of grains that splits into two stretches.
@@ -157,17 +157,17 @@ pub(crate) trait Split: Sized + Send {
 pub(crate) fn each<P: Split, T: Send>(
     piece: P,
     begin: u32,
-    cuts: &[u32],
+    range_bounds: &[u32],
     work: &(impl Fn(P) -> T + Sync),
     join: &(impl Fn(T, T) -> T + Sync),
 ) -> T {
-    let middle = cuts.len() / 2;
-    let Some(&cut) = cuts.get(middle) else {
+    let middle = range_bounds.len() / 2;
+    let Some(&cut) = range_bounds.get(middle) else {
         return work(piece);
     };
     let (left, right) = piece.split((cut - begin) as usize);
-    let (before, after) = (&cuts[..middle], &cuts[middle + 1..]);
-    let _part = Part::begin();
+    let (before, after) = (&range_bounds[..middle], &range_bounds[middle + 1..]);
+    let _part = GrainRange::begin();
     let (left, right) = rayon::join(
         || each(left, begin, before, work, join),
         || each(right, cut, after, work, join),

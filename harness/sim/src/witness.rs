@@ -1,7 +1,7 @@
 //! Who looks on while a stage runs, keeps its states, checks them or prints them: whatever it does, no
 //! bit of the stage changes.
 
-use bitgrain_kernel::Pushed;
+use bitgrain_kernel::ContactForce;
 
 use crate::chain::Link;
 use crate::checkpoint::Note;
@@ -28,7 +28,7 @@ pub trait Witness {
     ///
     /// # Errors
     /// What stops the stage.
-    fn look(&mut self, _step: u64, _sim: &mut Sim, _contacts: &[Pushed<f64>]) -> Result<()> {
+    fn look(&mut self, _step: u64, _sim: &mut Sim, _contacts: &[ContactForce<f64>]) -> Result<()> {
         Ok(())
     }
 

@@ -6,14 +6,14 @@
 //! the next one lies in columns that stay in the nearest cache. Nothing here branches on the data:
 //! a pair that does not touch is evaluated too and gives +0.0, which changes no sum.
 
-use crate::contact::law::{Law, Press, Slide, Squeeze, roll, slide};
+use crate::contact::law::{Law, NormalForce, NormalState, TangentialState, roll, slide};
 use crate::math::real::{Real, smaller};
 use crate::math::rows::Row;
-use crate::math::rows::{copy, fewer, front, front_mut, less};
+use crate::math::rows::{copy, front_mut, less, min, prefix};
 use crate::math::vec3::{Vec3, add, cross, dot, either, head, scale};
 use crate::state::domain::Domain;
 
-/// Pairs of a block: enough that filling and emptying it costs little, few enough for the nearest
+/// PairList of a block: enough that filling and emptying it costs little, few enough for the nearest
 /// cache; fewer where the stack is small. A multiple of [`STRIDE`].
 pub(crate) const BLOCK: usize = if cfg!(any(target_arch = "arm", target_arch = "riscv32")) {
     1
@@ -70,13 +70,13 @@ pub(crate) struct Block<R> {
     couple: Rows<R>,
 }
 
-/// [`Press`] in columns.
+/// [`NormalForce`] in columns.
 struct Presses<R> {
     force: Column<R>,
     root: Column<R>,
     damping: Column<R>,
-    arm_i: Column<R>,
-    arm_j: Column<R>,
+    lever_arm_i: Column<R>,
+    lever_arm_j: Column<R>,
 }
 
 #[inline(always)]
@@ -110,8 +110,8 @@ impl<R: Real> Block<R> {
                 force: column,
                 root: column,
                 damping: column,
-                arm_i: column,
-                arm_j: column,
+                lever_arm_i: column,
+                lever_arm_j: column,
             },
             sliding: columns,
             length2: column,
@@ -140,11 +140,11 @@ impl<R: Real> Block<R> {
     ) {
         self.count = 0;
         // One length for all rows, so that a place is checked once for all of them.
-        let grains = fewer(bodies.position.len(), bodies.velocity.len());
-        let grains = fewer(grains, bodies.spin.len());
-        let position = front(bodies.position, grains);
-        let velocity = front(bodies.velocity, grains);
-        let spin = front(bodies.spin, grains);
+        let grains = min(bodies.position.len(), bodies.velocity.len());
+        let grains = min(grains, bodies.spin.len());
+        let position = prefix(bodies.position, grains);
+        let velocity = prefix(bodies.velocity, grains);
+        let spin = prefix(bodies.spin, grains);
         for (k, (i, j)) in lower.iter().zip(partner).enumerate().take(BLOCK) {
             let i = (*i as usize).wrapping_sub(bodies.first);
             let j = (*j as usize).wrapping_sub(bodies.first);
@@ -175,9 +175,9 @@ impl<R: Real> Block<R> {
     #[inline(always)]
     pub fn evaluate<L: Law<R>>(&mut self, domain: &Domain<R>, law: &L, dt: R) {
         self.meet(domain);
-        self.press(law);
+        self.normal_force(law);
         self.slide(dt);
-        self.shear(law);
+        self.tangential_force(law);
         self.push();
     }
 
@@ -193,11 +193,11 @@ impl<R: Real> Block<R> {
     }
 
     #[inline(always)]
-    fn press<L: Law<R>>(&mut self, law: &L) {
+    fn normal_force<L: Law<R>>(&mut self, law: &L) {
         for k in 0..self.whole() {
             let (ri, rj) = (self.radius[0][k], self.radius[1][k]);
             let speed = dot(head(self.relative[k]), taken(&self.normal, k));
-            let press = law.press(&Squeeze {
+            let press = law.normal_force(&NormalState {
                 overlap: self.overlap[k],
                 speed,
                 radius_i: ri,
@@ -209,8 +209,8 @@ impl<R: Real> Block<R> {
             self.press.force[k] = press.force;
             self.press.root[k] = press.root;
             self.press.damping[k] = press.damping;
-            self.press.arm_i[k] = press.arm_i;
-            self.press.arm_j[k] = press.arm_j;
+            self.press.lever_arm_i[k] = press.lever_arm_i;
+            self.press.lever_arm_j[k] = press.lever_arm_j;
         }
     }
 
@@ -218,7 +218,12 @@ impl<R: Real> Block<R> {
     fn slide(&mut self, dt: R) {
         for k in 0..self.whole() {
             let (wi, wj) = (self.spin[0][k], self.spin[1][k]);
-            let turn = roll(head(wi), self.press.arm_i[k], head(wj), self.press.arm_j[k]);
+            let turn = roll(
+                head(wi),
+                self.press.lever_arm_i[k],
+                head(wj),
+                self.press.lever_arm_j[k],
+            );
             let normal = taken(&self.normal, k);
             let velocity = head(self.relative[k]);
             let spring = taken(&self.spring, k);
@@ -230,21 +235,21 @@ impl<R: Real> Block<R> {
     }
 
     #[inline(always)]
-    fn shear<L: Law<R>>(&mut self, law: &L) {
+    fn tangential_force<L: Law<R>>(&mut self, law: &L) {
         for k in 0..self.whole() {
-            let press = Press {
+            let press = NormalForce {
                 force: self.press.force[k],
                 root: self.press.root[k],
                 damping: self.press.damping[k],
-                arm_i: self.press.arm_i[k],
-                arm_j: self.press.arm_j[k],
+                lever_arm_i: self.press.lever_arm_i[k],
+                lever_arm_j: self.press.lever_arm_j[k],
             };
-            let slide = Slide {
+            let slide = TangentialState {
                 velocity: taken(&self.sliding, k),
                 spring: taken(&self.spring, k),
                 length2: self.length2[k],
             };
-            let shear = law.shear(&press, &slide);
+            let shear = law.tangential_force(&press, &slide);
             put(&mut self.tangential, k, shear.force);
             // Only the law's own overlap opens or erases a history.
             let touches = self.overlap[k] > R::ZERO;
@@ -270,10 +275,12 @@ impl<R: Real> Block<R> {
     /// both grains.
     #[inline(always)]
     pub fn shares(&self) -> impl Iterator<Item = (&Row<R>, &Row<R>, R, R)> {
-        let rows = front(&self.force, self.count).iter().zip(&self.couple);
-        let arms = self.press.arm_i.iter().zip(&self.press.arm_j);
+        let rows = prefix(&self.force, self.count).iter().zip(&self.couple);
+        let arms = self.press.lever_arm_i.iter().zip(&self.press.lever_arm_j);
         rows.zip(arms)
-            .map(|((force, couple), (arm_i, arm_j))| (force, couple, *arm_i, *arm_j))
+            .map(|((force, couple), (lever_arm_i, lever_arm_j))| {
+                (force, couple, *lever_arm_i, *lever_arm_j)
+            })
     }
 
     /// The springs that are left.
@@ -281,9 +288,9 @@ impl<R: Real> Block<R> {
     pub fn springs(&self) -> [&[R]; 3] {
         let [x, y, z] = &self.spring;
         [
-            front(x, self.count),
-            front(y, self.count),
-            front(z, self.count),
+            prefix(x, self.count),
+            prefix(y, self.count),
+            prefix(z, self.count),
         ]
     }
 
@@ -302,13 +309,13 @@ impl<R: Real> Block<R> {
         if any == 0 {
             return None;
         }
-        (0..fewer(self.count, BLOCK)).find(|&k| too_deep(k))
+        (0..min(self.count, BLOCK)).find(|&k| too_deep(k))
     }
 
     /// Overlap, normal, normal force and tangential force of each pair that touches.
     #[inline(always)]
     pub fn seen(&self, mut show: impl FnMut(usize, R, Vec3<R>, R, Vec3<R>)) {
-        for k in 0..fewer(self.count, BLOCK) {
+        for k in 0..min(self.count, BLOCK) {
             if self.overlap[k] > R::ZERO {
                 show(
                     k,

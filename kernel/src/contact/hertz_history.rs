@@ -3,7 +3,7 @@
 //! Symbols follow the paper: `delta` overlap, `R` effective radius, `m` effective mass, `s`
 //! tangential spring. The order of evaluation written here is part of the bit contract.
 
-use super::law::{Law, Press, Shear, Slide, Squeeze};
+use super::law::{Law, NormalForce, NormalState, TangentialForce, TangentialState};
 use crate::math::real::{Real, magnitude};
 use crate::math::vec3::{add, dot, either, scale, sub};
 
@@ -32,20 +32,24 @@ pub struct HertzHistory<R> {
 
 impl<R: Real> Law<R> for HertzHistory<R> {
     #[inline(always)]
-    fn press(&self, c: &Squeeze<R>) -> Press<R> {
+    fn normal_force(&self, c: &NormalState<R>) -> NormalForce<R> {
         let root = (c.radius_effective * c.overlap).sqrt();
         let damped = (c.mass_effective * self.gamma_n) * c.speed;
-        Press {
+        NormalForce {
             force: root * (self.kn * c.overlap - damped),
             root,
             damping: c.mass_effective * self.gamma_t,
-            arm_i: c.radius_i,
-            arm_j: c.radius_j,
+            lever_arm_i: c.radius_i,
+            lever_arm_j: c.radius_j,
         }
     }
 
     #[inline(always)]
-    fn shear(&self, press: &Press<R>, slide: &Slide<R>) -> Shear<R> {
+    fn tangential_force(
+        &self,
+        press: &NormalForce<R>,
+        slide: &TangentialState<R>,
+    ) -> TangentialForce<R> {
         let s = slide.spring;
         // q = K_t s + m gamma_t v_t, so that F_t = -sqrt(R delta) q.
         let damp = scale(slide.velocity, press.damping);
@@ -63,7 +67,7 @@ impl<R: Real> Law<R> for HertzHistory<R> {
         let shrunk = scale(sub(scale(q, f), damp), per_kt);
         let hold = slides && slide.length2 == R::ZERO;
         let g = if hold { R::ZERO } else { -(press.root * f) };
-        Shear {
+        TangentialForce {
             force: scale(q, g),
             spring: either(slides && !hold, shrunk, s),
         }

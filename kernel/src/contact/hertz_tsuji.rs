@@ -4,7 +4,7 @@
 //! LIGGGHTS (`hertz tangential history`), whose numbers the paper reports. The order of evaluation
 //! written here is part of the bit contract.
 
-use super::law::{Law, Press, Shear, Slide, Squeeze};
+use super::law::{Law, NormalForce, NormalState, TangentialForce, TangentialState};
 use crate::math::real::{Real, magnitude};
 use crate::math::vec3::{add, dot, scale};
 
@@ -52,21 +52,25 @@ impl<R: Real> HertzTsuji<R> {
 
 impl<R: Real> Law<R> for HertzTsuji<R> {
     #[inline(always)]
-    fn press(&self, c: &Squeeze<R>) -> Press<R> {
+    fn normal_force(&self, c: &NormalState<R>) -> NormalForce<R> {
         let root = (c.radius_effective * c.overlap).sqrt();
         let damp = (c.mass_effective * root).sqrt();
         let short = c.overlap * R::HALF;
-        Press {
+        NormalForce {
             force: (self.kn * root) * c.overlap - (self.cn * damp) * c.speed,
             root,
             damping: self.ct * damp,
-            arm_i: c.radius_i - short,
-            arm_j: c.radius_j - short,
+            lever_arm_i: c.radius_i - short,
+            lever_arm_j: c.radius_j - short,
         }
     }
 
     #[inline(always)]
-    fn shear(&self, press: &Press<R>, slide: &Slide<R>) -> Shear<R> {
+    fn tangential_force(
+        &self,
+        press: &NormalForce<R>,
+        slide: &TangentialState<R>,
+    ) -> TangentialForce<R> {
         let s = slide.spring;
         let kt = self.kt * press.root;
         let pull = kt * dot(s, s).sqrt();
@@ -77,7 +81,7 @@ impl<R: Real> Law<R> for HertzTsuji<R> {
 
         let left = scale(s, f);
         let resisted = add(scale(left, kt), scale(slide.velocity, gamma_t));
-        Shear {
+        TangentialForce {
             force: scale(resisted, -R::ONE),
             spring: left,
         }

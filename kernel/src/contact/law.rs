@@ -42,14 +42,14 @@ pub struct Reaction<R> {
     /// Tangential spring after this evaluation (length).
     pub spring: Vec3<R>,
     /// Lever of the tangential force about the grain's centre.
-    pub arm_i: R,
+    pub lever_arm_i: R,
     /// Lever about the partner's centre.
-    pub arm_j: R,
+    pub lever_arm_j: R,
 }
 
-/// A contact seen along its normal: what [`Law::press`] is told.
+/// A contact seen along its normal: what [`Law::normal_force`] is told.
 #[derive(Clone, Copy, Debug)]
-pub struct Squeeze<R> {
+pub struct NormalState<R> {
     /// Depth of the overlap (length).
     pub overlap: R,
     /// Speed along the normal; negative while the bodies approach.
@@ -66,7 +66,7 @@ pub struct Squeeze<R> {
 
 /// How hard two bodies press each other, and what their sliding needs to know of it.
 #[derive(Clone, Copy, Debug)]
-pub struct Press<R> {
+pub struct NormalForce<R> {
     /// Normal force on the grain; negative when it pulls.
     pub force: R,
     /// `sqrt(R delta)`, the radius of Hertz's contact (length).
@@ -74,14 +74,14 @@ pub struct Press<R> {
     /// Tangential damping, in units of the law's own.
     pub damping: R,
     /// Lever of the tangential force about the grain's centre.
-    pub arm_i: R,
+    pub lever_arm_i: R,
     /// Lever about the partner's centre.
-    pub arm_j: R,
+    pub lever_arm_j: R,
 }
 
-/// A contact seen in its tangent plane: what [`Law::shear`] is told.
+/// A contact seen in its tangent plane: what [`Law::tangential_force`] is told.
 #[derive(Clone, Copy, Debug)]
-pub struct Slide<R> {
+pub struct TangentialState<R> {
     /// Velocity of the grain's surface over the partner's.
     pub velocity: Vec3<R>,
     /// Tangential spring, advanced and projected on the tangent plane (length).
@@ -92,7 +92,7 @@ pub struct Slide<R> {
 
 /// How two bodies resist being slid.
 #[derive(Clone, Copy, Debug)]
-pub struct Shear<R> {
+pub struct TangentialForce<R> {
     /// Tangential force on the grain.
     pub force: Vec3<R>,
     /// The spring that is left (length).
@@ -102,10 +102,14 @@ pub struct Shear<R> {
 /// A contact law. Where `overlap <= 0` its results are unspecified and the caller discards them.
 pub trait Law<R: Real>: Copy + Send + Sync {
     /// Along the normal.
-    fn press(&self, squeeze: &Squeeze<R>) -> Press<R>;
+    fn normal_force(&self, squeeze: &NormalState<R>) -> NormalForce<R>;
 
     /// In the tangent plane.
-    fn shear(&self, press: &Press<R>, slide: &Slide<R>) -> Shear<R>;
+    fn tangential_force(
+        &self,
+        press: &NormalForce<R>,
+        slide: &TangentialState<R>,
+    ) -> TangentialForce<R>;
 
     /// The force of one contact, with its tangential `spring` advanced over `dt`: the definition that
     /// a block of contacts follows step by step.
@@ -114,7 +118,7 @@ pub trait Law<R: Real>: Copy + Send + Sync {
     #[inline(always)]
     fn react(&self, c: &Contact<R>, spring: Vec3<R>, dt: R) -> Reaction<R> {
         let speed = dot(c.velocity, c.normal);
-        let press = self.press(&Squeeze {
+        let press = self.normal_force(&NormalState {
             overlap: c.overlap,
             speed,
             radius_i: c.radius_i,
@@ -122,23 +126,28 @@ pub trait Law<R: Real>: Copy + Send + Sync {
             radius_effective: c.radius_effective,
             mass_effective: c.mass_effective,
         });
-        let turn = roll(c.spin_i, press.arm_i, c.spin_j, press.arm_j);
+        let turn = roll(c.spin_i, press.lever_arm_i, c.spin_j, press.lever_arm_j);
         let slide = slide(c.normal, c.velocity, speed, turn, spring, dt);
-        let shear = self.shear(&press, &slide);
+        let shear = self.tangential_force(&press, &slide);
         Reaction {
             normal: press.force,
             tangential: shear.force,
             spring: shear.spring,
-            arm_i: press.arm_i,
-            arm_j: press.arm_j,
+            lever_arm_i: press.lever_arm_i,
+            lever_arm_j: press.lever_arm_j,
         }
     }
 }
 
 /// `w_i a_i + w_j a_j`: what the spins add to the sliding, before it is crossed with the normal.
 #[inline(always)]
-pub(crate) fn roll<R: Real>(spin_i: Vec3<R>, arm_i: R, spin_j: Vec3<R>, arm_j: R) -> Vec3<R> {
-    add(scale(spin_i, arm_i), scale(spin_j, arm_j))
+pub(crate) fn roll<R: Real>(
+    spin_i: Vec3<R>,
+    lever_arm_i: R,
+    spin_j: Vec3<R>,
+    lever_arm_j: R,
+) -> Vec3<R> {
+    add(scale(spin_i, lever_arm_i), scale(spin_j, lever_arm_j))
 }
 
 /// The sliding `v_t = (v - n v_n) + n x turn`, and the spring `s + v_t dt` projected by
@@ -151,11 +160,11 @@ pub(crate) fn slide<R: Real>(
     turn: Vec3<R>,
     spring: Vec3<R>,
     dt: R,
-) -> Slide<R> {
+) -> TangentialState<R> {
     let along = sub(velocity, scale(normal, speed));
     let velocity = add(along, cross(normal, turn));
     let grown = add(spring, scale(velocity, dt));
-    Slide {
+    TangentialState {
         velocity,
         spring: sub(grown, scale(normal, dot(grown, normal))),
         length2: dot(grown, grown),
@@ -226,8 +235,8 @@ mod tests {
     }
 
     /// Velocity of the grain's surface over the partner's, in the tangent plane.
-    fn slip(c: &Contact<f64>, arm_i: f64, arm_j: f64) -> Vec3<f64> {
-        let turn = add(scale(c.spin_i, arm_i), scale(c.spin_j, arm_j));
+    fn slip(c: &Contact<f64>, lever_arm_i: f64, lever_arm_j: f64) -> Vec3<f64> {
+        let turn = add(scale(c.spin_i, lever_arm_i), scale(c.spin_j, lever_arm_j));
         let along = scale(c.normal, dot(c.velocity, c.normal));
         add(sub(c.velocity, along), cross(c.normal, turn))
     }
@@ -251,7 +260,10 @@ mod tests {
         prop_assert_eq!(a.normal.to_bits(), b.normal.to_bits());
         prop_assert_eq!(bits(a.tangential), bits(scale(b.tangential, -1.0)));
         prop_assert_eq!(bits(a.spring), bits(scale(b.spring, -1.0)));
-        prop_assert_eq!((a.arm_i, a.arm_j), (b.arm_j, b.arm_i));
+        prop_assert_eq!(
+            (a.lever_arm_i, a.lever_arm_j),
+            (b.lever_arm_j, b.lever_arm_i)
+        );
         Ok(())
     }
 
@@ -269,7 +281,10 @@ mod tests {
         prop_assert_eq!(a.normal.to_bits(), b.normal.to_bits());
         prop_assert_eq!(turn(a.tangential), b.tangential);
         prop_assert_eq!(turn(a.spring), b.spring);
-        prop_assert_eq!((a.arm_i, a.arm_j), (b.arm_i, b.arm_j));
+        prop_assert_eq!(
+            (a.lever_arm_i, a.lever_arm_j),
+            (b.lever_arm_i, b.lever_arm_j)
+        );
         Ok(())
     }
 
@@ -285,7 +300,7 @@ mod tests {
         let r = law.react(c, s, DT);
         let numbers = r.tangential.iter().chain(&r.spring);
         prop_assert!(numbers.chain([&r.normal]).all(|x| x.is_finite()));
-        let slip = size(slip(c, r.arm_i, r.arm_j));
+        let slip = size(slip(c, r.lever_arm_i, r.lever_arm_j));
         let length = size(s) + 0.02 * slip;
         let off = dot(r.spring, c.normal).abs();
         prop_assert!(off <= 1e-13 * length, "spring off its plane by {:e}", off);
@@ -326,7 +341,7 @@ mod tests {
         }
         for dt in [0.0, DT] {
             let r = law.react(c, [0.0; 3], dt);
-            let slip = slip(c, r.arm_i, r.arm_j);
+            let slip = slip(c, r.lever_arm_i, r.lever_arm_j);
             prop_assert!(dot(r.tangential, slip) <= 0.0);
             // The friction is damping's own where it does not slide, so it is not nothing.
             prop_assert!(dt == 0.0 || size(slip) < 1e-6 || size(r.tangential) > 0.0);
@@ -380,7 +395,7 @@ mod tests {
             let length = size(r.tangential);
             prop_assert!(length <= cap * (1.0 + 1e-12), "{} above {}", length, cap);
             let h = (c.radius_effective * c.overlap).sqrt();
-            let vt = slip(&c, r.arm_i, r.arm_j);
+            let vt = slip(&c, r.lever_arm_i, r.lever_arm_j);
             for k in 0..3 {
                 let damped = c.mass_effective * HISTORY.gamma_t * vt[k];
                 let again = -h * (HISTORY.kt * r.spring[k] + damped);
@@ -400,7 +415,7 @@ mod tests {
             let kt = law.kt * (c.radius_effective * c.overlap).sqrt();
             let pull = kt * size(r.spring);
             prop_assert!(pull <= cap * (1.0 + 1e-12), "{} above {}", pull, cap);
-            let grown = add(s, scale(slip(&c, r.arm_i, r.arm_j), DT));
+            let grown = add(s, scale(slip(&c, r.lever_arm_i, r.lever_arm_j), DT));
             let whole = kt * size(sub(grown, scale(c.normal, dot(grown, c.normal))));
             if whole > cap * (1.0 + 1e-9) {
                 let length = size(r.tangential);

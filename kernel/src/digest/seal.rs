@@ -15,7 +15,7 @@
 //! range in any order. Of all ways to write to a row about one in 2^32 leaves it as it was. It is no
 //! digest: nobody is kept from finding two worlds with one seal who looks for them.
 
-use crate::integrate::Moving;
+use crate::integrate::GrainMotion;
 use crate::math::real::Real;
 use crate::math::rows::Row;
 use crate::math::vec3::Vec3;
@@ -56,7 +56,7 @@ const ROWS: [u64; 5] = [
 
 /// Seals a range of grains of which the first is at the place `first` of all.
 #[inline(always)]
-pub fn seal<R: Real>(m: &Moving<'_, R>, first: usize) -> Sealed {
+pub fn seal<R: Real>(m: &GrainMotion<'_, R>, first: usize) -> Sealed {
     let mut sums = [[0u64; 4]; 5];
     let mut place = first as u64;
     let moving = m.position.iter().zip(&*m.velocity).zip(&*m.spin);

@@ -5,9 +5,9 @@
 
 use crate::digest::blake3::Hasher;
 use crate::math::real::Real;
-use crate::math::rows::at;
+use crate::math::rows::get_or_default;
 use crate::math::vec3::{Vec3, head};
-use crate::neighbors::pair_list::Bond;
+use crate::neighbors::pair_list::ContactHistory;
 use crate::world::World;
 
 /// BLAKE3 hashes of a state, 32 bytes each.
@@ -57,7 +57,7 @@ impl Digest {
 /// Digests a state. Forces and histories are those of the last evaluation.
 pub fn digest<R: Real>(world: &World<'_, R>) -> Digest {
     let g = &world.grains;
-    let id = |place: u32| at(g.id, place as usize);
+    let id = |place: u32| get_or_default(g.id, place as usize);
     let positions = hash(|h| {
         for ((id, position), image) in g.id.iter().zip(&*g.position).zip(&*g.image) {
             h.word(*id);
@@ -68,10 +68,10 @@ pub fn digest<R: Real>(world: &World<'_, R>) -> Digest {
     let velocities = hash(|h| g.velocity.iter().for_each(|v| numbers(h, v)));
     let spins = hash(|h| g.spin.iter().for_each(|w| numbers(h, &head(*w))));
     let histories = hash(|h| {
-        for bond in world.bonds() {
+        for bond in world.contact_histories() {
             match bond {
-                Bond::Pair { i, j, spring } => spring_of(h, 0, id(i), id(j), spring),
-                Bond::Touch {
+                ContactHistory::Pair { i, j, spring } => spring_of(h, 0, id(i), id(j), spring),
+                ContactHistory::Obstacle {
                     i,
                     obstacle,
                     spring,

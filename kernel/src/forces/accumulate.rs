@@ -8,7 +8,7 @@
 //! * pairs are listed by `i` and then `j`, ascending;
 //! * a block of them is evaluated at once but summed pair by pair; a pair that does not touch gives
 //!   +0.0, which changes no sum that began at +0.0;
-//! * a range of grains first takes what pairs with lower ranges give it (their [`Spill`]s, in order),
+//! * a range of grains first takes what pairs with lower ranges give it (their [`CrossRangeForce`]s, in order),
 //!   then walks the pairs within it, then, grain by grain, takes what its pairs with higher ranges
 //!   give. So any cut into ranges gives the bits of one range.
 //!
@@ -17,15 +17,17 @@
 
 use crate::contact::block::{BLOCK, Block, Bodies};
 use crate::contact::law::Law;
-use crate::integrate::{Moving, Pass, Passed, pass};
+use crate::integrate::{GrainMotion, MotionCheck, MotionPhase, integrate};
 use crate::math::real::Real;
 use crate::math::rows::Row;
-use crate::math::rows::{at, copy, fewer, gain, halves, halves_mut, lose, part, part_mut, times};
+use crate::math::rows::{
+    add_at, copy, get_or_default, halves_mut, min, part, part_mut, split_at, sub_at, times,
+};
 use crate::math::vec3::Vec3;
 use crate::state::domain::Domain;
 
 /// Listed pairs, one after the other, with their springs.
-pub struct Span<'a, R> {
+pub struct PairRange<'a, R> {
     /// Place of the lower grain of each.
     pub lower: &'a [u32],
     /// Place of the higher grain.
@@ -34,7 +36,7 @@ pub struct Span<'a, R> {
     pub spring: [&'a mut [R]; 3],
 }
 
-impl<R: Real> Span<'_, R> {
+impl<R: Real> PairRange<'_, R> {
     /// How many pairs there are.
     pub fn len(&self) -> usize {
         self.lower.len()
@@ -48,8 +50,8 @@ impl<R: Real> Span<'_, R> {
     /// The first `pairs` of them, and the others.
     #[inline(always)]
     pub fn split(self, pairs: usize) -> (Self, Self) {
-        let lower = halves(self.lower, pairs);
-        let partner = halves(self.partner, pairs);
+        let lower = split_at(self.lower, pairs);
+        let partner = split_at(self.partner, pairs);
         let [x, y, z] = self.spring.map(|s| halves_mut(s, pairs));
         let left = Self {
             lower: lower.0,
@@ -67,18 +69,18 @@ impl<R: Real> Span<'_, R> {
 
 /// A range of grains and the pairs within it: what the force phase reads and writes. Ranges share
 /// nothing.
-pub struct Part<'a, R> {
+pub struct GrainRange<'a, R> {
     /// Place of its first grain.
     pub first: usize,
     /// Its grains.
-    pub grains: Moving<'a, R>,
+    pub grains: GrainMotion<'a, R>,
     /// Its pairs.
-    pub pairs: Span<'a, R>,
+    pub pairs: PairRange<'a, R>,
     /// Time that the tangential springs advance by; 0 at step 0.
     pub dt: R,
 }
 
-impl<R: Real> Part<'_, R> {
+impl<R: Real> GrainRange<'_, R> {
     /// The first `grains` of the range, and the others. No listed pair may have one grain in each: cut
     /// where the list was cut.
     pub fn split(self, grains: usize) -> (Self, Self) {
@@ -104,7 +106,7 @@ impl<R: Real> Part<'_, R> {
 
 /// What pairs of two ranges read: the rows of all grains.
 #[derive(Clone, Copy)]
-pub struct Sight<'a, R> {
+pub struct GrainView<'a, R> {
     /// The box.
     pub domain: &'a Domain<R>,
     /// Positions and radii.
@@ -119,7 +121,7 @@ pub struct Sight<'a, R> {
 
 /// What a pair of two ranges gives its grains; +0.0 where it does not touch.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Spill<R> {
+pub struct CrossRangeForce<R> {
     /// Place of the lower grain.
     pub i: u32,
     /// Place of the higher grain.
@@ -129,9 +131,9 @@ pub struct Spill<R> {
     /// Normal crossed with the tangential force; the last word is zero.
     pub couple: Row<R>,
     /// Lever about `i`.
-    pub arm_i: R,
+    pub lever_arm_i: R,
     /// Lever about `j`.
-    pub arm_j: R,
+    pub lever_arm_j: R,
 }
 
 /// The other body of a contact.
@@ -145,7 +147,7 @@ pub enum Partner {
 
 /// One touching contact as it was evaluated, for whoever watches a step.
 #[derive(Clone, Copy, Debug)]
-pub struct Pushed<R> {
+pub struct ContactForce<R> {
     /// Place of the grain (the lower one of two).
     pub i: u32,
     /// Its partner.
@@ -161,10 +163,10 @@ pub struct Pushed<R> {
 }
 
 /// Two places whose grains overlap beyond the limit, or nothing.
-pub type Deep = Option<(u32, u32)>;
+pub type ExcessiveOverlap = Option<(u32, u32)>;
 
 /// The lower of two deepest pairs: what one range over both would have found first.
-pub fn first_deep(a: Deep, b: Deep) -> Deep {
+pub fn first_excessive_overlap(a: ExcessiveOverlap, b: ExcessiveOverlap) -> ExcessiveOverlap {
     match (a, b) {
         (Some(a), Some(b)) => Some(if b < a { b } else { a }),
         (a, b) => a.or(b),
@@ -174,12 +176,12 @@ pub fn first_deep(a: Deep, b: Deep) -> Deep {
 /// Evaluates pairs of two ranges into `out`, one entry for each pair; entries that `out` has too
 /// few for are lost.
 #[inline(always)]
-pub fn spill<R: Real, L: Law<R>>(
-    sight: Sight<'_, R>,
-    mut pairs: Span<'_, R>,
+pub fn cross_range<R: Real, L: Law<R>>(
+    sight: GrainView<'_, R>,
+    mut pairs: PairRange<'_, R>,
     law: &L,
-    out: &mut [Spill<R>],
-) -> Deep {
+    out: &mut [CrossRangeForce<R>],
+) -> ExcessiveOverlap {
     let (law, domain) = (*law, *sight.domain);
     let bodies = Bodies {
         first: 0,
@@ -196,14 +198,14 @@ pub fn spill<R: Real, L: Law<R>>(
         block.evaluate(&domain, &law, sight.dt);
         keep(&block, &mut pairs, done);
         let shares = lower.iter().zip(partner).zip(block.shares());
-        for (((i, j), (force, couple, arm_i, arm_j)), out) in shares.zip(&mut out) {
-            *out = Spill {
+        for (((i, j), (force, couple, lever_arm_i, lever_arm_j)), out) in shares.zip(&mut out) {
+            *out = CrossRangeForce {
                 i: *i,
                 j: *j,
                 force: *force,
                 couple: *couple,
-                arm_i,
-                arm_j,
+                lever_arm_i,
+                lever_arm_j,
             };
         }
         deep = deep.or_else(|| deepest(&block, lower, partner));
@@ -212,7 +214,7 @@ pub fn spill<R: Real, L: Law<R>>(
     deep
 }
 
-/// A hint that a row will be wanted; see [`sum`].
+/// A hint that a row will be wanted; see [`accumulate`].
 pub type Fetch<R> = fn(&[Row<R>], usize);
 
 /// No hint.
@@ -225,10 +227,10 @@ pub const fn no_fetch<R>() -> Option<Fetch<R>> {
 pub enum After {
     /// Nothing.
     Stay,
-    /// The step ends for it: [`Pass::Kick`].
+    /// The step ends for it: [`MotionPhase::Kick`].
     Rest,
-    /// The next step begins for it too: [`Pass::KickAndDrift`].
-    GoOn,
+    /// The next step begins for it too: [`MotionPhase::KickAndDrift`].
+    FinishAndBegin,
 }
 
 /// Sums the forces and torques of a range that already hold the obstacles' share, and does `after`
@@ -240,17 +242,17 @@ pub enum After {
 /// called a block ahead with rows and a place that will be wanted: a hint to bring them near, for
 /// worlds larger than a cache.
 #[inline(always)]
-pub fn sum<'s, R: Real, L: Law<R>>(
-    range: &mut Part<'_, R>,
+pub fn accumulate<'s, R: Real, L: Law<R>>(
+    range: &mut GrainRange<'_, R>,
     law: &L,
-    lower: impl Iterator<Item = &'s Spill<R>>,
-    own: &[Spill<R>],
-    mut watch: impl FnMut(Pushed<R>),
+    lower: impl Iterator<Item = &'s CrossRangeForce<R>>,
+    own: &[CrossRangeForce<R>],
+    mut watch: impl FnMut(ContactForce<R>),
     fetch: Option<impl Fn(&[Row<R>], usize)>,
     after: After,
-) -> (Deep, Passed<R>) {
+) -> (ExcessiveOverlap, MotionCheck<R>) {
     let (first, dt) = (range.first, range.dt);
-    let Part { grains, pairs, .. } = range;
+    let GrainRange { grains, pairs, .. } = range;
     // Copies of its own: the compiler must see that nothing written here can change them.
     let (law, domain) = (*law, *grains.domain);
     // One length for all rows, so that a place is checked once for all of them.
@@ -258,12 +260,12 @@ pub fn sum<'s, R: Real, L: Law<R>>(
     let grains = &mut grains.stretch(0, all);
     for one in lower {
         let j = (one.j as usize).wrapping_sub(first);
-        lose(grains.force, j, &one.force);
-        lose(grains.torque, j, &times(&one.couple, one.arm_j));
+        sub_at(grains.force, j, &one.force);
+        sub_at(grains.torque, j, &times(&one.couple, one.lever_arm_j));
     }
     let mut own = own;
     let mut block = Block::new();
-    let (mut deep, mut passed) = (None, Passed::NONE);
+    let (mut deep, mut passed) = (None, MotionCheck::NONE);
     let (mut finished, mut done) = (0, 0);
     loop {
         let bodies = Bodies {
@@ -285,19 +287,20 @@ pub fn sum<'s, R: Real, L: Law<R>>(
         }
         block.evaluate(&domain, &law, dt);
         keep(&block, pairs, done);
-        for ((i, j), (push, couple, arm_i, arm_j)) in lower.iter().zip(partner).zip(block.shares())
+        for ((i, j), (push, couple, lever_arm_i, lever_arm_j)) in
+            lower.iter().zip(partner).zip(block.shares())
         {
             let i = (*i as usize).wrapping_sub(first);
             let j = (*j as usize).wrapping_sub(first);
-            gain(grains.force, i, push);
-            lose(grains.force, j, push);
-            lose(grains.torque, i, &times(couple, arm_i));
-            lose(grains.torque, j, &times(couple, arm_j));
+            add_at(grains.force, i, push);
+            sub_at(grains.force, j, push);
+            sub_at(grains.torque, i, &times(couple, lever_arm_i));
+            sub_at(grains.torque, j, &times(couple, lever_arm_j));
         }
         block.seen(|k, overlap, normal, normal_force, tangential_force| {
-            watch(Pushed {
-                i: at(lower, k),
-                partner: Partner::Grain(at(partner, k)),
+            watch(ContactForce {
+                i: get_or_default(lower, k),
+                partner: Partner::Grain(get_or_default(partner, k)),
                 overlap,
                 normal,
                 normal_force,
@@ -316,8 +319,10 @@ pub fn sum<'s, R: Real, L: Law<R>>(
         let complete = &mut grains.stretch(finished, next);
         match after {
             After::Stay => {}
-            After::Rest => passed = passed.and(pass(complete, Pass::Kick)),
-            After::GoOn => passed = passed.and(pass(complete, Pass::KickAndDrift)),
+            After::Rest => passed = passed.and(integrate(complete, MotionPhase::Kick)),
+            After::FinishAndBegin => {
+                passed = passed.and(integrate(complete, MotionPhase::KickAndDrift))
+            }
         }
         finished = next;
         if finished >= all {
@@ -328,14 +333,19 @@ pub fn sum<'s, R: Real, L: Law<R>>(
 
 /// Takes what the pairs with higher ranges give to grains below `next`.
 #[inline(always)]
-fn take_own<R: Real>(grains: &mut Moving<'_, R>, own: &mut &[Spill<R>], first: usize, next: usize) {
+fn take_own<R: Real>(
+    grains: &mut GrainMotion<'_, R>,
+    own: &mut &[CrossRangeForce<R>],
+    first: usize,
+    next: usize,
+) {
     while let [one, others @ ..] = *own {
         let i = (one.i as usize).wrapping_sub(first);
         if i >= next {
             return;
         }
-        gain(grains.force, i, &one.force);
-        lose(grains.torque, i, &times(&one.couple, one.arm_i));
+        add_at(grains.force, i, &one.force);
+        sub_at(grains.torque, i, &times(&one.couple, one.lever_arm_i));
         *own = others;
     }
 }
@@ -345,10 +355,10 @@ fn take_own<R: Real>(grains: &mut Moving<'_, R>, own: &mut &[Spill<R>], first: u
 fn take<'a, R: Real>(
     block: &mut Block<R>,
     bodies: Bodies<'_, R>,
-    pairs: &mut Span<'a, R>,
+    pairs: &mut PairRange<'a, R>,
     from: usize,
 ) -> (&'a [u32], &'a [u32]) {
-    let to = fewer(from + BLOCK, pairs.len());
+    let to = min(from + BLOCK, pairs.len());
     let (lower, partner) = (part(pairs.lower, from, to), part(pairs.partner, from, to));
     let [x, y, z] = &pairs.spring;
     block.fill(
@@ -362,14 +372,14 @@ fn take<'a, R: Real>(
 
 /// Puts the springs of a block back among the pairs.
 #[inline(always)]
-fn keep<R: Real>(block: &Block<R>, pairs: &mut Span<'_, R>, from: usize) {
+fn keep<R: Real>(block: &Block<R>, pairs: &mut PairRange<'_, R>, from: usize) {
     for (to, left) in pairs.spring.iter_mut().zip(block.springs()) {
         copy(part_mut(to, from, from + left.len()), left);
     }
 }
 
 #[inline(always)]
-fn deepest<R: Real>(block: &Block<R>, lower: &[u32], partner: &[u32]) -> Deep {
+fn deepest<R: Real>(block: &Block<R>, lower: &[u32], partner: &[u32]) -> ExcessiveOverlap {
     let k = block.deepest()?;
-    Some((at(lower, k), at(partner, k)))
+    Some((get_or_default(lower, k), get_or_default(partner, k)))
 }

@@ -2,17 +2,17 @@
 //! own sum runs over grains by ascending id.
 
 use crate::contact::law::{Contact, Law};
-use crate::forces::accumulate::{Deep, Part, Partner, Pushed};
-use crate::integrate::Moving;
+use crate::forces::accumulate::{ContactForce, ExcessiveOverlap, GrainRange, Partner};
+use crate::integrate::GrainMotion;
 use crate::math::real::{Real, smaller};
 use crate::math::rows::Row;
-use crate::math::rows::{at, gain, lose, row};
+use crate::math::rows::{add_at, get_or_default, row, sub_at};
 use crate::math::vec3::{Vec3, add, cross, head, scale, sub};
 use crate::neighbors::pair_list::{PLACE, TOUCHING};
 use crate::state::obstacle::Obstacle;
 
 /// Storage of the obstacle contacts: the list and the obstacles' own sums.
-pub struct TouchPart<'a, R> {
+pub struct ObstacleContactRange<'a, R> {
     /// Place of each contact's grain.
     pub grain: &'a [u32],
     /// Number of its obstacle, with the touching bit.
@@ -27,12 +27,12 @@ pub struct TouchPart<'a, R> {
 /// force and torque on each obstacle to the sum over the grains in the same order. Returns the first grain
 /// and obstacle that overlap too deep. `watch` sees every contact and cannot change one.
 #[inline(always)]
-pub fn push_obstacles<R: Real, L: Law<R>>(
-    part: &mut Part<'_, R>,
-    touch: &mut TouchPart<'_, R>,
+pub fn obstacle_forces<R: Real, L: Law<R>>(
+    part: &mut GrainRange<'_, R>,
+    touch: &mut ObstacleContactRange<'_, R>,
     law: &L,
-    mut watch: impl FnMut(Pushed<R>),
-) -> Deep {
+    mut watch: impl FnMut(ContactForce<R>),
+) -> ExcessiveOverlap {
     let (grains, dt) = (&mut part.grains, part.dt);
     let mut deep = None;
     for body in touch.obstacles.iter_mut() {
@@ -46,7 +46,7 @@ pub fn push_obstacles<R: Real, L: Law<R>>(
         let Some(body) = touch.obstacles.get_mut(k as usize) else {
             continue;
         };
-        let (contact, offset) = touch_contact(grains, body, i);
+        let (contact, offset) = obstacle_contact(grains, body, i);
         let touching = contact.overlap > R::ZERO;
         if !touching {
             *obstacle = k;
@@ -59,17 +59,17 @@ pub fn push_obstacles<R: Real, L: Law<R>>(
         // A ball's lever is the law's, as for two grains. Elsewhere the force acts where the grain's
         // lever ends, and its moment is about the obstacle's point.
         let moment = if contact.radius_j > R::ZERO {
-            scale(couple, r.arm_j)
+            scale(couple, r.lever_arm_j)
         } else {
-            cross(sub(offset, scale(contact.normal, r.arm_i)), push)
+            cross(sub(offset, scale(contact.normal, r.lever_arm_i)), push)
         };
         *obstacle = k | TOUCHING;
         *spring = [r.spring[0], r.spring[1], r.spring[2], R::ZERO];
-        gain(grains.force, i, &row(push));
-        lose(grains.torque, i, &row(scale(couple, r.arm_i)));
+        add_at(grains.force, i, &row(push));
+        sub_at(grains.torque, i, &row(scale(couple, r.lever_arm_i)));
         body.force = sub(body.force, push);
         body.torque = sub(body.torque, moment);
-        watch(Pushed {
+        watch(ContactForce {
             i: i as u32,
             partner: Partner::Obstacle(k),
             overlap: contact.overlap,
@@ -92,13 +92,16 @@ pub fn push_obstacles<R: Real, L: Law<R>>(
 
 /// The contact of grain `i` on an obstacle, and the offset of its centre from the obstacle's point.
 #[inline(always)]
-fn touch_contact<R: Real>(
-    grains: &Moving<'_, R>,
+fn obstacle_contact<R: Real>(
+    grains: &GrainMotion<'_, R>,
     body: &Obstacle<R>,
     i: usize,
 ) -> (Contact<R>, Vec3<R>) {
-    let x = at(grains.position, i);
-    let (v, w) = (at(grains.velocity, i), at(grains.spin, i));
+    let x = get_or_default(grains.position, i);
+    let (v, w) = (
+        get_or_default(grains.velocity, i),
+        get_or_default(grains.spin, i),
+    );
     let meeting = body.meet(grains.domain, head(x), x[3]);
     let flat = meeting.radius == R::ZERO;
     let curved = (x[3] * meeting.radius) / (x[3] + meeting.radius);

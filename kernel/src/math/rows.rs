@@ -12,7 +12,7 @@ pub type Row<R> = [R; 4];
 
 /// The entry at a place; the default beyond the end.
 #[inline(always)]
-pub(crate) fn at<T: Copy + Default>(slice: &[T], place: usize) -> T {
+pub(crate) fn get_or_default<T: Copy + Default>(slice: &[T], place: usize) -> T {
     slice.get(place).copied().unwrap_or_default()
 }
 
@@ -52,7 +52,7 @@ pub(crate) fn times<R: Real>(row: &Row<R>, by: R) -> Row<R> {
 
 /// Adds to the row at a place.
 #[inline(always)]
-pub(crate) fn gain<R: Real>(rows: &mut [Row<R>], place: usize, by: &Row<R>) {
+pub(crate) fn add_at<R: Real>(rows: &mut [Row<R>], place: usize, by: &Row<R>) {
     if let Some(row) = rows.get_mut(place) {
         *row = plus(row, by);
     }
@@ -60,7 +60,7 @@ pub(crate) fn gain<R: Real>(rows: &mut [Row<R>], place: usize, by: &Row<R>) {
 
 /// Subtracts from the row at a place.
 #[inline(always)]
-pub(crate) fn lose<R: Real>(rows: &mut [Row<R>], place: usize, by: &Row<R>) {
+pub(crate) fn sub_at<R: Real>(rows: &mut [Row<R>], place: usize, by: &Row<R>) {
     if let Some(row) = rows.get_mut(place) {
         *row = less(row, by);
     }
@@ -68,7 +68,7 @@ pub(crate) fn lose<R: Real>(rows: &mut [Row<R>], place: usize, by: &Row<R>) {
 
 /// A slice from its beginning to `end`; empty where it is shorter.
 #[inline(always)]
-pub(crate) fn front<T>(slice: &[T], end: usize) -> &[T] {
+pub(crate) fn prefix<T>(slice: &[T], end: usize) -> &[T] {
     slice.get(..end).unwrap_or_default()
 }
 
@@ -80,7 +80,7 @@ pub(crate) fn front_mut<T>(slice: &mut [T], end: usize) -> &mut [T] {
 
 /// Both sides of a place; all on the left where the slice is shorter.
 #[inline(always)]
-pub(crate) fn halves<T>(slice: &[T], place: usize) -> (&[T], &[T]) {
+pub(crate) fn split_at<T>(slice: &[T], place: usize) -> (&[T], &[T]) {
     slice.split_at_checked(place).unwrap_or((slice, &[]))
 }
 
@@ -120,6 +120,6 @@ pub(crate) fn copy<T: Copy>(to: &mut [T], from: &[T]) {
 
 /// The smaller of two numbers of entries.
 #[inline(always)]
-pub(crate) fn fewer(a: usize, b: usize) -> usize {
+pub(crate) fn min(a: usize, b: usize) -> usize {
     if a < b { a } else { b }
 }

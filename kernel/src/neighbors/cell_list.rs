@@ -5,18 +5,18 @@
 //! ones around it. What it finds are candidates, kept for many steps; the pairs that a step
 //! evaluates are picked from them, more often, in `near.rs`.
 
-use crate::error::Fault;
+use crate::error::Error;
 use crate::math::real::{Real, larger, magnitude, smaller};
 use crate::math::rows::Row;
-use crate::math::rows::{at, copy, front, front_mut, set};
+use crate::math::rows::{copy, front_mut, get_or_default, prefix, set};
 use crate::math::vec3::{dot, head};
-use crate::neighbors::pair_list::{PLACE, Pairs};
+use crate::neighbors::pair_list::{PLACE, PairList};
 use crate::state::domain::Domain;
 use crate::state::grains::Grains;
 use crate::state::obstacle::Obstacle;
 
 /// Storage of the cells, borrowed.
-pub struct Cells<'a> {
+pub struct CellList<'a> {
     /// Where each cell's grains begin; its length less one bounds the number of cells, 2 at least.
     pub start: &'a mut [u32],
     /// The grains, cell by cell.
@@ -24,7 +24,7 @@ pub struct Cells<'a> {
 }
 
 /// Storage of the candidates, borrowed: pairs that may come near before the next search.
-pub struct Candidates<'a> {
+pub struct OuterList<'a> {
     /// Where each grain's row begins in `partner`; one entry more than grains.
     pub row: &'a mut [u32],
     /// Places of the higher grains, ascending in a row.
@@ -52,7 +52,7 @@ struct Grid<R> {
 }
 
 impl<R: Real> Grid<R> {
-    /// Cells of at least `width`, as many as `capacity` allows. Periodic axes span the box, others
+    /// CellList of at least `width`, as many as `capacity` allows. Periodic axes span the box, others
     /// the grains.
     fn new(domain: &Domain<R>, position: &[Row<R>], width: R, capacity: usize) -> Self {
         let periodic = domain.periodic();
@@ -138,12 +138,12 @@ pub(crate) struct Scene<'a, R> {
 /// last place of the largest coordinate, and 64 such units are added.
 pub(crate) fn search<R: Real>(
     scene: &Scene<'_, R>,
-    candidates: &mut Candidates<'_>,
-    pairs: &Pairs<'_, R>,
-    spare: &mut Pairs<'_, R>,
-    cells: &mut Cells<'_>,
+    candidates: &mut OuterList<'_>,
+    pairs: &PairList<'_, R>,
+    spare: &mut PairList<'_, R>,
+    cells: &mut CellList<'_>,
     old_touches: usize,
-) -> Result<Found<R>, Fault> {
+) -> Result<Found<R>, Error> {
     let (domain, grains, obstacles) = (scene.domain, scene.grains, scene.obstacles);
     let position = &*grains.position;
     let mut extent = R::ONE * R::EPSILON;
@@ -185,31 +185,31 @@ pub(crate) fn search<R: Real>(
 
 /// Puts the obstacle contacts of a search in the place of the old ones.
 pub(crate) fn keep_touches<R: Real>(
-    pairs: &mut Pairs<'_, R>,
-    spare: &Pairs<'_, R>,
+    pairs: &mut PairList<'_, R>,
+    spare: &PairList<'_, R>,
     touches: usize,
 ) {
     copy(
         front_mut(pairs.touch_grain, touches),
-        front(spare.touch_grain, touches),
+        prefix(spare.touch_grain, touches),
     );
     copy(
         front_mut(pairs.touch_obstacle, touches),
-        front(spare.touch_obstacle, touches),
+        prefix(spare.touch_obstacle, touches),
     );
     copy(
         front_mut(pairs.touch_spring, touches),
-        front(spare.touch_spring, touches),
+        prefix(spare.touch_spring, touches),
     );
 }
 
-fn sort_into_cells<R: Real>(grid: &Grid<R>, position: &[Row<R>], cells: &mut Cells<'_>) {
+fn sort_into_cells<R: Real>(grid: &Grid<R>, position: &[Row<R>], cells: &mut CellList<'_>) {
     let count = grid.count[0] * grid.count[1] * grid.count[2];
     let start = front_mut(cells.start, count + 1);
     start.fill(0);
     for x in position {
         let c = grid.number(grid.place(x)) + 1;
-        set(start, c, at(start, c) + 1);
+        set(start, c, get_or_default(start, c) + 1);
     }
     let mut before = 0;
     for end in start.iter_mut() {
@@ -219,7 +219,7 @@ fn sort_into_cells<R: Real>(grid: &Grid<R>, position: &[Row<R>], cells: &mut Cel
     // Filling from the last grain down moves each cell's end to its beginning and keeps order.
     for (i, x) in position.iter().enumerate().rev() {
         let c = grid.number(grid.place(x)) + 1;
-        let slot = at(start, c).saturating_sub(1);
+        let slot = get_or_default(start, c).saturating_sub(1);
         set(start, c, slot);
         set(cells.grain, slot as usize, i as u32);
     }
@@ -234,10 +234,10 @@ fn sort_into_cells<R: Real>(grid: &Grid<R>, position: &[Row<R>], cells: &mut Cel
 fn list_candidates<R: Real>(
     scene: &Scene<'_, R>,
     grid: &Grid<R>,
-    cells: &Cells<'_>,
-    candidates: &mut Candidates<'_>,
+    cells: &CellList<'_>,
+    candidates: &mut OuterList<'_>,
     far: R,
-) -> Result<(), Fault> {
+) -> Result<(), Error> {
     let (domain, grains) = (scene.domain, scene.grains);
     let position = &*grains.position;
     let n = position.len();
@@ -246,7 +246,7 @@ fn list_candidates<R: Real>(
     for (i, x) in position.iter().enumerate() {
         set(candidates.row, i, listed.min(capacity) as u32);
         let begin = listed;
-        let heavy = is_heavy(grains, i);
+        let heavy = has_infinite_mass(grains, i);
         let cell = grid.place(x);
         let (zs, zn) = grid.around(2, cell[2]);
         let (ys, yn) = grid.around(1, cell[1]);
@@ -255,14 +255,14 @@ fn list_candidates<R: Real>(
             for &cy in ys.iter().take(yn) {
                 for &cx in xs.iter().take(xn) {
                     let c = grid.number([cx, cy, cz]);
-                    let from = at(cells.start, c) as usize;
-                    let members = front(cells.grain, at(cells.start, c + 1) as usize);
+                    let from = get_or_default(cells.start, c) as usize;
+                    let members = prefix(cells.grain, get_or_default(cells.start, c + 1) as usize);
                     for &j in members.get(from..).unwrap_or_default() {
                         let k = j as usize;
-                        if k <= i || (heavy && is_heavy(grains, k)) {
+                        if k <= i || (heavy && has_infinite_mass(grains, k)) {
                             continue;
                         }
-                        let y = at(position, k);
+                        let y = get_or_default(position, k);
                         let d = domain.separation(head(*x), head(y));
                         let reach = (x[3] + y[3]) + far;
                         // Squares that are too large for numbers are near each other.
@@ -280,14 +280,16 @@ fn list_candidates<R: Real>(
         }
     }
     if listed > capacity {
-        return Err(Fault::CandidatesFull { needed: listed });
+        return Err(Error::OuterListFull { needed: listed });
     }
     set(candidates.row, n, listed as u32);
     Ok(())
 }
 
-fn is_heavy<R: Real>(grains: &Grains<'_, R>, i: usize) -> bool {
-    let group = grains.groups.get(usize::from(at(grains.group, i)));
+fn has_infinite_mass<R: Real>(grains: &Grains<'_, R>, i: usize) -> bool {
+    let group = grains
+        .groups
+        .get(usize::from(get_or_default(grains.group, i)));
     group.is_some_and(|group| group.heavy)
 }
 
@@ -295,10 +297,10 @@ fn is_heavy<R: Real>(grains: &Grains<'_, R>, i: usize) -> bool {
 fn sort(words: &mut [u32]) {
     for gap in [701, 301, 132, 57, 23, 10, 4, 1] {
         for k in gap..words.len() {
-            let word = at(words, k);
+            let word = get_or_default(words, k);
             let mut place = k;
-            while place >= gap && at(words, place - gap) > word {
-                let before = at(words, place - gap);
+            while place >= gap && get_or_default(words, place - gap) > word {
+                let before = get_or_default(words, place - gap);
                 set(words, place, before);
                 place -= gap;
             }
@@ -311,13 +313,13 @@ fn list_touches<R: Real>(
     domain: &Domain<R>,
     grains: &Grains<'_, R>,
     obstacles: &[Obstacle<R>],
-    spare: &mut Pairs<'_, R>,
+    spare: &mut PairList<'_, R>,
     skin: R,
-) -> Result<usize, Fault> {
+) -> Result<usize, Error> {
     let capacity = spare.touch_grain.len();
     let mut touches = 0;
     for (i, x) in grains.position.iter().enumerate() {
-        let heavy = is_heavy(grains, i);
+        let heavy = has_infinite_mass(grains, i);
         for (k, body) in obstacles.iter().enumerate() {
             if heavy && body.inverse_mass == R::ZERO {
                 continue;
@@ -333,30 +335,42 @@ fn list_touches<R: Real>(
         }
     }
     if touches > capacity {
-        return Err(Fault::TouchesFull { needed: touches });
+        return Err(Error::ObstacleContactsFull { needed: touches });
     }
     Ok(touches)
 }
 
 fn take_touch_springs<R: Real>(
-    old: &Pairs<'_, R>,
+    old: &PairList<'_, R>,
     old_touches: usize,
-    new: &mut Pairs<'_, R>,
+    new: &mut PairList<'_, R>,
     touches: usize,
 ) {
     let mut from = 0;
     for t in 0..touches {
-        let key = (at(new.touch_grain, t), at(new.touch_obstacle, t));
-        let old_key = |f: usize| (at(old.touch_grain, f), at(old.touch_obstacle, f) & PLACE);
+        let key = (
+            get_or_default(new.touch_grain, t),
+            get_or_default(new.touch_obstacle, t),
+        );
+        let old_key = |f: usize| {
+            (
+                get_or_default(old.touch_grain, f),
+                get_or_default(old.touch_obstacle, f) & PLACE,
+            )
+        };
         while from < old_touches && old_key(from) < key {
             from += 1;
         }
         let same = from < old_touches && old_key(from) == key;
         if same {
-            set(new.touch_obstacle, t, at(old.touch_obstacle, from));
+            set(
+                new.touch_obstacle,
+                t,
+                get_or_default(old.touch_obstacle, from),
+            );
         }
         let spring = if same {
-            at(old.touch_spring, from)
+            get_or_default(old.touch_spring, from)
         } else {
             [R::ZERO; 4]
         };

@@ -6,7 +6,7 @@
 
 use crate::math::real::Real;
 use crate::math::rows::Row;
-use crate::math::rows::{at, front, set};
+use crate::math::rows::{get_or_default, prefix, set};
 use crate::math::vec3::{dot, head};
 use crate::state::domain::Domain;
 
@@ -17,9 +17,9 @@ pub const TOUCHING: u32 = 1 << 31;
 pub(crate) const PLACE: u32 = TOUCHING - 1;
 
 /// Storage of one list, borrowed. Two of them make a renewal possible.
-pub struct Pairs<'a, R> {
+pub struct PairList<'a, R> {
     /// Place of the lower grain of each pair. First the pairs within one range of grains, then, as
-    /// ordered, those of two ranges; see [`crate::World::cuts`].
+    /// ordered, those of two ranges; see [`crate::World::range_bounds`].
     pub lower: &'a mut [u32],
     /// Place of the higher grain.
     pub partner: &'a mut [u32],
@@ -37,11 +37,11 @@ pub struct Pairs<'a, R> {
 /// How many entries of a list are in use.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Listed {
-    /// Pairs within one range of grains: the first ones.
+    /// PairList within one range of grains: the first ones.
     pub inner: usize,
     /// All pairs.
     pub pairs: usize,
-    /// Pairs that touched when they were listed; for timings only.
+    /// PairList that touched when they were listed; for timings only.
     pub touching: usize,
     /// Obstacle contacts.
     pub touches: usize,
@@ -50,7 +50,7 @@ pub(crate) struct Listed {
 /// One touching contact as the list holds it; places, not ids.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Bond<R> {
+pub enum ContactHistory<R> {
     /// Two grains, `i` below `j`.
     Pair {
         /// Place of the lower grain.
@@ -61,7 +61,7 @@ pub enum Bond<R> {
         spring: [R; 3],
     },
     /// A grain and an obstacle.
-    Touch {
+    Obstacle {
         /// Place of the grain.
         i: u32,
         /// Number of the obstacle.
@@ -85,7 +85,13 @@ impl Iterator for InOrder<'_> {
     type Item = (u32, u32, usize);
 
     fn next(&mut self) -> Option<Self::Item> {
-        let entry = |p: usize| (at(self.lower, p), at(self.partner, p), p);
+        let entry = |p: usize| {
+            (
+                get_or_default(self.lower, p),
+                get_or_default(self.partner, p),
+                p,
+            )
+        };
         let (a, b) = (self.inner.start, self.across.start);
         let from_across = if self.inner.is_empty() {
             !self.across.is_empty()
@@ -101,7 +107,7 @@ impl Iterator for InOrder<'_> {
     }
 }
 
-impl<R: Real> Pairs<'_, R> {
+impl<R: Real> PairList<'_, R> {
     pub(crate) fn is_whole(&self) -> bool {
         self.partner.len() == self.lower.len()
             && self.spring.iter().all(|s| s.len() == self.lower.len())
@@ -127,7 +133,11 @@ impl<R: Real> Pairs<'_, R> {
 
     pub(crate) fn spring_of(&self, p: usize) -> [R; 3] {
         let [x, y, z] = &self.spring;
-        [at(x, p), at(y, p), at(z, p)]
+        [
+            get_or_default(x, p),
+            get_or_default(y, p),
+            get_or_default(z, p),
+        ]
     }
 
     pub(crate) fn set_spring(&mut self, p: usize, spring: [R; 3]) {
@@ -140,42 +150,45 @@ impl<R: Real> Pairs<'_, R> {
     /// The touching grain pairs by `(i, j)`, then the touching obstacle contacts by grain and
     /// obstacle. Grains are where the forces were evaluated, so the law's own overlap says who
     /// touches.
-    pub(crate) fn bonds<'b>(
+    pub(crate) fn contact_histories<'b>(
         &'b self,
         listed: Listed,
         domain: &'b Domain<R>,
         position: &'b [Row<R>],
-    ) -> impl Iterator<Item = Bond<R>> + 'b {
+    ) -> impl Iterator<Item = ContactHistory<R>> + 'b {
         let touching = |i: u32, j: u32| {
-            let (x, y) = (at(position, i as usize), at(position, j as usize));
+            let (x, y) = (
+                get_or_default(position, i as usize),
+                get_or_default(position, j as usize),
+            );
             let d = domain.separation(head(x), head(y));
             (x[3] + y[3]) - dot(d, d).sqrt() > R::ZERO
         };
         let pairs = self.in_order(listed);
         let pairs = pairs.filter(move |(i, j, _)| touching(*i, *j));
-        let pairs = pairs.map(|(i, j, p)| Bond::Pair {
+        let pairs = pairs.map(|(i, j, p)| ContactHistory::Pair {
             i,
             j,
             spring: self.spring_of(p),
         });
         let touches = (0..listed.touches.min(self.touch_grain.len()))
-            .filter(|&t| at(self.touch_obstacle, t) & TOUCHING != 0)
-            .map(|t| Bond::Touch {
-                i: at(self.touch_grain, t),
-                obstacle: at(self.touch_obstacle, t) & PLACE,
-                spring: head(at(self.touch_spring, t)),
+            .filter(|&t| get_or_default(self.touch_obstacle, t) & TOUCHING != 0)
+            .map(|t| ContactHistory::Obstacle {
+                i: get_or_default(self.touch_grain, t),
+                obstacle: get_or_default(self.touch_obstacle, t) & PLACE,
+                spring: head(get_or_default(self.touch_spring, t)),
             });
         pairs.chain(touches)
     }
 
     /// Puts a bond back into a list that was just built; `false` where the list has no such entry.
-    pub(crate) fn restore(&mut self, bond: &Bond<R>, listed: Listed) -> bool {
-        let (Bond::Pair { spring, .. } | Bond::Touch { spring, .. }) = bond;
+    pub(crate) fn restore(&mut self, bond: &ContactHistory<R>, listed: Listed) -> bool {
+        let (ContactHistory::Pair { spring, .. } | ContactHistory::Obstacle { spring, .. }) = bond;
         if !spring.iter().all(|s| s.is_finite()) {
             return false;
         }
         match *bond {
-            Bond::Pair { i, j, spring } => {
+            ContactHistory::Pair { i, j, spring } => {
                 let found = self.find(0..listed.inner, (i, j));
                 let found = found.or_else(|| self.find(listed.inner..listed.pairs, (i, j)));
                 let Some(p) = found else {
@@ -183,12 +196,12 @@ impl<R: Real> Pairs<'_, R> {
                 };
                 self.set_spring(p, spring);
             }
-            Bond::Touch {
+            ContactHistory::Obstacle {
                 i,
                 obstacle,
                 spring: [x, y, z],
             } => {
-                let grains = front(self.touch_grain, listed.touches).iter();
+                let grains = prefix(self.touch_grain, listed.touches).iter();
                 let mut entries = grains
                     .zip(&mut *self.touch_obstacle)
                     .zip(&mut *self.touch_spring);
@@ -209,7 +222,10 @@ impl<R: Real> Pairs<'_, R> {
         let (mut from, mut to) = (stretch.start, stretch.end);
         while from < to {
             let middle = from + (to - from) / 2;
-            let here = (at(self.lower, middle), at(self.partner, middle));
+            let here = (
+                get_or_default(self.lower, middle),
+                get_or_default(self.partner, middle),
+            );
             if here == pair {
                 return Some(middle);
             }

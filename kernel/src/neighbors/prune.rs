@@ -5,70 +5,76 @@
 //! made in the spare storage, takes over the springs of the old one and is copied back, so that a
 //! full list leaves the old one whole.
 
-use crate::error::Fault;
+use crate::error::Error;
 use crate::math::real::Real;
 use crate::math::rows::Row;
-use crate::math::rows::{at, copy, front, front_mut, set};
+use crate::math::rows::{copy, front_mut, get_or_default, prefix, set};
 use crate::math::vec3::{dot, head};
-use crate::neighbors::cell_list::Candidates;
-use crate::neighbors::pair_list::{Listed, Pairs};
+use crate::neighbors::cell_list::OuterList;
+use crate::neighbors::pair_list::{Listed, PairList};
 use crate::state::domain::Domain;
 
 /// What picking reads.
-pub(crate) struct Picking<'a, R> {
+pub(crate) struct Pruning<'a, R> {
     pub domain: &'a Domain<R>,
     pub position: &'a [Row<R>],
-    pub candidates: &'a Candidates<'a>,
+    pub candidates: &'a OuterList<'a>,
     /// How far beyond touching a pair is listed.
     pub near: R,
     /// Where ranges of grains end, but for the last.
-    pub cuts: &'a [u32],
+    pub range_bounds: &'a [u32],
 }
 
 /// Lists every candidate closer than touching by up to `near`, with the springs of the old list.
-pub(crate) fn pick<R: Real>(
-    picking: &Picking<'_, R>,
-    pairs: &mut Pairs<'_, R>,
-    spare: &mut Pairs<'_, R>,
+pub(crate) fn prune<R: Real>(
+    picking: &Pruning<'_, R>,
+    pairs: &mut PairList<'_, R>,
+    spare: &mut PairList<'_, R>,
     old: Listed,
-) -> Result<Listed, Fault> {
+) -> Result<Listed, Error> {
     let new = list(picking, spare, old)?;
     take_springs(pairs, old, spare, new);
     copy(
         front_mut(pairs.lower, new.pairs),
-        front(spare.lower, new.pairs),
+        prefix(spare.lower, new.pairs),
     );
     copy(
         front_mut(pairs.partner, new.pairs),
-        front(spare.partner, new.pairs),
+        prefix(spare.partner, new.pairs),
     );
     for (to, from) in pairs.spring.iter_mut().zip(&spare.spring) {
-        copy(front_mut(to, new.pairs), front(from, new.pairs));
+        copy(front_mut(to, new.pairs), prefix(from, new.pairs));
     }
     Ok(new)
 }
 
-/// Pairs within one range from the front, those of two ranges from the back, which are then turned
+/// PairList within one range from the front, those of two ranges from the back, which are then turned
 /// round and moved up.
 fn list<R: Real>(
-    picking: &Picking<'_, R>,
-    spare: &mut Pairs<'_, R>,
+    picking: &Pruning<'_, R>,
+    spare: &mut PairList<'_, R>,
     old: Listed,
-) -> Result<Listed, Fault> {
+) -> Result<Listed, Error> {
     let capacity = spare.partner.len();
     let rows = &*picking.candidates.row;
-    let mut cuts = picking.cuts.iter().copied();
-    let mut end = cuts.next().unwrap_or(u32::MAX);
+    let mut range_bounds = picking.range_bounds.iter().copied();
+    let mut end = range_bounds.next().unwrap_or(u32::MAX);
     let (mut inner, mut across, mut touching) = (0usize, 0usize, 0usize);
     // Where the pairs of two ranges begin.
     let mut room = capacity;
     for (i, x) in picking.position.iter().enumerate() {
         while i as u32 >= end {
-            end = cuts.next().unwrap_or(u32::MAX);
+            end = range_bounds.next().unwrap_or(u32::MAX);
         }
-        let row = front(picking.candidates.partner, at(rows, i + 1) as usize);
-        for &j in row.get(at(rows, i) as usize..).unwrap_or_default() {
-            let y = at(picking.position, j as usize);
+        let row = prefix(
+            picking.candidates.partner,
+            get_or_default(rows, i + 1) as usize,
+        );
+        for &j in row
+            .get(get_or_default(rows, i) as usize..)
+            .unwrap_or_default()
+        {
+            let y = get_or_default(picking.position, j as usize);
             let d = picking.domain.separation(head(*x), head(y));
             let touch = x[3] + y[3];
             let reach = touch + picking.near;
@@ -95,12 +101,12 @@ fn list<R: Real>(
     }
     let pairs = inner + across;
     if pairs > capacity {
-        return Err(Fault::PairsFull { needed: pairs });
+        return Err(Error::PairListFull { needed: pairs });
     }
     for column in [&mut *spare.lower, &mut *spare.partner] {
         turn_round(column, capacity - across);
         for k in 0..across {
-            let word = at(column, capacity - across + k);
+            let word = get_or_default(column, capacity - across + k);
             set(column, inner + k, word);
         }
     }
@@ -116,19 +122,27 @@ fn list<R: Real>(
 fn turn_round(words: &mut [u32], from: usize) {
     let end = words.len();
     for k in 0..end.saturating_sub(from) / 2 {
-        let (a, b) = (at(words, from + k), at(words, end - 1 - k));
+        let (a, b) = (
+            get_or_default(words, from + k),
+            get_or_default(words, end - 1 - k),
+        );
         set(words, from + k, b);
         set(words, end - 1 - k, a);
     }
 }
 
 /// Both lists ascend, so one walk along each finds the pairs that stay.
-fn take_springs<R: Real>(old: &Pairs<'_, R>, had: Listed, new: &mut Pairs<'_, R>, has: Listed) {
+fn take_springs<R: Real>(
+    old: &PairList<'_, R>,
+    had: Listed,
+    new: &mut PairList<'_, R>,
+    has: Listed,
+) {
     for stretch in [0..has.inner, has.inner..has.pairs] {
         let mut kept = old.in_order(had);
         let mut at_hand = kept.next();
         for p in stretch {
-            let pair = (at(new.lower, p), at(new.partner, p));
+            let pair = (get_or_default(new.lower, p), get_or_default(new.partner, p));
             while at_hand.is_some_and(|(i, j, _)| (i, j) < pair) {
                 at_hand = kept.next();
             }

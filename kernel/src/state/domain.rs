@@ -1,6 +1,6 @@
 //! The box: where it ends, which of its axes are periodic, and the nearest image across them.
 
-use crate::error::Fault;
+use crate::error::Error;
 use crate::math::real::Real;
 use crate::math::rows::Row;
 use crate::math::vec3::{Vec3, sub};
@@ -22,14 +22,14 @@ impl<R: Real> Domain<R> {
     /// A box from `lo` to `hi` (units of length).
     ///
     /// # Errors
-    /// [`Fault::BadDomain`] unless `lo < hi` on every axis and all are finite.
-    pub fn new(lo: Vec3<R>, hi: Vec3<R>, periodic: [bool; 3]) -> Result<Self, Fault> {
+    /// [`Error::BadDomain`] unless `lo < hi` on every axis and all are finite.
+    pub fn new(lo: Vec3<R>, hi: Vec3<R>, periodic: [bool; 3]) -> Result<Self, Error> {
         let mut period = [R::ZERO; 3];
         let mut half = [R::MAX; 3];
         for a in 0..3 {
             let ordered = lo[a] < hi[a];
             if !ordered || !(hi[a] - lo[a]).is_finite() {
-                return Err(Fault::BadDomain { axis: a as u8 });
+                return Err(Error::BadDomain { axis: a as u8 });
             }
             if periodic[a] {
                 period[a] = hi[a] - lo[a];

@@ -40,7 +40,7 @@ impl<R: Real> Group<R> {
     }
 
     /// Grains carried at the velocity in their rows, without spin, with their own mass in a contact.
-    pub fn carried() -> Self {
+    pub fn prescribed_velocity() -> Self {
         Self {
             heavy: false,
             ..Self::frozen()
@@ -48,7 +48,7 @@ impl<R: Real> Group<R> {
     }
 
     /// Grains carried along x and y but free along z, and free to spin: Guillard's heavy lid.
-    pub fn lid(gravity: [R; 3]) -> Self {
+    pub fn free_along_z(gravity: [R; 3]) -> Self {
         Self {
             integrates: [false, false, true],
             spins: true,

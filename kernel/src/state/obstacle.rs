@@ -1,6 +1,6 @@
 //! Obstacles: bodies that push grains and move as prescribed, and the force the grains put on them.
 
-use crate::error::Fault;
+use crate::error::Error;
 use crate::math::real::Real;
 use crate::math::vec3::{Vec3, dot, scale, sub};
 use crate::state::domain::Domain;
@@ -51,7 +51,7 @@ pub struct Obstacle<R> {
 
 /// Where a grain meets an obstacle.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Meeting<R> {
+pub(crate) struct ContactGeometry<R> {
     /// Unit vector from the obstacle's surface to the grain's centre.
     pub normal: Vec3<R>,
     /// Vector from the obstacle's point to the grain's centre.
@@ -99,8 +99,8 @@ impl<R: Real> Obstacle<R> {
     /// must lie along one of the three axes.
     ///
     /// # Errors
-    /// [`Fault::BadObstacle`] with `number`.
-    pub fn check(&self, domain: &Domain<R>, number: u32) -> Result<(), Fault> {
+    /// [`Error::BadObstacle`] with `number`.
+    pub fn check(&self, domain: &Domain<R>, number: u32) -> Result<(), Error> {
         self.check_place(domain, number, false)
     }
 
@@ -110,7 +110,7 @@ impl<R: Real> Obstacle<R> {
         domain: &Domain<R>,
         number: u32,
         has_moved: bool,
-    ) -> Result<(), Fault> {
+    ) -> Result<(), Error> {
         let periodic = domain.periodic();
         let direction_fits = match self.shape {
             Shape::Sphere { .. } => true,
@@ -136,7 +136,7 @@ impl<R: Real> Obstacle<R> {
         if direction_fits && finite && sized && heavy && unit && self.is_within(domain, has_moved) {
             Ok(())
         } else {
-            Err(Fault::BadObstacle { obstacle: number })
+            Err(Error::BadObstacle { obstacle: number })
         }
     }
 
@@ -181,12 +181,17 @@ impl<R: Real> Obstacle<R> {
     ///
     /// The normal is the offset divided by the distance, component by component.
     #[inline(always)]
-    pub(crate) fn meet(&self, domain: &Domain<R>, position: Vec3<R>, radius: R) -> Meeting<R> {
+    pub(crate) fn meet(
+        &self,
+        domain: &Domain<R>,
+        position: Vec3<R>,
+        radius: R,
+    ) -> ContactGeometry<R> {
         match self.shape {
             Shape::Sphere { radius: own } => {
                 let offset = domain.separation(position, self.point);
                 let distance = dot(offset, offset).sqrt();
-                Meeting {
+                ContactGeometry {
                     normal: divide(offset, distance),
                     offset,
                     overlap: (radius + own) - distance,
@@ -197,7 +202,7 @@ impl<R: Real> Obstacle<R> {
                 let offset = domain.separation(position, self.point);
                 let across = sub(offset, scale(axis, dot(offset, axis)));
                 let distance = dot(across, across).sqrt();
-                Meeting {
+                ContactGeometry {
                     normal: divide(across, distance),
                     offset,
                     overlap: (radius + own) - distance,
@@ -206,7 +211,7 @@ impl<R: Real> Obstacle<R> {
             }
             Shape::Plane { normal } => {
                 let offset = sub(position, self.point);
-                Meeting {
+                ContactGeometry {
                     normal,
                     offset,
                     overlap: radius - dot(offset, normal),

@@ -4,12 +4,12 @@
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
-use bitgrain_kernel::{Fault, Flaw, Real, check_arithmetic};
+use bitgrain_kernel::{ArithmeticDefect, Error, Real, check_arithmetic};
 
-fn found<R: Real>() -> Option<Flaw> {
+fn found<R: Real>() -> Option<ArithmeticDefect> {
     match check_arithmetic::<R>() {
         Ok(()) => None,
-        Err(Fault::Arithmetic { flaw }) => Some(flaw),
+        Err(Error::Arithmetic { flaw }) => Some(flaw),
         Err(other) => panic!("{other}"),
     }
 }
@@ -50,15 +50,15 @@ mod modes {
     fn modes_of_the_processor_are_found() {
         for (bits, flaw) in [
             (0, None),
-            (DENORMALS_ARE_ZERO, Some(Flaw::DenormalsAreZero)),
-            (FLUSH_TO_ZERO, Some(Flaw::FlushToZero)),
+            (DENORMALS_ARE_ZERO, Some(ArithmeticDefect::DenormalsAreZero)),
+            (FLUSH_TO_ZERO, Some(ArithmeticDefect::FlushToZero)),
             (
                 FLUSH_TO_ZERO | DENORMALS_ARE_ZERO,
-                Some(Flaw::DenormalsAreZero),
+                Some(ArithmeticDefect::DenormalsAreZero),
             ),
-            (DOWN, Some(Flaw::Rounding)),
-            (UP, Some(Flaw::Rounding)),
-            (TOWARDS_ZERO, Some(Flaw::Rounding)),
+            (DOWN, Some(ArithmeticDefect::Rounding)),
+            (UP, Some(ArithmeticDefect::Rounding)),
+            (TOWARDS_ZERO, Some(ArithmeticDefect::Rounding)),
         ] {
             assert_eq!(under(bits, found::<f64>), flaw, "f64, {bits:#x}");
             assert_eq!(under(bits, found::<f32>), flaw, "f32, {bits:#x}");
@@ -78,8 +78,8 @@ mod modes {
             mu: 0.5,
         };
         let told = under(FLUSH_TO_ZERO, || start(&mut store.world(), &law));
-        let flaw = Flaw::FlushToZero;
-        assert_eq!(told, Err(Fault::Arithmetic { flaw }));
+        let flaw = ArithmeticDefect::FlushToZero;
+        assert_eq!(told, Err(Error::Arithmetic { flaw }));
         assert!(told.unwrap_err().to_string().contains("flush-to-zero"));
         assert_eq!(start(&mut store.world(), &law), Ok(()));
     }
@@ -202,6 +202,9 @@ impl<const FUSES: bool> Real for Off<FUSES> {
 
 #[test]
 fn builds_off_the_contract_are_found() {
-    assert_eq!(found::<Off<true>>(), Some(Flaw::Fused));
-    assert_eq!(found::<Off<false>>(), Some(Flaw::ExcessPrecision));
+    assert_eq!(found::<Off<true>>(), Some(ArithmeticDefect::Fused));
+    assert_eq!(
+        found::<Off<false>>(),
+        Some(ArithmeticDefect::ExcessPrecision)
+    );
 }

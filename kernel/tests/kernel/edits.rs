@@ -3,11 +3,11 @@
 
 use bitgrain_kernel::contact::HertzHistory;
 use bitgrain_kernel::phases::seal;
-use bitgrain_kernel::phases::{Pass, pass};
-use bitgrain_kernel::phases::{begin, drift, end, find_who_may_touch, find_who_touches};
+use bitgrain_kernel::phases::{MotionPhase, integrate};
+use bitgrain_kernel::phases::{begin, drift, end, ensure_pair_list, ensure_pair_list_ahead};
 use bitgrain_kernel::{
-    Bond, Digest, Domain, Fault, Group, Obstacle, Real, Shape, Store, World, digest, resume, start,
-    step,
+    ContactHistory, Digest, Domain, Error, Group, Obstacle, Real, Shape, Store, World, digest,
+    resume, start, step,
 };
 
 /// From none to one that lists every pair.
@@ -35,7 +35,7 @@ fn row<R: Real>(skin: f64) -> Five<R> {
     store
         .add_group(Group::free(real([0.0, 0.0, -1.0])))
         .unwrap();
-    store.add_group(Group::carried()).unwrap();
+    store.add_group(Group::prescribed_velocity()).unwrap();
     let mut add = |id: u32, group: u8, place: [f64; 3]| {
         let added = store.add_grain(id, group, real(place), R::HALF, R::HALF);
         added.unwrap();
@@ -52,12 +52,12 @@ fn row<R: Real>(skin: f64) -> Five<R> {
     store
 }
 
-fn steps<R: Real>(world: &mut World<'_, R>, count: usize) -> Result<(), Fault> {
+fn steps<R: Real>(world: &mut World<'_, R>, count: usize) -> Result<(), Error> {
     (0..count).try_for_each(|_| step(world, &law()))
 }
 
 /// What becomes of a world that is edited after 20 steps, and its state 60 steps later.
-fn edited(skin: f64, edit: impl Fn(&mut World<'_, f64>)) -> (Result<(), Fault>, Digest) {
+fn edited(skin: f64, edit: impl Fn(&mut World<'_, f64>)) -> (Result<(), Error>, Digest) {
     let mut store = row::<f64>(skin);
     let mut world = store.world();
     steps(&mut world, 20).unwrap();
@@ -79,7 +79,7 @@ fn throws() -> [fn(&mut World<'_, f64>); 2] {
 fn what_is_written_between_two_steps_is_refused_at_every_skin() {
     for throw in throws() {
         let first = edited(SKINS[0], throw);
-        assert_eq!(first.0, Err(Fault::Edited));
+        assert_eq!(first.0, Err(Error::Edited));
         for skin in SKINS {
             assert_eq!(edited(skin, throw), first, "skin {skin}");
         }
@@ -90,9 +90,9 @@ fn what_is_written_between_two_steps_is_refused_at_every_skin() {
 fn after_an_edit_and_a_resume_every_skin_has_the_same_bits() {
     for throw in throws() {
         let taken_up = |world: &mut World<'_, f64>| {
-            let bonds: Vec<Bond<f64>> = world.bonds().collect();
+            let histories: Vec<ContactHistory<f64>> = world.contact_histories().collect();
             throw(world);
-            resume(world, bonds).unwrap();
+            resume(world, histories).unwrap();
         };
         let first = edited(SKINS[0], taken_up);
         assert_eq!(first.0, Ok(()));
@@ -111,7 +111,7 @@ fn found<R: Real>(what: &str, edit: impl Fn(&mut World<'_, R>)) {
     edit(&mut world);
     let before = (digest(&world), *world.clock);
     for _ in 0..2 {
-        assert_eq!(step(&mut world, &law()), Err(Fault::Edited), "{what}");
+        assert_eq!(step(&mut world, &law()), Err(Error::Edited), "{what}");
     }
     assert_eq!((digest(&world), *world.clock), before, "{what}");
     start(&mut world, &law()).unwrap();
@@ -175,14 +175,14 @@ fn another_table_or_box_is_found() {
     let closed = Domain::new([0.0; 3], [12.0, 8.0, 8.0], [true; 3]).unwrap();
     let heavy = Group {
         heavy: true,
-        ..Group::carried()
+        ..Group::prescribed_velocity()
     };
     let light = Group::free([0.0, 0.0, -0.5]);
     let free = Group::free([0.0, 0.0, -1.0]);
     let group = [0, 0, 1, 1];
     for k in 0..5 {
         let mut world = store.world();
-        let (tables, others) = ([free, heavy], [light, Group::carried()]);
+        let (tables, others) = ([free, heavy], [light, Group::prescribed_velocity()]);
         match k {
             0 => world.domain = &wide,
             1 => world.domain = &closed,
@@ -190,7 +190,7 @@ fn another_table_or_box_is_found() {
             3 => world.grains.groups = &others,
             _ => world.grains.group = &group,
         }
-        assert_eq!(step(&mut world, &law()), Err(Fault::Edited), "{k}");
+        assert_eq!(step(&mut world, &law()), Err(Error::Edited), "{k}");
         // As it was, it goes on.
         assert_eq!(step(&mut store.world(), &law()), Ok(()), "{k}");
     }
@@ -216,17 +216,17 @@ fn what_may_change_between_two_steps_is_not_held_against_a_run() {
 fn a_stretch_begins_and_ends() {
     let mut store = row::<f64>(0.03);
     let mut world = store.world();
-    let sealed = seal(&world.moving(), 0);
-    let refused = Err(Fault::NotStarted);
+    let sealed = seal(&world.grain_motion(), 0);
+    let refused = Err(Error::NotStarted);
     // Not begun.
-    assert_eq!(find_who_may_touch(&mut world), refused);
-    assert_eq!(find_who_touches(&mut world), refused);
+    assert_eq!(ensure_pair_list_ahead(&mut world), refused);
+    assert_eq!(ensure_pair_list(&mut world), refused);
     assert_eq!(end(&mut world, sealed), refused);
-    let still = pass(&mut world.moving(), Pass::Look);
+    let still = integrate(&mut world.grain_motion(), MotionPhase::CheckOnly);
     assert_eq!(drift(&mut world, still), refused);
     // Begun with the seal of other rows, and with the right one.
-    let elsewhere = seal(&world.moving(), 1);
-    assert_eq!(begin(&mut world, elsewhere), Err(Fault::Edited));
+    let elsewhere = seal(&world.grain_motion(), 1);
+    assert_eq!(begin(&mut world, elsewhere), Err(Error::Edited));
     assert_eq!(begin(&mut world, sealed), Ok(()));
     // Not ended.
     assert_eq!(begin(&mut world, sealed), refused);
@@ -234,7 +234,7 @@ fn a_stretch_begins_and_ends() {
     assert_eq!(step(&mut world, &law()), Ok(()));
     assert!(world.clock.has_begun() && !world.clock.rests());
     assert_eq!(begin(&mut world, sealed), refused);
-    let sealed = seal(&world.moving(), 0);
+    let sealed = seal(&world.grain_motion(), 0);
     assert_eq!(end(&mut world, sealed), Ok(()));
     assert_eq!(step(&mut world, &law()), Ok(()));
 }
@@ -244,10 +244,10 @@ fn a_stretch_begins_and_ends() {
 fn a_step_that_failed_is_not_gone_on_with() {
     let mut store = row::<f64>(0.03);
     let mut world = store.world();
-    let sealed = seal(&world.moving(), 0);
+    let sealed = seal(&world.grain_motion(), 0);
     begin(&mut world, sealed).unwrap();
-    let passed = pass(&mut world.moving(), Pass::Drift);
+    let passed = integrate(&mut world.grain_motion(), MotionPhase::Drift);
     drift(&mut world, passed).unwrap();
-    assert_eq!(find_who_touches(&mut world), Ok(()));
-    assert_eq!(find_who_touches(&mut world), Err(Fault::NotStarted));
+    assert_eq!(ensure_pair_list(&mut world), Ok(()));
+    assert_eq!(ensure_pair_list(&mut world), Err(Error::NotStarted));
 }

@@ -109,7 +109,7 @@ proptest! {
         let domain = Domain::new([0.0; 3], [SIDE; 3], [true; 3]).unwrap();
         let dt = 1.0 / 1024.0;
         let mut store = Store::<f64, 2, 16, 2, 1>::new(domain, dt, 0.1);
-        store.add_group(Group::carried()).unwrap();
+        store.add_group(Group::prescribed_velocity()).unwrap();
         let exact = |steps: [i32; 3], unit: f64| steps.map(|s| f64::from(s) * unit);
         for k in 0..2 {
             store.add_grain(k as u32, 0, exact(from[k], GRID), 0.25, 1.0).unwrap();
@@ -160,7 +160,7 @@ fn a_contact_that_parted_begins_anew() {
         // A step of 1/512 along x: 8 units take 4096 steps, and every place is exact.
         let mut store = Store::<f64, 2, 16, 4, 2>::new(domain, 1.0 / 4096.0, skin);
         store.add_group(Group::frozen()).unwrap();
-        store.add_group(Group::carried()).unwrap();
+        store.add_group(Group::prescribed_velocity()).unwrap();
         store.add_grain(1, 0, [3.0, 4.0, 4.0], 0.5, 0.5).unwrap();
         store
             .add_grain(2, 1, [1.0, 4.96875, 4.0], 0.5, 0.5)
@@ -176,9 +176,9 @@ fn a_contact_that_parted_begins_anew() {
             for n in 0..period {
                 let mut seen = Vec::new();
                 step_watched(&mut world, &LAW, |p| seen.push(p)).unwrap();
-                let springs = world.bonds().flat_map(|bond| match bond {
-                    bitgrain_kernel::Bond::Pair { spring, .. }
-                    | bitgrain_kernel::Bond::Touch { spring, .. } => spring,
+                let springs = world.contact_histories().flat_map(|bond| match bond {
+                    bitgrain_kernel::ContactHistory::Pair { spring, .. }
+                    | bitgrain_kernel::ContactHistory::Obstacle { spring, .. } => spring,
                 });
                 let springs: Vec<f64> = springs.collect();
                 for p in seen {

@@ -3,7 +3,7 @@
 mod common {
     pub mod cases;
     pub mod crowd;
-    pub mod cuts;
+    pub mod range_bounds;
 }
 
 mod canary;

@@ -8,7 +8,7 @@ use crate::common::cases::cases;
 use crate::common::crowd::{DENSE, PER_GRAIN, Packing, REDUCED, SI, Units, crowd, history, tsuji};
 use bitgrain_kernel::contact::{Contact, Law};
 use bitgrain_kernel::vec3::{self, head};
-use bitgrain_kernel::{Bond, Domain, Group, Obstacle, Row, Shape, World, start, step};
+use bitgrain_kernel::{ContactHistory, Domain, Group, Obstacle, Row, Shape, World, start, step};
 use proptest::prelude::*;
 
 type V = [f64; 3];
@@ -95,13 +95,13 @@ impl<L: Law<f64>> Slow<L> {
                 let push = vec3::add(vec3::scale(contact.normal, r.normal), r.tangential);
                 let couple = vec3::cross(contact.normal, r.tangential);
                 force[i] = vec3::add(force[i], push);
-                torque[i] = vec3::sub(torque[i], vec3::scale(couple, r.arm_i));
+                torque[i] = vec3::sub(torque[i], vec3::scale(couple, r.lever_arm_i));
                 let body = &mut self.obstacles[k];
                 body.force = vec3::sub(body.force, push);
                 let moment = match body.shape {
-                    Shape::Sphere { .. } => vec3::scale(couple, r.arm_j),
+                    Shape::Sphere { .. } => vec3::scale(couple, r.lever_arm_j),
                     _ => {
-                        let lever = vec3::sub(offset, vec3::scale(contact.normal, r.arm_i));
+                        let lever = vec3::sub(offset, vec3::scale(contact.normal, r.lever_arm_i));
                         vec3::cross(lever, push)
                     }
                 };
@@ -124,8 +124,8 @@ impl<L: Law<f64>> Slow<L> {
                 let couple = vec3::cross(contact.normal, r.tangential);
                 force[i] = vec3::add(force[i], push);
                 force[j] = vec3::sub(force[j], push);
-                torque[i] = vec3::sub(torque[i], vec3::scale(couple, r.arm_i));
-                torque[j] = vec3::sub(torque[j], vec3::scale(couple, r.arm_j));
+                torque[i] = vec3::sub(torque[i], vec3::scale(couple, r.lever_arm_i));
+                torque[j] = vec3::sub(torque[j], vec3::scale(couple, r.lever_arm_j));
             }
         }
         for i in 0..n {
@@ -263,7 +263,10 @@ fn same<L>(fast: &World<'_, f64>, slow: &Slow<L>, step: u64) -> Result<(), TestC
         prop_assert_eq!(words(a), words(b), "obstacles at step {}", step);
         prop_assert_eq!(a.image, b.image, "crossings at step {}", step);
     }
-    let held: Vec<_> = fast.bonds().map(|bond| words_of(&bond)).collect();
+    let held: Vec<_> = fast
+        .contact_histories()
+        .map(|bond| words_of(&bond))
+        .collect();
     let of = |kind, map: &BTreeMap<(usize, usize), V>| -> Vec<_> {
         let words = |(&(i, j), &spring): (&(usize, usize), &V)| (kind, i, j, bits(spring));
         map.iter().map(words).collect()
@@ -274,10 +277,10 @@ fn same<L>(fast: &World<'_, f64>, slow: &Slow<L>, step: u64) -> Result<(), TestC
 }
 
 /// A pair is of kind 0, a contact on an obstacle of kind 1.
-fn words_of(bond: &Bond<f64>) -> (u8, usize, usize, [u64; 3]) {
+fn words_of(bond: &ContactHistory<f64>) -> (u8, usize, usize, [u64; 3]) {
     match *bond {
-        Bond::Pair { i, j, spring } => (0, i as usize, j as usize, bits(spring)),
-        Bond::Touch {
+        ContactHistory::Pair { i, j, spring } => (0, i as usize, j as usize, bits(spring)),
+        ContactHistory::Obstacle {
             i,
             obstacle,
             spring,

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use bitgrain_kernel::blake3::Hasher;
 use bitgrain_kernel::conformance::{EVERY, LINE, Line, Room, World, history, last, run, tsuji};
 use bitgrain_kernel::vec3::{dot, head};
-use bitgrain_kernel::{Partner, Pushed, start, step_watched};
+use bitgrain_kernel::{ContactForce, Partner, start, step_watched};
 
 /// A line is fixed text, so that rigs without formatting print the same bytes.
 #[test]
@@ -47,7 +47,7 @@ fn a_used_room_gives_the_same_lines() {
 }
 
 /// What a contact is between, as words that sort.
-fn kinds(one: World, world: &bitgrain_kernel::World<'_, f64>, seen: &Pushed<f64>) -> String {
+fn kinds(one: World, world: &bitgrain_kernel::World<'_, f64>, seen: &ContactForce<f64>) -> String {
     let group = |i: u32| format!("group {}", world.grains.group[i as usize]);
     let mut both = [group(seen.i), String::new()];
     both[1] = match seen.partner {

@@ -1,7 +1,7 @@
 //! The valid range of a number type: what moves slower than it can resolve is refused.
 
 use bitgrain_kernel::contact::HertzHistory;
-use bitgrain_kernel::{Domain, Fault, Group, Obstacle, Real, Store, start};
+use bitgrain_kernel::{Domain, Error, Group, Obstacle, Real, Store, start};
 
 /// How fast something moves, or 0.
 #[derive(Clone, Copy, Default)]
@@ -13,14 +13,14 @@ struct Speeds {
 
 /// Starts a world of two grains, one free and one carried, and a ball, in a box of this period, with
 /// a time step of 1/4096.
-fn begin<R: Real>(period: f64, speeds: Speeds) -> Result<(), Fault> {
+fn begin<R: Real>(period: f64, speeds: Speeds) -> Result<(), Error> {
     let real = R::from_f64;
     let (lo, hi) = ([R::ZERO; 3], [period, 10.0, 10.0].map(real));
     let domain = Domain::new(lo, hi, [true, false, false])?;
     let mut store = Store::<R, 2, 8, 4, 2>::new(domain, real(1.0 / 4096.0), real(0.1));
     let down = [R::ZERO, R::ZERO, real(-speeds.gravity)];
     store.add_group(Group::free(down)).unwrap();
-    store.add_group(Group::carried()).unwrap();
+    store.add_group(Group::prescribed_velocity()).unwrap();
     let ball = Obstacle {
         velocity: [real(speeds.ball), R::ZERO, R::ZERO],
         ..Obstacle::sphere([6.0, 5.0, 5.0].map(real), R::ONE)
@@ -81,11 +81,11 @@ fn what_moves_less_than_sixteen_units_in_the_last_place_is_refused() {
         ..Speeds::default()
     };
     assert_eq!(begin::<f32>(64.0, one(1.0)), Ok(()));
-    let weak = Err(Fault::GravityTooWeak { group: 0 });
+    let weak = Err(Error::GravityTooWeak { group: 0 });
     assert_eq!(begin::<f32>(1024.0, one(1.0)), weak);
     assert_eq!(begin::<f64>(1024.0, one(1.0)), Ok(()));
-    let slow = Err(Fault::ObstacleTooSlow { obstacle: 0 });
+    let slow = Err(Error::ObstacleTooSlow { obstacle: 0 });
     assert_eq!(begin::<f32>(64.0, ball(0.1)), slow);
-    let slow = Err(Fault::TooSlow { id: 2 });
+    let slow = Err(Error::TooSlow { id: 2 });
     assert_eq!(begin::<f32>(64.0, carried(0.1)), slow);
 }

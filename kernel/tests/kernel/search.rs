@@ -7,7 +7,7 @@ use crate::common::crowd::{DENSE, PER_GRAIN, REDUCED, SI, Units, crowd, history,
 use bitgrain_kernel::contact::Law;
 use bitgrain_kernel::vec3::{Vec3, dot, head, scale};
 use bitgrain_kernel::{
-    Bond, Digest, Domain, Group, Obstacle, Partner, Store, World, digest, resume, start,
+    ContactHistory, Digest, Domain, Group, Obstacle, Partner, Store, World, digest, resume, start,
     start_watched, step, step_watched,
 };
 use proptest::prelude::*;
@@ -171,7 +171,7 @@ proptest! {
         compare_with_all(&world, skin)?;
     }
 
-    /// Pairs a few units in the last place from touching, in all directions and across the edges:
+    /// PairList a few units in the last place from touching, in all directions and across the edges:
     /// who is evaluated as touching is who overlaps by the law's own measure, also in a list without a
     /// skin.
     #[test]
@@ -219,14 +219,14 @@ proptest! {
 
 fn words(world: &World<'_, f64>) -> Vec<(u8, u32, u32, [u64; 3])> {
     let word = |bond| match bond {
-        Bond::Pair { i, j, spring } => (0, i, j, spring.map(f64::to_bits)),
-        Bond::Touch {
+        ContactHistory::Pair { i, j, spring } => (0, i, j, spring.map(f64::to_bits)),
+        ContactHistory::Obstacle {
             i,
             obstacle,
             spring,
         } => (1, i, obstacle, spring.map(f64::to_bits)),
     };
-    world.bonds().map(word).collect()
+    world.contact_histories().map(word).collect()
 }
 
 /// Steps two equal crowds, one searched anew every step and one hardly ever: their springs, and

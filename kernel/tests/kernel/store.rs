@@ -3,7 +3,7 @@
 use bitgrain_kernel::contact::HertzHistory;
 use bitgrain_kernel::vec3::{dot, head, sub};
 use bitgrain_kernel::{
-    Domain, Fault, Group, Obstacle, Store, World, digest, start, step, step_watched,
+    Domain, Error, Group, Obstacle, Store, World, digest, start, step, step_watched,
 };
 
 const LAW: HertzHistory<f64> = HertzHistory {
@@ -112,15 +112,15 @@ fn a_full_store_gives_back_what_it_did_not_take() {
     start(&mut store.world(), &LAW).unwrap();
     let before = digest(&store.world());
     store.add_group(Group::frozen()).unwrap();
-    let group = Group::carried();
+    let group = Group::prescribed_velocity();
     assert_eq!(store.add_group(group), Err(group));
     let obstacle = Obstacle::sphere([1.0, 2.0, 3.0], 0.25);
     assert_eq!(store.add_obstacle(obstacle), Err(obstacle));
     let refused = store.add_grain(99, 0, [1.0; 3], 0.5, 0.5);
-    assert_eq!(refused, Err(Fault::BadStorage));
+    assert_eq!(refused, Err(Error::BadStorage));
     assert_eq!(digest(&store.world()), before, "nothing was changed");
     // The one group that was taken asks for a new start, and the bed is as it was.
-    assert_eq!(step(&mut store.world(), &LAW), Err(Fault::NotStarted));
+    assert_eq!(step(&mut store.world(), &LAW), Err(Error::NotStarted));
     start(&mut store.world(), &LAW).unwrap();
     assert_eq!(digest(&store.world()), before);
 }
@@ -130,7 +130,7 @@ fn a_refused_addition_does_not_stop_a_run() {
     let mut store = bed::<256>(0.1);
     store.add_group(Group::frozen()).unwrap();
     start(&mut store.world(), &LAW).unwrap();
-    assert!(store.add_group(Group::carried()).is_err());
+    assert!(store.add_group(Group::prescribed_velocity()).is_err());
     let ball = Obstacle::sphere([1.0, 2.0, 3.0], 0.25);
     assert!(store.add_obstacle(ball).is_err());
     assert!(store.add_grain(99, 0, [1.0; 3], 0.5, 0.5).is_err());
@@ -145,7 +145,7 @@ fn a_list_too_short_for_its_skin_goes_on_with_a_smaller_one() {
     start(&mut roomy.world(), &LAW).unwrap();
     let full = start(&mut tight.world(), &LAW);
     let listed = roomy.world().clock.listed();
-    assert_eq!(full, Err(Fault::CandidatesFull { needed: listed }));
+    assert_eq!(full, Err(Error::OuterListFull { needed: listed }));
     tight.set_skin(0.02);
     start(&mut tight.world(), &LAW).unwrap();
     for n in 0..4000 {
@@ -161,7 +161,7 @@ fn a_list_too_short_for_its_skin_goes_on_with_a_smaller_one() {
                     Err(fault) => break fault,
                 }
             };
-            assert!(matches!(fault, Fault::CandidatesFull { needed } if needed > 96));
+            assert!(matches!(fault, Error::OuterListFull { needed } if needed > 96));
             assert_eq!(digest(&world), after);
             tight.set_skin(0.0);
             let done = tight.world().clock.step;

@@ -2,12 +2,12 @@
 
 use crate::common::cases::cases;
 use crate::common::crowd::{DENSE, PER_GRAIN, REDUCED, SI, Units, crowd, history, tsuji};
-use crate::common::cuts::steps_cut;
+use crate::common::range_bounds::steps_cut;
 use bitgrain_kernel::contact::Law;
 use bitgrain_kernel::vec3::{Vec3, add, cross, dot, head, scale, sub};
 use bitgrain_kernel::{
-    Digest, Domain, Fault, Group, Obstacle, Partner, Pushed, Store, World, digest, start, step,
-    step_watched,
+    ContactForce, Digest, Domain, Error, Group, Obstacle, Partner, Store, World, digest, start,
+    step, step_watched,
 };
 use proptest::prelude::*;
 
@@ -23,13 +23,13 @@ struct Share {
 }
 
 /// The lever of a contact's tangential force about a grain of this radius.
-type Lever = fn(&Pushed<f64>, f64) -> f64;
+type Lever = fn(&ContactForce<f64>, f64) -> f64;
 
 /// The contract's sums: from +0.0, over obstacles by number, then over neighbours by ascending
 /// place (so by id), or all of that backwards.
 fn by_definition(
     world: &World<'_, f64>,
-    seen: &[Pushed<f64>],
+    seen: &[ContactForce<f64>],
     lever: Lever,
     backwards: bool,
 ) -> Vec<[u64; 6]> {
@@ -102,7 +102,7 @@ fn follow(
 }
 
 /// The force on an obstacle is the sum over its grains by ascending place.
-fn on_obstacles(world: &World<'_, f64>, seen: &[Pushed<f64>]) -> Result<(), TestCaseError> {
+fn on_obstacles(world: &World<'_, f64>, seen: &[ContactForce<f64>]) -> Result<(), TestCaseError> {
     for (k, body) in world.obstacles.iter().enumerate() {
         let mut own: Vec<_> = seen
             .iter()
@@ -119,7 +119,10 @@ fn on_obstacles(world: &World<'_, f64>, seen: &[Pushed<f64>]) -> Result<(), Test
 
 /// Forces come in opposite pairs, so all of them together are nothing but rounding: half a unit in
 /// the last place of the largest partial sum for each of fewer than a thousand additions.
-fn nothing_is_left_over(world: &World<'_, f64>, seen: &[Pushed<f64>]) -> Result<(), TestCaseError> {
+fn nothing_is_left_over(
+    world: &World<'_, f64>,
+    seen: &[ContactForce<f64>],
+) -> Result<(), TestCaseError> {
     let grains = world.grains.force.iter().map(|f| head(*f));
     let bodies = world.obstacles.iter().map(|o| o.force);
     let rest = grains.chain(bodies).fold([0.0; 3], add);
@@ -167,12 +170,12 @@ fn corner(deep: V, velocity: V, spin: V) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// The state of a crowd after 200 steps over ranges that end at `cuts`, so many at a time.
-fn after_cut_steps(seed: &[f64], cuts: &[u32], at_once: u64) -> Result<Digest, Fault> {
+/// The state of a crowd after 200 steps over ranges that end at `range_bounds`, so many at a time.
+fn after_cut_steps(seed: &[f64], range_bounds: &[u32], at_once: u64) -> Result<Digest, Error> {
     let law = history(0.5);
     let mut store = crowd(seed, &DENSE, &REDUCED, 0.2);
     let mut world = store.world();
-    world.cuts = cuts;
+    world.range_bounds = range_bounds;
     start(&mut world, &law)?;
     while world.clock.step < 200 {
         steps_cut(&mut world, &law, at_once)?;
@@ -181,7 +184,7 @@ fn after_cut_steps(seed: &[f64], cuts: &[u32], at_once: u64) -> Result<Digest, F
 }
 
 /// The same by the definition of a step.
-fn after_steps(seed: &[f64]) -> Result<Digest, Fault> {
+fn after_steps(seed: &[f64]) -> Result<Digest, Error> {
     let law = history(0.5);
     let mut store = crowd(seed, &DENSE, &REDUCED, 0.2);
     let mut world = store.world();
@@ -223,13 +226,13 @@ proptest! {
     #[test]
     fn any_cut_into_ranges_gives_the_same_steps(
         seed in prop::collection::vec(0.0..1.0f64, PER_GRAIN * 64),
-        cuts in prop::collection::btree_set(1..64u32, 1..12),
+        range_bounds in prop::collection::btree_set(1..64u32, 1..12),
     ) {
         let whole = after_steps(&seed);
         prop_assume!(whole.is_ok());
-        let cuts: Vec<u32> = cuts.into_iter().collect();
-        for (cuts, at_once) in [(&[][..], 1), (&[], 50), (&cuts, 1), (&cuts, 200)] {
-            prop_assert_eq!(after_cut_steps(&seed, cuts, at_once), whole);
+        let range_bounds: Vec<u32> = range_bounds.into_iter().collect();
+        for (range_bounds, at_once) in [(&[][..], 1), (&[], 50), (&range_bounds, 1), (&range_bounds, 200)] {
+            prop_assert_eq!(after_cut_steps(&seed, range_bounds, at_once), whole);
         }
     }
 }

@@ -1,7 +1,9 @@
 //! Numbers, slices and worlds of any kind, sound or not.
 
-use bitgrain_kernel::phases::Spill;
-use bitgrain_kernel::{Bond, Domain, Fault, Group, Obstacle, Real, Row, Shape};
+use bitgrain_kernel::phases::CrossRangeForce;
+use bitgrain_kernel::{
+    ContactHistory, Domain, Error as KernelError, Group, Obstacle, Real, Row, Shape,
+};
 
 use super::bytes::Bytes;
 use super::lent::{Lent, List};
@@ -104,15 +106,15 @@ pub(super) fn list<R: Real>(bytes: &mut Bytes) -> List<R> {
     }
 }
 
-pub(super) fn spills<R: Real>(bytes: &mut Bytes) -> Vec<Spill<R>> {
+pub(super) fn spills<R: Real>(bytes: &mut Bytes) -> Vec<CrossRangeForce<R>> {
     (0..bytes.below(6))
-        .map(|_| Spill {
+        .map(|_| CrossRangeForce {
             i: word(bytes),
             j: word(bytes),
             force: row(bytes),
             couple: row(bytes),
-            arm_i: number(bytes),
-            arm_j: number(bytes),
+            lever_arm_i: number(bytes),
+            lever_arm_j: number(bytes),
         })
         .collect()
 }
@@ -186,16 +188,16 @@ pub(super) fn tame<R: Real>(bytes: &mut Bytes, lent: &mut Lent<R>) {
     lent.reserve(bytes.below(60), bytes.below(60), bytes.below(30));
 }
 
-pub(super) fn bond<R: Real>(bytes: &mut Bytes) -> Bond<R> {
+pub(super) fn bond<R: Real>(bytes: &mut Bytes) -> ContactHistory<R> {
     let (i, partner) = (word(bytes), word(bytes));
     let spring = vector(bytes);
     match bytes.below(2) {
-        0 => Bond::Pair {
+        0 => ContactHistory::Pair {
             i,
             j: partner,
             spring,
         },
-        _ => Bond::Touch {
+        _ => ContactHistory::Obstacle {
             i,
             obstacle: partner,
             spring,
@@ -203,6 +205,6 @@ pub(super) fn bond<R: Real>(bytes: &mut Bytes) -> Bond<R> {
     }
 }
 
-pub(super) fn fault(bytes: &mut Bytes) -> Option<Fault> {
-    (bytes.below(4) == 0).then(|| Fault::Escaped { id: word(bytes) })
+pub(super) fn fault(bytes: &mut Bytes) -> Option<KernelError> {
+    (bytes.below(4) == 0).then(|| KernelError::Escaped { id: word(bytes) })
 }

@@ -4,12 +4,14 @@
 use bitgrain_kernel::blake3::Hasher;
 use bitgrain_kernel::conformance::Line;
 use bitgrain_kernel::contact::{Contact, HertzHistory, HertzTsuji, Law};
-use bitgrain_kernel::phases::push_obstacles;
-use bitgrain_kernel::phases::{After, Deep, Part, first_deep, no_fetch, spill, sum};
-use bitgrain_kernel::phases::{Pass, Passed, pass};
+use bitgrain_kernel::phases::obstacle_forces;
+use bitgrain_kernel::phases::{
+    After, ExcessiveOverlap, GrainRange, accumulate, cross_range, first_excessive_overlap, no_fetch,
+};
+use bitgrain_kernel::phases::{MotionCheck, MotionPhase, integrate};
 use bitgrain_kernel::phases::{Sealed, seal};
 use bitgrain_kernel::phases::{
-    begin, drift, end, find_who_may_touch, find_who_touches, finish, judge,
+    begin, check_overlaps, drift, end, ensure_pair_list, ensure_pair_list_ahead, finish,
 };
 use bitgrain_kernel::{
     Domain, Real, Row, Store, check_arithmetic, digest, resume, start, start_watched, step,
@@ -36,7 +38,7 @@ pub(super) fn world<R: Real, L: Law<R>>(bytes: &mut Bytes, law: &L) -> bool {
     if bytes.below(2) == 0 {
         tame(bytes, &mut lent);
     }
-    let (mut started, mut passed) = (false, Passed::NONE);
+    let (mut started, mut passed) = (false, MotionCheck::NONE);
     for _ in 0..CALLS {
         if bytes.0.is_empty() {
             break;
@@ -47,27 +49,35 @@ pub(super) fn world<R: Real, L: Law<R>>(bytes: &mut Bytes, law: &L) -> bool {
             2..6 => either_way(growing(&mut lent, |lent| step(&mut lent.world(), law))),
             6 => {
                 let count = bytes.below(8);
-                let mut bonds = many(bytes, count, bond);
+                let mut histories = many(bytes, count, bond);
                 // Some of its own among them.
-                bonds.extend(lent.world().bonds().take(bytes.below(4)));
+                histories.extend(lent.world().contact_histories().take(bytes.below(4)));
                 let taken = growing(&mut lent, |lent| {
-                    resume(&mut lent.world(), bonds.iter().copied())
+                    resume(&mut lent.world(), histories.iter().copied())
                 });
                 started |= taken.is_ok();
             }
             7 => either_way(growing(&mut lent, |lent| {
-                find_who_may_touch(&mut lent.world())
+                ensure_pair_list_ahead(&mut lent.world())
             })),
             8 => either_way(growing(&mut lent, |lent| {
-                find_who_touches(&mut lent.world())
+                ensure_pair_list(&mut lent.world())
             })),
             9 | 10 => {
-                let all = [Pass::Look, Pass::Drift, Pass::Kick, Pass::KickAndDrift];
-                passed = passed.and(pass(&mut lent.world().moving(), all[bytes.below(4)]));
+                let all = [
+                    MotionPhase::CheckOnly,
+                    MotionPhase::Drift,
+                    MotionPhase::Kick,
+                    MotionPhase::KickAndDrift,
+                ];
+                passed = passed.and(integrate(
+                    &mut lent.world().grain_motion(),
+                    all[bytes.below(4)],
+                ));
             }
             11 => {
                 if bytes.below(2) == 0 {
-                    passed = Passed {
+                    passed = MotionCheck {
                         speed2: number(bytes),
                         unsound: fault(bytes),
                         escaped: fault(bytes),
@@ -81,13 +91,17 @@ pub(super) fn world<R: Real, L: Law<R>>(bytes: &mut Bytes, law: &L) -> bool {
             15 => {
                 let deep =
                     |bytes: &mut Bytes| (bytes.below(4) == 0).then(|| (word(bytes), word(bytes)));
-                let (hit, deep): (Deep, Deep) = (deep(bytes), deep(bytes));
-                either_way(judge(&lent.world(), hit, first_deep(hit, deep)));
+                let (hit, deep): (ExcessiveOverlap, ExcessiveOverlap) = (deep(bytes), deep(bytes));
+                either_way(check_overlaps(
+                    &lent.world(),
+                    hit,
+                    first_excessive_overlap(hit, deep),
+                ));
             }
             16 => {
                 digest(&lent.world());
                 assert!(
-                    lent.world().bonds().count() < 1000,
+                    lent.world().contact_histories().count() < 1000,
                     "more contacts than entries"
                 );
             }
@@ -112,18 +126,18 @@ pub(super) fn world<R: Real, L: Law<R>>(bytes: &mut Bytes, law: &L) -> bool {
 /// The seal of all grains, or one of grains that stand elsewhere.
 fn sealed<R: Real>(bytes: &mut Bytes, lent: &mut Lent<R>) -> Sealed {
     let first = if bytes.below(8) == 0 { usize::MAX } else { 0 };
-    Sealed::NONE.and(seal(&lent.world().moving(), first))
+    Sealed::NONE.and(seal(&lent.world().grain_motion(), first))
 }
 
 /// The phase of the forces over all grains, with spills that are none of its own.
 fn pushed<R: Real, L: Law<R>>(bytes: &mut Bytes, lent: &mut Lent<R>, law: &L) {
     let dt = number(bytes);
-    let after = [After::Stay, After::Rest, After::GoOn][bytes.below(3)];
+    let after = [After::Stay, After::Rest, After::FinishAndBegin][bytes.below(3)];
     let (lower, own) = (spills(bytes), spills(bytes));
     let mut world = lent.world();
     let (mut part, mut touch) = world.pushing(dt);
-    push_obstacles(&mut part, &mut touch, law, |_| {});
-    sum(
+    obstacle_forces(&mut part, &mut touch, law, |_| {});
+    accumulate(
         &mut part,
         law,
         lower.iter(),
@@ -136,10 +150,10 @@ fn pushed<R: Real, L: Law<R>>(bytes: &mut Bytes, lent: &mut Lent<R>, law: &L) {
     let (sight, mut across) = world.across();
     if bytes.below(2) == 0 {
         let (left, right) = across.split(bytes.below(ENTRIES));
-        spill(sight, right, law, &mut out);
+        cross_range(sight, right, law, &mut out);
         across = left;
     }
-    spill(sight, across, law, &mut out);
+    cross_range(sight, across, law, &mut out);
 }
 
 /// Ranges cut anywhere.
@@ -155,24 +169,24 @@ fn in_parts<R: Real, L: Law<R>>(bytes: &mut Bytes, lent: &mut Lent<R>, law: &L) 
     for mut part in [left, right] {
         let (begin, end) = (place(bytes), place(bytes));
         let dt = part.dt;
-        let passed = pass(&mut part.grains.stretch(begin, end), Pass::Kick);
+        let passed = integrate(&mut part.grains.stretch(begin, end), MotionPhase::Kick);
         let (lower, own) = (spills(bytes), spills(bytes));
         let fetch = |_: &[Row<R>], _: usize| {};
-        sum(
+        accumulate(
             &mut part,
             law,
             lower.iter(),
             &own,
             |_| {},
             Some(fetch),
-            After::GoOn,
+            After::FinishAndBegin,
         );
-        let Part { grains, .. } = part;
+        let GrainRange { grains, .. } = part;
         let (mut few, mut others) = grains.split(place(bytes));
         few.dt = dt;
         let _ = passed
-            .and(pass(&mut few, Pass::Look))
-            .and(pass(&mut others, Pass::KickAndDrift));
+            .and(integrate(&mut few, MotionPhase::CheckOnly))
+            .and(integrate(&mut others, MotionPhase::KickAndDrift));
     }
 }
 
@@ -194,7 +208,7 @@ fn spoil<R: Real>(bytes: &mut Bytes, lent: &mut Lent<R>) {
         7 => lent.candidate_row = many(bytes, place, word),
         8 => lent.cell_start = many(bytes, place, word),
         9 => lent.cell_grain = many(bytes, place, word),
-        10 => lent.cuts = many(bytes, place, word),
+        10 => lent.range_bounds = many(bytes, place, word),
         11 => lent.groups.truncate(place / 4),
         12 => lent.obstacles = many(bytes, 1, obstacle),
         13 => (lent.dt, lent.skin) = (number(bytes), number(bytes)),

@@ -1,7 +1,8 @@
 //! Everything that a world borrows, owned, with every slice as long as it happens to be.
 
 use bitgrain_kernel::{
-    Candidates, Cells, Clock, Domain, Fault, Grains, Group, Obstacle, Pairs, Real, Row, World,
+    CellList, Clock, Domain, Error as KernelError, Grains, Group, Obstacle, OuterList, PairList,
+    Real, Row, World,
 };
 
 /// Storage of one list.
@@ -27,8 +28,8 @@ impl<R: Real> List<R> {
         lengthen(&mut self.touch_spring, touches);
     }
 
-    fn lend(&mut self) -> Pairs<'_, R> {
-        Pairs {
+    fn lend(&mut self) -> PairList<'_, R> {
+        PairList {
             lower: &mut self.lower,
             partner: &mut self.partner,
             spring: self.spring.each_mut().map(|s| &mut s[..]),
@@ -52,7 +53,7 @@ pub(super) struct Lent<R> {
     pub dt: R,
     pub skin: R,
     pub reach: R,
-    pub cuts: Vec<u32>,
+    pub range_bounds: Vec<u32>,
     pub id: Vec<u32>,
     pub group: Vec<u8>,
     pub groups: Vec<Group<R>>,
@@ -79,7 +80,7 @@ impl<R: Real> Lent<R> {
             dt,
             skin: R::ZERO,
             reach: R::ZERO,
-            cuts: vec![],
+            range_bounds: vec![],
             id: vec![],
             group: vec![],
             groups: vec![],
@@ -131,11 +132,11 @@ impl<R: Real> Lent<R> {
     }
 
     /// Makes room where a list is full; whether one was.
-    pub fn grow(&mut self, fault: Fault) -> bool {
+    pub fn grow(&mut self, fault: KernelError) -> bool {
         match fault {
-            Fault::PairsFull { needed } => self.reserve(needed, 0, 0),
-            Fault::CandidatesFull { needed } => self.reserve(0, needed, 0),
-            Fault::TouchesFull { needed } => self.reserve(0, 0, needed),
+            KernelError::PairListFull { needed } => self.reserve(needed, 0, 0),
+            KernelError::OuterListFull { needed } => self.reserve(0, needed, 0),
+            KernelError::ObstacleContactsFull { needed } => self.reserve(0, 0, needed),
             _ => return false,
         }
         true
@@ -148,7 +149,7 @@ impl<R: Real> Lent<R> {
             dt: self.dt,
             skin: self.skin,
             reach: self.reach,
-            cuts: &self.cuts,
+            range_bounds: &self.range_bounds,
             grains: Grains {
                 id: &self.id,
                 group: &self.group,
@@ -163,11 +164,11 @@ impl<R: Real> Lent<R> {
             obstacles: &mut self.obstacles,
             pairs: first.lend(),
             spare: second.lend(),
-            candidates: Candidates {
+            candidates: OuterList {
                 row: &mut self.candidate_row,
                 partner: &mut self.candidate,
             },
-            cells: Cells {
+            cells: CellList {
                 start: &mut self.cell_start,
                 grain: &mut self.cell_grain,
             },

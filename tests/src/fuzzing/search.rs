@@ -2,14 +2,16 @@
 //! equal places and just touching, which fly through each other without a force.
 
 use bitgrain_kernel::contact::HertzHistory;
-use bitgrain_kernel::phases::push_obstacles;
+use bitgrain_kernel::phases::obstacle_forces;
 use bitgrain_kernel::phases::seal;
-use bitgrain_kernel::phases::{After, no_fetch, spill, sum};
-use bitgrain_kernel::phases::{Pass, pass};
-use bitgrain_kernel::phases::{begin, drift, end, find_who_may_touch, find_who_touches, finish};
+use bitgrain_kernel::phases::{After, accumulate, cross_range, no_fetch};
+use bitgrain_kernel::phases::{MotionPhase, integrate};
+use bitgrain_kernel::phases::{
+    begin, drift, end, ensure_pair_list, ensure_pair_list_ahead, finish,
+};
 use bitgrain_kernel::vec3::{dot, head, scale, sub};
 use bitgrain_kernel::{
-    Domain, Fault, Group, Obstacle, Partner, Shape, TOUCHING, World, start_watched,
+    Domain, Error as KernelError, Group, Obstacle, Partner, Shape, TOUCHING, World, start_watched,
 };
 
 use super::bytes::Bytes;
@@ -32,7 +34,7 @@ const NOTHING: HertzHistory<f64> = HertzHistory {
 };
 
 /// A crowd that flies: at every step the contacts that are evaluated are those that all pairs show, and
-/// the lists hold them in order, whatever skin, reach, cells and cuts were drawn.
+/// the lists hold them in order, whatever skin, reach, cells and range_bounds were drawn.
 pub fn search(data: &[u8]) -> bool {
     let mut bytes = Bytes(data);
     let Some(mut lent) = crowd(&mut bytes) else {
@@ -46,7 +48,7 @@ pub fn search(data: &[u8]) -> bool {
             Ok(()) => break,
             Err(fault) if lent.grow(fault) => {}
             // Grains may lie as deep in each other as they like: they were found, but it goes no further.
-            Err(Fault::OverlapTooDeep { .. } | Fault::ObstacleTooDeep { .. }) => {
+            Err(KernelError::OverlapTooDeep { .. } | KernelError::ObstacleTooDeep { .. }) => {
                 compare(&lent.world(), &met);
                 return true;
             }
@@ -56,7 +58,7 @@ pub fn search(data: &[u8]) -> bool {
     compare(&lent.world(), &met);
     for _ in 0..1 + bytes.byte() % STEPS {
         if bytes.below(4) == 0 {
-            lent.cuts = cuts(&mut bytes, lent.position.len());
+            lent.range_bounds = range_bounds(&mut bytes, lent.position.len());
         }
         match fly(&mut lent, bytes.below(2) == 0, &mut met) {
             Ok(()) => compare(&lent.world(), &met),
@@ -66,7 +68,7 @@ pub fn search(data: &[u8]) -> bool {
     true
 }
 
-fn named(one: bitgrain_kernel::Pushed<f64>) -> (u32, u32) {
+fn named(one: bitgrain_kernel::ContactForce<f64>) -> (u32, u32) {
     match one.partner {
         Partner::Grain(j) => (one.i, j),
         Partner::Obstacle(k) => (one.i, k | TOUCHING),
@@ -74,19 +76,19 @@ fn named(one: bitgrain_kernel::Pushed<f64>) -> (u32, u32) {
 }
 
 /// One step by its phases, without its judgement; the list is looked at before the drift or after it.
-fn fly(lent: &mut Lent<f64>, before: bool, met: &mut Met) -> Result<(), Fault> {
+fn fly(lent: &mut Lent<f64>, before: bool, met: &mut Met) -> Result<(), KernelError> {
     let mut world = lent.world();
-    let sealed = seal(&world.moving(), 0);
+    let sealed = seal(&world.grain_motion(), 0);
     begin(&mut world, sealed)?;
-    while before && let Err(fault) = find_who_may_touch(&mut lent.world()) {
+    while before && let Err(fault) = ensure_pair_list_ahead(&mut lent.world()) {
         if !lent.grow(fault) {
             return Err(fault);
         }
     }
     let mut world = lent.world();
-    let passed = pass(&mut world.moving(), Pass::Drift);
+    let passed = integrate(&mut world.grain_motion(), MotionPhase::Drift);
     drift(&mut world, passed)?;
-    while let Err(fault) = find_who_touches(&mut lent.world()) {
+    while let Err(fault) = ensure_pair_list(&mut lent.world()) {
         if !lent.grow(fault) {
             return Err(fault);
         }
@@ -101,10 +103,10 @@ fn fly(lent: &mut Lent<f64>, before: bool, met: &mut Met) -> Result<(), Fault> {
         .copied()
         .zip(across.partner.iter().copied())
         .collect();
-    spill(sight, across, &NOTHING, &mut spills);
+    cross_range(sight, across, &NOTHING, &mut spills);
     let (mut part, mut touch) = world.pushing(world.dt);
-    push_obstacles(&mut part, &mut touch, &NOTHING, |one| met.push(named(one)));
-    sum(
+    obstacle_forces(&mut part, &mut touch, &NOTHING, |one| met.push(named(one)));
+    accumulate(
         &mut part,
         &NOTHING,
         spills.iter(),
@@ -113,11 +115,11 @@ fn fly(lent: &mut Lent<f64>, before: bool, met: &mut Met) -> Result<(), Fault> {
         no_fetch(),
         After::Stay,
     );
-    // Pairs of two ranges are evaluated without a watcher: those that touch are added here.
+    // PairList of two ranges are evaluated without a watcher: those that touch are added here.
     met.extend(pairs.into_iter().filter(|&(i, j)| gap(&world, i, j) < 0.0));
-    let passed = pass(&mut world.moving(), Pass::Kick);
+    let passed = integrate(&mut world.grain_motion(), MotionPhase::Kick);
     finish(&mut world, passed)?;
-    let sealed = seal(&world.moving(), 0);
+    let sealed = seal(&world.grain_motion(), 0);
     end(&mut world, sealed)
 }
 
@@ -230,12 +232,12 @@ fn compare(world: &World<'_, f64>, met: &Met) {
 }
 
 /// Where ranges of grains end: places that ascend.
-fn cuts(bytes: &mut Bytes, grains: usize) -> Vec<u32> {
-    let mut cuts: Vec<u32> = (0..bytes.below(4))
+fn range_bounds(bytes: &mut Bytes, grains: usize) -> Vec<u32> {
+    let mut range_bounds: Vec<u32> = (0..bytes.below(4))
         .map(|_| u32::from(bytes.byte()) % (grains as u32 + 2))
         .collect();
-    cuts.sort_unstable();
-    cuts
+    range_bounds.sort_unstable();
+    range_bounds
 }
 
 /// Grains and obstacles of sizes within a factor of eight, in a box of a few cells; storage as drawn.
@@ -255,8 +257,8 @@ fn crowd(bytes: &mut Bytes) -> Option<Lent<f64>> {
     lent.groups = vec![
         Group::free([0.0; 3]),
         Group::frozen(),
-        Group::carried(),
-        Group::lid([0.0; 3]),
+        Group::prescribed_velocity(),
+        Group::free_along_z([0.0; 3]),
     ];
     for _ in 0..bytes.below(4) {
         let point = [0, 1, 2].map(|a| bytes.between(lo[a], hi[a]));

@@ -5,13 +5,16 @@
 //! Unsound ones are in `hostile.rs`.
 
 use bitgrain_kernel::contact::{HertzHistory, HertzTsuji, Law};
-use bitgrain_kernel::phases::push_obstacles;
-use bitgrain_kernel::phases::{After, Spill, first_deep, no_fetch, spill, sum};
-use bitgrain_kernel::phases::{Pass, Passed, pass};
+use bitgrain_kernel::phases::obstacle_forces;
+use bitgrain_kernel::phases::{
+    After, CrossRangeForce, accumulate, cross_range, first_excessive_overlap, no_fetch,
+};
+use bitgrain_kernel::phases::{MotionCheck, MotionPhase, integrate};
 use bitgrain_kernel::phases::{Sealed, seal};
-use bitgrain_kernel::phases::{begin, drift, end, find_who_touches, finish, judge};
+use bitgrain_kernel::phases::{begin, check_overlaps, drift, end, ensure_pair_list, finish};
 use bitgrain_kernel::{
-    Digest, Domain, Fault, Group, Obstacle, PARTS, Real, World, digest, resume, start, step,
+    Digest, Domain, Error as KernelError, Group, Obstacle, PARTS, Real, World, digest, resume,
+    start, step,
 };
 
 use super::bytes::Bytes;
@@ -106,15 +109,15 @@ fn runs<R: Real, L: Law<R>>(bytes: &mut Bytes, lent: &mut Lent<R>, law: &L) -> b
         let n = lent.position.len();
         let went = match bytes.below(8) {
             0 => {
-                let bonds: Vec<_> = lent.world().bonds().collect();
+                let histories: Vec<_> = lent.world().contact_histories().collect();
                 let went = growing(lent, |lent| {
-                    resume(&mut lent.world(), bonds.iter().copied())
+                    resume(&mut lent.world(), histories.iter().copied())
                 });
                 match went {
                     Ok(()) => {}
                     // Grains may have flown so far that their numbers are too coarse to begin with.
-                    Err(Fault::TooSlow { .. } | Fault::ObstacleTooSlow { .. })
-                    | Err(Fault::GravityTooWeak { .. }) => return true,
+                    Err(KernelError::TooSlow { .. } | KernelError::ObstacleTooSlow { .. })
+                    | Err(KernelError::GravityTooWeak { .. }) => return true,
                     Err(fault) => panic!("a state that rests is not taken up again: {fault}"),
                 }
                 assert_same(lent, &mut twin);
@@ -122,10 +125,10 @@ fn runs<R: Real, L: Law<R>>(bytes: &mut Bytes, lent: &mut Lent<R>, law: &L) -> b
             }
             1..4 => {
                 let places = 0..bytes.below(4);
-                lent.cuts = places
+                lent.range_bounds = places
                     .map(|_| u32::from(bytes.byte()) % (n as u32 + 1))
                     .collect();
-                lent.cuts.sort_unstable();
+                lent.range_bounds.sort_unstable();
                 in_ranges(lent, law)
             }
             _ => growing(lent, |lent| step(&mut lent.world(), law)),
@@ -157,8 +160,8 @@ fn sizes<R: Real>(lent: &Lent<R>) -> Vec<[(u32, Option<u32>); 2]> {
 /// Does something, with more room as often as a list proves full, which must leave everything as it was.
 pub(super) fn growing<R: Real>(
     lent: &mut Lent<R>,
-    mut act: impl FnMut(&mut Lent<R>) -> Result<(), Fault>,
-) -> Result<(), Fault> {
+    mut act: impl FnMut(&mut Lent<R>) -> Result<(), KernelError>,
+) -> Result<(), KernelError> {
     loop {
         let before = told(lent);
         let done = act(lent);
@@ -201,26 +204,26 @@ fn assert_finite<R: Real>(lent: &Lent<R>) {
 }
 
 /// One step as a host with threads takes it: every range for itself.
-fn in_ranges<R: Real, L: Law<R>>(lent: &mut Lent<R>, law: &L) -> Result<(), Fault> {
+fn in_ranges<R: Real, L: Law<R>>(lent: &mut Lent<R>, law: &L) -> Result<(), KernelError> {
     let mut world = lent.world();
     let sealed = seal_ranges(&mut world);
     begin(&mut world, sealed)?;
-    let passed = pass(&mut world.moving(), Pass::Drift);
+    let passed = integrate(&mut world.grain_motion(), MotionPhase::Drift);
     drift(&mut world, passed)?;
-    growing(lent, |lent| find_who_touches(&mut lent.world()))?;
-    let cuts = lent.cuts.clone();
+    growing(lent, |lent| ensure_pair_list(&mut lent.world()))?;
+    let range_bounds = lent.range_bounds.clone();
     let mut world = lent.world();
     let (mut part, mut touch) = world.pushing(world.dt);
-    let hit = push_obstacles(&mut part, &mut touch, law, |_| {});
-    let mut spills = vec![Spill::default(); world.clock.listed_across()];
+    let hit = obstacle_forces(&mut part, &mut touch, law, |_| {});
+    let mut spills = vec![CrossRangeForce::default(); world.clock.listed_across()];
     let (sight, across) = world.across();
     let (left, right) = across.split(spills.len() / 2);
     let (out, others) = spills.split_at_mut(left.len());
-    let deep = spill(sight, left, law, out);
-    let mut deep = first_deep(deep, spill(sight, right, law, others));
+    let deep = cross_range(sight, left, law, out);
+    let mut deep = first_excessive_overlap(deep, cross_range(sight, right, law, others));
     let (mut part, _) = world.pushing(world.dt);
-    let mut passed = Passed::NONE;
-    for end in cuts.into_iter().chain([u32::MAX]) {
+    let mut passed = MotionCheck::NONE;
+    for end in range_bounds.into_iter().chain([u32::MAX]) {
         let first = part.first;
         let (mut range, rest) = part.split((end as usize).saturating_sub(first));
         let last = first + range.grains.count();
@@ -228,7 +231,7 @@ fn in_ranges<R: Real, L: Law<R>>(lent: &mut Lent<R>, law: &L) -> Result<(), Faul
         let own = &spills[place(first)..place(last)];
         let lower = spills[..place(first)].iter();
         let lower = lower.filter(|one| (first..last).contains(&(one.j as usize)));
-        let (found, went) = sum(
+        let (found, went) = accumulate(
             &mut range,
             law,
             lower,
@@ -237,21 +240,21 @@ fn in_ranges<R: Real, L: Law<R>>(lent: &mut Lent<R>, law: &L) -> Result<(), Faul
             no_fetch::<R>(),
             After::Rest,
         );
-        (deep, passed) = (first_deep(deep, found), passed.and(went));
+        (deep, passed) = (first_excessive_overlap(deep, found), passed.and(went));
         part = rest;
     }
-    judge(&world, hit, deep)?;
+    check_overlaps(&world, hit, deep)?;
     finish(&mut world, passed)?;
     let sealed = seal_ranges(&mut world);
     end(&mut world, sealed)
 }
 
-/// The seal of all grains, made over the ranges that end at the cuts.
+/// The seal of all grains, made over the ranges that end at the range_bounds.
 fn seal_ranges<R: Real>(world: &mut World<'_, R>) -> Sealed {
-    let cuts = world.cuts;
-    let (mut first, mut rest) = (0, world.moving());
+    let range_bounds = world.range_bounds;
+    let (mut first, mut rest) = (0, world.grain_motion());
     let mut all = Sealed::NONE;
-    for end in cuts.iter().map(|&end| end as usize) {
+    for end in range_bounds.iter().map(|&end| end as usize) {
         let (range, others) = rest.split(end.saturating_sub(first));
         let count = range.count();
         all = all.and(seal(&range, first));
@@ -280,8 +283,8 @@ fn bed<R: Real>(bytes: &mut Bytes) -> (Lent<R>, f64) {
     lent.groups = vec![
         Group::free(gravity),
         Group::frozen(),
-        Group::carried(),
-        Group::lid(gravity),
+        Group::prescribed_velocity(),
+        Group::free_along_z(gravity),
     ];
     let mut place = [0, 1, 2].map(|a| length[a] * bytes.between(0.1, 0.9));
     let speed = size / dt * bytes.scale(-6.0, -0.2);

@@ -19,17 +19,17 @@ use bitgrain::scenario;
 use bitgrain::sim::Sim;
 use bitgrain::threads::on_threads;
 use bitgrain::witness::Witness;
-use bitgrain_kernel::{Digest, Fault, Flaw, Pushed};
+use bitgrain_kernel::{ArithmeticDefect, ContactForce, Digest, Error as KernelError};
 use bitgrain_tests::wee::WEE;
 use bitgrain_tests::{results, settled_quick};
 
 use crate::alone;
 
 /// Bits of the control word, and what is found under them.
-const MODES: [(u32, Flaw); 3] = [
-    (1 << 15, Flaw::FlushToZero),
-    (1 << 13, Flaw::Rounding),
-    (3 << 13, Flaw::Rounding),
+const MODES: [(u32, ArithmeticDefect); 3] = [
+    (1 << 15, ArithmeticDefect::FlushToZero),
+    (1 << 13, ArithmeticDefect::Rounding),
+    (3 << 13, ArithmeticDefect::Rounding),
 ];
 
 /// As a processor wakes up: every exception masked, to nearest, no mode on.
@@ -66,7 +66,7 @@ fn a_mode_between_two_calls_is_found_by_whichever_comes_first() {
             let (mut one, mut other) = (sim.clone(), sim.clone());
             (digest, written, one.steps(1), other.step_watched(|_| {}))
         };
-        let fault = Fault::Arithmetic { flaw };
+        let fault = KernelError::Arithmetic { flaw };
         assert_eq!(digest, Err(fault));
         assert!(matches!(written, Err(Error::Contract { .. })), "{flaw:?}");
         assert!(!path.exists());
@@ -90,7 +90,7 @@ impl Witness for Library {
         step >= self.at
     }
 
-    fn look(&mut self, step: u64, _sim: &mut Sim, _contacts: &[Pushed<f64>]) -> Result<()> {
+    fn look(&mut self, step: u64, _sim: &mut Sim, _contacts: &[ContactForce<f64>]) -> Result<()> {
         self.looked.push(step);
         set(PLAIN | self.bits);
         Ok(())
@@ -215,8 +215,8 @@ fn a_mode_of_another_thread_is_found_in_the_stretch_in_which_it_has_a_part() {
             for _ in 0..4 {
                 let found = on_threads(3, || steps_beside(PLAIN | bits, steps, &wanted));
                 let (fault, again) = found.unwrap().expect("another thread has a share");
-                assert_eq!(fault, Fault::Arithmetic { flaw });
-                assert_eq!(again, Err(Fault::NotStarted));
+                assert_eq!(fault, KernelError::Arithmetic { flaw });
+                assert_eq!(again, Err(KernelError::NotStarted));
             }
         }
     }
@@ -227,7 +227,7 @@ fn steps_beside(
     word: u32,
     steps: u64,
     wanted: &[Digest],
-) -> Option<(Fault, std::result::Result<(), Fault>)> {
+) -> Option<(KernelError, std::result::Result<(), KernelError>)> {
     let here = rayon::current_thread_index();
     let mut sim = settled_quick();
     sim.steps(steps).unwrap();

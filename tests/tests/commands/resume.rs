@@ -366,7 +366,7 @@ fn every_flipped_bit_and_every_truncation_is_seen() {
     let case = bitgrain::case::parse(case, "case").unwrap();
     let mut sim = case.start("case", |_| {}).unwrap();
     sim.steps(20).unwrap();
-    assert_eq!(sim.bonds().len(), 2);
+    assert_eq!(sim.contact_histories().len(), 2);
     let note = checkpoint::Note {
         recipe: "a recipe".into(),
         link: "a link".into(),

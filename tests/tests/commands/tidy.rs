@@ -102,7 +102,12 @@ fn a_step_calls_nothing_that_could_change_its_bits() {
     let floats = [
         ".min(", ".max(", ".clamp(", ".abs(", ".signum(", ".fract(", ".floor(", ".round(",
     ];
-    let whole = ["cell_list.rs", "pair_list.rs", "digest/state.rs", "store.rs"];
+    let whole = [
+        "cell_list.rs",
+        "pair_list.rs",
+        "digest/state.rs",
+        "store.rs",
+    ];
     let mut read = 0;
     for name in files("kernel/src", ".rs") {
         let code = code(&name);
@@ -123,7 +128,10 @@ fn a_step_calls_nothing_that_could_change_its_bits() {
         .collect();
     assert_eq!(
         libm,
-        ["kernel/src/contact/hertz_tsuji.rs", "kernel/src/math/real.rs"]
+        [
+            "kernel/src/contact/hertz_tsuji.rs",
+            "kernel/src/math/real.rs"
+        ]
     );
     // Whatever the harness computes with powers and logarithms, it computes everywhere alike.
     for name in harness() {

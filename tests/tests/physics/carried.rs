@@ -12,7 +12,7 @@ use bitgrain::motion::Moves;
 use bitgrain::progress::Stage;
 use bitgrain::scenario::{self, BedPlan, DragPlan, Scenario};
 use bitgrain::sim::{Role, Sim};
-use bitgrain_kernel::Bond;
+use bitgrain_kernel::ContactHistory;
 use bitgrain_tests::{RIG, Shown, largest};
 
 const SPEED: f64 = 0.1;
@@ -170,12 +170,13 @@ fn what_floats_above_the_lid_is_counted_and_held() {
     let radius = sim.position[0][3];
     let free = places(&sim, Role::Free);
     let one = free[free.len() / 2];
-    let bonds: Vec<Bond<f64>> = sim.bonds();
-    let parts = |bond: &Bond<f64>| match *bond {
-        Bond::Pair { i, j, .. } => i as usize == one || j as usize == one,
-        Bond::Touch { i, .. } => i as usize == one,
+    let histories: Vec<ContactHistory<f64>> = sim.contact_histories();
+    let parts = |bond: &ContactHistory<f64>| match *bond {
+        ContactHistory::Pair { i, j, .. } => i as usize == one || j as usize == one,
+        ContactHistory::Obstacle { i, .. } => i as usize == one,
     };
-    let left: Vec<Bond<f64>> = bonds.into_iter().filter(|bond| !parts(bond)).collect();
+    let left: Vec<ContactHistory<f64>> =
+        histories.into_iter().filter(|bond| !parts(bond)).collect();
     sim.position[one][2] = ceiling - 1.1 * radius;
     assert!(ceiling - 2.2 * radius > top, "there is room above the lid");
     sim.velocity[one] = [SPEED, 0.0, 0.05, sim.velocity[one][3]];
@@ -244,12 +245,12 @@ fn mirrored(sim: &Sim) -> Sim {
         body.point[0] = width - body.point[0];
         body.force[0] = -body.force[0];
     }
-    let mut bonds = other.bonds();
-    for bond in &mut bonds {
-        let (Bond::Pair { spring, .. } | Bond::Touch { spring, .. }) = bond;
+    let mut histories = other.contact_histories();
+    for bond in &mut histories {
+        let (ContactHistory::Pair { spring, .. } | ContactHistory::Obstacle { spring, .. }) = bond;
         spring[0] = -spring[0];
     }
-    other.resume(&bonds).unwrap();
+    other.resume(&histories).unwrap();
     other
 }
 

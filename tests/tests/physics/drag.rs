@@ -19,7 +19,7 @@ use bitgrain::error::Error;
 use bitgrain::scenario::Scenario;
 use bitgrain::series::SeriesRow;
 use bitgrain::sim::{Sim, hex};
-use bitgrain_kernel::Fault;
+use bitgrain_kernel::Error as KernelError;
 use bitgrain_tests::drags::{Bed, Ours, blocks, body, spread, tail};
 use bitgrain_tests::{Shown, golden, hertz_history};
 
@@ -432,7 +432,7 @@ fn frictionless_grains_need_the_floor() {
     let escaped = matches!(
         leak,
         Error::Run {
-            fault: Fault::Escaped { .. },
+            fault: KernelError::Escaped { .. },
             ..
         }
     );

@@ -14,7 +14,7 @@ use bitgrain::sim::{Grain, Sim};
 use bitgrain::summary::{Summary, read_summary};
 use bitgrain::threads::on_threads;
 use bitgrain::{bed, checkpoint, present};
-use bitgrain_kernel::{Domain, Group, Obstacle, Partner, Pushed};
+use bitgrain_kernel::{ContactForce, Domain, Group, Obstacle, Partner};
 use bitgrain_tests::{RIG, SMALL, Shown, output, results};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
@@ -217,7 +217,7 @@ fn cluster(scenario: &Scenario) -> Sim {
 const RADIUS: f64 = 1.5;
 
 /// Sum of force times branch over all contacts; with the cylinder from a grain's centre to where they touch.
-fn virial(sim: &Sim, contacts: &[Pushed<f64>]) -> [[f64; 3]; 3] {
+fn virial(sim: &Sim, contacts: &[ContactForce<f64>]) -> [[f64; 3]; 3] {
     let place = |i: u32| [0, 1, 2].map(|a| sim.position[i as usize][a]);
     let mut virial = [[0.0; 3]; 3];
     for c in contacts {

@@ -85,12 +85,12 @@ fn an_error_is_not_below_zero() {
 #[test]
 fn a_word_that_is_unused_changes_no_mass() {
     let mut sim = started("full-list.json");
-    let bonds = sim.bonds();
+    let histories = sim.contact_histories();
     let masses: Vec<f64> = sim.velocity.iter().map(|v| v[3]).collect();
     for row in sim.force.iter_mut().chain(&mut sim.torque) {
         row[3] = 1e6;
     }
-    sim.resume(&bonds).expect("a sound state");
+    sim.resume(&histories).expect("a sound state");
     sim.steps(3).expect("sound steps");
     assert!(sim.velocity.iter().map(|v| v[3]).eq(masses));
 }

@@ -25,8 +25,8 @@ fn tray(grains: &[(u8, [f64; 3], f64)]) -> Sim {
     let domain = Domain::new([0.0; 3], [16.0, 4.0, 16.0], [true, true, false]).unwrap();
     let groups = vec![
         Group::free([0.0; 3]),
-        Group::carried(),
-        Group::lid([0.0; 3]),
+        Group::prescribed_velocity(),
+        Group::free_along_z([0.0; 3]),
     ];
     let grain = |(k, &(group, position, speed)): (usize, &(u8, [f64; 3], f64))| Grain {
         id: k as u32 + 1,
@@ -111,11 +111,11 @@ fn a_bed_that_moves_as_one_is_at_its_speed() {
 
 /// Gives every grain this speed along x.
 fn set_speed(sim: &mut Sim, speed: f64) {
-    let bonds = sim.bonds();
+    let histories = sim.contact_histories();
     for v in &mut sim.velocity {
         v[0] = speed;
     }
-    sim.resume(&bonds).unwrap();
+    sim.resume(&histories).unwrap();
 }
 
 /// Speeds are those of displacements: grains that rest for half of the time are at half of their speed,

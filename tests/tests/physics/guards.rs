@@ -5,7 +5,7 @@ use bitgrain::error::Error;
 use bitgrain::law::{CONTACT_FRACTION_MAX, LawSpec};
 use bitgrain::observe::deepest_overlap;
 use bitgrain::{claims, scenario};
-use bitgrain_kernel::Fault;
+use bitgrain_kernel::Error as KernelError;
 use bitgrain_tests::{SMALL, floor, golden, open_case, output, settled_quick, told};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
@@ -194,7 +194,7 @@ fn bar(diameter: f64) -> ObstacleSpec {
     }
 }
 
-fn fault(told: &Result<bitgrain::sim::Sim, Error>) -> Option<Fault> {
+fn fault(told: &Result<bitgrain::sim::Sim, Error>) -> Option<KernelError> {
     match told {
         Err(Error::Run { fault, .. }) => Some(*fault),
         _ => None,
@@ -204,7 +204,7 @@ fn fault(told: &Result<bitgrain::sim::Sim, Error>) -> Option<Fault> {
 /// The limit is half the smaller radius, for grains and for every kind of obstacle, at the start.
 #[test]
 fn an_overlap_beyond_half_the_smaller_radius_is_refused() {
-    let on_obstacle = Some(Fault::ObstacleTooDeep { id: 7, obstacle: 0 });
+    let on_obstacle = Some(KernelError::ObstacleTooDeep { id: 7, obstacle: 0 });
     for (body, limit) in [
         (floor(), 0.25),
         (sphere(4.0), 0.25),
@@ -225,7 +225,7 @@ fn an_overlap_beyond_half_the_smaller_radius_is_refused() {
     for (diameter, limit) in [(1.0, 0.25), (0.5, 0.125), (2.0, 0.25)] {
         assert!(pair(diameter, limit - 1e-6).is_ok());
         let found = fault(&pair(diameter, limit + 1e-6));
-        assert_eq!(found, Some(Fault::OverlapTooDeep { i: 7, j: 9 }));
+        assert_eq!(found, Some(KernelError::OverlapTooDeep { i: 7, j: 9 }));
     }
 }
 
@@ -244,7 +244,7 @@ fn an_overlap_too_deep_stops_a_run() {
         let (done, steps) = run(laid_on(body, 0.0), 150.0);
         assert_eq!(
             done,
-            Err(Fault::ObstacleTooDeep { id: 7, obstacle: 0 }),
+            Err(KernelError::ObstacleTooDeep { id: 7, obstacle: 0 }),
             "{body:?}"
         );
         assert!((5..60).contains(&steps), "{steps}");
@@ -254,7 +254,7 @@ fn an_overlap_too_deep_stops_a_run() {
     pair.obstacles.clear();
     pair.grains.push(ball(9, [0.0, 0.0, -0.5], [0.0; 3]));
     let (done, _) = run(pair.clone(), 250.0);
-    assert_eq!(done, Err(Fault::OverlapTooDeep { i: 7, j: 9 }));
+    assert_eq!(done, Err(KernelError::OverlapTooDeep { i: 7, j: 9 }));
     assert_eq!(run(pair, 50.0).0, Ok(()));
 }
 
@@ -303,7 +303,7 @@ fn a_grain_that_leaves_through_any_closed_edge_stops_the_run() {
             case.grains[0].velocity[axis] = way;
             let mut sim = case.start("edge", |_| {}).unwrap();
             let escaped = sim.steps(5000).unwrap_err();
-            assert_eq!(escaped, Fault::Escaped { id: 5 });
+            assert_eq!(escaped, KernelError::Escaped { id: 5 });
             // Two lengths at ten a time: 2,000 steps, up to the rounding of their sum.
             assert!(
                 (1999..=2000).contains(&sim.step_count()),
@@ -348,7 +348,7 @@ fn squeezed() -> Case {
 #[test]
 fn a_grain_that_is_squeezed_out_stops_the_run() {
     let mut sim = squeezed().start("squeeze", |_| {}).unwrap();
-    assert_eq!(sim.steps(20_000), Err(Fault::Escaped { id: 5 }));
+    assert_eq!(sim.steps(20_000), Err(KernelError::Escaped { id: 5 }));
     assert!(sim.position[0][0] >= 4.0);
 }
 

@@ -5,11 +5,11 @@ use std::io::Write;
 use bitgrain::checkpoint;
 use bitgrain::sim::{AnyLaw, Role, Sim, hex};
 use bitgrain_kernel::contact::{HertzHistory, Law};
-use bitgrain_kernel::{Digest, Group, Obstacle, Partner, Pushed, Store, digest, start, step};
+use bitgrain_kernel::{ContactForce, Digest, Group, Obstacle, Partner, Store, digest, start, step};
 use bitgrain_tests::{golden, golden_case};
 
-#[path = "../../../kernel/tests/kernel/common/cuts.rs"]
-mod cuts;
+#[path = "../../../kernel/tests/kernel/common/range_bounds.rs"]
+mod range_bounds;
 
 /// A golden case and its started simulation.
 fn begin(name: &str) -> Sim {
@@ -37,7 +37,7 @@ fn the_rig_has_every_contact_of_a_rig() {
         let mut met = std::collections::BTreeMap::new();
         let mut across = 0;
         for _ in 0..10_000 {
-            let mut seen: Vec<Pushed<f64>> = Vec::new();
+            let mut seen: Vec<ContactForce<f64>> = Vec::new();
             sim.step_watched(|p| seen.push(p)).unwrap();
             for p in seen {
                 let mut pair = [format!("{:?}", sim.role(p.i as usize)), String::new()];
@@ -105,7 +105,9 @@ fn watching_saving_and_the_length_of_a_call_change_nothing() {
         let folder = tempfile::tempdir().unwrap();
         let mut seen = 0;
         for n in 0..900u64 {
-            watched.step_watched(|_: Pushed<f64>| seen += 1).unwrap();
+            watched
+                .step_watched(|_: ContactForce<f64>| seen += 1)
+                .unwrap();
             if n % 50 == 0 {
                 watched.digest().unwrap();
                 checkpoint::write(&folder.path().join("state"), &mut watched).unwrap();
@@ -183,21 +185,21 @@ fn cuts_into_ranges_change_nothing() {
 
 fn cut(sim: &Sim, law: &impl Law<f64>, name: &str) {
     let whole = after_two_steps(&mut sim.clone(), law, &[]);
-    for cuts in [
+    for range_bounds in [
         vec![1],
         vec![7, 15],
         vec![10, 11, 12, 20],
         (1..sim.count() as u32).collect(),
     ] {
-        let cut = after_two_steps(&mut sim.clone(), law, &cuts);
-        assert_eq!(whole, cut, "{name}, cuts {cuts:?}");
+        let cut = after_two_steps(&mut sim.clone(), law, &range_bounds);
+        assert_eq!(whole, cut, "{name}, range_bounds {range_bounds:?}");
     }
 }
 
-fn after_two_steps(sim: &mut Sim, law: &impl Law<f64>, cuts: &[u32]) -> Digest {
+fn after_two_steps(sim: &mut Sim, law: &impl Law<f64>, range_bounds: &[u32]) -> Digest {
     let mut world = sim.world();
-    world.cuts = cuts;
-    cuts::steps_cut(&mut world, law, 2).unwrap();
+    world.range_bounds = range_bounds;
+    range_bounds::steps_cut(&mut world, law, 2).unwrap();
     digest(&world)
 }
 
@@ -253,7 +255,7 @@ fn column_f32() -> [u8; 32] {
     let mut contacts = 0;
     for _ in 0..6000 {
         step(&mut world, &law).unwrap();
-        contacts += world.bonds().count();
+        contacts += world.contact_histories().count();
     }
     assert!(contacts > 6000, "grains hit and rest on each other");
     bitgrain_kernel::digest(&world).whole

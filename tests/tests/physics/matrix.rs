@@ -78,11 +78,11 @@ impl Way {
         sim.stepping.registers = self.registers;
         // Also beds of fewer grains are to be cut into as many ranges as there are threads.
         sim.stepping.range_min = 1;
-        let bonds = sim.bonds();
+        let histories = sim.contact_histories();
         sim.skin *= self.skin;
         sim.reach *= self.skin;
         sim.lend(self.room * sim.count());
-        sim.resume(&bonds).expect("the state is sound");
+        sim.resume(&histories).expect("the state is sound");
     }
 
     fn step(&self, sim: &mut Sim, n: usize) {

@@ -367,7 +367,7 @@ fn check_bed(sim: &Sim, rows: &[Vec<f64>], frozen: &[u32], tolerance: f64) {
     }
 }
 
-fn check_contacts(sim: &Sim, seen: &[bitgrain_kernel::Pushed<f64>], theirs: &Value) {
+fn check_contacts(sim: &Sim, seen: &[bitgrain_kernel::ContactForce<f64>], theirs: &Value) {
     let theirs: Vec<Vec<f64>> = theirs
         .as_array()
         .expect("contacts")

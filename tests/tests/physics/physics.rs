@@ -3,7 +3,7 @@
 use bitgrain::case::{BoxSpec, GrainSpec, MotionSpec, ObstacleSpec};
 use bitgrain::law::LawSpec;
 use bitgrain::sim::{AnyLaw, Sim};
-use bitgrain_kernel::{Bond, Shape};
+use bitgrain_kernel::{ContactHistory, Shape};
 use bitgrain_tests::{floor, open_case};
 
 /// Guillard 2014's law, for grains of diameter 1.
@@ -101,9 +101,9 @@ fn energy(sim: &mut Sim, gravity: f64) -> f64 {
     for i in 0..sim.count() {
         total += sim.velocity[i][3] * gravity * sim.position[i][2];
     }
-    for bond in sim.bonds() {
+    for bond in sim.contact_histories() {
         let (radius, overlap) = match bond {
-            Bond::Pair { i, j, .. } => {
+            ContactHistory::Pair { i, j, .. } => {
                 let (x, y) = (sim.position[i as usize], sim.position[j as usize]);
                 let d = sim
                     .domain
@@ -111,7 +111,7 @@ fn energy(sim: &mut Sim, gravity: f64) -> f64 {
                 let distance = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
                 (x[3] * y[3] / (x[3] + y[3]), x[3] + y[3] - distance)
             }
-            Bond::Touch { i, obstacle, .. } => {
+            ContactHistory::Obstacle { i, obstacle, .. } => {
                 let x = sim.position[i as usize];
                 let body = &sim.obstacles[obstacle as usize];
                 assert!(matches!(body.shape, Shape::Plane { .. }));

@@ -63,7 +63,7 @@ const MUTANTS: &[Mutant] = &[
         name: "sum order: what lower ranges send comes backwards",
         file: "forces/accumulate.rs",
         from: "for one in lower {",
-        to: "let mut sent = [Spill::default(); 999];\n    let mut count = 0;\n    for one in lower {\n        \
+        to: "let mut sent = [CrossRangeForce::default(); 999];\n    let mut count = 0;\n    for one in lower {\n        \
              (sent[count], count) = (*one, count + 1);\n    }\n    for one in sent[..count].iter().rev() {",
         target: "sums",
         red: &["any_cut_into_ranges_gives_the_same_steps"],
@@ -95,7 +95,7 @@ const MUTANTS: &[Mutant] = &[
     Mutant {
         name: "a list cut elsewhere counts as cut here",
         file: "phases.rs",
-        from: "travel > world.clock.budget || world.clock.cut != mark(cuts)",
+        from: "travel > world.clock.budget || world.clock.cut != mark(range_bounds)",
         to: "travel > world.clock.budget",
         target: "sums",
         red: &["any_cut_into_ranges_gives_the_same_steps"],
@@ -111,16 +111,16 @@ const MUTANTS: &[Mutant] = &[
     Mutant {
         name: "third law: the partner is pulled along",
         file: "forces/accumulate.rs",
-        from: "lose(grains.force, j, push);",
-        to: "gain(grains.force, j, push);",
+        from: "sub_at(grains.force, j, push);",
+        to: "add_at(grains.force, j, push);",
         target: "sums",
         red: &["forces_are_summed_in_the_contracts_order_hertz_history"],
     },
     Mutant {
         name: "third law: the partner's torque with the other lever's sign",
         file: "forces/accumulate.rs",
-        from: "lose(grains.torque, j, &times(couple, arm_j));",
-        to: "gain(grains.torque, j, &times(couple, arm_j));",
+        from: "sub_at(grains.torque, j, &times(couple, lever_arm_j));",
+        to: "add_at(grains.torque, j, &times(couple, lever_arm_j));",
         target: "oracle",
         red: &["the_step_equals_its_definition_hertz_tsuji"],
     },
@@ -173,7 +173,7 @@ const MUTANTS: &[Mutant] = &[
     Mutant {
         name: "lost history: an obstacle's spring at a rebuild",
         file: "neighbors/cell_list.rs",
-        from: "at(old.touch_spring, from)",
+        from: "get_or_default(old.touch_spring, from)",
         to: "[R::ZERO; 4]",
         target: "search",
         red: &[

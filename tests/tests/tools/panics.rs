@@ -50,7 +50,15 @@ fn the_rig_names_every_public_function() {
         .split(|c: char| !c.is_alphanumeric() && c != '_')
         .collect();
     let mut count = 0;
-    let folders = ["", "contact", "digest", "forces", "math", "neighbors", "state"];
+    let folders = [
+        "",
+        "contact",
+        "digest",
+        "forces",
+        "math",
+        "neighbors",
+        "state",
+    ];
     let folders = folders.map(|name| std::fs::read_dir(root().join("kernel/src").join(name)));
     for entry in folders.into_iter().flat_map(Result::unwrap) {
         let path = entry.unwrap().path();

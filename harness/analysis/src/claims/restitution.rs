@@ -1,7 +1,7 @@
 //! Restitution on a flat wall, as the law gives it, against the series for viscoelastic spheres
 //! (Kumar 2018, Fig. 2).
 
-use bitgrain_kernel::contact::{HertzHistory, Law, Squeeze};
+use bitgrain_kernel::contact::{HertzHistory, Law, NormalState};
 
 use super::kumar_curves::Found;
 use crate::analysis::Value;
@@ -52,7 +52,7 @@ fn collided(speed: f64) -> f64 {
         if x >= 0.0 {
             return v / speed;
         }
-        let squeeze = Squeeze {
+        let squeeze = NormalState {
             overlap: -x,
             speed: v,
             radius_i: r,
@@ -60,7 +60,7 @@ fn collided(speed: f64) -> f64 {
             radius_effective: r,
             mass_effective: m,
         };
-        f = law.press(&squeeze).force;
+        f = law.normal_force(&squeeze).force;
         v += 0.5 * dt * f / m;
     }
 }

@@ -1,7 +1,7 @@
 //! A state taken apart and put together again: grains renumbered, frozen, taken out or added, while
 //! the contacts that stay keep their springs.
 
-use bitgrain_kernel::{Bond, Fault, Group, Obstacle};
+use bitgrain_kernel::{ContactHistory, Error as KernelError, Group, Obstacle};
 
 use bitgrain_sim::sim::{Grain, Sim, sphere_mass};
 
@@ -23,8 +23,8 @@ pub(super) fn assemble(
     members: &[Member],
     groups: Vec<Group<f64>>,
     obstacles: Vec<(Obstacle<f64>, Option<u32>)>,
-) -> Result<Sim, Fault> {
-    let bonds = old.bonds();
+) -> Result<Sim, KernelError> {
+    let histories = old.contact_histories();
     let mut new = Sim::new(old.law, old.domain, old.dt, groups, &[], vec![]);
     new.set_step_count(old.step_count());
     let mut place = vec![None; old.count()];
@@ -65,7 +65,10 @@ pub(super) fn assemble(
         place: &place,
         number: &number,
     };
-    let kept: Vec<Bond<f64>> = bonds.iter().filter_map(|bond| renamed.bond(bond)).collect();
+    let kept: Vec<ContactHistory<f64>> = histories
+        .iter()
+        .filter_map(|bond| renamed.bond(bond))
+        .collect();
     new.fit_storage();
     new.choose_skin();
     new.resume(&kept)?;
@@ -85,25 +88,25 @@ impl Renamed<'_> {
         self.new.groups[self.new.group[k as usize] as usize].heavy
     }
 
-    fn bond(&self, bond: &Bond<f64>) -> Option<Bond<f64>> {
+    fn bond(&self, bond: &ContactHistory<f64>) -> Option<ContactHistory<f64>> {
         match *bond {
-            Bond::Pair { i, j, spring } => {
+            ContactHistory::Pair { i, j, spring } => {
                 let (a, b) = (self.place[i as usize]?, self.place[j as usize]?);
                 if self.heavy(a) && self.heavy(b) {
                     return None;
                 }
                 let turned = [-spring[0], -spring[1], -spring[2]];
                 Some(if a < b {
-                    Bond::Pair { i: a, j: b, spring }
+                    ContactHistory::Pair { i: a, j: b, spring }
                 } else {
-                    Bond::Pair {
+                    ContactHistory::Pair {
                         i: b,
                         j: a,
                         spring: turned,
                     }
                 })
             }
-            Bond::Touch {
+            ContactHistory::Obstacle {
                 i,
                 obstacle,
                 spring,
@@ -111,7 +114,7 @@ impl Renamed<'_> {
                 let i = self.place[i as usize]?;
                 let obstacle = self.number.iter().position(|was| *was == Some(obstacle))?;
                 let body = &self.new.obstacles[obstacle];
-                (!self.heavy(i) || body.inverse_mass > 0.0).then_some(Bond::Touch {
+                (!self.heavy(i) || body.inverse_mass > 0.0).then_some(ContactHistory::Obstacle {
                     i,
                     obstacle: obstacle as u32,
                     spring,

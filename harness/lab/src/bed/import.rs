@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use bitgrain_kernel::{Domain, Fault, Group, Obstacle};
+use bitgrain_kernel::{Domain, Error as KernelError, Group, Obstacle};
 
 use super::groups::{BASE, FREE};
 use crate::scenario::Scenario;
@@ -51,19 +51,19 @@ pub fn bed(scenario: &Scenario, path: &Path) -> Result<Sim> {
 }
 
 /// A fault that names grains as their file does.
-fn with_names(fault: Fault, names: &[u32]) -> Fault {
+fn with_names(fault: KernelError, names: &[u32]) -> KernelError {
     let name = |id: u32| names.get(id as usize - 1).copied().unwrap_or(id);
     match fault {
-        Fault::BadGrain { id } => Fault::BadGrain { id: name(id) },
-        Fault::NotFinite { id } => Fault::NotFinite { id: name(id) },
-        Fault::TooFast { id } => Fault::TooFast { id: name(id) },
-        Fault::TooSlow { id } => Fault::TooSlow { id: name(id) },
-        Fault::Escaped { id } => Fault::Escaped { id: name(id) },
-        Fault::OverlapTooDeep { i, j } => Fault::OverlapTooDeep {
+        KernelError::BadGrain { id } => KernelError::BadGrain { id: name(id) },
+        KernelError::NotFinite { id } => KernelError::NotFinite { id: name(id) },
+        KernelError::TooFast { id } => KernelError::TooFast { id: name(id) },
+        KernelError::TooSlow { id } => KernelError::TooSlow { id: name(id) },
+        KernelError::Escaped { id } => KernelError::Escaped { id: name(id) },
+        KernelError::OverlapTooDeep { i, j } => KernelError::OverlapTooDeep {
             i: name(i),
             j: name(j),
         },
-        Fault::ObstacleTooDeep { id, obstacle } => Fault::ObstacleTooDeep {
+        KernelError::ObstacleTooDeep { id, obstacle } => KernelError::ObstacleTooDeep {
             id: name(id),
             obstacle,
         },

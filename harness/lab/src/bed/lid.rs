@@ -1,6 +1,6 @@
 //! The lid: a square lattice of heavy grains on a settled bed (Guillard 2014, section III A).
 
-use bitgrain_kernel::{Fault, Group, Obstacle};
+use bitgrain_kernel::{Error as KernelError, Group, Obstacle};
 
 use super::assemble::{Member, assemble};
 use super::groups::{BASE, FREE, LID};
@@ -63,11 +63,11 @@ pub(super) fn cover(
     scenario: &Scenario,
     plan: &LidPlan,
     density: f64,
-) -> std::result::Result<Sim, Fault> {
+) -> std::result::Result<Sim, KernelError> {
     let gravity = [0.0, 0.0, -scenario.gravity];
     let mut groups = bare.groups.clone();
     groups.truncate(usize::from(LID));
-    groups.push(Group::lid(gravity));
+    groups.push(Group::free_along_z(gravity));
     if !plan.pressure_gradient {
         groups[usize::from(FREE)].gravity = [0.0; 3];
     }

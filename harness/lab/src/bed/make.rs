@@ -5,7 +5,7 @@ use super::groups::*;
 use super::intruder::intruder;
 use super::lattice::Lattice;
 use crate::scenario::{BedPlan, Pouring as Order, Scenario};
-use bitgrain_kernel::{Domain, Fault, Group, Obstacle, Shape as Body};
+use bitgrain_kernel::{Domain, Error as KernelError, Group, Obstacle, Shape as Body};
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::motion::Moves;
 use bitgrain_sim::observe;
@@ -14,7 +14,10 @@ use bitgrain_sim::sim::Sim;
 
 /// Freezes the grains whose centres lie below the base's height, takes the floor away where the bed
 /// has none, and numbers all grains in spatial order.
-pub(super) fn freeze_base(old: &mut Sim, scenario: &Scenario) -> std::result::Result<Sim, Fault> {
+pub(super) fn freeze_base(
+    old: &mut Sim,
+    scenario: &Scenario,
+) -> std::result::Result<Sim, KernelError> {
     let group = |k: usize| {
         if old.position[k][2] < scenario.bed.base {
             BASE
@@ -34,7 +37,7 @@ pub(super) fn freeze_base(old: &mut Sim, scenario: &Scenario) -> std::result::Re
 }
 
 /// Numbers all grains in spatial order.
-pub(super) fn renumbered(old: &mut Sim) -> std::result::Result<Sim, Fault> {
+pub(super) fn renumbered(old: &mut Sim) -> std::result::Result<Sim, KernelError> {
     let members: Vec<Member> = in_order(old)
         .map(|k| Member::Old(k, old.group[k]))
         .collect();
@@ -56,7 +59,7 @@ pub(super) fn buried(
     scenario: &Scenario,
     plan: &BedPlan,
     count: usize,
-) -> std::result::Result<(Sim, f64), Fault> {
+) -> std::result::Result<(Sim, f64), KernelError> {
     let body = intruder(scenario, plan);
     let clear = |k: usize| {
         let x = lower.position[k];
@@ -109,7 +112,7 @@ pub(super) fn dropped(scenario: &Scenario, plan: &BedPlan, lattice: &Lattice) ->
     obstacles.push(Obstacle::plane([0.0; 3], [0.0, 0.0, 1.0]));
     let base = match scenario.drag.moves {
         Moves::Intruder => Group::frozen(),
-        Moves::Bed => Group::carried(),
+        Moves::Bed => Group::prescribed_velocity(),
     };
     let groups = vec![Group::free(gravity), base];
     let grains = lattice.grains(scenario, plan, 0);

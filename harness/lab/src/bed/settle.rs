@@ -1,6 +1,6 @@
 //! Rest: when the fall is over, how the motion left is taken out, and when a bed counts as settled.
 
-use bitgrain_kernel::Fault;
+use bitgrain_kernel::Error as KernelError;
 
 use super::course::Pouring;
 use super::survey::{energy_of_borne, energy_per_grain, stopped};
@@ -171,7 +171,7 @@ fn stride(
     bed: &str,
     steps: u64,
     witness: &mut impl Witness,
-    last: impl FnOnce(&mut Sim) -> std::result::Result<(), Fault>,
+    last: impl FnOnce(&mut Sim) -> std::result::Result<(), KernelError>,
 ) -> Result<()> {
     let end = sim.step_count() + steps;
     let mut last = Some(last);
@@ -218,12 +218,12 @@ fn halt_at_maxima(sim: &mut Sim, bed: &str, witness: &mut impl Witness) -> Resul
 }
 
 /// Stops every grain where it is, with its contacts and forces.
-fn halt(sim: &mut Sim) -> std::result::Result<(), Fault> {
-    let bonds = sim.bonds();
+fn halt(sim: &mut Sim) -> std::result::Result<(), KernelError> {
+    let histories = sim.contact_histories();
     for row in sim.velocity.iter_mut().chain(&mut sim.spin) {
         *row = [0.0, 0.0, 0.0, row[3]];
     }
-    sim.resume(&bonds)
+    sim.resume(&histories)
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! What is read off a settled bed.
 
 use crate::summary::BedSummary;
-use bitgrain_kernel::{Bond, Fault};
+use bitgrain_kernel::{ContactHistory, Error as KernelError};
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::observe::{self, INTRUDER};
 use bitgrain_sim::sim::{Role, Sim, hex, sphere_mass};
@@ -48,7 +48,7 @@ pub fn survey(name: &str, measures: &Measures, sim: &mut Sim) -> Result<BedSumma
     })
 }
 
-pub fn stopped(bed: &str, sim: &Sim, fault: Fault) -> Error {
+pub fn stopped(bed: &str, sim: &Sim, fault: KernelError) -> Error {
     Error::run(format!("pouring {bed}"), sim.step_count() + 1, fault)
 }
 
@@ -57,13 +57,13 @@ pub fn stopped(bed: &str, sim: &Sim, fault: Fault) -> Error {
 /// out of one flies on.
 pub fn energy_of_borne(sim: &mut Sim, measures: &Measures) -> f64 {
     let mut contacts = vec![0u32; sim.count()];
-    for bond in sim.bonds() {
+    for bond in sim.contact_histories() {
         match bond {
-            Bond::Pair { i, j, .. } => {
+            ContactHistory::Pair { i, j, .. } => {
                 contacts[i as usize] += 1;
                 contacts[j as usize] += 1;
             }
-            Bond::Touch { i, .. } => contacts[i as usize] += 1,
+            ContactHistory::Obstacle { i, .. } => contacts[i as usize] += 1,
         }
     }
     let borne = (0..sim.count()).filter(|&i| contacts[i] > 1);

@@ -12,7 +12,7 @@ use crate::bed::make::freeze_base;
 use crate::bed::make::in_order;
 use crate::bed::make::renumbered;
 use crate::scenario;
-use bitgrain_kernel::Pushed;
+use bitgrain_kernel::ContactForce;
 use bitgrain_sim::observe;
 use bitgrain_sim::observe::INTRUDER;
 use bitgrain_sim::sim::Role;
@@ -146,7 +146,7 @@ impl Witness for Digests {
         step.is_multiple_of(500)
     }
 
-    fn look(&mut self, step: u64, sim: &mut Sim, _: &[Pushed<f64>]) -> Result<()> {
+    fn look(&mut self, step: u64, sim: &mut Sim, _: &[ContactForce<f64>]) -> Result<()> {
         let parts = sim
             .digest()
             .unwrap()
@@ -203,7 +203,7 @@ fn a_state_put_together_as_it_was_is_the_same() {
     let mut same = put(&mut sim, false);
     let mut turned = put(&mut sim, true);
     assert_ne!(turned.digest(), sim.digest());
-    let springs = |sim: &mut Sim| sim.bonds().len();
+    let springs = |sim: &mut Sim| sim.contact_histories().len();
     assert!(springs(&mut sim) > 800);
     assert_eq!(springs(&mut turned), springs(&mut sim));
     let mut again = put(&mut turned, true);

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use bitgrain_kernel::{Domain, Fault, Group, Obstacle};
+use bitgrain_kernel::{Domain, Error as KernelError, Group, Obstacle};
 
 use bitgrain_sim::error::{Error, FULL, Result};
 use bitgrain_sim::sim::{Grain, Sim, sphere_mass};
@@ -79,7 +79,7 @@ impl Case {
     pub fn start(
         &self,
         name: &str,
-        watch: impl FnMut(bitgrain_kernel::Pushed<f64>),
+        watch: impl FnMut(bitgrain_kernel::ContactForce<f64>),
     ) -> Result<Sim> {
         let law = self
             .law
@@ -121,9 +121,9 @@ impl Case {
         let groups = vec![
             Group::free(self.gravity),
             Group::frozen(),
-            Group::carried(),
+            Group::prescribed_velocity(),
             Group::free([0.0; 3]),
-            Group::lid(self.gravity),
+            Group::free_along_z(self.gravity),
         ];
         let mut sim = Sim::new(law, domain, self.dt, groups, &grains, obstacles);
         sim.start_watched(watch).map_err(|fault| {
@@ -141,32 +141,36 @@ impl Case {
 
 /// What the kernel finds before the first step is the input's fault, except overlaps: those are the
 /// first step of a run that went wrong.
-pub fn refuse(name: &str, fault: Fault, place_of: impl Fn(u32) -> String) -> Error {
+pub fn refuse(name: &str, fault: KernelError, place_of: impl Fn(u32) -> String) -> Error {
     let problem = match fault {
-        Fault::Escaped { id } => format!("{} lies outside the box", place_of(id)),
-        Fault::PeriodTooShort { axis } => format!(
+        KernelError::Escaped { id } => format!("{} lies outside the box", place_of(id)),
+        KernelError::PeriodTooShort { axis } => format!(
             "the periodic box is too short along {}: a grain could touch two images of one body; \
              make it longer than twice the largest contact distance",
             ["x", "y", "z"][axis as usize]
         ),
-        Fault::BadObstacle { obstacle } => format!(
+        KernelError::BadObstacle { obstacle } => format!(
             "obstacle {obstacle} does not fit the box: a ball or bar must have its centre inside \
              and be no larger; a plane may not face along a periodic axis; with periodic axes a \
              cylinder must lie along x, y or z; and its mass must be a sound number"
         ),
-        Fault::ObstacleTooFast { .. } => format!("{fault}; shorten dt"),
-        Fault::TooFast { id } => format!(
+        KernelError::ObstacleTooFast { .. } => format!("{fault}; shorten dt"),
+        KernelError::TooFast { id } => format!(
             "{} would move more than its own radius in one step; shorten dt",
             place_of(id)
         ),
-        Fault::NotFinite { id } => format!(
+        KernelError::NotFinite { id } => format!(
             "{} has a velocity, spin or force too large to compute with",
             place_of(id)
         ),
-        Fault::OverlapTooDeep { .. } | Fault::ObstacleTooDeep { .. } | Fault::Arithmetic { .. } => {
+        KernelError::OverlapTooDeep { .. }
+        | KernelError::ObstacleTooDeep { .. }
+        | KernelError::Arithmetic { .. } => {
             return Error::run(name, 0, fault);
         }
-        Fault::PairsFull { .. } | Fault::CandidatesFull { .. } | Fault::TouchesFull { .. } => {
+        KernelError::PairListFull { .. }
+        | KernelError::OuterListFull { .. }
+        | KernelError::ObstacleContactsFull { .. } => {
             format!("{fault}{FULL}")
         }
         other => other.to_string(),

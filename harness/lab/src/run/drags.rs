@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use bitgrain_kernel::{BITS_VERSION, Pushed};
+use bitgrain_kernel::{BITS_VERSION, ContactForce};
 
 use super::film::Frames;
 use super::performance::{StagePerformance, timed};
@@ -238,7 +238,7 @@ impl DragTask<'_> {
         &self,
         step: u64,
         sim: &Sim,
-        contacts: &[Pushed<f64>],
+        contacts: &[ContactForce<f64>],
     ) -> Result<[(std::path::PathBuf, Vec<u8>); 3]> {
         let (folder, run) = (self.folder, &self.plan.name[..]);
         let (mut frame, forces) = export::frame(sim);
@@ -267,7 +267,7 @@ impl Witness for Files<'_> {
         self.drag.shows(step) || self.frames.wants(self.drag, step)
     }
 
-    fn look(&mut self, step: u64, sim: &mut Sim, contacts: &[Pushed<f64>]) -> Result<()> {
+    fn look(&mut self, step: u64, sim: &mut Sim, contacts: &[ContactForce<f64>]) -> Result<()> {
         if self.frames.wants(self.drag, step) {
             self.frames.add(self.drag, step, sim);
         }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use bitgrain_kernel::{PARTS, Pushed};
+use bitgrain_kernel::{ContactForce, PARTS};
 
 use crate::frames;
 use crate::run::DragTask;
@@ -73,7 +73,7 @@ impl Witness for Check<'_> {
         self.drag.is_some_and(shown)
     }
 
-    fn look(&mut self, step: u64, sim: &mut Sim, contacts: &[Pushed<f64>]) -> Result<()> {
+    fn look(&mut self, step: u64, sim: &mut Sim, contacts: &[ContactForce<f64>]) -> Result<()> {
         let Some(drag) = self.drag else {
             return Ok(());
         };

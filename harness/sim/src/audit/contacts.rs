@@ -3,7 +3,7 @@
 
 use bitgrain_kernel::contact::{Contact, Law, Reaction};
 use bitgrain_kernel::vec3::{Vec3, add, cross, dot, head, scale, sub};
-use bitgrain_kernel::{Bond, Obstacle, Partner, Pushed, Row, Shape};
+use bitgrain_kernel::{ContactForce, ContactHistory, Obstacle, Partner, Row, Shape};
 
 use crate::observe::{length, offset};
 use crate::sim::{AnyLaw, Sim};
@@ -38,12 +38,12 @@ impl Elastic {
     }
 
     /// Normal force of the spring alone: `K_n sqrt(R delta) delta` by either law.
-    pub fn normal_force(&self, at: &Meeting) -> f64 {
+    pub fn normal_force(&self, at: &ContactGeometry) -> f64 {
         self.kn * at.root * at.overlap
     }
 
     /// Its energy: `(2/5) K_n sqrt(R) delta^(5/2)`.
-    pub fn normal_energy(&self, at: &Meeting) -> f64 {
+    pub fn normal_energy(&self, at: &ContactGeometry) -> f64 {
         0.4 * self.kn * at.root * (at.overlap * at.overlap)
     }
 
@@ -55,14 +55,14 @@ impl Elastic {
     }
 
     /// Stiffness of the tangential spring: `K_t sqrt(R delta)` by either law.
-    pub fn stiffness(&self, at: &Meeting) -> f64 {
+    pub fn stiffness(&self, at: &ContactGeometry) -> f64 {
         self.kt * at.root
     }
 }
 
 /// Where a grain and its partner meet.
 #[derive(Clone, Copy)]
-pub(super) struct Meeting {
+pub(super) struct ContactGeometry {
     pub i: usize,
     pub partner: Partner,
     /// Unit vector from the partner to the grain.
@@ -84,7 +84,7 @@ pub(super) struct Motion<'a> {
     pub obstacles: &'a [Obstacle<f64>],
 }
 
-impl Meeting {
+impl ContactGeometry {
     /// The same order for every list: pairs by their places, then obstacle contacts by theirs.
     pub fn key(&self) -> (bool, usize, u32) {
         match self.partner {
@@ -127,15 +127,15 @@ impl Meeting {
     }
 
     /// A contact as a step showed it.
-    pub fn pushed(sim: &Sim, elastic: &Elastic, p: &Pushed<f64>) -> Self {
+    pub fn pushed(sim: &Sim, elastic: &Elastic, p: &ContactForce<f64>) -> Self {
         Self::new(sim, elastic, (p.i, p.partner), (p.normal, p.overlap))
     }
 
     /// A contact of the list, from where its bodies are now.
-    pub fn listed(sim: &Sim, elastic: &Elastic, bond: &Bond<f64>) -> Self {
+    pub fn listed(sim: &Sim, elastic: &Elastic, bond: &ContactHistory<f64>) -> Self {
         let (i, partner) = match *bond {
-            Bond::Pair { i, j, .. } => (i, Partner::Grain(j)),
-            Bond::Touch { i, obstacle, .. } => (i, Partner::Obstacle(obstacle)),
+            ContactHistory::Pair { i, j, .. } => (i, Partner::Grain(j)),
+            ContactHistory::Obstacle { i, obstacle, .. } => (i, Partner::Obstacle(obstacle)),
         };
         let x = sim.position[i as usize];
         let met = match partner {
@@ -216,8 +216,8 @@ impl Meeting {
 }
 
 /// Tangential spring of a contact of the list.
-pub(super) fn spring_of(bond: &Bond<f64>) -> Vec3<f64> {
+pub(super) fn spring_of(bond: &ContactHistory<f64>) -> Vec3<f64> {
     match *bond {
-        Bond::Pair { spring, .. } | Bond::Touch { spring, .. } => spring,
+        ContactHistory::Pair { spring, .. } | ContactHistory::Obstacle { spring, .. } => spring,
     }
 }

@@ -30,11 +30,11 @@ mod contacts;
 mod table;
 
 use bitgrain_kernel::vec3::{add, dot, head, scale, sub};
-use bitgrain_kernel::{Bond, Fault, Partner, Pushed, Row};
+use bitgrain_kernel::{ContactForce, ContactHistory, Error as KernelError, Partner, Row};
 use serde::{Deserialize, Serialize};
 
 use crate::sim::Sim;
-use contacts::{Elastic, Meeting, Motion, spring_of};
+use contacts::{ContactGeometry, Elastic, Motion, spring_of};
 pub use table::{ENERGY_COLUMNS, EnergyRow, energy_text, parse_energy};
 
 /// Energies of a state.
@@ -94,7 +94,7 @@ pub struct Audit {
 
 /// A contact before a step.
 struct Held {
-    at: Meeting,
+    at: ContactGeometry,
     spring: [f64; 3],
     stiffness: f64,
     /// What its spring will advance by if its plane does not turn.
@@ -108,7 +108,7 @@ impl Audit {
     /// is first order in dt for the damping in the first half step alone.
     pub fn new(sim: &mut Sim) -> Self {
         let elastic = Elastic::of(&sim.law);
-        let bonds = sim.bonds();
+        let histories = sim.contact_histories();
         let mut audit = Self {
             steps: 0,
             start: Energies::default(),
@@ -124,8 +124,8 @@ impl Audit {
         let motion = full_step(sim);
         let mut energies = of_grains(sim);
         let mut powers = carried(sim);
-        for bond in &bonds {
-            let at = Meeting::listed(sim, &elastic, bond);
+        for bond in &histories {
+            let at = ContactGeometry::listed(sim, &elastic, bond);
             let spring = spring_of(bond);
             let r = at.forces(sim, &motion, spring);
             powers.add_contact(sim, &elastic, &at, (r.normal, r.tangential), spring);
@@ -140,7 +140,7 @@ impl Audit {
     ///
     /// # Errors
     /// As [`Sim::steps`]; a fault is booked nowhere.
-    pub fn step(&mut self, sim: &mut Sim) -> Result<(), Fault> {
+    pub fn step(&mut self, sim: &mut Sim) -> Result<(), KernelError> {
         self.step_watched(sim, |_| {})
     }
 
@@ -151,8 +151,8 @@ impl Audit {
     pub fn step_watched(
         &mut self,
         sim: &mut Sim,
-        mut watch: impl FnMut(Pushed<f64>),
-    ) -> Result<(), Fault> {
+        mut watch: impl FnMut(ContactForce<f64>),
+    ) -> Result<(), KernelError> {
         let elastic = Elastic::of(&sim.law);
         let (velocity, spin) = half_step(sim);
         let held = held(sim, &elastic, &velocity, &spin);
@@ -165,8 +165,8 @@ impl Audit {
                 Partner::Obstacle(_) => touches.push(p),
             }
         })?;
-        let bonds = sim.bonds();
-        debug_assert_eq!(bonds.len(), pairs.len() + touches.len());
+        let histories = sim.contact_histories();
+        debug_assert_eq!(histories.len(), pairs.len() + touches.len());
 
         let half = Motion {
             velocity: &velocity,
@@ -176,8 +176,8 @@ impl Audit {
         let mut now = of_grains(sim);
         let mut powers = carried(sim);
         let mut held = held.iter().peekable();
-        for (p, bond) in pairs.iter().chain(&touches).zip(&bonds) {
-            let at = Meeting::pushed(sim, &elastic, p);
+        for (p, bond) in pairs.iter().chain(&touches).zip(&histories) {
+            let at = ContactGeometry::pushed(sim, &elastic, p);
             let spring = spring_of(bond);
             while let Some(gone) = held.next_if(|h| h.at.key() < at.key()) {
                 self.part(gone);
@@ -200,7 +200,7 @@ impl Audit {
     fn hold_on(
         &mut self,
         before: Option<&Held>,
-        at: &Meeting,
+        at: &ContactGeometry,
         (stiffness, spring): (f64, [f64; 3]),
         advance: [f64; 3],
     ) {
@@ -295,7 +295,7 @@ impl Flows {
         &mut self,
         sim: &Sim,
         elastic: &Elastic,
-        at: &Meeting,
+        at: &ContactGeometry,
         (normal, tangential): (f64, [f64; 3]),
         spring: [f64; 3],
     ) {
@@ -315,7 +315,7 @@ impl Flows {
 }
 
 impl Energies {
-    fn add_contact(&mut self, elastic: &Elastic, at: &Meeting, spring: [f64; 3]) {
+    fn add_contact(&mut self, elastic: &Elastic, at: &ContactGeometry, spring: [f64; 3]) {
         self.normal += elastic.normal_energy(at);
         self.tangential += 0.5 * elastic.stiffness(at) * dot(spring, spring);
     }
@@ -352,14 +352,14 @@ fn half_step(sim: &Sim) -> (Vec<Row<f64>>, Vec<Row<f64>>) {
 
 /// The touching contacts with what their springs hold.
 fn held(sim: &mut Sim, elastic: &Elastic, velocity: &[Row<f64>], spin: &[Row<f64>]) -> Vec<Held> {
-    let bonds = sim.bonds();
+    let histories = sim.contact_histories();
     let motion = Motion {
         velocity,
         spin,
         obstacles: &sim.obstacles,
     };
-    let hold = |bond: &Bond<f64>| {
-        let at = Meeting::listed(sim, elastic, bond);
+    let hold = |bond: &ContactHistory<f64>| {
+        let at = ContactGeometry::listed(sim, elastic, bond);
         let (_, sliding) = at.speeds(&motion);
         Held {
             spring: spring_of(bond),
@@ -368,7 +368,7 @@ fn held(sim: &mut Sim, elastic: &Elastic, velocity: &[Row<f64>], spin: &[Row<f64
             at,
         }
     };
-    bonds.iter().map(hold).collect()
+    histories.iter().map(hold).collect()
 }
 
 /// Kinetic and gravitational energy.

@@ -1,6 +1,6 @@
 //! What a checkpoint's arrays say, once they are known to be as they were written.
 
-use bitgrain_kernel::Bond;
+use bitgrain_kernel::ContactHistory;
 use safetensors::tensor::{Dtype, SafeTensors};
 
 use super::head::{FIELDS, FRAMES, Head, Note};
@@ -90,7 +90,7 @@ impl Arrays<'_> {
     }
 
     /// The contacts.
-    pub fn bonds(&self) -> std::result::Result<Vec<Bond<f64>>, String> {
+    pub fn contact_histories(&self) -> std::result::Result<Vec<ContactHistory<f64>>, String> {
         let kinds: Vec<[u8; 1]> = self.words("bond_kind", Dtype::U8)?;
         let bodies = self.words::<4>("bond_bodies", Dtype::U32)?;
         let bodies: Vec<u32> = bodies.into_iter().map(u32::from_le_bytes).collect();
@@ -102,12 +102,12 @@ impl Arrays<'_> {
         let bond = |k: usize| {
             let (spring, [i, partner]) = (springs[k], pairs[k]);
             match kinds[k] {
-                [0] => Ok(Bond::Pair {
+                [0] => Ok(ContactHistory::Pair {
                     i,
                     j: partner,
                     spring,
                 }),
-                [1] => Ok(Bond::Touch {
+                [1] => Ok(ContactHistory::Obstacle {
                     i,
                     obstacle: partner,
                     spring,

@@ -1,6 +1,6 @@
 //! Fields and load of a drag, averaged as it goes: nothing but sums is stored.
 
-use bitgrain_kernel::{Partner, Pushed, Shape};
+use bitgrain_kernel::{ContactForce, Partner, Shape};
 use serde::{Deserialize, Serialize};
 
 use super::grid::Grid;
@@ -54,7 +54,7 @@ impl FieldsGauge {
     }
 
     /// Adds a sample: the state after step `n` and all its touching contacts.
-    pub fn add(&mut self, sim: &Sim, contacts: &[Pushed<f64>], n: u64) {
+    pub fn add(&mut self, sim: &Sim, contacts: &[ContactForce<f64>], n: u64) {
         let body = &sim.obstacles[INTRUDER as usize];
         let place = |x: [f64; 4]| {
             let d = sim.domain.separation([x[0], x[1], x[2]], body.point);
@@ -68,16 +68,16 @@ impl FieldsGauge {
             velocity: velocity(sim.velocity[i]),
         };
         let balls: Vec<Ball> = (0..sim.count()).map(ball).collect();
-        let mut sorted: Vec<&Pushed<f64>> = contacts.iter().collect();
+        let mut sorted: Vec<&ContactForce<f64>> = contacts.iter().collect();
         // One order for every list.
         sorted.sort_by_key(|c| match c.partner {
             Partner::Grain(j) => (0, c.i, j),
             Partner::Obstacle(k) => (1, c.i, k),
         });
-        let force = |c: &Pushed<f64>| {
+        let force = |c: &ContactForce<f64>| {
             [0, 1, 2].map(|a| c.normal_force * c.normal[a] + c.tangential_force[a])
         };
-        let branch = |c: &&Pushed<f64>| {
+        let branch = |c: &&ContactForce<f64>| {
             let i = c.i as usize;
             // An obstacle is met at its surface, a grain at its centre.
             let other = match c.partner {

@@ -132,8 +132,8 @@ fn add_bodies(store: &mut Crowd, seed: &[f64], units: &Units) {
     for group in [
         Group::free(down(1.0)),
         Group::frozen(),
-        Group::carried(),
-        Group::lid(down(2.0)),
+        Group::prescribed_velocity(),
+        Group::free_along_z(down(2.0)),
         Group::free([0.0; 3]),
     ] {
         store.add_group(group).unwrap();

@@ -11,7 +11,7 @@ use core::ptr::addr_of_mut;
 
 use bitgrain_kernel::blake3::Hasher;
 use bitgrain_kernel::conformance::{self, Line, Room};
-use bitgrain_kernel::{Fault, Real};
+use bitgrain_kernel::{Error as KernelError, Real};
 use cortex_m_semihosting::debug::{self, EXIT_FAILURE, EXIT_SUCCESS};
 use cortex_m_semihosting::hio::{self, HostStream};
 
@@ -54,14 +54,14 @@ fn report() -> bool {
 }
 
 #[inline(never)]
-fn double(all: &mut Hasher, host: &mut HostStream) -> Result<(), Fault> {
+fn double(all: &mut Hasher, host: &mut HostStream) -> Result<(), KernelError> {
     // SAFETY: one core, no interrupts, and nothing else borrows the rooms while this does.
     let room = unsafe { &mut *addr_of_mut!(ROOMS.double) };
     show(room, all, host)
 }
 
 #[inline(never)]
-fn single(all: &mut Hasher, host: &mut HostStream) -> Result<(), Fault> {
+fn single(all: &mut Hasher, host: &mut HostStream) -> Result<(), KernelError> {
     // SAFETY: as above, and a vacant room is all zero bytes, whatever its precision.
     let room = unsafe {
         addr_of_mut!(ROOMS).write_bytes(0, 1);
@@ -70,7 +70,7 @@ fn single(all: &mut Hasher, host: &mut HostStream) -> Result<(), Fault> {
     show(room, all, host)
 }
 
-fn show<R: Real>(room: &mut Room<R>, all: &mut Hasher, host: &mut HostStream) -> Result<(), Fault> {
+fn show<R: Real>(room: &mut Room<R>, all: &mut Hasher, host: &mut HostStream) -> Result<(), KernelError> {
     conformance::run(room, all, |line| print(host, line))
 }
 

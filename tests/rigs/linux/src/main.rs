@@ -6,7 +6,7 @@
 
 use bitgrain_kernel::blake3::Hasher;
 use bitgrain_kernel::conformance::{self, Line, Room};
-use bitgrain_kernel::{Fault, Real};
+use bitgrain_kernel::{Error as KernelError, Real};
 
 #[cfg_attr(target_os = "none", path = "bare.rs")]
 #[cfg_attr(not(target_os = "none"), path = "hosted.rs")]
@@ -20,7 +20,7 @@ fn report() -> i32 {
     i32::from(ran.is_err())
 }
 
-fn show<R: Real>(all: &mut Hasher) -> Result<(), Fault> {
+fn show<R: Real>(all: &mut Hasher) -> Result<(), KernelError> {
     let mut room = Room::<R>::vacant();
     conformance::run(&mut room, all, print)
 }

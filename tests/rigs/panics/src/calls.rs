@@ -1,14 +1,14 @@
 //! What is done under a law.
 
-use bitgrain_kernel::contact::{Contact, Law, Press, Reaction, Shear, Slide, Squeeze};
-use bitgrain_kernel::phases::Passed;
-use bitgrain_kernel::phases::{After, Deep, Part, Sight, Span, Spill, no_fetch, spill, sum};
-use bitgrain_kernel::phases::{TouchPart, push_obstacles};
-use bitgrain_kernel::{Fault, Pushed, Real, Row, World, start, start_watched, step, step_watched};
+use bitgrain_kernel::contact::{Contact, Law, NormalForce, Reaction, TangentialForce, TangentialState, NormalState};
+use bitgrain_kernel::phases::MotionCheck;
+use bitgrain_kernel::phases::{After, ExcessiveOverlap, GrainRange, GrainView, PairRange, CrossRangeForce, no_fetch, cross_range, accumulate};
+use bitgrain_kernel::phases::{ObstacleContactRange, obstacle_forces};
+use bitgrain_kernel::{Error as KernelError, ContactForce, Real, Row, World, start, start_watched, step, step_watched};
 
-type Watch<'w, R> = &'w mut dyn FnMut(Pushed<R>);
-type Ended = Result<(), Fault>;
-type Summed<R> = (Deep, Passed<R>);
+type Watch<'w, R> = &'w mut dyn FnMut(ContactForce<R>);
+type Ended = Result<(), KernelError>;
+type Summed<R> = (ExcessiveOverlap, MotionCheck<R>);
 
 /// Functions of the kernel that take a law.
 pub struct Calls<R: Real, L: Law<R>> {
@@ -16,19 +16,19 @@ pub struct Calls<R: Real, L: Law<R>> {
     start_watched: fn(&mut World<'_, R>, &L, Watch<'_, R>) -> Ended,
     step: fn(&mut World<'_, R>, &L) -> Ended,
     step_watched: fn(&mut World<'_, R>, &L, Watch<'_, R>) -> Ended,
-    push_obstacles: fn(&mut Part<'_, R>, &mut TouchPart<'_, R>, &L, Watch<'_, R>) -> Deep,
-    spill: fn(Sight<'_, R>, Span<'_, R>, &L, &mut [Spill<R>]) -> Deep,
-    sum: fn(&mut Part<'_, R>, &L, &[Spill<R>], &[Spill<R>], After) -> Summed<R>,
+    obstacle_forces: fn(&mut GrainRange<'_, R>, &mut ObstacleContactRange<'_, R>, &L, Watch<'_, R>) -> ExcessiveOverlap,
+    spill: fn(GrainView<'_, R>, PairRange<'_, R>, &L, &mut [CrossRangeForce<R>]) -> ExcessiveOverlap,
+    sum: fn(&mut GrainRange<'_, R>, &L, &[CrossRangeForce<R>], &[CrossRangeForce<R>], After) -> Summed<R>,
     sum_watched: fn(
-        &mut Part<'_, R>,
+        &mut GrainRange<'_, R>,
         &L,
-        [&[Spill<R>]; 2],
+        [&[CrossRangeForce<R>]; 2],
         Watch<'_, R>,
         fn(&[Row<R>], usize),
         After,
     ) -> Summed<R>,
-    press: fn(&L, &Squeeze<R>) -> Press<R>,
-    shear: fn(&L, &Press<R>, &Slide<R>) -> Shear<R>,
+    press: fn(&L, &NormalState<R>) -> NormalForce<R>,
+    shear: fn(&L, &NormalForce<R>, &TangentialState<R>) -> TangentialForce<R>,
     react: fn(&L, &Contact<R>, [R; 3], R) -> Reaction<R>,
 }
 
@@ -39,16 +39,16 @@ impl<R: Real, L: Law<R>> Calls<R, L> {
         start_watched: |world, law, watch| start_watched(world, law, watch),
         step,
         step_watched: |world, law, watch| step_watched(world, law, watch),
-        push_obstacles: |part, touch, law, watch| push_obstacles(part, touch, law, watch),
-        spill,
+        obstacle_forces: |part, touch, law, watch| obstacle_forces(part, touch, law, watch),
+        spill: cross_range,
         sum: |part, law, lower, own, after| {
-            sum(part, law, lower.iter(), own, |_| {}, no_fetch::<R>(), after)
+            accumulate(part, law, lower.iter(), own, |_| {}, no_fetch::<R>(), after)
         },
         sum_watched: |part, law, [lower, own], watch, fetch, after| {
-            sum(part, law, lower.iter(), own, watch, Some(fetch), after)
+            accumulate(part, law, lower.iter(), own, watch, Some(fetch), after)
         },
-        press: L::press,
-        shear: L::shear,
+        press: L::normal_force,
+        shear: L::tangential_force,
         react: L::react,
     };
 }

@@ -4,21 +4,21 @@ use core::fmt;
 
 use bitgrain_kernel::blake3::Hasher;
 use bitgrain_kernel::contact::{HertzHistory, HertzTsuji};
-use bitgrain_kernel::phases::{Moving, Pass, Passed, pass};
-use bitgrain_kernel::phases::{Deep, Part, Sight, Span, first_deep};
+use bitgrain_kernel::phases::{GrainMotion, MotionPhase, MotionCheck, integrate};
+use bitgrain_kernel::phases::{ExcessiveOverlap, GrainRange, GrainView, PairRange, first_excessive_overlap};
 use bitgrain_kernel::conformance::{self, Line, Room};
 use bitgrain_kernel::phases::{Sealed, seal};
 use bitgrain_kernel::phases::{
-    begin, drift, end, find_who_may_touch, find_who_touches, finish, judge,
+    begin, drift, end, ensure_pair_list_ahead, ensure_pair_list, finish, check_overlaps,
 };
-use bitgrain_kernel::phases::TouchPart;
+use bitgrain_kernel::phases::ObstacleContactRange;
 use bitgrain_kernel::vec3::{self, Vec3};
 use bitgrain_kernel::{
-    Bond, Clock, Digest, Domain, Fault, Flaw, Grains, Group, Obstacle, Real, Row, Store, World,
+    ContactHistory, Clock, Digest, Domain, Error as KernelError, ArithmeticDefect, Grains, Group, Obstacle, Real, Row, Store, World,
     check_arithmetic, digest, resume,
 };
 
-type Ended = Result<(), Fault>;
+type Ended = Result<(), KernelError>;
 /// A store small enough to be made on a stack.
 type Few<R> = Store<R, 6, 16, 8, 3>;
 
@@ -33,9 +33,9 @@ pub struct Plain {
     last: fn(&Hasher) -> Line,
     name: fn(conformance::World) -> &'static str,
     stages: fn(conformance::World) -> &'static [conformance::Stage],
-    first_deep: fn(Deep, Deep) -> Deep,
-    show: fn(&Fault, &mut dyn fmt::Write) -> fmt::Result,
-    show_flaw: fn(&Flaw, &mut dyn fmt::Write) -> fmt::Result,
+    first_excessive_overlap: fn(ExcessiveOverlap, ExcessiveOverlap) -> ExcessiveOverlap,
+    show: fn(&KernelError, &mut dyn fmt::Write) -> fmt::Result,
+    show_flaw: fn(&ArithmeticDefect, &mut dyn fmt::Write) -> fmt::Result,
 }
 
 impl Plain {
@@ -50,7 +50,7 @@ impl Plain {
         last: conformance::last,
         name: conformance::World::name,
         stages: conformance::World::stages,
-        first_deep,
+        first_excessive_overlap,
         show: |fault, out| write!(out, "{fault}"),
         show_flaw: |flaw, out| write!(out, "{flaw}"),
     };
@@ -58,30 +58,30 @@ impl Plain {
 
 /// Functions over one number type.
 pub struct State<R: Real + 'static> {
-    resume: fn(&mut World<'_, R>, &[Bond<R>]) -> Ended,
-    resume_any: fn(&mut World<'_, R>, &mut dyn Iterator<Item = Bond<R>>) -> Ended,
+    resume: fn(&mut World<'_, R>, &[ContactHistory<R>]) -> Ended,
+    resume_any: fn(&mut World<'_, R>, &mut dyn Iterator<Item = ContactHistory<R>>) -> Ended,
     begin: fn(&mut World<'_, R>, Sealed) -> Ended,
     end: fn(&mut World<'_, R>, Sealed) -> Ended,
-    find_who_may_touch: fn(&mut World<'_, R>) -> Ended,
-    find_who_touches: fn(&mut World<'_, R>) -> Ended,
-    drift: fn(&mut World<'_, R>, Passed<R>) -> Ended,
-    finish: fn(&mut World<'_, R>, Passed<R>) -> Ended,
-    judge: fn(&World<'_, R>, Deep, Deep) -> Ended,
-    pass: fn(&mut Moving<'_, R>, Pass) -> Passed<R>,
-    and: fn(Passed<R>, Passed<R>) -> Passed<R>,
-    seal: fn(&Moving<'_, R>, usize) -> Sealed,
+    ensure_pair_list_ahead: fn(&mut World<'_, R>) -> Ended,
+    ensure_pair_list: fn(&mut World<'_, R>) -> Ended,
+    drift: fn(&mut World<'_, R>, MotionCheck<R>) -> Ended,
+    finish: fn(&mut World<'_, R>, MotionCheck<R>) -> Ended,
+    check_overlaps: fn(&World<'_, R>, ExcessiveOverlap, ExcessiveOverlap) -> Ended,
+    pass: fn(&mut GrainMotion<'_, R>, MotionPhase) -> MotionCheck<R>,
+    and: fn(MotionCheck<R>, MotionCheck<R>) -> MotionCheck<R>,
+    seal: fn(&GrainMotion<'_, R>, usize) -> Sealed,
     and_sealed: fn(Sealed, Sealed) -> Sealed,
     digest: fn(&World<'_, R>) -> Digest,
-    bonds: fn(&World<'_, R>, &mut dyn FnMut(Bond<R>)),
-    moving: for<'w> fn(&'w mut World<'_, R>) -> Moving<'w, R>,
-    pushing: for<'w> fn(&'w mut World<'_, R>, R) -> (Part<'w, R>, TouchPart<'w, R>),
-    across: for<'w> fn(&'w mut World<'_, R>) -> (Sight<'w, R>, Span<'w, R>),
-    split_moving: for<'w> fn(Moving<'w, R>, usize) -> (Moving<'w, R>, Moving<'w, R>),
-    stretch: for<'w> fn(&'w mut Moving<'_, R>, usize, usize) -> Moving<'w, R>,
-    count: fn(&Moving<'_, R>) -> usize,
-    split_part: for<'w> fn(Part<'w, R>, usize) -> (Part<'w, R>, Part<'w, R>),
-    split_span: for<'w> fn(Span<'w, R>, usize) -> (Span<'w, R>, Span<'w, R>),
-    span: fn(&Span<'_, R>) -> (usize, bool),
+    contact_histories: fn(&World<'_, R>, &mut dyn FnMut(ContactHistory<R>)),
+    moving: for<'w> fn(&'w mut World<'_, R>) -> GrainMotion<'w, R>,
+    pushing: for<'w> fn(&'w mut World<'_, R>, R) -> (GrainRange<'w, R>, ObstacleContactRange<'w, R>),
+    across: for<'w> fn(&'w mut World<'_, R>) -> (GrainView<'w, R>, PairRange<'w, R>),
+    split_moving: for<'w> fn(GrainMotion<'w, R>, usize) -> (GrainMotion<'w, R>, GrainMotion<'w, R>),
+    stretch: for<'w> fn(&'w mut GrainMotion<'_, R>, usize, usize) -> GrainMotion<'w, R>,
+    count: fn(&GrainMotion<'_, R>) -> usize,
+    split_part: for<'w> fn(GrainRange<'w, R>, usize) -> (GrainRange<'w, R>, GrainRange<'w, R>),
+    split_span: for<'w> fn(PairRange<'w, R>, usize) -> (PairRange<'w, R>, PairRange<'w, R>),
+    span: fn(&PairRange<'_, R>) -> (usize, bool),
     grains: fn(&Grains<'_, R>) -> usize,
     clock: fn(&Clock<R>) -> ([u64; 2], [usize; 4], bool),
     stop: fn(&mut Clock<R>),
@@ -92,22 +92,22 @@ pub struct State<R: Real + 'static> {
 impl<R: Real + 'static> State<R> {
     /// Each of them.
     pub const ALL: Self = Self {
-        resume: |world, bonds| resume(world, bonds.iter().copied()),
-        resume_any: |world, bonds| resume(world, bonds),
+        resume: |world, histories| resume(world, histories.iter().copied()),
+        resume_any: |world, histories| resume(world, histories),
         begin,
         end,
-        find_who_may_touch,
-        find_who_touches,
+        ensure_pair_list_ahead,
+        ensure_pair_list,
         drift,
         finish,
-        judge,
-        pass,
-        and: Passed::and,
+        check_overlaps,
+        pass: integrate,
+        and: MotionCheck::and,
         seal,
         and_sealed: Sealed::and,
         digest,
-        bonds: |world, show| world.bonds().for_each(show),
-        moving: |world| world.moving(),
+        contact_histories: |world, show| world.contact_histories().for_each(show),
+        moving: |world| world.grain_motion(),
         pushing: |world, dt| world.pushing(dt),
         across: |world| world.across(),
         split_moving: |grains, at| grains.split(at),
@@ -135,7 +135,7 @@ impl<R: Real + 'static> State<R> {
 /// What a world is made of.
 pub struct Pieces<R: Real> {
     check_arithmetic: fn() -> Ended,
-    domain: fn(Vec3<R>, Vec3<R>, [bool; 3]) -> Result<Domain<R>, Fault>,
+    domain: fn(Vec3<R>, Vec3<R>, [bool; 3]) -> Result<Domain<R>, KernelError>,
     open: fn() -> Domain<R>,
     edges: fn(&Domain<R>) -> (Vec3<R>, Vec3<R>, [bool; 3]),
     separation: fn(&Domain<R>, Vec3<R>, Vec3<R>) -> Vec3<R>,
@@ -169,8 +169,8 @@ impl<R: Real> Pieces<R> {
             [
                 Group::free(gravity),
                 Group::frozen(),
-                Group::carried(),
-                Group::lid(gravity),
+                Group::prescribed_velocity(),
+                Group::free_along_z(gravity),
             ]
         },
         tsuji: HertzTsuji::new,

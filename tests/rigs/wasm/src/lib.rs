@@ -7,7 +7,7 @@ use core::ptr::addr_of_mut;
 
 use bitgrain_kernel::blake3::Hasher;
 use bitgrain_kernel::conformance::{self, LINE, Line, Room};
-use bitgrain_kernel::{Fault, Real};
+use bitgrain_kernel::{Error as KernelError, Real};
 
 /// Room for several times the lines that there are.
 static mut TEXT: [u8; 512 * LINE] = [0; 512 * LINE];
@@ -37,7 +37,7 @@ pub extern "C" fn run() -> usize {
     length
 }
 
-fn lines<R: Real>(all: &mut Hasher, put: &mut impl FnMut(&Line)) -> Result<(), Fault> {
+fn lines<R: Real>(all: &mut Hasher, put: &mut impl FnMut(&Line)) -> Result<(), KernelError> {
     let mut room = Room::<R>::vacant();
     conformance::run(&mut room, all, put)
 }
