@@ -6,14 +6,14 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use bitgrain::bench::{read_bed, tiled};
-use bitgrain::sim::{AnyLaw, Sim};
+use bitgrain::simulation::{AnyLaw, Simulation};
 use bitgrain::threads::on_threads;
 use bitgrain_kernel::contact::HertzTsuji;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 
 /// The golden bed of 200 grains, repeated along x and along y, started and stepped so that its lists
 /// and their skin have settled.
-fn bed(tiles: usize, law: Option<AnyLaw>) -> Sim {
+fn bed(tiles: usize, law: Option<AnyLaw>) -> Simulation {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../golden/peers/bed200.data");
     let one = read_bed(&path).expect("the golden bed is sound");
     let mut sim = tiled(&one, tiles).expect("a box");
@@ -24,7 +24,7 @@ fn bed(tiles: usize, law: Option<AnyLaw>) -> Sim {
 }
 
 /// Some steps in one call, as a run does them, on so many threads.
-fn stepped(sim: &mut Sim, threads: usize, calls: u64) -> Duration {
+fn stepped(sim: &mut Simulation, threads: usize, calls: u64) -> Duration {
     let steps = || {
         let began = Instant::now();
         black_box(&mut *sim).steps(calls).expect("a settled bed");

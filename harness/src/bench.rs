@@ -15,8 +15,8 @@ use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::export::OBSTACLE_TYPE;
 use bitgrain_sim::lammps::read_atoms;
 use bitgrain_sim::law::LawSpec;
-use bitgrain_sim::order::spatial_order;
-use bitgrain_sim::sim::{Grain, Sim, hex, sphere_mass};
+use bitgrain_sim::simulation::{Grain, Simulation, hex, sphere_mass};
+use bitgrain_sim::spatial_order::spatial_order;
 use bitgrain_sim::threads::on_threads;
 
 /// Steps before the clock starts.
@@ -81,7 +81,7 @@ pub const SOFT_TIME_STEP: f64 = 1.5e-4;
 /// # Errors
 /// [`Error::Input`] where the file cannot be read, holds no free grain, an impossible box, or grains
 /// too small or light for [`SOFT_TIME_STEP`].
-pub fn read_bed(path: &Path) -> Result<Sim> {
+pub fn read_bed(path: &Path) -> Result<Simulation> {
     let data = read_atoms(path)?;
     let place = path.display().to_string();
     let wrong = |what: String| Error::input(place.clone(), what);
@@ -116,7 +116,7 @@ pub struct Timing<'a> {
 
 /// A bed repeated `tiles` times along x and along y, numbered in spatial order, without obstacles and
 /// not yet started.
-pub fn tiled(one: &Sim, tiles: usize) -> Result<Sim> {
+pub fn tiled(one: &Simulation, tiles: usize) -> Result<Simulation> {
     let (lo, hi) = (one.domain.lo(), one.domain.hi());
     let far = |a: usize| lo[a] + tiles as f64 * (hi[a] - lo[a]);
     let domain = Domain::new(lo, [far(0), far(1), hi[2]], one.domain.periodic());
@@ -149,7 +149,7 @@ pub fn tiled(one: &Sim, tiles: usize) -> Result<Sim> {
     };
     let sorted: Vec<Grain> = order.into_iter().enumerate().map(grain).collect();
     let groups = one.groups.clone();
-    Ok(Sim::new(
+    Ok(Simulation::new(
         one.law,
         domain,
         one.dt,
@@ -205,16 +205,16 @@ pub fn bench(what: &Timing<'_>, progress: &Progress) -> Result<Speed> {
         sim = tiled(&sim, tiles)?;
         sim.start().map_err(|fault| Error::run(&name, 0, fault))?;
     }
-    let stepped = |sim: &mut Sim, count| {
+    let stepped = |sim: &mut Simulation, count| {
         sim.steps(count)
             .map_err(|fault| Error::run(&name, sim.step_count() + 1, fault))
     };
     on_threads(threads, || stepped(&mut sim, WARM_UP))??;
     let ((before, ..), renewals) = (sim.search_counts(), sim.renewals());
-    let mut sims: Vec<Sim> = (1..copies).map(|_| sim.clone()).collect();
+    let mut sims: Vec<Simulation> = (1..copies).map(|_| sim.clone()).collect();
     sims.push(sim);
     let stage = progress.stage("stepping", steps);
-    let one = |k: usize, sim: &mut Sim| {
+    let one = |k: usize, sim: &mut Simulation| {
         let mut done = 0;
         while done < steps {
             let some = 500.min(steps - done);

@@ -12,11 +12,11 @@ pub mod cli;
 pub use bitgrain_analysis::{analysis, claims, fit, present, remarks, report};
 pub use bitgrain_lab::{
     against, bed, bisect, campaign, case, changes, compare, drag, flow, folder, forecast, frames,
-    json, manifest, parse_errors, plain, plug, progress, replay, rerun, run, scenario, selftest,
-    series, summary, surroundings, verify,
+    json, manifest, near_field, parse_errors, plain, plug_flow, progress, replay, rerun, run,
+    scenario, selftest, series, summary, verify,
 };
 pub use bitgrain_sim::{
-    audit, blocks, chain, checkpoint, coefficients, disk, error, export, fields, files, format,
-    histogram, lammps, law, memory, motion, observe, order, random, registers, sim, stepping,
-    threads, units, witness,
+    block_averaging, chain, checkpoint, coarse_graining, coefficients, disk, energy_budget, error,
+    export, files, format, histogram, isa, lammps, law, memory, motion, observe, observer, random,
+    simulation, spatial_order, stepping, threads, units,
 };

@@ -11,27 +11,27 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use bitgrain::campaign::table::Table;
+use bitgrain::campaign::table::CampaignTable;
 use bitgrain::case::{self, Case, GrainSpec, ObstacleSpec};
 use bitgrain::checkpoint;
 use bitgrain::law::LawSpec;
-use bitgrain::sim::Sim;
-use bitgrain::witness::Witness;
+use bitgrain::observer::Observer;
+use bitgrain::simulation::Simulation;
 use bitgrain_kernel::ContactForce;
 use serde_json::Value;
 
-/// A witness that is shown the states after some steps, which ascend.
+/// A observer that is shown the states after some steps, which ascend.
 pub struct Shown<'a, F>(pub &'a [u64], pub F);
 
-impl<F: FnMut(u64, &mut Sim)> Witness for Shown<'_, F> {
-    fn looks_at(&self, step: u64) -> bool {
+impl<F: FnMut(u64, &mut Simulation)> Observer for Shown<'_, F> {
+    fn wants_step(&self, step: u64) -> bool {
         self.0.binary_search(&step).is_ok()
     }
 
-    fn look(
+    fn on_step(
         &mut self,
         step: u64,
-        sim: &mut Sim,
+        sim: &mut Simulation,
         _: &[ContactForce<f64>],
     ) -> bitgrain::error::Result<()> {
         (self.1)(step, sim);
@@ -72,7 +72,7 @@ pub fn unpacked(name: &str) -> Vec<u8> {
 }
 
 /// The settled bed of `quick`, its ball set in motion.
-pub fn settled_quick() -> Sim {
+pub fn settled_quick() -> Simulation {
     let bytes = unpacked("quick/settled.safetensors.gz");
     let sim = checkpoint::parse(&bytes, "the golden bed", None);
     let mut sim = sim.expect("the golden bed is whole");
@@ -305,8 +305,8 @@ impl CampaignDesk {
     }
 
     /// Its table.
-    pub fn table(&self) -> Table {
-        Table::read(&self.out().join("results.csv")).expect("a table")
+    pub fn table(&self) -> CampaignTable {
+        CampaignTable::read(&self.out().join("results.csv")).expect("a table")
     }
 }
 

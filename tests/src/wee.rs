@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use bitgrain::manifest::{self, Entry, Manifest, Of};
+use bitgrain::manifest::{self, FileRecord, FolderKind, Manifest};
 
 use crate::results;
 
@@ -184,7 +184,7 @@ impl Room {
 
 /// Makes a folder's manifest so that it vouches for whatever lies there, as a forger would, or as one finds
 /// it where results come from elsewhere: finished, with these stages.
-pub fn forge_manifest(root: &Path, of: Of, stages: &[&str]) {
+pub fn forge_manifest(root: &Path, of: FolderKind, stages: &[&str]) {
     let names: Vec<String> = stages.iter().map(|name| name.to_string()).collect();
     let mut manifest = Manifest::new(of, &names);
     manifest.finished = true;
@@ -195,7 +195,7 @@ pub fn forge_manifest(root: &Path, of: Of, stages: &[&str]) {
     let files = results(root).into_iter();
     let files = files.filter(|(name, _)| !name.ends_with(manifest::NAME));
     manifest.files = files
-        .map(|(name, bytes)| Entry::of(&name, &bytes))
+        .map(|(name, bytes)| FileRecord::of(&name, &bytes))
         .collect();
     std::fs::write(root.join(manifest::NAME), manifest.text()).expect("a file can be written");
 }

@@ -6,29 +6,30 @@ use std::path::{Path, PathBuf};
 use bitgrain_kernel::Shape;
 
 use crate::report::{
-    self, BedPicture, Course, Drawings, FieldPicture, Film, FlowGrain, FlowPicture, PictureGrain,
+    self, BedPicture, Drawings, FieldPicture, Film, FlowGrain, FlowPicture, FlowSeries,
+    PictureGrain,
 };
-use bitgrain_lab::bed::library::Library;
+use bitgrain_lab::bed::library::BedCache;
 use bitgrain_lab::flow::{parse_flow, parse_profile};
 use bitgrain_lab::folder::Folder;
 use bitgrain_lab::frames::{self, Frame, Slice};
-use bitgrain_lab::manifest::{Of, Vouched};
+use bitgrain_lab::manifest::{FolderKind, Vouched};
 use bitgrain_lab::progress::Progress;
 use bitgrain_lab::run::{self, Setting};
 use bitgrain_lab::scenario::{DragPlan, Scenario};
 use bitgrain_lab::series::{SeriesRow, parse_series};
-use bitgrain_lab::summary::{BedSummary, RunSummary, Summary, read_folder};
+use bitgrain_lab::summary::{BedSummary, DragSummary, Summary, read_folder};
 use bitgrain_sim::checkpoint;
+use bitgrain_sim::coarse_graining::read::plane;
+use bitgrain_sim::coarse_graining::{IntruderOutline, intruder_outline};
 use bitgrain_sim::disk::write_whole;
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::export::{FROZEN_TYPE, OBSTACLE_TYPE};
-use bitgrain_sim::fields::read::plane;
-use bitgrain_sim::fields::{Hole, hole};
 use bitgrain_sim::files::packed_name;
 use bitgrain_sim::lammps::{Atom, parse_dump};
 use bitgrain_sim::motion::Moves;
 use bitgrain_sim::observe::INTRUDER;
-use bitgrain_sim::sim::Role;
+use bitgrain_sim::simulation::Role;
 
 /// Writes the report of a run directory from the files in it: of what is done, where the run has not come to its
 /// end. Nothing is drawn that the manifest does not vouch for.
@@ -36,7 +37,7 @@ use bitgrain_sim::sim::Role;
 /// # Errors
 /// [`Error::Input`] where one of them is missing or not as it was written, [`Error::Write`].
 pub fn write_report(folder: &Folder<'_>) -> Result<()> {
-    let vouched = &Vouched::open(folder.0, Of::Run)?;
+    let vouched = &Vouched::open(folder.0, FolderKind::Run)?;
     let (_, whole) = read_folder(folder, vouched)?;
     let text = vouched.text(&folder.scenario())?;
     let series = whole.runs.iter().map(|run| {
@@ -52,7 +53,7 @@ pub fn write_report(folder: &Folder<'_>) -> Result<()> {
     let stills: Vec<Still> = stills.collect::<Result<_>>()?;
     let packed = whole.inputs.measure.gzip;
     let planned = plans(&whole)?;
-    let still_of = |run: &RunSummary| {
+    let still_of = |run: &DragSummary| {
         let mut beds = stills.iter();
         let found = beds.find(|still| still.picture.name == run.bed);
         found.ok_or_else(|| unplanned(&run.bed))
@@ -100,7 +101,7 @@ pub fn write_report(folder: &Folder<'_>) -> Result<()> {
     };
     let page = if whole.runs.iter().any(|run| run.flow.is_some()) {
         let courses = whole.runs.iter().map(|run| course(folder, vouched, run));
-        let courses: Vec<Course> = courses.collect::<Result<_>>()?;
+        let courses: Vec<FlowSeries> = courses.collect::<Result<_>>()?;
         report::flowing_page(
             &whole,
             &text,
@@ -123,7 +124,7 @@ pub fn write_report(folder: &Folder<'_>) -> Result<()> {
 pub fn run(
     scenario: &Scenario,
     out: &Path,
-    library: &Library,
+    library: &BedCache,
     threads: usize,
     progress: &Progress,
 ) -> Result<PathBuf> {
@@ -142,9 +143,9 @@ pub fn run(
 }
 
 /// The drags of a summary with their plans.
-fn plans(whole: &Summary) -> Result<Vec<(&RunSummary, DragPlan)>> {
+fn plans(whole: &Summary) -> Result<Vec<(&DragSummary, DragPlan)>> {
     let plans = whole.inputs.runs();
-    let plan = |run: &RunSummary| plans.iter().find(|plan| plan.name == run.name).cloned();
+    let plan = |run: &DragSummary| plans.iter().find(|plan| plan.name == run.name).cloned();
     let each = whole.runs.iter();
     each.map(|run| Ok((run, plan(run).ok_or_else(|| unplanned(&run.name))?)))
         .collect()
@@ -160,7 +161,7 @@ fn unplanned(name: &str) -> Error {
 /// A settled bed: its picture, its intruder, and which of its grains are the lid's, which no dump says.
 struct Still {
     picture: BedPicture,
-    hole: Hole,
+    hole: IntruderOutline,
     lid: BTreeSet<u32>,
 }
 
@@ -176,7 +177,7 @@ fn still(folder: &Folder<'_>, vouched: &Vouched, bed: &BedSummary, moves: Moves)
     };
     let lid = (0..sim.count()).filter(|&i| sim.role(i) == Role::Lid);
     Ok(Still {
-        hole: hole(&sim),
+        hole: intruder_outline(&sim),
         lid: lid.map(|i| sim.id[i]).collect(),
         picture: BedPicture {
             name: bed.name.clone(),
@@ -193,9 +194,9 @@ fn still(folder: &Folder<'_>, vouched: &Vouched, bed: &BedSummary, moves: Moves)
 }
 
 /// The flow series and the profile of a run; empty ones of a run that has none.
-fn course(folder: &Folder<'_>, vouched: &Vouched, run: &RunSummary) -> Result<Course> {
+fn course(folder: &Folder<'_>, vouched: &Vouched, run: &DragSummary) -> Result<FlowSeries> {
     if run.flow.is_none() {
-        return Ok(Course::default());
+        return Ok(FlowSeries::default());
     }
     let read = |file: &str| {
         let path = folder.of_run(&run.name, file);
@@ -215,7 +216,7 @@ fn course(folder: &Folder<'_>, vouched: &Vouched, run: &RunSummary) -> Result<Co
     let rows = parse_flow(&text).map_err(damaged(path))?;
     let (path, text) = read("profile.csv")?;
     let profile = parse_profile(&text).map_err(damaged(path))?;
-    Ok(Course { rows, profile })
+    Ok(FlowSeries { rows, profile })
 }
 
 /// The mean fields of a run; `None` where they were not asked for, or where the bed is at rest and no page shows them.
@@ -223,7 +224,7 @@ fn map(
     folder: &Folder<'_>,
     vouched: &Vouched,
     inputs: &Scenario,
-    run: &RunSummary,
+    run: &DragSummary,
     still: &Still,
 ) -> Result<Option<FieldPicture>> {
     let (Some(grid), Some(_)) = (inputs.fields_grid(), &run.flow) else {
@@ -250,7 +251,7 @@ fn map(
 fn frames_of(
     folder: &Folder<'_>,
     vouched: &Vouched,
-    run: &RunSummary,
+    run: &DragSummary,
     plan: &DragPlan,
 ) -> Result<Vec<Frame>> {
     let mut all = Vec::new();
@@ -269,7 +270,7 @@ fn frames_of(
 }
 
 /// A frame as a picture.
-fn panel_of(frame: &Frame, run: &RunSummary, still: &Still, d: f64) -> FlowPicture {
+fn panel_of(frame: &Frame, run: &DragSummary, still: &Still, d: f64) -> FlowPicture {
     let bed = &still.picture;
     let (centre, radius) = bed.intruder;
     let half = 0.5 * (bed.hi[0] - bed.lo[0]);
@@ -302,7 +303,7 @@ fn panel_of(frame: &Frame, run: &RunSummary, still: &Still, d: f64) -> FlowPictu
 fn flow(
     folder: &Folder<'_>,
     vouched: &Vouched,
-    (run, plan): (&RunSummary, &DragPlan),
+    (run, plan): (&DragSummary, &DragPlan),
     still: &Still,
     (packed, d): (bool, f64),
 ) -> Result<Option<FlowPicture>> {
@@ -342,7 +343,7 @@ fn flow(
     let grain = |a: &&Atom| FlowGrain {
         position: a.position,
         radius: 0.5 * a.diameter,
-        // Of the base, or of the box where the base is at rest.
+        // FolderKind the base, or of the box where the base is at rest.
         velocity: [a.velocity[0] - frame_speed, a.velocity[1], a.velocity[2]],
         role: match a.kind {
             FROZEN_TYPE => Role::Base,

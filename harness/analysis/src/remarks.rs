@@ -1,8 +1,8 @@
 //! What to know before the numbers of a run are believed: told when it ends, and at the top of its report.
 
 use crate::claims::{FAR_FIELD_LEAST, overlap_remark};
-use bitgrain_lab::plug::Plug;
-use bitgrain_lab::summary::{BedSummary, Flow, RunSummary, Summary};
+use bitgrain_lab::plug_flow::PlugFlow;
+use bitgrain_lab::summary::{BedSummary, DragSummary, Flow, Summary};
 use bitgrain_sim::format::short;
 
 /// Packing fraction above which equal spheres are no random packing (random close packing).
@@ -41,7 +41,7 @@ pub fn remarks(summary: &Summary) -> Vec<Remark> {
 }
 
 /// Names of the runs of which something is so.
-fn names(runs: &[RunSummary], so: impl Fn(&RunSummary) -> bool) -> String {
+fn names(runs: &[DragSummary], so: impl Fn(&DragSummary) -> bool) -> String {
     let found = runs.iter().filter(|run| so(run));
     let names: Vec<&str> = found.map(|run| &run.name[..]).collect();
     names.join(", ")
@@ -78,11 +78,11 @@ fn unrest(bed: &BedSummary) -> Option<Remark> {
     })
 }
 
-fn flow_names(runs: &[RunSummary], so: impl Fn(&Flow) -> bool) -> String {
+fn flow_names(runs: &[DragSummary], so: impl Fn(&Flow) -> bool) -> String {
     names(runs, |run| run.flow.as_ref().is_some_and(&so))
 }
 
-fn slips(runs: &[RunSummary]) -> Option<Remark> {
+fn slips(runs: &[DragSummary]) -> Option<Remark> {
     let slow = flow_names(runs, |f| {
         f.far_field < FAR_FIELD_LEAST || f.far_field.is_nan()
     });
@@ -107,7 +107,7 @@ fn crystal(summary: &Summary) -> Option<Remark> {
     })
 }
 
-fn floating(runs: &[RunSummary]) -> Option<Remark> {
+fn floating(runs: &[DragSummary]) -> Option<Remark> {
     let flows = runs.iter().filter_map(|run| run.flow.as_ref());
     let most = flows.map(|flow| flow.floating).max().unwrap_or(0);
     (most > 0).then(|| {
@@ -122,7 +122,7 @@ fn floating(runs: &[RunSummary]) -> Option<Remark> {
 }
 
 /// Runs whose errors did not converge.
-fn open_errors(runs: &[RunSummary]) -> Option<Remark> {
+fn open_errors(runs: &[DragSummary]) -> Option<Remark> {
     let open = names(runs, |run| !run.drag.converged);
     (!open.is_empty()).then(|| {
         let words = format!(
@@ -134,9 +134,9 @@ fn open_errors(runs: &[RunSummary]) -> Option<Remark> {
 }
 
 /// Runs whose drag from the start is not that of the window.
-fn start_up(runs: &[RunSummary], flows: bool) -> Option<Remark> {
-    let ratio = |run: &RunSummary| run.drag_uncut / run.drag.mean;
-    let off = |run: &RunSummary| {
+fn start_up(runs: &[DragSummary], flows: bool) -> Option<Remark> {
+    let ratio = |run: &DragSummary| run.drag_uncut / run.drag.mean;
+    let off = |run: &DragSummary| {
         let change = (run.drag_uncut - run.drag.mean).abs();
         change > 2.0 * run.drag.standard_error && ratio(run).is_finite()
     };
@@ -157,16 +157,16 @@ fn start_up(runs: &[RunSummary], flows: bool) -> Option<Remark> {
 }
 
 /// Grains that went deep into each other.
-fn overlap(runs: &[RunSummary]) -> Option<Remark> {
+fn overlap(runs: &[DragSummary]) -> Option<Remark> {
     let deepest = runs.iter().map(|r| r.overlap_max);
     let deepest = deepest.fold(0.0, |a, b| if b > a { b } else { a });
     overlap_remark(deepest).map(|words| remark("Soft contacts", words))
 }
 
 /// Layers above the intruder that go along with it.
-fn plug(runs: &[RunSummary]) -> Option<Remark> {
+fn plug(runs: &[DragSummary]) -> Option<Remark> {
     let class = |wanted| names(runs, move |run| run.plug == wanted);
-    let (slides, drifts) = (class(Plug::Slides), class(Plug::Drifts));
+    let (slides, drifts) = (class(PlugFlow::Slides), class(PlugFlow::Drifts));
     let parts = [
         (
             &slides,
@@ -181,7 +181,7 @@ fn plug(runs: &[RunSummary]) -> Option<Remark> {
     (!parts.is_empty()).then(|| {
         let moved = runs
             .iter()
-            .filter(|run| matches!(run.plug, Plug::Slides | Plug::Drifts));
+            .filter(|run| matches!(run.plug, PlugFlow::Slides | PlugFlow::Drifts));
         let drift = moved.clone().filter_map(|run| Some(run.drift?.mean));
         let speed = match drift.clone().count() {
             0 => String::new(),
@@ -194,16 +194,16 @@ fn plug(runs: &[RunSummary]) -> Option<Remark> {
             range(moved.map(|run| run.plug_ratio)),
             parts.join(", "),
         );
-        remark("Plug", words)
+        remark("PlugFlow", words)
     })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use bitgrain_sim::blocks::Mean;
+    use bitgrain_sim::block_averaging::Mean;
 
-    fn run() -> RunSummary {
+    fn run() -> DragSummary {
         let mut whole = crate::claims::synthetic::summary(&Default::default());
         let mut run = whole.runs.swap_remove(0);
         (run.name, run.flow) = ("fr".into(), None);
@@ -220,15 +220,15 @@ mod tests {
     #[test]
     fn layers_that_go_along_are_told_with_their_drift() {
         let mut slow = run();
-        (slow.plug_ratio, slow.plug) = (0.2, Plug::Sound);
+        (slow.plug_ratio, slow.plug) = (0.2, PlugFlow::Sound);
         assert_eq!(plug(&[slow.clone()]), None);
-        slow.plug = Plug::Slides;
+        slow.plug = PlugFlow::Slides;
         slow.drift = Some(Mean {
             mean: 0.25,
             ..Mean::default()
         });
         let mut fast = slow.clone();
-        (fast.name, fast.plug_ratio, fast.plug) = ("fast".into(), 0.32, Plug::Drifts);
+        (fast.name, fast.plug_ratio, fast.plug) = ("fast".into(), 0.32, PlugFlow::Drifts);
         let said = plug(&[slow, fast]).unwrap().words;
         for part in [
             "in fr they slide",

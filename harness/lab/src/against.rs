@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 use bitgrain_kernel::BITS_VERSION;
 use serde::Serialize;
 
-use crate::bisect::{Parting, Side, bisect, chain_of};
+use crate::bisect::{Divergence, Side, bisect, chain_of};
 use crate::folder::Folder;
 use crate::manifest::{Manifest, NAME};
 use crate::progress::Progress;
 use crate::replay::{Replay, Stretch, replay_run};
-use crate::rerun::{Part, Past};
+use crate::rerun::{RunArchive, RunPart};
 use bitgrain_sim::chain::{Chain, Link, differing};
 use bitgrain_sim::disk::{self, is_file, is_folder, write_whole};
 use bitgrain_sim::error::{Error, Result, UNEXPECTED};
@@ -274,7 +274,7 @@ fn by_steps(
     }
 }
 
-fn by_parting(out: &Path, other: &Path, parting: Parting) -> Difference {
+fn by_parting(out: &Path, other: &Path, parting: Divergence) -> Difference {
     let number = parting.number.map(|number| Number {
         part: number.part,
         body: number.body,
@@ -310,8 +310,8 @@ fn bits(x: f64) -> String {
 /// What keeps it from being made again.
 fn save_state(out: &Path, difference: &Difference, progress: &Progress) -> Result<bool> {
     let folder = Folder(out);
-    let past = Past::open(&folder)?;
-    let (Part::Drag(_), Some(equal)) = (past.part(&difference.stage)?, difference.equal) else {
+    let past = RunArchive::open(&folder)?;
+    let (RunPart::Drag(_), Some(equal)) = (past.part(&difference.stage)?, difference.equal) else {
         return Ok(false);
     };
     let stretch = Stretch {

@@ -35,7 +35,7 @@ pub struct Side {
 
 /// Where two runs first differ.
 #[derive(Clone, Debug)]
-pub struct Parting {
+pub struct Divergence {
     /// The stage.
     pub stage: String,
     /// Its last step with equal states; none where they differ from the beginning.
@@ -59,7 +59,7 @@ pub struct Parting {
 pub fn bisect(
     sides: &[Side; 2],
     mut say: impl FnMut(&str) -> Result<()>,
-) -> Result<Option<Parting>> {
+) -> Result<Option<Divergence>> {
     let [one, other] = sides;
     let mut links = 0;
     for stage in one.stages()? {
@@ -328,7 +328,7 @@ struct Sample {
 }
 
 /// What differs at a step.
-fn parting(sides: &[Side; 2], stage: String, step: u64, equal: Option<u64>) -> Result<Parting> {
+fn parting(sides: &[Side; 2], stage: String, step: u64, equal: Option<u64>) -> Result<Divergence> {
     let room = tempfile::tempdir().map_err(|e| Error::write(Path::new(TEMPORARY), e))?;
     let at = step.to_string();
     let mut digests = Vec::new();
@@ -354,7 +354,7 @@ fn parting(sides: &[Side; 2], stage: String, step: u64, equal: Option<u64>) -> R
     let [one, other] = &mut states[..] else {
         unreachable!("two sides have two states");
     };
-    Ok(Parting {
+    Ok(Divergence {
         stage,
         equal: equal.map(|_| step.saturating_sub(1)),
         step,
@@ -415,7 +415,7 @@ fn first_contact(a: &[ContactState], b: &[ContactState]) -> Option<String> {
         .map(|more| format!("{} touch in the second alone", name(more)))
 }
 
-impl std::fmt::Display for Parting {
+impl std::fmt::Display for Divergence {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self.equal {
             Some(equal) => write!(

@@ -4,7 +4,7 @@ use std::fmt;
 
 use bitgrain_kernel::{ContactHistory, PARTS};
 
-use bitgrain_sim::sim::Sim;
+use bitgrain_sim::simulation::Simulation;
 
 /// The first number that differs between two states, in the order in which a digest reads them.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,7 +61,7 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 /// let told = first_difference(&mut one, &mut other).unwrap().to_string();
 /// assert!(told.starts_with("velocities of grain 3, y: 0 (0x0000000000000000) against 0.5 (0x3fe"));
 /// ```
-pub fn first_difference(first: &mut Sim, second: &mut Sim) -> Option<Difference> {
+pub fn first_difference(first: &mut Simulation, second: &mut Simulation) -> Option<Difference> {
     let mut theirs = numbers(second).into_iter();
     for one in numbers(first) {
         let other = theirs.next();
@@ -103,7 +103,7 @@ pub fn first_difference(first: &mut Sim, second: &mut Sim) -> Option<Difference>
 }
 
 /// Every number of a state, in the order of its digest.
-fn numbers(sim: &mut Sim) -> Vec<Number> {
+fn numbers(sim: &mut Simulation) -> Vec<Number> {
     let mut all = Vec::new();
     let mut put = |part: usize, body: &str, components: &[&'static str], values: &[f64]| {
         for (component, value) in components.iter().zip(values) {

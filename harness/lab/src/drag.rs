@@ -5,22 +5,22 @@ use bitgrain_kernel::{Error as KernelError, check_arithmetic};
 use serde::{Deserialize, Serialize};
 
 use crate::flow::{FlowGauge, FlowMeans};
+use crate::near_field::{NearField, NearFieldMeans};
 use crate::progress::Stage;
 use crate::scenario::{DragPlan, History};
 use crate::series::SeriesRow;
-use crate::surroundings::{SurroundingMeans, Surroundings};
-use bitgrain_sim::audit::{Audit, EnergyRow};
-use bitgrain_sim::blocks::{BlockSums, Mean};
+use bitgrain_sim::block_averaging::{BlockSums, Mean};
 use bitgrain_sim::chain::Chain;
-use bitgrain_sim::checkpoint::Note;
+use bitgrain_sim::checkpoint::StageState;
+use bitgrain_sim::coarse_graining::CoarseGraining;
+use bitgrain_sim::energy_budget::{Audit, EnergyRow};
 use bitgrain_sim::error::{Error, Result};
-use bitgrain_sim::fields::FieldsGauge;
 use bitgrain_sim::histogram::{Angles, Coordination};
 use bitgrain_sim::memory::room;
 use bitgrain_sim::motion::Moves;
 use bitgrain_sim::observe::{self, INTRUDER};
-use bitgrain_sim::sim::{Role, Sim};
-use bitgrain_sim::witness::Witness;
+use bitgrain_sim::observer::Observer;
+use bitgrain_sim::simulation::{Role, Simulation};
 
 /// Steps between updates of the progress bar; no result depends on it.
 const SHOW: u64 = 200;
@@ -40,7 +40,7 @@ pub struct Means {
     /// Grains that touch the intruder.
     pub contacts: Mean,
     /// The grains round it.
-    pub around: SurroundingMeans,
+    pub around: NearFieldMeans,
     /// Drag over all steps.
     pub drag_uncut: f64,
     /// Steps in the window.
@@ -52,7 +52,7 @@ pub struct Means {
 /// What a drag leaves behind besides its means, filled as it goes.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Record {
+pub struct DragSeries {
     /// Rows of the force series.
     pub series: Vec<SeriesRow>,
     /// Contact angles of the window's samples.
@@ -109,13 +109,13 @@ pub struct Dragging {
     /// Digests of its states.
     pub chain: Chain,
     /// What was measured so far.
-    pub record: Record,
+    pub record: DragSeries,
     gauges: Gauges,
-    around: Surroundings,
+    around: NearField,
     audit: Option<Audit>,
     /// Sums of the fields, where they were asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub fields: Option<FieldsGauge>,
+    pub fields: Option<CoarseGraining>,
     /// Frames of the checkpoint that it was read from, which no file holds yet.
     #[serde(skip)]
     pub frames: String,
@@ -130,7 +130,7 @@ impl Dragging {
     ///
     /// # Errors
     /// [`Error::Run`] where the kernel refuses the motion.
-    pub fn begin(sim: &mut Sim, plan: &DragPlan, link: &str) -> Result<Self> {
+    pub fn begin(sim: &mut Simulation, plan: &DragPlan, link: &str) -> Result<Self> {
         let points = plan.fields.map_or(0, |fields| fields.grid.points());
         room(
             FIELDS * points as f64,
@@ -151,40 +151,40 @@ impl Dragging {
             key: plan.key.clone(),
             step: 0,
             chain,
-            record: Record {
+            record: DragSeries {
                 flow,
-                ..Record::default()
+                ..DragSeries::default()
             },
             gauges: Gauges::default(),
-            around: Surroundings::default(),
+            around: NearField::default(),
             audit: plan.energy.then(|| Audit::new(sim)),
             fields: plan
                 .fields
-                .map(|fields| FieldsGauge::new(&fields, &plan.motion)),
+                .map(|fields| CoarseGraining::new(&fields, &plan.motion)),
             frames: String::new(),
         })
     }
 
-    /// Goes on to the end of the drag, or as far as `witness` wants to see.
+    /// Goes on to the end of the drag, or as far as `observer` wants to see.
     ///
     /// On an error this holds what was measured before it; after [`Error::Interrupted`] it belongs to the
     /// state, and the drag can go on from both.
     ///
     /// # Errors
-    /// [`Error::Run`] where a step goes wrong, [`Error::Interrupted`], and what `witness` returns.
+    /// [`Error::Run`] where a step goes wrong, [`Error::Interrupted`], and what `observer` returns.
     pub fn go_on(
         &mut self,
-        sim: &mut Sim,
+        sim: &mut Simulation,
         plan: &DragPlan,
         stage: &Stage,
-        witness: &mut impl Witness,
+        observer: &mut impl Observer,
     ) -> Result<()> {
-        witness.begins(self.step, sim)?;
+        observer.on_start(self.step, sim)?;
         let at = self.step;
         let wrong = |fault| Error::run(&plan.name, at, fault);
         // Each step is looked at, and none is written to.
         sim.hold().map_err(wrong)?;
-        let went = self.steps(sim, plan, stage, witness);
+        let went = self.steps(sim, plan, stage, observer);
         if matches!(went, Ok(()) | Err(Error::Interrupted { .. })) {
             sim.release().map_err(wrong)?;
         }
@@ -194,17 +194,17 @@ impl Dragging {
     /// The steps of [`Dragging::go_on`].
     fn steps(
         &mut self,
-        sim: &mut Sim,
+        sim: &mut Simulation,
         plan: &DragPlan,
         stage: &Stage,
-        witness: &mut impl Witness,
+        observer: &mut impl Observer,
     ) -> Result<()> {
         let first = plan.motion.window[0];
         let mut seen = Vec::new();
-        while self.step < plan.steps() && self.step < witness.ends() {
+        while self.step < plan.steps() && self.step < observer.last_step() {
             let n = self.step + 1;
             let wrong = |fault| Error::run(&plan.name, n, fault);
-            let looks = witness.looks_at(n);
+            let looks = observer.wants_step(n);
             let sampled = self.fields.as_ref().is_some_and(|f| f.is_due(n));
             seen.clear();
             match &mut self.audit {
@@ -220,14 +220,14 @@ impl Dragging {
             self.step = n;
             if self.chain.is_due(n) || n == plan.steps() {
                 let link = self.chain.add(n, &sim.digest().map_err(wrong)?);
-                link.map_or(Ok(()), |link| witness.linked(link))?;
+                link.map_or(Ok(()), |link| observer.on_digest(link))?;
             }
             if looks {
                 // What is shown is written down.
                 check_arithmetic::<f64>().map_err(wrong)?;
-                witness.look(n, sim, &seen)?;
+                observer.on_step(n, sim, &seen)?;
             }
-            witness.pause(n, sim, &|| self.note())?;
+            observer.on_checkpoint(n, sim, &|| self.note())?;
             if n.is_multiple_of(SHOW) {
                 let drag = bitgrain_sim::format::short(self.gauges.all.mean()[0]);
                 stage.at(n, sim.count(), &format!("drag so far {drag}"))?;
@@ -237,7 +237,7 @@ impl Dragging {
     }
 
     /// Takes the readings of step `n`.
-    fn measure(&mut self, sim: &mut Sim, n: u64, counted: bool, plan: &DragPlan) {
+    fn measure(&mut self, sim: &mut Simulation, n: u64, counted: bool, plan: &DragPlan) {
         let row = n.is_multiple_of(plan.every) || n == plan.steps();
         let force = force_on_intruder(sim, plan.motion.moves);
         if let Some(flow) = &mut self.record.flow {
@@ -273,12 +273,15 @@ impl Dragging {
     }
 
     /// What a checkpoint holds of it.
-    pub fn note(&self) -> Note {
-        Note {
+    pub fn note(&self) -> StageState {
+        StageState {
             recipe: String::new(),
             link: self.chain.end().to_string(),
             course: serde_json::to_string(self).expect("what is measured is finite"),
-            fields: self.fields.as_ref().map_or(Vec::new(), FieldsGauge::array),
+            fields: self
+                .fields
+                .as_ref()
+                .map_or(Vec::new(), CoarseGraining::array),
             frames: String::new(),
         }
     }
@@ -287,7 +290,7 @@ impl Dragging {
     ///
     /// # Errors
     /// What is wrong with the note.
-    pub fn of(note: &Note) -> std::result::Result<Self, String> {
+    pub fn of(note: &StageState) -> std::result::Result<Self, String> {
         let mut read: Self = serde_json::from_str(&note.course)
             .map_err(|e| format!("holds no drag under way: {e}"))?;
         if let Some(fields) = read.fields.take() {
@@ -321,14 +324,18 @@ impl Dragging {
 ///
 /// # Errors
 /// As those.
-pub fn drag(sim: &mut Sim, plan: &DragPlan, witness: &mut impl Witness) -> Result<(Means, Record)> {
+pub fn drag(
+    sim: &mut Simulation,
+    plan: &DragPlan,
+    observer: &mut impl Observer,
+) -> Result<(Means, DragSeries)> {
     let mut dragging = Dragging::begin(sim, plan, "")?;
-    dragging.go_on(sim, plan, &Stage::silent(), witness)?;
+    dragging.go_on(sim, plan, &Stage::silent(), observer)?;
     Ok((dragging.means(plan, sim.dt)?, dragging.record))
 }
 
 /// Sets the intruder in motion, or base, lid and planes; all at once.
-fn set_off(sim: &mut Sim, moves: Moves, speed: f64) -> std::result::Result<(), KernelError> {
+fn set_off(sim: &mut Simulation, moves: Moves, speed: f64) -> std::result::Result<(), KernelError> {
     let histories = sim.contact_histories();
     if moves == Moves::Intruder {
         sim.obstacles[INTRUDER as usize].velocity = [speed, 0.0, 0.0];
@@ -348,7 +355,7 @@ fn set_off(sim: &mut Sim, moves: Moves, speed: f64) -> std::result::Result<(), K
 }
 
 /// Drag, along the motion of the bed past the intruder, lift up, and side force along y.
-fn force_on_intruder(sim: &Sim, moves: Moves) -> [f64; 3] {
+fn force_on_intruder(sim: &Simulation, moves: Moves) -> [f64; 3] {
     let [x, y, z] = sim.obstacles[INTRUDER as usize].force;
     match moves {
         // A difference, so that no force is +0.
@@ -359,7 +366,7 @@ fn force_on_intruder(sim: &Sim, moves: Moves) -> [f64; 3] {
 
 impl Gauges {
     /// Sums the force of a step, and where it is `counted` what the means are of.
-    fn read(&mut self, sim: &Sim, force: [f64; 3], counted: bool) {
+    fn read(&mut self, sim: &Simulation, force: [f64; 3], counted: bool) {
         self.since_row.add(force);
         self.all.add(force);
         if counted {
@@ -376,7 +383,7 @@ impl Gauges {
             lift: self.force[1].mean()?,
             side: self.force[2].mean()?,
             contacts: self.contacts.mean()?,
-            around: SurroundingMeans::default(),
+            around: NearFieldMeans::default(),
             drag_uncut: self.all.mean()[0],
             window_steps,
             flow: None,

@@ -12,7 +12,7 @@ use bitgrain_sim::files::bits;
 use bitgrain_sim::files::finite;
 use bitgrain_sim::motion::{Motion, Moves};
 use bitgrain_sim::observe::{INTRUDER, packing_fraction, pressure_at};
-use bitgrain_sim::sim::{Role, Sim};
+use bitgrain_sim::simulation::{Role, Simulation};
 
 /// Travel between rows, in mean diameters.
 const EVERY: f64 = 0.5;
@@ -233,7 +233,7 @@ pub struct FlowGauge {
 impl FlowGauge {
     /// A gauge for a bed that is about to move; `first` is the first step of the averaging window and
     /// `surface` the height of the settled bed's.
-    pub fn new(sim: &Sim, motion: &Motion, surface: f64) -> Self {
+    pub fn new(sim: &Simulation, motion: &Motion, surface: f64) -> Self {
         let d = motion.grain_diameter;
         let of = |role: Role| (0..sim.count()).filter(|&i| sim.role(i) == role).collect();
         let every = (EVERY * d / (motion.speed * sim.dt)).round() as u64;
@@ -265,7 +265,7 @@ impl FlowGauge {
     }
 
     /// Takes the readings of step `n`; `force` is drag, lift and side force on the intruder.
-    pub fn read(&mut self, sim: &Sim, n: u64, force: [f64; 3]) {
+    pub fn read(&mut self, sim: &Simulation, n: u64, force: [f64; 3]) {
         let along = |list: &[usize]| list.iter().map(|&i| sim.force[i][0]).sum::<f64>();
         let mut base = along(&self.base);
         for (k, body) in sim.obstacles.iter().enumerate() {
@@ -287,7 +287,7 @@ impl FlowGauge {
         }
     }
 
-    fn end_row(&mut self, sim: &Sim, n: u64) {
+    fn end_row(&mut self, sim: &Simulation, n: u64) {
         let steps = self.every as f64;
         let [drag, lift, base, lid] = self.sums.map(|sum| sum / steps);
         self.sums = [0.0; 4];
@@ -329,7 +329,7 @@ impl FlowGauge {
         });
     }
 
-    fn momentum(&self, sim: &Sim) -> f64 {
+    fn momentum(&self, sim: &Simulation) -> f64 {
         let free = (0..sim.count()).filter(|&i| sim.role(i) == Role::Free);
         let along =
             free.map(|i| sim.velocity[i][3] * (sim.velocity[i][0] * self.sign + self.frame));
@@ -337,7 +337,7 @@ impl FlowGauge {
     }
 
     /// Where the free grains of the far field are along x, unwrapped.
-    fn far_places(&self, sim: &Sim) -> Vec<Option<f64>> {
+    fn far_places(&self, sim: &Simulation) -> Vec<Option<f64>> {
         let body = &sim.obstacles[INTRUDER as usize];
         let width = sim.domain.hi()[0] - sim.domain.lo()[0];
         let place = |i: usize| {
@@ -380,13 +380,13 @@ impl FlowGauge {
 }
 
 /// A grain's place along x with the crossings of the box counted.
-fn unwrapped(sim: &Sim, i: usize) -> f64 {
+fn unwrapped(sim: &Simulation, i: usize) -> f64 {
     let width = sim.domain.hi()[0] - sim.domain.lo()[0];
     sim.position[i][0] + f64::from(sim.image[i][0]) * width
 }
 
 /// Free grains that lie higher than the grain of the lid which is nearest to them from above.
-fn floating(sim: &Sim, lid: &[usize]) -> u64 {
+fn floating(sim: &Simulation, lid: &[usize]) -> u64 {
     let lowest = lid.iter().map(|&k| sim.position[k][2]);
     let lowest = lowest.fold(f64::INFINITY, |a, b| if b < a { b } else { a });
     let above = |i: &usize| {

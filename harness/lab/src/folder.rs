@@ -3,7 +3,7 @@
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
-use crate::manifest::{self, Ledger, Manifest, Of};
+use crate::manifest::{self, FolderKind, Ledger, Manifest};
 use crate::progress::Progress;
 use crate::scenario::{self, Scenario};
 use bitgrain_sim::disk::{self, Kind, make_folder};
@@ -16,7 +16,7 @@ pub struct Folder<'a>(pub &'a Path);
 
 /// What is put into a folder: by what it is known again, and which names are taken in it.
 pub struct Contents {
-    pub(crate) of: Of,
+    pub(crate) of: FolderKind,
     /// The file that says what the folder is for; its first line names the arithmetic.
     pub(crate) marker: &'static str,
     /// All names that may be written directly below it.
@@ -25,7 +25,7 @@ pub struct Contents {
 
 /// What a run directory holds.
 pub(crate) const RUN: Contents = Contents {
-    of: Of::Run,
+    of: FolderKind::Run,
     marker: "scenario.toml",
     names: &[
         "scenario.toml",
@@ -41,7 +41,7 @@ pub(crate) const RUN: Contents = Contents {
 
 /// A folder that is this process's as long as this lives, and its manifest.
 #[derive(Debug)]
-pub struct Claim {
+pub struct DirectoryLock {
     _locks: Vec<File>,
     /// Whether the file system could lock: else another run may be at work.
     pub sure: bool,
@@ -50,7 +50,7 @@ pub struct Claim {
     damage: Option<Error>,
 }
 
-impl Claim {
+impl DirectoryLock {
     /// Takes a folder for the stages of a run or campaign. `settle` checks what lies in it and writes the
     /// marker, or refuses; before it nothing is written.
     ///

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use std::time::Instant;
 
 use crate::bed;
-use crate::bed::library::Library;
+use crate::bed::library::BedCache;
 use crate::bed::recipe::Recipe;
 use crate::progress::Stage;
 use crate::scenario::{self, BedPlan, DragPlan, PACKING_GUESS, Scenario, UnitSystem};
@@ -39,7 +39,7 @@ const TRIAL: f64 = 0.5;
 ///
 /// # Errors
 /// What the trial may meet: a run that goes wrong.
-pub fn forecast(scenario: &Scenario, library: &Library, threads: usize) -> Result<String> {
+pub fn forecast(scenario: &Scenario, library: &BedCache, threads: usize) -> Result<String> {
     let speed = trial(scenario)?;
     let work = Work::of(scenario, library)?;
     let mut out = Lines::default();
@@ -67,7 +67,7 @@ struct Work {
 
 impl Work {
     /// Of a scenario whose beds may be in a library.
-    fn of(scenario: &Scenario, library: &Library) -> Result<Self> {
+    fn of(scenario: &Scenario, library: &BedCache) -> Result<Self> {
         let mut work = Work::default();
         if scenario.source.is_none() {
             let absent = |plan: &BedPlan| {
@@ -120,7 +120,7 @@ pub struct Size {
 /// # Errors
 /// What the trial may meet: a run that goes wrong.
 pub fn shipped(threads: usize) -> Result<Vec<Size>> {
-    let none = Library::new("");
+    let none = BedCache::new("");
     let mut sizes = Vec::new();
     let mut speed = None;
     for (name, _) in scenario::SHIPPED {

@@ -7,7 +7,7 @@ use bitgrain_sim::files::bits;
 use bitgrain_sim::files::finite;
 use bitgrain_sim::motion::{Motion, Moves};
 use bitgrain_sim::observe::INTRUDER;
-use bitgrain_sim::sim::{Role, Sim};
+use bitgrain_sim::simulation::{Role, Simulation};
 
 /// Columns of the table: lengths over the mean grain diameter, from the intruder's centre; speeds over the
 /// speed V of the drag, relative to the base.
@@ -65,7 +65,7 @@ pub fn nearest(x: f64, size: f64) -> f64 {
 
 /// Height y of the plane: through the intruder's centre. A cylinder looks alike everywhere: it is cut
 /// through a row of the lid, not between two.
-pub fn plane(sim: &Sim) -> f64 {
+pub fn plane(sim: &Simulation) -> f64 {
     let body = &sim.obstacles[INTRUDER as usize];
     let y = body.point[1];
     let off = |i: &usize| (sim.position[*i][1] - y).abs();
@@ -77,7 +77,7 @@ pub fn plane(sim: &Sim) -> f64 {
 }
 
 /// The rows of one frame: numbers to a thousandth, which is finer than any screen shows.
-pub fn rows(sim: &Sim, motion: &Motion, step: u64) -> String {
+pub fn rows(sim: &Simulation, motion: &Motion, step: u64) -> String {
     let d = motion.grain_diameter;
     let body = &sim.obstacles[INTRUDER as usize];
     let (centre, y) = (body.point, plane(sim));
@@ -214,7 +214,7 @@ mod tests {
     fn rows_are_what_the_plane_cuts() {
         use bitgrain_kernel::{Domain, Group, Obstacle, conformance};
 
-        use bitgrain_sim::sim::{AnyLaw, Grain};
+        use bitgrain_sim::simulation::{AnyLaw, Grain};
 
         let domain = Domain::new([0.0; 3], [20.0, 8.0, 30.0], [true, true, false]).unwrap();
         let grain = |id: u32, group, position, velocity| Grain {
@@ -235,7 +235,7 @@ mod tests {
         let groups = vec![Group::free([0.0; 3]), Group::frozen()];
         let ball = Obstacle::sphere([19.0, 4.0, 3.0], 1.0);
         let law = AnyLaw::HertzHistory(conformance::history(0.0));
-        let sim = Sim::new(law, domain, 1e-3, groups, &grains, vec![ball]);
+        let sim = Simulation::new(law, domain, 1e-3, groups, &grains, vec![ball]);
         let quick = crate::scenario::load("quick", &[]).unwrap();
         let mut plan = quick.runs()[0].clone();
         (plan.motion.speed, plan.motion.dt) = (2.0, sim.dt);

@@ -5,7 +5,7 @@
 //! * [`scenario`] is what a user asks for, [`forecast`] what it would take, [`run`] the pipeline, [`folder`] and
 //!   [`manifest`] the run directory;
 //! * [`bed`] pours and settles grains, keeps beds for the next run and takes those of others;
-//! * [`drag`] pulls the intruder or carries the bed past it; [`series`], [`flow`], [`surroundings`], [`plug`],
+//! * [`drag`] pulls the intruder or carries the bed past it; [`series`], [`flow`], [`near_field`], [`plug_flow`],
 //!   [`frames`] and [`summary`] hold what was measured;
 //! * [`campaign`] runs a scenario over the values of its grids into one table;
 //! * [`verify`], [`bisect`], [`against`], [`rerun`] and [`replay`] do parts of it again and compare ([`compare`],
@@ -28,9 +28,10 @@ pub mod forecast;
 pub mod frames;
 pub mod json;
 pub mod manifest;
+pub mod near_field;
 pub mod parse_errors;
 pub mod plain;
-pub mod plug;
+pub mod plug_flow;
 pub mod progress;
 pub mod replay;
 pub mod rerun;
@@ -39,5 +40,4 @@ pub mod scenario;
 pub mod selftest;
 pub mod series;
 pub mod summary;
-pub mod surroundings;
 pub mod verify;

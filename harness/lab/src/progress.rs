@@ -11,7 +11,7 @@ use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 
 use crate::plain::plain;
 use bitgrain_sim::error::{Error, Result};
-use bitgrain_sim::sim::Sim;
+use bitgrain_sim::simulation::Simulation;
 
 /// Time between the lines of a stage that has no bar.
 const QUIET: Duration = Duration::from_secs(60);
@@ -330,7 +330,7 @@ impl Stage {
     /// As [`Stage::at`].
     pub fn settling(
         &mut self,
-        sim: &Sim,
+        sim: &Simulation,
         energy: f64,
         bound: f64,
         carried: f64,

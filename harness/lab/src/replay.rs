@@ -9,12 +9,12 @@ use serde::{Deserialize, Serialize};
 use crate::case;
 use crate::folder::Folder;
 use crate::progress::Progress;
-use crate::rerun::Past;
-use bitgrain_sim::audit::{Audit, EnergyRow};
+use crate::rerun::RunArchive;
 use bitgrain_sim::checkpoint;
+use bitgrain_sim::energy_budget::{Audit, EnergyRow};
 use bitgrain_sim::error::{Error, Result};
-use bitgrain_sim::sim::{Sim, hex};
-use bitgrain_sim::witness::Witness;
+use bitgrain_sim::observer::Observer;
+use bitgrain_sim::simulation::{Simulation, hex};
 
 /// What to replay.
 #[derive(Clone, Debug)]
@@ -123,7 +123,7 @@ pub fn replay(path: &Path, what: &Replay, out: &mut impl Write) -> Result<()> {
     let (every, mut done) = (what.every.max(1), 0);
     while done < what.steps {
         let next = (done / every * every + every).min(what.steps);
-        let fault = |sim: &Sim, f| Error::run(&name, sim.step_count() - begin + 1, f);
+        let fault = |sim: &Simulation, f| Error::run(&name, sim.step_count() - begin + 1, f);
         let between = next - 1 - done;
         let went = match &mut audit {
             None => sim.steps(between),
@@ -154,11 +154,11 @@ pub fn replay_run(
     progress: &Progress,
     out: &mut impl Write,
 ) -> Result<()> {
-    let past = Past::open(folder)?;
+    let past = RunArchive::open(folder)?;
     let part = past.part(&stretch.stage)?;
     let past_all = || Error::input(&stretch.stage, "has not so many steps");
     let to = stretch.from.checked_add(what.steps).ok_or_else(past_all)?;
-    let mut tape = Tape {
+    let mut tape = StatePrinter {
         from: stretch.from,
         to,
         what,
@@ -180,7 +180,7 @@ pub fn replay_run(
 }
 
 /// Prints the states of a stretch.
-struct Tape<'a, W> {
+struct StatePrinter<'a, W> {
     from: u64,
     to: u64,
     what: &'a Replay,
@@ -190,20 +190,25 @@ struct Tape<'a, W> {
     last: Option<u64>,
 }
 
-impl<W: Write> Witness for Tape<'_, W> {
-    fn begins(&mut self, step: u64, sim: &mut Sim) -> Result<()> {
+impl<W: Write> Observer for StatePrinter<'_, W> {
+    fn on_start(&mut self, step: u64, sim: &mut Simulation) -> Result<()> {
         if step == self.from {
-            self.look(step, sim, &[])?;
+            self.on_step(step, sim, &[])?;
         }
         Ok(())
     }
 
-    fn looks_at(&self, step: u64) -> bool {
+    fn wants_step(&self, step: u64) -> bool {
         let sampled = |n: u64| n.is_multiple_of(self.what.every.max(1));
         (self.from..=self.to).contains(&step) && (step == self.to || sampled(step - self.from))
     }
 
-    fn look(&mut self, step: u64, sim: &mut Sim, contacts: &[ContactForce<f64>]) -> Result<()> {
+    fn on_step(
+        &mut self,
+        step: u64,
+        sim: &mut Simulation,
+        contacts: &[ContactForce<f64>],
+    ) -> Result<()> {
         write_sample(step, sim, self.what, (contacts, None), self.out)?;
         self.last = Some(step);
         match self.save {
@@ -212,7 +217,7 @@ impl<W: Write> Witness for Tape<'_, W> {
         }
     }
 
-    fn ends(&self) -> u64 {
+    fn last_step(&self) -> u64 {
         self.to
     }
 }
@@ -225,7 +230,7 @@ fn write_line(value: &impl Serialize, out: &mut impl Write) -> Result<()> {
 
 fn write_sample(
     step: u64,
-    sim: &mut Sim,
+    sim: &mut Simulation,
     what: &Replay,
     (seen, energy): (&[ContactForce<f64>], Option<EnergyRow>),
     out: &mut impl Write,

@@ -10,11 +10,11 @@ use crate::summary::BedSummary;
 use bitgrain_sim::checkpoint;
 use bitgrain_sim::disk;
 use bitgrain_sim::error::{Error, Result};
-use bitgrain_sim::sim::Sim;
-use bitgrain_sim::witness::Witness;
+use bitgrain_sim::observer::Observer;
+use bitgrain_sim::simulation::Simulation;
 
 /// A run directory and what its scenario plans.
-pub struct Past<'a> {
+pub struct RunArchive<'a> {
     /// Where it is.
     pub folder: &'a Folder<'a>,
     /// The scenario.
@@ -27,24 +27,24 @@ pub struct Past<'a> {
 
 /// A stage of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Part<'a> {
+pub enum RunPart<'a> {
     /// A bed, from release to rest.
     Bed(&'a BedPlan),
     /// A drag.
     Drag(&'a DragPlan),
 }
 
-impl Part<'_> {
+impl RunPart<'_> {
     /// Its name.
     pub fn name(&self) -> &str {
         match self {
-            Part::Bed(plan) => &plan.name,
-            Part::Drag(plan) => &plan.name,
+            RunPart::Bed(plan) => &plan.name,
+            RunPart::Drag(plan) => &plan.name,
         }
     }
 }
 
-impl<'a> Past<'a> {
+impl<'a> RunArchive<'a> {
     /// What a folder holds.
     ///
     /// # Errors
@@ -66,16 +66,16 @@ impl<'a> Past<'a> {
     }
 
     /// All stages, in the order in which they are run.
-    pub fn parts(&self) -> impl Iterator<Item = Part<'_>> {
-        let beds = self.beds.iter().map(Part::Bed);
-        beds.chain(self.runs.iter().map(Part::Drag))
+    pub fn parts(&self) -> impl Iterator<Item = RunPart<'_>> {
+        let beds = self.beds.iter().map(RunPart::Bed);
+        beds.chain(self.runs.iter().map(RunPart::Drag))
     }
 
     /// The stage of this name.
     ///
     /// # Errors
     /// [`Error::Input`] with the names that there are.
-    pub fn part(&self, name: &str) -> Result<Part<'_>> {
+    pub fn part(&self, name: &str) -> Result<RunPart<'_>> {
         let mut parts = self.parts();
         parts.find(|part| part.name() == name).ok_or_else(|| {
             let problem = format!("is no stage of this run; there are {}", self.names());
@@ -120,7 +120,7 @@ impl<'a> Past<'a> {
     ///
     /// # Errors
     /// Where the checkpoint cannot be read or is another drag's.
-    pub fn state(&self, drag: DragTask<'_>, step: u64) -> Result<(Sim, Dragging)> {
+    pub fn state(&self, drag: DragTask<'_>, step: u64) -> Result<(Simulation, Dragging)> {
         if step == 0 {
             return run::begin(drag);
         }
@@ -135,29 +135,29 @@ impl<'a> Past<'a> {
         kept.find(is_there).unwrap_or(0)
     }
 
-    /// Runs a stage again from the last kept state at or before `from` until `witness` has seen enough.
+    /// Runs a stage again from the last kept state at or before `from` until `observer` has seen enough.
     ///
     /// # Errors
-    /// What goes wrong, and what `witness` returns.
+    /// What goes wrong, and what `observer` returns.
     pub fn rerun(
         &self,
-        part: Part<'_>,
+        part: RunPart<'_>,
         from: u64,
         progress: &Progress,
-        witness: &mut impl Witness,
+        observer: &mut impl Observer,
     ) -> Result<()> {
         let mut stage: Stage = progress.stage(part.name(), from);
         match part {
-            Part::Bed(plan) => {
+            RunPart::Bed(plan) => {
                 let mut bed = run::begin_bed(self.folder, &self.scenario, plan)?;
-                bed.go_on(&self.scenario, plan, &mut stage, witness)?;
+                bed.go_on(&self.scenario, plan, &mut stage, observer)?;
             }
-            Part::Drag(plan) => {
+            RunPart::Drag(plan) => {
                 let bed = self.bed_of(plan)?;
                 let drag = self.drag(plan, &bed);
                 let (mut sim, mut dragging) = self.state(drag, self.kept_before(plan, from))?;
                 stage.resume(dragging.step);
-                dragging.go_on(&mut sim, plan, &stage, witness)?;
+                dragging.go_on(&mut sim, plan, &stage, observer)?;
             }
         }
         Ok(())

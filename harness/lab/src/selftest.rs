@@ -6,8 +6,8 @@ use bitgrain_kernel::conformance::{self, EVERY, Line, Room, World};
 use bitgrain_kernel::{BITS_VERSION, Error as KernelError, Real, check_arithmetic};
 
 use bitgrain_sim::error::{Error, Result};
-use bitgrain_sim::registers::Registers;
-use bitgrain_sim::sim::{AnyLaw, Sim};
+use bitgrain_sim::isa::Isa;
+use bitgrain_sim::simulation::{AnyLaw, Simulation};
 use bitgrain_sim::threads::on_threads;
 
 /// The published lines, one for each digest.
@@ -39,7 +39,7 @@ fn against(published: &str, mut show: impl FnMut(&str) -> Result<()>) -> Result<
     lines.push(conformance::last(&all));
     compare("the kernel", &lines, published, &mut show)?;
 
-    for registers in Registers::all() {
+    for registers in Isa::all() {
         for threads in [1, THREADS] {
             let name = format!("{registers:?}, {threads} thread(s)");
             let lines = on_threads(threads, || by_ranges(registers, threads))?;
@@ -51,7 +51,7 @@ fn against(published: &str, mut show: impl FnMut(&str) -> Result<()>) -> Result<
             compare(&name, &lines, published, &mut show)?;
         }
     }
-    let whole = bitgrain_sim::sim::hex(&all.finish());
+    let whole = bitgrain_sim::simulation::hex(&all.finish());
     show(&format!(
         "\nThis machine keeps the bit contract: BITS_VERSION {BITS_VERSION}, reference digest {whole}"
     ))
@@ -66,7 +66,7 @@ fn by_the_kernel<R: Real>(all: &mut Hasher) -> std::result::Result<Vec<Line>, Ke
 }
 
 /// The lines in double precision as a simulation gives them, on the threads round this call.
-fn by_ranges(registers: Registers, threads: usize) -> std::result::Result<Vec<Line>, KernelError> {
+fn by_ranges(registers: Isa, threads: usize) -> std::result::Result<Vec<Line>, KernelError> {
     let mut room = Box::new(Room::<f64>::vacant());
     let mut lines = Vec::new();
     for one in World::ALL {
@@ -83,7 +83,7 @@ fn by_ranges(registers: Registers, threads: usize) -> std::result::Result<Vec<Li
                 Some(gamma) => AnyLaw::HertzHistory(conformance::history(gamma)),
                 None => AnyLaw::HertzTsuji(conformance::tsuji()),
             };
-            let mut tell = |sim: &mut Sim| -> std::result::Result<(), KernelError> {
+            let mut tell = |sim: &mut Simulation| -> std::result::Result<(), KernelError> {
                 lines.push(Line {
                     real: f64::NAME,
                     world: one.name(),
@@ -107,11 +107,11 @@ fn by_ranges(registers: Registers, threads: usize) -> std::result::Result<Vec<Li
 }
 
 /// The world of a room as a simulation.
-fn taken(room: &mut Room<f64>) -> Sim {
+fn taken(room: &mut Room<f64>) -> Simulation {
     let world = room.world();
     let law = AnyLaw::HertzTsuji(conformance::tsuji());
     let (groups, obstacles) = (world.grains.groups.to_vec(), world.obstacles.to_vec());
-    let mut sim = Sim::new(law, *world.domain, world.dt, groups, &[], obstacles);
+    let mut sim = Simulation::new(law, *world.domain, world.dt, groups, &[], obstacles);
     let g = &world.grains;
     (sim.id, sim.group) = (g.id.to_vec(), g.group.to_vec());
     (sim.position, sim.velocity) = (g.position.to_vec(), g.velocity.to_vec());

@@ -5,4 +5,4 @@ mod read;
 mod record;
 
 pub use read::{parse_record, parse_summary, read_folder, read_summary};
-pub use record::{BedSummary, Flow, Rig, RunRecord, RunSummary, Summary};
+pub use record::{BedSummary, DragRecord, DragSummary, Flow, Rig, Summary};

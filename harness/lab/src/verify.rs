@@ -12,19 +12,19 @@ pub use scope::{Scope, Segment};
 
 use check::{Check, Finding};
 
-use crate::bed::Course;
+use crate::bed::PouringState;
 use crate::drag::Dragging;
 use crate::frames;
 use crate::manifest::Manifest;
 use crate::progress::Progress;
-use crate::rerun::{Part, Past};
+use crate::rerun::{RunArchive, RunPart};
 use crate::run::{self, side_by_side};
 use crate::scenario::{BedPlan, DragPlan};
 use bitgrain_sim::checkpoint;
 use bitgrain_sim::disk;
 use bitgrain_sim::error::{Error, Result};
+use bitgrain_sim::observer::Observer;
 use bitgrain_sim::random::{Purpose, uniforms};
-use bitgrain_sim::witness::Witness;
 
 /// Steps between two states that were kept, or a whole bed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,7 +58,7 @@ impl Piece<'_> {
 /// [`Error::Unverified`] where something does not hold or the run is not finished, after all was told;
 /// [`Error::Input`] where there is nothing to verify.
 pub fn verify(
-    past: &Past<'_>,
+    past: &RunArchive<'_>,
     scope: &Scope,
     expect: &[String],
     threads: usize,
@@ -104,7 +104,7 @@ pub(crate) struct Executed {
 /// A piece of a run, and what tells it from those of other runs.
 #[derive(Clone, Copy)]
 pub(crate) struct Job<'a> {
-    past: &'a Past<'a>,
+    past: &'a RunArchive<'a>,
     piece: Piece<'a>,
     pub(crate) label: &'a str,
 }
@@ -179,7 +179,7 @@ pub(crate) fn execute(
 /// # Errors
 /// [`Error::Input`] where there are none.
 pub(crate) fn pieces<'a>(
-    past: &'a Past<'a>,
+    past: &'a RunArchive<'a>,
     manifest: Option<&Manifest>,
     scope: &Scope,
 ) -> Result<Vec<Job<'a>>> {
@@ -193,12 +193,12 @@ pub(crate) fn pieces<'a>(
     for part in past.parts() {
         let ended = whole || manifest.is_some_and(|manifest| manifest.has_finished(part.name()));
         match part {
-            Part::Bed(plan) => {
+            RunPart::Bed(plan) => {
                 if ended || disk::is_there(&past.folder.bed(&plan.name)) {
                     pieces.push(Piece::Bed(plan));
                 }
             }
-            Part::Drag(plan) => {
+            RunPart::Drag(plan) => {
                 let mut from = 0;
                 let ended =
                     ended || disk::is_there(&past.folder.of_run(&plan.name, "summary.json"));
@@ -227,7 +227,7 @@ pub(crate) fn pieces<'a>(
     Ok(pieces.into_iter().map(job).collect())
 }
 
-fn again(past: &Past<'_>, piece: Piece<'_>, progress: &Progress) -> Result<Finding> {
+fn again(past: &RunArchive<'_>, piece: Piece<'_>, progress: &Progress) -> Result<Finding> {
     match piece {
         Piece::Bed(plan) => bed_again(past, plan, progress),
         Piece::Drag(plan, from, to) => drag_again(past, plan, [from, to], progress),
@@ -235,12 +235,12 @@ fn again(past: &Past<'_>, piece: Piece<'_>, progress: &Progress) -> Result<Findi
 }
 
 /// Pours a bed again, or takes it over again.
-fn bed_again(past: &Past<'_>, plan: &BedPlan, progress: &Progress) -> Result<Finding> {
+fn bed_again(past: &RunArchive<'_>, plan: &BedPlan, progress: &Progress) -> Result<Finding> {
     let path = past.folder.bed(&plan.name);
     let bytes = disk::read(&path)?;
     let name = path.display().to_string();
     let (settled, note) = checkpoint::unpack(&bytes, &name)?;
-    let course = Course::of(&note).map_err(|problem| Error::Damaged {
+    let course = PouringState::of(&note).map_err(|problem| Error::Damaged {
         place: name,
         problem,
     })?;
@@ -256,7 +256,7 @@ fn bed_again(past: &Past<'_>, plan: &BedPlan, progress: &Progress) -> Result<Fin
     let steps = [first, settled.step_count()];
     let mut bed = run::begin_bed(past.folder, &past.scenario, plan)?;
     // Its first link was made as it began.
-    check.linked(&bed.course.chain().links[0])?;
+    check.on_digest(&bed.course.chain().links[0])?;
     let mut stage = progress.stage(&plan.name, settled.step_count());
     let settled = bed.go_on(&past.scenario, plan, &mut stage, &mut check)?;
     let note = bed.course.note();
@@ -270,7 +270,7 @@ fn bed_again(past: &Past<'_>, plan: &BedPlan, progress: &Progress) -> Result<Fin
 
 /// Drags again from one kept state to the next.
 fn drag_again(
-    past: &Past<'_>,
+    past: &RunArchive<'_>,
     plan: &DragPlan,
     steps: [u64; 2],
     progress: &Progress,

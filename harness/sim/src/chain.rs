@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
 use crate::files::bits;
-use crate::sim::hex;
+use crate::simulation::hex;
 
 /// Digits of a digest in hex.
 const DIGITS: usize = 64;

@@ -3,8 +3,8 @@
 mod arrays;
 mod head;
 
-pub use head::Note;
-use head::{FIELDS, FRAMES, Head, Made, Part};
+pub use head::StageState;
+use head::{FIELDS, FRAMES, Head, Made, PartSeal};
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -15,7 +15,7 @@ use safetensors::tensor::{Dtype, SafeTensors, TensorView, serialize};
 
 use crate::disk::{self, write_whole};
 use crate::error::{Error, Result};
-use crate::sim::{Sim, hex};
+use crate::simulation::{Simulation, hex};
 
 /// Version of the file's layout.
 pub const FORMAT: u32 = 3;
@@ -26,7 +26,7 @@ const KEY: &str = "bitgrain";
 ///
 /// # Errors
 /// [`Error::Write`], and as [`pack`].
-pub fn write(path: &Path, sim: &mut Sim) -> Result<()> {
+pub fn write(path: &Path, sim: &mut Simulation) -> Result<()> {
     write_whole(path, &bytes(sim, "")?)
 }
 
@@ -34,10 +34,10 @@ pub fn write(path: &Path, sim: &mut Sim) -> Result<()> {
 ///
 /// # Errors
 /// As [`pack`].
-pub fn bytes(sim: &mut Sim, recipe: &str) -> Result<Vec<u8>> {
-    let note = Note {
+pub fn bytes(sim: &mut Simulation, recipe: &str) -> Result<Vec<u8>> {
+    let note = StageState {
         recipe: recipe.to_string(),
-        ..Note::default()
+        ..StageState::default()
     };
     pack(sim, &note)
 }
@@ -47,12 +47,12 @@ pub fn bytes(sim: &mut Sim, recipe: &str) -> Result<Vec<u8>> {
 /// # Errors
 /// [`Error::Contract`] where the processor's modes were changed since the last step: what the note says may
 /// be wrong, and nothing of it is to be kept.
-pub fn pack(sim: &mut Sim, note: &Note) -> Result<Vec<u8>> {
+pub fn pack(sim: &mut Simulation, note: &StageState) -> Result<Vec<u8>> {
     let step = sim.step_count();
     let digest = sim.digest();
     let digest = digest.map_err(|fault| Error::run("a checkpoint", step, fault))?;
     let arrays = arrays(sim, note);
-    let part = |(name, (_, _, bytes)): &Array| Part::of(name, bytes);
+    let part = |(name, (_, _, bytes)): &Array| PartSeal::of(name, bytes);
     let mut head = Head {
         format: FORMAT,
         bits_version: BITS_VERSION,
@@ -82,7 +82,7 @@ pub fn pack(sim: &mut Sim, note: &Note) -> Result<Vec<u8>> {
 type Array = (&'static str, (Dtype, Vec<usize>, Vec<u8>));
 
 /// Grains, contacts and the stage under way as arrays, by name.
-fn arrays(sim: &mut Sim, note: &Note) -> Vec<Array> {
+fn arrays(sim: &mut Simulation, note: &StageState) -> Vec<Array> {
     let (mut bodies, mut springs, mut kinds) = (Vec::new(), Vec::new(), Vec::new());
     for bond in sim.contact_histories() {
         let (kind, i, partner, spring) = match bond {
@@ -136,7 +136,7 @@ fn arrays(sim: &mut Sim, note: &Note) -> Vec<Array> {
 /// # Errors
 /// [`Error::Damaged`] where the file was changed or cut off, [`Error::Input`] where it is missing or of
 /// another format or arithmetic.
-pub fn read(path: &Path) -> Result<Sim> {
+pub fn read(path: &Path) -> Result<Simulation> {
     Ok(read_noted(path)?.0)
 }
 
@@ -144,7 +144,7 @@ pub fn read(path: &Path) -> Result<Sim> {
 ///
 /// # Errors
 /// As [`read`].
-pub fn read_noted(path: &Path) -> Result<(Sim, Note)> {
+pub fn read_noted(path: &Path) -> Result<(Simulation, StageState)> {
     unpack(&disk::read(path)?, &path.display().to_string())
 }
 
@@ -153,7 +153,7 @@ pub fn read_noted(path: &Path) -> Result<(Sim, Note)> {
 ///
 /// # Errors
 /// As [`read`].
-pub fn note(bytes: &[u8], name: &str) -> Result<Note> {
+pub fn note(bytes: &[u8], name: &str) -> Result<StageState> {
     let head = head(bytes, name)?;
     if head.bits_version != BITS_VERSION {
         return Err(other_versions(name, [head.format, head.bits_version]));
@@ -168,7 +168,7 @@ pub fn note(bytes: &[u8], name: &str) -> Result<Note> {
 ///
 /// # Errors
 /// As [`read`].
-pub fn parse(bytes: &[u8], name: &str, recipe: Option<&str>) -> Result<Sim> {
+pub fn parse(bytes: &[u8], name: &str, recipe: Option<&str>) -> Result<Simulation> {
     let (sim, note) = unpack(bytes, name)?;
     if recipe.is_some_and(|digest| digest != note.recipe) {
         let problem = "holds a bed that was poured by another recipe";
@@ -181,7 +181,7 @@ pub fn parse(bytes: &[u8], name: &str, recipe: Option<&str>) -> Result<Sim> {
 ///
 /// # Errors
 /// As [`read`].
-pub fn unpack(bytes: &[u8], name: &str) -> Result<(Sim, Note)> {
+pub fn unpack(bytes: &[u8], name: &str) -> Result<(Simulation, StageState)> {
     let head = head(bytes, name)?;
     if head.bits_version != BITS_VERSION {
         return Err(other_versions(name, [head.format, head.bits_version]));
@@ -193,7 +193,7 @@ pub fn unpack(bytes: &[u8], name: &str) -> Result<(Sim, Note)> {
 ///
 /// # Errors
 /// As [`read`], but for the arithmetic.
-pub fn unpack_foreign(bytes: &[u8], name: &str) -> Result<Sim> {
+pub fn unpack_foreign(bytes: &[u8], name: &str) -> Result<Simulation> {
     let head = head(bytes, name)?;
     Ok(restore(bytes, &head, name)?.0)
 }
@@ -242,7 +242,7 @@ fn head(bytes: &[u8], name: &str) -> Result<Head> {
     for part in &head.parts {
         let view = file.tensor(&part.name);
         let view = view.map_err(|e| damaged(e.to_string()))?;
-        if Part::of(&part.name, view.data()) != *part {
+        if PartSeal::of(&part.name, view.data()) != *part {
             let name = &part.name;
             return Err(damaged(format!(
                 "`{name}` has not the length and digest of its head"
@@ -253,7 +253,7 @@ fn head(bytes: &[u8], name: &str) -> Result<Head> {
 }
 
 /// The state and the note, proved by the digest.
-fn restore(bytes: &[u8], head: &Head, name: &str) -> Result<(Sim, Note)> {
+fn restore(bytes: &[u8], head: &Head, name: &str) -> Result<(Simulation, StageState)> {
     let damaged = damaged(name);
     let file = SafeTensors::deserialize(bytes).map_err(|e| damaged(e.to_string()))?;
     let arrays = Arrays { file: &file };

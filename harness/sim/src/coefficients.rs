@@ -1,7 +1,7 @@
 //! The coefficients of a contact law as the paper's table gives them.
 
 use crate::law::LawSpec;
-use crate::sim::{AnyLaw, sphere_mass};
+use crate::simulation::{AnyLaw, sphere_mass};
 
 /// One row of Guillard 2014, Table I: the coefficient, its unit in SI, and its values for two grains
 /// and for a grain at a cylinder or plane.

@@ -10,7 +10,7 @@
 
 mod watch;
 
-pub use watch::{Call, Verdict, Watch, watch};
+pub use watch::{Call, CallOutcome, Watch, watch};
 
 use std::fs::{File, Metadata};
 use std::io::{self, Read, Write};

@@ -6,8 +6,8 @@
 
 use bitgrain_kernel::{ContactForce, Obstacle, Partner, Shape};
 
-use crate::lammps::{Atom, DataFile, Frame};
-use crate::sim::{Role, Sim, sphere_mass};
+use crate::lammps::{Atom, DataFile, DumpFrame};
+use crate::simulation::{Role, Simulation, sphere_mass};
 
 /// Type of the grains that move.
 pub const GRAIN_TYPE: u32 = 1;
@@ -23,7 +23,7 @@ pub const LID_TYPE: u32 = 4;
 ///
 /// A density is such that it gives the mass back to the bit. An infinitely heavy obstacle, which a
 /// file cannot say, gets density 1. The box of open space is drawn round what is in it.
-pub fn atoms(sim: &Sim, obstacles: bool) -> DataFile {
+pub fn atoms(sim: &Simulation, obstacles: bool) -> DataFile {
     let row = |i: usize| {
         let (x, v, w) = (sim.position[i], sim.velocity[i], sim.spin[i]);
         let kind = match sim.role(i) {
@@ -73,11 +73,11 @@ pub fn atoms(sim: &Sim, obstacles: bool) -> DataFile {
 
 /// Grains and obstacle spheres as a frame of a dump, and the contact force on each; on an obstacle,
 /// the sum of its grains' forces.
-pub fn frame(sim: &Sim) -> (Frame, Vec<[f64; 3]>) {
+pub fn frame(sim: &Simulation) -> (DumpFrame, Vec<[f64; 3]>) {
     let data = atoms(sim, true);
     let mut forces: Vec<[f64; 3]> = sim.force.iter().map(|f| [f[0], f[1], f[2]]).collect();
     forces.extend(balls(sim).map(|(body, _)| body.force));
-    let frame = Frame {
+    let frame = DumpFrame {
         step: sim.step_count(),
         lo: data.lo,
         hi: data.hi,
@@ -88,7 +88,7 @@ pub fn frame(sim: &Sim) -> (Frame, Vec<[f64; 3]>) {
 }
 
 /// The obstacles that are spheres, and their radii.
-fn balls(sim: &Sim) -> impl Iterator<Item = (&Obstacle<f64>, f64)> {
+fn balls(sim: &Simulation) -> impl Iterator<Item = (&Obstacle<f64>, f64)> {
     sim.obstacles.iter().filter_map(|body| match body.shape {
         Shape::Sphere { radius } => Some((body, radius)),
         _ => None,
@@ -107,7 +107,7 @@ fn density_of(diameter: f64, mass: f64) -> f64 {
 }
 
 /// The box, or for open space one that leaves a largest diameter round every atom.
-fn edges(sim: &Sim, atoms: &[Atom]) -> [[f64; 3]; 2] {
+fn edges(sim: &Simulation, atoms: &[Atom]) -> [[f64; 3]; 2] {
     let (mut lo, mut hi) = (sim.domain.lo(), sim.domain.hi());
     let margin = atoms.iter().fold(1.0, |m: f64, a| m.max(a.diameter));
     for a in 0..3 {
@@ -123,8 +123,8 @@ fn edges(sim: &Sim, atoms: &[Atom]) -> [[f64; 3]; 2] {
 /// Grains and obstacle spheres as points of a VTK file, with id, type, radius, speed, velocity,
 /// spin and contact force; `title` is its second line. ParaView draws them with a Glyph filter:
 /// spheres scaled by `radius` with a factor of 2.
-pub fn vtk_grains(sim: &Sim, title: &str) -> String {
-    let (Frame { atoms, .. }, forces) = frame(sim);
+pub fn vtk_grains(sim: &Simulation, title: &str) -> String {
+    let (DumpFrame { atoms, .. }, forces) = frame(sim);
     let n = atoms.len();
     let mut out = vtk_head(title);
     out.push_str(&format!("POINTS {n} double\n"));
@@ -152,14 +152,14 @@ pub fn vtk_grains(sim: &Sim, title: &str) -> String {
     out
 }
 
-/// The contacts of a step ([`Sim::step_watched`]) as lines of a VTK file, with the normal force,
+/// The contacts of a step ([`Simulation::step_watched`]) as lines of a VTK file, with the normal force,
 /// the tangential force (on the grain that the line begins at), the overlap, and the obstacle's
 /// number (-1 between grains).
 ///
 /// A line runs from the centre of the lower grain to that of the other, or to the obstacle's
 /// surface. Across a periodic edge it ends at the nearest image, outside the box, so that none
 /// crosses the box.
-pub fn vtk_contacts(sim: &Sim, contacts: &[ContactForce<f64>], title: &str) -> String {
+pub fn vtk_contacts(sim: &Simulation, contacts: &[ContactForce<f64>], title: &str) -> String {
     let n = contacts.len();
     let mut out = vtk_head(title);
     out.push_str(&format!("POINTS {} double\n", 2 * n));
@@ -187,7 +187,7 @@ pub fn vtk_contacts(sim: &Sim, contacts: &[ContactForce<f64>], title: &str) -> S
 }
 
 /// Where the line of a contact begins and ends.
-fn ends(sim: &Sim, contact: &ContactForce<f64>) -> [[f64; 3]; 2] {
+fn ends(sim: &Simulation, contact: &ContactForce<f64>) -> [[f64; 3]; 2] {
     let [x, y, z, radius] = sim.position[contact.i as usize];
     let from = [x, y, z];
     let branch = match contact.partner {

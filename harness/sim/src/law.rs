@@ -3,7 +3,7 @@
 use bitgrain_kernel::contact::{HertzHistory, HertzTsuji};
 use serde::{Deserialize, Serialize};
 
-use crate::sim::{AnyLaw, sphere_mass};
+use crate::simulation::{AnyLaw, sphere_mass};
 
 /// Longest time step as a fraction of the Rayleigh time. Beyond a fifth, grains that are hit from
 /// several sides at once gain energy from the integrator.

@@ -4,14 +4,14 @@
 
 use bitgrain_kernel::{ContactHistory, Domain, Obstacle, Shape};
 
-use crate::sim::{Role, Sim};
+use crate::simulation::{Role, Simulation};
 
 /// Number of the intruder among the obstacles of a bed.
 pub const INTRUDER: u32 = 0;
 
 /// Height of the free surface: the median, over square columns about two mean diameters wide, of
 /// the highest grain top; columns without grains are left out, and so is a lid.
-pub fn surface_height(sim: &Sim, mean_diameter: f64) -> f64 {
+pub fn surface_height(sim: &Simulation, mean_diameter: f64) -> f64 {
     let (lo, hi) = (sim.domain.lo(), sim.domain.hi());
     let columns = |a: usize| (((hi[a] - lo[a]) / (2.0 * mean_diameter)) as usize).max(1);
     let (nx, ny) = (columns(0), columns(1));
@@ -60,7 +60,7 @@ fn intruder_below(body: &Obstacle<f64>, width: f64, z: f64) -> f64 {
 }
 
 /// Solid fraction of the layer between two heights, the intruder's part of it and the lid left out.
-pub fn packing_fraction(sim: &Sim, from: f64, to: f64) -> f64 {
+pub fn packing_fraction(sim: &Simulation, from: f64, to: f64) -> f64 {
     let (lo, hi) = (sim.domain.lo(), sim.domain.hi());
     let within = |z: f64, r: f64| ball_below(z, r, to) - ball_below(z, r, from);
     let grains = (0..sim.count()).filter(|&i| sim.role(i) != Role::Lid);
@@ -75,7 +75,7 @@ pub fn packing_fraction(sim: &Sim, from: f64, to: f64) -> f64 {
 
 /// Weight of all grains above a height over the area of the box: the mean vertical stress there where
 /// nothing but the bed carries it. Grains without gravity weigh nothing.
-pub fn pressure_at(sim: &Sim, height: f64) -> f64 {
+pub fn pressure_at(sim: &Simulation, height: f64) -> f64 {
     let (lo, hi) = (sim.domain.lo(), sim.domain.hi());
     let mut weight = 0.0;
     for (i, x) in sim.position.iter().enumerate() {
@@ -88,7 +88,7 @@ pub fn pressure_at(sim: &Sim, height: f64) -> f64 {
 
 /// Mean number of contacts, with grains and obstacles, of the free grains whose centres lie below
 /// `top`; 0 where there are none.
-pub fn coordination_number(sim: &mut Sim, top: f64) -> f64 {
+pub fn coordination_number(sim: &mut Simulation, top: f64) -> f64 {
     let histories = sim.contact_histories();
     let counted = |place: u32| {
         let i = place as usize;
@@ -129,7 +129,7 @@ pub fn length(d: [f64; 3]) -> f64 {
 }
 
 /// From the intruder's centre or axis to a grain's centre, minimum image.
-fn from_intruder(sim: &Sim, i: usize) -> [f64; 3] {
+fn from_intruder(sim: &Simulation, i: usize) -> [f64; 3] {
     let x = sim.position[i];
     let body = &sim.obstacles[INTRUDER as usize];
     offset(&sim.domain, body, [x[0], x[1], x[2]])
@@ -140,7 +140,7 @@ fn from_intruder(sim: &Sim, i: usize) -> [f64; 3] {
 /// this one.
 ///
 /// `front` is 1 where the intruder moves along +x, -1 where the bed does.
-pub fn contact_angle(sim: &Sim, i: usize, front: f64) -> f64 {
+pub fn contact_angle(sim: &Simulation, i: usize, front: f64) -> f64 {
     let d = from_intruder(sim, i);
     libm::acos(front * d[0] / length(d))
 }
@@ -149,7 +149,7 @@ pub fn contact_angle(sim: &Sim, i: usize, front: f64) -> f64 {
 /// of contacts, with grains and obstacles, of the free grains whose centres lie within `reach` of its
 /// surface, those without contacts among them (Kumar 2018, Figs. 6 and 7). `front` is that of
 /// [`contact_angle`].
-pub fn neighbourhood(sim: &mut Sim, reach: f64, front: f64) -> (Vec<f64>, Vec<f64>) {
+pub fn neighbourhood(sim: &mut Simulation, reach: f64, front: f64) -> (Vec<f64>, Vec<f64>) {
     let mut contacts = vec![0u32; sim.count()];
     let mut angles = Vec::new();
     for bond in sim.contact_histories() {
@@ -177,7 +177,7 @@ pub fn neighbourhood(sim: &mut Sim, reach: f64, front: f64) -> (Vec<f64>, Vec<f6
 }
 
 /// Deepest overlap of two grains, or of a grain and the intruder, from the positions; 0 where none touch.
-pub fn deepest_overlap(sim: &mut Sim) -> f64 {
+pub fn deepest_overlap(sim: &mut Simulation) -> f64 {
     let mut deepest = 0.0;
     for bond in sim.contact_histories() {
         let overlap = match bond {
@@ -204,7 +204,7 @@ pub fn deepest_overlap(sim: &mut Sim) -> f64 {
 /// Free grains, the weight of all that may fall, a lid's grains among them, and the upward force that
 /// base, planes and intruder put on them (by the third law: what the base's grains and the obstacles
 /// feel downward).
-pub fn weight_and_support(sim: &Sim) -> (usize, f64, f64) {
+pub fn weight_and_support(sim: &Simulation) -> (usize, f64, f64) {
     let (mut free, mut weight, mut support) = (0, 0.0, 0.0);
     for i in 0..sim.count() {
         let role = sim.role(i);

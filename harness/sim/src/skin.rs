@@ -56,7 +56,7 @@ impl Lists {
 
 impl Skin {
     /// Steps do not go on from here: what follows is no part of what a list costs.
-    pub fn pause(&mut self) {
+    pub fn on_checkpoint(&mut self) {
         self.since = None;
     }
 

@@ -17,7 +17,7 @@ use bitgrain_kernel::phases::{begin, check_overlaps, drift, end, ensure_pair_lis
 use bitgrain_kernel::{Error as KernelError, Row, World, check_arithmetic};
 use prefetch_index::prefetch_index;
 
-use crate::registers::{Job, Registers};
+use crate::isa::{Isa, Kernel};
 use crate::skin::{Lists, Skin};
 use crate::threads::{Split, awake, each};
 
@@ -34,7 +34,7 @@ const NEAR: usize = 30_000;
 #[derive(Debug)]
 pub struct Stepping {
     /// Instructions.
-    pub registers: Registers,
+    pub registers: Isa,
     /// Fewest grains of a thread's range.
     pub range_min: usize,
     /// Whether skin and reach are chosen anew from what they cost while it steps.
@@ -61,7 +61,7 @@ impl Clone for Stepping {
 impl Default for Stepping {
     fn default() -> Self {
         Self {
-            registers: Registers::best(),
+            registers: Isa::best(),
             range_min: RANGE_MIN,
             tunes: true,
             skin: Skin::default(),
@@ -101,7 +101,7 @@ impl Stepping {
             return Ok(());
         }
         let with = self.registers;
-        self.skin.pause();
+        self.skin.on_checkpoint();
         if world.clock.rests() {
             self.begin(world)?;
             self.held = false;
@@ -306,7 +306,7 @@ impl Split for Seal<'_> {
     }
 }
 
-impl Job for Seal<'_> {
+impl Kernel for Seal<'_> {
     type Output = Sealed;
 
     #[inline(always)]
@@ -317,7 +317,7 @@ impl Job for Seal<'_> {
 
 struct Move<'a>(GrainMotion<'a, f64>, MotionPhase);
 
-impl Job for Move<'_> {
+impl Kernel for Move<'_> {
     type Output = MotionCheck<f64>;
 
     #[inline(always)]
@@ -329,7 +329,7 @@ impl Job for Move<'_> {
 /// All obstacle contacts at once: an obstacle's sum runs over all grains.
 struct Touch<'a, L>(GrainRange<'a, f64>, ObstacleContactRange<'a, f64>, &'a L);
 
-impl<L: Law<f64>> Job for Touch<'_, L> {
+impl<L: Law<f64>> Kernel for Touch<'_, L> {
     type Output = ExcessiveOverlap;
 
     #[inline(always)]
@@ -340,7 +340,7 @@ impl<L: Law<f64>> Job for Touch<'_, L> {
 
 struct Across<'a, L>(Sending<'a>, &'a L);
 
-impl<L: Law<f64>> Job for Across<'_, L> {
+impl<L: Law<f64>> Kernel for Across<'_, L> {
     type Output = ExcessiveOverlap;
 
     #[inline(always)]
@@ -359,7 +359,7 @@ fn near(rows: &[Row<f64>], place: usize) {
 /// A range, what pairs across it give, and whether this is the last of several steps.
 struct Sum<'a, L>(GrainRange<'a, f64>, &'a L, &'a [CrossRangeForce<f64>], bool);
 
-impl<L: Law<f64>> Job for Sum<'_, L> {
+impl<L: Law<f64>> Kernel for Sum<'_, L> {
     type Output = (ExcessiveOverlap, MotionCheck<f64>);
 
     #[inline(always)]
@@ -383,13 +383,13 @@ impl<L: Law<f64>> Job for Sum<'_, L> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sim::{AnyLaw, Grain, Sim};
+    use crate::simulation::{AnyLaw, Grain, Simulation};
     use crate::threads::on_threads;
     use bitgrain_kernel::contact::HertzHistory;
     use bitgrain_kernel::{Domain, Group};
 
     /// Eight grains in a row along x, of diameter 1 and 2 apart, that move along z or x as told.
-    fn row(velocity: impl Fn(u32) -> [f64; 3]) -> Sim {
+    fn row(velocity: impl Fn(u32) -> [f64; 3]) -> Simulation {
         let law = HertzHistory {
             kn: 2e5,
             kt: 2e5,
@@ -409,7 +409,7 @@ mod tests {
         };
         let grains: Vec<Grain> = (1..=8).map(grain).collect();
         let groups = vec![Group::free([0.0; 3])];
-        let mut sim = Sim::new(
+        let mut sim = Simulation::new(
             AnyLaw::HertzHistory(law),
             domain,
             1e-3,

@@ -104,16 +104,16 @@ thread_local! {
 }
 
 /// A join under way on this thread, also where it panics.
-struct GrainRange;
+struct JoinMark;
 
-impl GrainRange {
+impl JoinMark {
     fn begin() -> Self {
         PARTS.set(PARTS.get() + 1);
         Self
     }
 }
 
-impl Drop for GrainRange {
+impl Drop for JoinMark {
     fn drop(&mut self) {
         PARTS.set(PARTS.get() - 1);
     }
@@ -167,7 +167,7 @@ pub(crate) fn each<P: Split, T: Send>(
     };
     let (left, right) = piece.split((cut - begin) as usize);
     let (before, after) = (&range_bounds[..middle], &range_bounds[middle + 1..]);
-    let _part = GrainRange::begin();
+    let _part = JoinMark::begin();
     let (left, right) = rayon::join(
         || each(left, begin, before, work, join),
         || each(right, cut, after, work, join),

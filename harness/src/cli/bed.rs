@@ -4,7 +4,7 @@ use bitgrain_sim::disk::is_folder;
 use std::fmt::Write;
 
 use super::channels::{print, shown};
-use bitgrain_lab::bed::library::{Entry, Library};
+use bitgrain_lab::bed::library::{BedCache, CachedBed};
 use bitgrain_lab::bed::{self, recipe::Recipe};
 use bitgrain_lab::scenario::UnitSystem;
 use bitgrain_sim::checkpoint;
@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 ///
 /// # Errors
 /// [`Error::Input`] where the library cannot be read.
-fn list(library: &Library) -> Result<String> {
+fn list(library: &BedCache) -> Result<String> {
     let beds = library.list()?;
     if beds.is_empty() {
         return Ok(format!("no beds in {}\n", library.folder().display()));
@@ -45,11 +45,11 @@ fn list(library: &Library) -> Result<String> {
     Ok(out)
 }
 
-fn disk(bed: &Entry) -> String {
+fn disk(bed: &CachedBed) -> String {
     bytes(bed.bytes as f64)
 }
 
-fn row(bed: &Entry, recipe: &Recipe) -> String {
+fn row(bed: &CachedBed, recipe: &Recipe) -> String {
     let [x, y, z] = recipe.size.map(short);
     let stiffness = match recipe.law {
         bitgrain_sim::law::LawSpec::HertzHistory { kn, .. } => kn,
@@ -90,7 +90,7 @@ fn lid(recipe: &Recipe) -> String {
 ///
 /// # Errors
 /// [`Error::Input`] where there is no such bed, or it is damaged.
-fn show(library: &Library, name: &str) -> Result<String> {
+fn show(library: &BedCache, name: &str) -> Result<String> {
     let bed = library.entry(name)?;
     let path = bed.checkpoint.display().to_string();
     let Some(recipe) = &bed.recipe else {
@@ -156,12 +156,12 @@ fn show(library: &Library, name: &str) -> Result<String> {
 /// # Errors
 /// [`Error::Input`] for a name that is none or of several beds, before any is removed;
 /// [`Error::Write`].
-fn remove(library: &Library, names: &[String], all: bool) -> Result<String> {
+fn remove(library: &BedCache, names: &[String], all: bool) -> Result<String> {
     let mut beds = if all {
         library.list()?
     } else {
         let named = names.iter().map(|name| library.entry(name));
-        named.collect::<Result<Vec<Entry>>>()?
+        named.collect::<Result<Vec<CachedBed>>>()?
     };
     beds.sort_by(|a, b| a.name.cmp(&b.name));
     beds.dedup_by(|a, b| a.name == b.name);
@@ -195,15 +195,15 @@ pub(super) struct Beds {
 
 impl Beds {
     /// The library of beds, which is at `home` where none is named.
-    pub(super) fn library(self, home: &Path) -> Library {
-        Library::new(self.folder.unwrap_or_else(|| home.to_path_buf()))
+    pub(super) fn library(self, home: &Path) -> BedCache {
+        BedCache::new(self.folder.unwrap_or_else(|| home.to_path_buf()))
     }
 
     /// That there are beds where earlier versions kept them, if they would not be found.
     pub(super) fn hint(&self, home: &Path) -> Option<String> {
         let here = Path::new("beds");
         let unseen = self.folder.is_none() && home != here;
-        let beds = || Library::new(here.to_path_buf()).list();
+        let beds = || BedCache::new(here.to_path_buf()).list();
         (unseen && is_folder(here) && beds().is_ok_and(|beds| !beds.is_empty())).then(|| {
             format!(
                 "settled beds are kept in {}; those in the folder beds here are not looked at: --beds beds uses them",

@@ -10,7 +10,7 @@ use bitgrain_lab::bisect::{Side, bisect, run_both};
 use bitgrain_lab::campaign;
 use bitgrain_lab::campaign::folder::{CAMPAIGN, CampaignFolder};
 use bitgrain_lab::folder::{Folder, is_of};
-use bitgrain_lab::rerun::Past;
+use bitgrain_lab::rerun::RunArchive;
 use bitgrain_lab::verify::{Scope, Segment, verify};
 use bitgrain_sim::error::{Error, Result};
 
@@ -89,7 +89,7 @@ pub(super) fn run_verify(what: Verify) -> Result<()> {
         return campaign::verify::verify(&folder, &scope, expect, threads, &progress, say);
     }
     let folder = Folder(&what.folder);
-    let past = Past::open(&folder)?;
+    let past = RunArchive::open(&folder)?;
     verify(&past, &scope, &what.expect, threads, &progress, say)
 }
 

@@ -6,7 +6,7 @@ use std::path::Path;
 use super::channels::shown;
 use bitgrain_analysis::remarks::remarks;
 use bitgrain_lab::folder::Folder;
-use bitgrain_lab::manifest::{Manifest, Of, Vouched};
+use bitgrain_lab::manifest::{FolderKind, Manifest, Vouched};
 use bitgrain_lab::summary::{Summary, read_folder};
 use bitgrain_sim::error::Result;
 use bitgrain_sim::format::{number_with_error, short};
@@ -17,7 +17,7 @@ use bitgrain_sim::format::{number_with_error, short};
 /// # Errors
 /// Where the folder is not what the run left.
 pub(super) fn told(out: &Path, beds: &Path, executed: bool) -> Result<(String, Manifest)> {
-    let vouched = Vouched::open(out, Of::Run)?;
+    let vouched = Vouched::open(out, FolderKind::Run)?;
     let folder = Folder(out);
     let (_, summary) = read_folder(&folder, &vouched)?;
     let mut text = drags(&summary);

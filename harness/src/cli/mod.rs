@@ -23,7 +23,7 @@ use bitgrain_lab::against::{self, Reference};
 use bitgrain_lab::folder::Folder;
 use bitgrain_lab::plain::plain;
 use bitgrain_lab::replay::{Replay, Stretch, replay, replay_run};
-use bitgrain_lab::rerun::Past;
+use bitgrain_lab::rerun::RunArchive;
 use bitgrain_lab::run::{SaveEvery, Setting};
 use bitgrain_lab::selftest::selftest;
 use bitgrain_lab::{forecast, scenario};
@@ -278,7 +278,7 @@ fn run_replay(case: Case) -> Result<()> {
             replay_run(&folder, &stretch, &what, &stoppable(false), out)
         }
         (true, None) => {
-            let past = Past::open(&Folder(&case.case)).map(|past| past.names())?;
+            let past = RunArchive::open(&Folder(&case.case)).map(|past| past.names())?;
             let problem = format!("is a run: say which --stage of it; there are {past}");
             Err(Error::input(case.case.display().to_string(), problem))
         }

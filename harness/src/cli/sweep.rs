@@ -10,7 +10,7 @@ use bitgrain_analysis::claims::evidence::Evidence;
 use bitgrain_analysis::report::campaign_page;
 use bitgrain_lab::campaign::folder::CampaignFolder;
 use bitgrain_lab::campaign::only::Only;
-use bitgrain_lab::campaign::table::Table;
+use bitgrain_lab::campaign::table::CampaignTable;
 use bitgrain_lab::campaign::{self, forecast, sweep};
 use bitgrain_lab::run::SaveEvery;
 use bitgrain_sim::disk::write_whole;
@@ -64,7 +64,7 @@ pub(super) fn run(what: Sweep, home: &Path) -> Result<()> {
     let only = Only::new(what.only, &plan)?;
     let against = what
         .against
-        .map(|path| Ok::<_, Error>((Table::read(&path)?, path)))
+        .map(|path| Ok::<_, Error>((CampaignTable::read(&path)?, path)))
         .transpose()?;
     let hint = what.beds.hint(home);
     let library = what.beds.library(home);

@@ -3,8 +3,8 @@
 //!
 //! `settled REGISTERS STEPS`, with `plain` or `avx2`.
 
-use bitgrain::registers::Registers;
-use bitgrain::sim::hex;
+use bitgrain::isa::Isa;
+use bitgrain::simulation::hex;
 use bitgrain_tests::settled_quick;
 
 fn main() {
@@ -14,8 +14,8 @@ fn main() {
     };
     let mut sim = settled_quick();
     sim.stepping.registers = match registers.as_str() {
-        "plain" => Registers::Plain,
-        "avx2" => Registers::Avx2,
+        "plain" => Isa::Plain,
+        "avx2" => Isa::Avx2,
         other => panic!("{other} is neither plain nor avx2"),
     };
     sim.stepping.tunes = false;

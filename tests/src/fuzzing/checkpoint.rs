@@ -2,11 +2,11 @@
 
 use std::sync::OnceLock;
 
-use bitgrain::bed::Course;
+use bitgrain::bed::PouringState;
 use bitgrain::case;
 use bitgrain::checkpoint::{bytes, parse};
 use bitgrain::drag::Dragging;
-use bitgrain::sim::Sim;
+use bitgrain::simulation::Simulation;
 
 use super::assert_finite;
 use super::bytes::Bytes;
@@ -53,17 +53,17 @@ fn under_way(data: &[u8]) -> bool {
         return false;
     };
     let drag = serde_json::from_str::<Dragging>(text);
-    let bed = serde_json::from_str::<Course>(text);
+    let bed = serde_json::from_str::<PouringState>(text);
     for note in [
         drag.as_ref().map(Dragging::note),
-        bed.as_ref().map(Course::note),
+        bed.as_ref().map(PouringState::note),
     ]
     .into_iter()
     .flatten()
     {
         let again = [
             Dragging::of(&note).map(|d| d.note()),
-            Course::of(&note).map(|c| c.note()),
+            PouringState::of(&note).map(|c| c.note()),
         ];
         assert!(again.iter().flatten().all(|again| *again == note));
     }
@@ -71,8 +71,8 @@ fn under_way(data: &[u8]) -> bool {
 }
 
 /// The small states after a few steps, with contacts and histories, and their checkpoints.
-fn states() -> &'static [(Sim, Vec<u8>)] {
-    static STATES: OnceLock<Vec<(Sim, Vec<u8>)>> = OnceLock::new();
+fn states() -> &'static [(Simulation, Vec<u8>)] {
+    static STATES: OnceLock<Vec<(Simulation, Vec<u8>)>> = OnceLock::new();
     STATES.get_or_init(|| {
         let state = |text: &&str| {
             let case = case::parse(text, "fuzz").expect("a sound case");
@@ -112,7 +112,7 @@ fn goes_on(data: &[u8]) -> bool {
     true
 }
 
-fn same_when_read_again(sim: &mut Sim) {
+fn same_when_read_again(sim: &mut Simulation) {
     let written = bytes(sim, "a recipe").expect("sound arithmetic");
     let mut again = parse(&written, "fuzz", Some("a recipe")).expect("a checkpoint reads back");
     assert!(
@@ -146,7 +146,7 @@ fn altered(choice: usize, mut from: Bytes) -> Vec<u8> {
 }
 
 /// Changes one thing of a state. Lists stay as long as each other: a writer's own contract.
-fn alter(sim: &mut Sim, from: &mut Bytes) {
+fn alter(sim: &mut Simulation, from: &mut Bytes) {
     let i = from.below(sim.count() as u8);
     let (word, number) = (from.below(4), any(from));
     match from.below(16) {

@@ -16,7 +16,7 @@ mod search;
 mod texts;
 mod world;
 
-use bitgrain::sim::Sim;
+use bitgrain::simulation::Simulation;
 
 pub use checkpoint::checkpoint;
 pub use contact::contact;
@@ -26,7 +26,7 @@ pub use search::search;
 pub use texts::{assert_same_bits, case, lammps, scenario, series};
 pub use world::world;
 
-fn assert_finite(sim: &Sim) {
+fn assert_finite(sim: &Simulation) {
     let rows = [
         &sim.position,
         &sim.velocity,

@@ -5,13 +5,13 @@ use std::sync::OnceLock;
 
 use bitgrain::analysis::{self, analyse, words};
 use bitgrain::campaign::plan::Plan;
-use bitgrain::campaign::table::{Table, of_run};
+use bitgrain::campaign::table::{CampaignTable, of_run};
 use bitgrain::campaign::{plan, written};
 use bitgrain::claims::book::{self, Book};
 use bitgrain::claims::evidence::Evidence;
 use bitgrain::report::{self, Drawings};
 use bitgrain::series::SeriesRow;
-use bitgrain::summary::{RunRecord, Summary, parse_record, parse_summary};
+use bitgrain::summary::{DragRecord, Summary, parse_record, parse_summary};
 use serde_json::Value;
 
 use super::bytes::Bytes;
@@ -58,7 +58,7 @@ fn of_record(text: &str) -> bool {
     let again = serde_json::to_string(&read).expect("a record can be written");
     let again = parse_record(&again, Path::new("fuzz"));
     assert_eq!(again.expect("a record reads back"), read);
-    let RunRecord {
+    let DragRecord {
         version,
         bits_version,
         units,
@@ -86,12 +86,13 @@ fn told(read: Summary, text: &str) -> bool {
         return true;
     }
     let runs = read.runs.len();
-    let table = Table::parse(&of_run(&read), "fuzz").expect("the table of a run reads back");
+    let table =
+        CampaignTable::parse(&of_run(&read), "fuzz").expect("the table of a run reads back");
     assert_eq!(table.len(), runs);
     let none: Vec<Vec<SeriesRow>> = vec![Vec::new(); runs];
     let page = match read.runs.iter().any(|run| run.flow.is_some()) {
         true => {
-            let courses = vec![report::Course::default(); runs];
+            let courses = vec![report::FlowSeries::default(); runs];
             let drawings = Drawings {
                 series: &none,
                 courses: &courses,
@@ -248,7 +249,7 @@ pub fn table(data: &[u8]) -> bool {
     let Ok(text) = std::str::from_utf8(data) else {
         return false;
     };
-    let Ok(table) = Table::parse(text, "fuzz") else {
+    let Ok(table) = CampaignTable::parse(text, "fuzz") else {
         return false;
     };
     if table.len() > ROWS {

@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use bitgrain::audit::{energy_text, parse_energy};
 use bitgrain::case;
 use bitgrain::chain::Chain;
-use bitgrain::fields::grid::Grid;
-use bitgrain::fields::read::plane;
+use bitgrain::coarse_graining::grid::Grid;
+use bitgrain::coarse_graining::read::plane;
+use bitgrain::energy_budget::{energy_text, parse_energy};
 use bitgrain::flow::{flow_text, parse_flow, parse_profile};
 use bitgrain::lammps::{Atom, DataFile, data_text, dump_text, parse_atoms, parse_data, parse_dump};
 use bitgrain::scenario;

@@ -8,7 +8,7 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
-use bitgrain::bed::library::Library;
+use bitgrain::bed::library::BedCache;
 use bitgrain::campaign::only::Only;
 use bitgrain::campaign::sweep::{Sweep, sweep};
 use bitgrain::disk::{self, Call, Verdict, Watch};
@@ -179,7 +179,7 @@ struct Run(Scenario);
 
 impl Work for Run {
     fn go(&self, room: &Path) -> Result<()> {
-        let library = Library::new(room.join("beds"));
+        let library = BedCache::new(room.join("beds"));
         let setting = bitgrain::run::Setting {
             scenario: &self.0,
             folder: &bitgrain::folder::Folder(&room.join("out")),
@@ -203,7 +203,7 @@ impl Work for Campaign {
             plan: &self.0,
             only: &Only::new(vec![], &self.0)?,
             out: &room.join("out"),
-            library: &Library::new(room.join("beds")),
+            library: &BedCache::new(room.join("beds")),
             threads: 1,
             jobs: 1,
             save: SaveEvery::Steps(5000),

@@ -8,17 +8,17 @@ use std::path::Path;
 use std::sync::Arc;
 
 use bitgrain::chain::Link;
-use bitgrain::checkpoint::{self, Note};
+use bitgrain::checkpoint::{self, StageState};
 use bitgrain::disk::{self, Call, Verdict, Watch};
 use bitgrain::drag::drag;
 use bitgrain::error::{Error, Result};
 use bitgrain::folder::Folder;
+use bitgrain::observer::Observer;
 use bitgrain::progress::Progress;
 use bitgrain::run;
 use bitgrain::scenario;
-use bitgrain::sim::Sim;
+use bitgrain::simulation::Simulation;
 use bitgrain::threads::on_threads;
-use bitgrain::witness::Witness;
 use bitgrain_kernel::{ArithmeticDefect, ContactForce, Digest, Error as KernelError};
 use bitgrain_tests::wee::WEE;
 use bitgrain_tests::{results, settled_quick};
@@ -77,7 +77,7 @@ fn a_mode_between_two_calls_is_found_by_whichever_comes_first() {
 }
 
 /// Switches a mode on when it is shown a step, and keeps what it is given after that.
-struct Library {
+struct BedCache {
     bits: u32,
     at: u64,
     looked: Vec<u64>,
@@ -85,23 +85,33 @@ struct Library {
     linked: Vec<u64>,
 }
 
-impl Witness for Library {
-    fn looks_at(&self, step: u64) -> bool {
+impl Observer for BedCache {
+    fn wants_step(&self, step: u64) -> bool {
         step >= self.at
     }
 
-    fn look(&mut self, step: u64, _sim: &mut Sim, _contacts: &[ContactForce<f64>]) -> Result<()> {
+    fn on_step(
+        &mut self,
+        step: u64,
+        _sim: &mut Simulation,
+        _contacts: &[ContactForce<f64>],
+    ) -> Result<()> {
         self.looked.push(step);
         set(PLAIN | self.bits);
         Ok(())
     }
 
-    fn linked(&mut self, link: &Link) -> Result<()> {
+    fn on_digest(&mut self, link: &Link) -> Result<()> {
         self.linked.push(link.step);
         Ok(())
     }
 
-    fn pause(&mut self, step: u64, sim: &mut Sim, note: &dyn Fn() -> Note) -> Result<()> {
+    fn on_checkpoint(
+        &mut self,
+        step: u64,
+        sim: &mut Simulation,
+        note: &dyn Fn() -> StageState,
+    ) -> Result<()> {
         // As a saver whose disk is full and who does not mind.
         let packed = checkpoint::pack(sim, &note());
         let refused = matches!(packed, Err(Error::Contract { .. }));
@@ -118,7 +128,7 @@ fn a_mode_switched_on_by_who_looks_on_ends_the_drag_before_anything_is_written()
     scenario.measure.digest_every = 2;
     let plan = &scenario.runs()[0];
     for (bits, _) in MODES {
-        let mut library = Library {
+        let mut library = BedCache {
             bits,
             at: 6,
             looked: Vec::new(),
@@ -161,7 +171,7 @@ fn a_run_under_a_mode_writes_nothing_and_goes_on_after_it() {
         let setting = run::Setting {
             scenario: &scenario,
             folder: &Folder(&room.join("out")),
-            library: &bitgrain::bed::library::Library::new(room.join("beds")),
+            library: &bitgrain::bed::library::BedCache::new(room.join("beds")),
             threads: 1,
             save: run::SaveEvery::Steps(900),
             frames: true,

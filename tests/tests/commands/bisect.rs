@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use bitgrain::checkpoint;
-use bitgrain::manifest::Of;
+use bitgrain::manifest::FolderKind;
 use bitgrain_tests::HALF;
 use bitgrain_tests::wee::forge_manifest;
 
@@ -113,7 +113,7 @@ fn two_builds_part_at_a_contact() {
     {
         std::fs::remove_file(run.join(name)).unwrap();
     }
-    forge_manifest(&run, Of::Run, &["bed", "run-1", "run-2"]);
+    forge_manifest(&run, FolderKind::Run, &["bed", "run-1", "run-2"]);
     printed(folder.path(), &["run", "--resume", "run"], 0);
     let original = RUN.path().join("run");
     let told = printed(

@@ -8,14 +8,14 @@ use bitgrain::bench::read_bed;
 use bitgrain::export::{atoms, frame, vtk_contacts, vtk_grains};
 use bitgrain::lammps::{DataFile, data_text, dump_text, parse_atoms, parse_data};
 use bitgrain::scenario;
-use bitgrain::sim::{Sim, sphere_mass};
+use bitgrain::simulation::{Simulation, sphere_mass};
 use bitgrain_kernel::{ContactForce, Domain, Obstacle, Partner};
 use bitgrain_tests::fuzzing::assert_same_bits;
 use bitgrain_tests::{golden, golden_case, small_from_file};
 
 /// The peers' bed with an intruder across the periodic edge and a floor, 40 steps on, and the
 /// contacts of the last.
-fn bed() -> (Sim, Vec<ContactForce<f64>>) {
+fn bed() -> (Simulation, Vec<ContactForce<f64>>) {
     let mut sim = read_bed(&golden("peers/bed200.data")).unwrap();
     let (edge, radius) = (sim.domain.hi()[0] - 1e-6, 0.75);
     // Overlaps the highest grain, which falls, by 0.001 and follows it.

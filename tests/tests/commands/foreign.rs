@@ -6,9 +6,9 @@ use std::process::Command;
 
 use bitgrain::analysis::analyse;
 use bitgrain::campaign::plan;
-use bitgrain::campaign::table::Table;
+use bitgrain::campaign::table::CampaignTable;
 use bitgrain::claims::book::Book;
-use bitgrain::manifest::Of;
+use bitgrain::manifest::FolderKind;
 use bitgrain::summary::{parse_record, parse_summary, read_summary};
 use bitgrain_tests::wee::forge_manifest;
 use bitgrain_tests::{CAMPAIGN, golden, output, root, small_from_file};
@@ -185,7 +185,7 @@ fn commands_refuse_what_they_read() {
     std::fs::copy(shipped, run.join("scenario.toml")).unwrap();
     for (place, to, key) in CHANGES {
         std::fs::write(run.join("summary.json"), changed(&sound, place, to)).unwrap();
-        forge_manifest(&run, Of::Run, &[]);
+        forge_manifest(&run, FolderKind::Run, &[]);
         for command in ["analyse", "report", "claims"] {
             let limited = format!("ulimit -v {MEMORY}; exec \"$0\" {command} run");
             let out = Command::new("sh")
@@ -308,7 +308,7 @@ fn a_campaigns_folder_stands_alone() {
     let table = "member,run,status,froude,drag,drag_error\n";
     std::fs::write(out.join("results.csv"), table).unwrap();
     let analyse = || {
-        forge_manifest(&out, Of::Campaign, &[]);
+        forge_manifest(&out, FolderKind::Campaign, &[]);
         let out = output(PROGRAM, desk.path(), &["analyse", "out"]);
         let told = String::from_utf8_lossy(&out.stderr).into_owned();
         (out.status.code(), told)
@@ -369,11 +369,11 @@ fn tables_that_are_too_long_are_refused() {
     let head = "member,run,status,froude,drag,drag_error,speed,depth,plug_ratio\n";
     let row = |k: usize| format!("m,r,done,{},{},0.1,{},5,0.1\n", k + 1, k + 2, k + 1);
     let long: String = (0..200_001).map(row).collect();
-    let told = Table::parse(&format!("{head}{long}"), "results.csv").unwrap_err();
+    let told = CampaignTable::parse(&format!("{head}{long}"), "results.csv").unwrap_err();
     assert!(told.to_string().contains("more than 200000 rows"), "{told}");
     let some: String = (0..2000).map(row).collect();
     let began = std::time::Instant::now();
-    let table = Table::parse(&format!("{head}{some}"), "results.csv").unwrap();
+    let table = CampaignTable::parse(&format!("{head}{some}"), "results.csv").unwrap();
     let analysis = analyse(&table, true);
     assert_eq!(analysis.rows, 2000);
     assert!(began.elapsed().as_secs() < 20, "{:?}", began.elapsed());

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use bitgrain::manifest::{Entry, Manifest};
+use bitgrain::manifest::{FileRecord, Manifest};
 
 use crate::FURNISHED;
 
@@ -12,7 +12,7 @@ fn remake_manifest(root: &Path) {
     let mut entries = Vec::new();
     for entry in &manifest.files {
         if let Ok(bytes) = std::fs::read(root.join(&entry.path)) {
-            entries.push(Entry::of(&entry.path, &bytes));
+            entries.push(FileRecord::of(&entry.path, &bytes));
         }
     }
     manifest.files = entries;
@@ -46,7 +46,7 @@ fn a_forged_manifest_proves_nothing() {
     room.write(&format!("run/{name}"), &forged);
     let mut manifest = honest.clone();
     let entry = manifest.files.iter_mut().find(|entry| entry.path == name);
-    *entry.unwrap() = Entry::of(name, forged.as_bytes());
+    *entry.unwrap() = FileRecord::of(name, forged.as_bytes());
     room.write("run/manifest.json", manifest.text());
     // Its own manifest vouches for it, and its drags of another piece are executed.
     let told = room.done("verify run --segment run-2");

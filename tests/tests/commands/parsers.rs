@@ -6,7 +6,8 @@ use std::path::Path;
 use bitgrain::case::{self, BoxSpec, Case, GrainSpec, MotionSpec, ObstacleSpec};
 use bitgrain::flow::{FlowRow, flow_text, parse_flow};
 use bitgrain::lammps::{
-    Atom, DataFile, Frame, data_text, dump_text, parse_atoms, parse_data, parse_dump, read_atoms,
+    Atom, DataFile, DumpFrame, data_text, dump_text, parse_atoms, parse_data, parse_dump,
+    read_atoms,
 };
 use bitgrain::law::LawSpec;
 use bitgrain::scenario;
@@ -70,8 +71,8 @@ fn data() -> impl Strategy<Value = DataFile> {
     })
 }
 
-fn frame(data: DataFile, step: u64, periodic: [bool; 3]) -> Frame {
-    Frame {
+fn frame(data: DataFile, step: u64, periodic: [bool; 3]) -> DumpFrame {
+    DumpFrame {
         step,
         lo: data.lo,
         hi: data.hi,

@@ -367,7 +367,7 @@ fn every_flipped_bit_and_every_truncation_is_seen() {
     let mut sim = case.start("case", |_| {}).unwrap();
     sim.steps(20).unwrap();
     assert_eq!(sim.contact_histories().len(), 2);
-    let note = checkpoint::Note {
+    let note = checkpoint::StageState {
         recipe: "a recipe".into(),
         link: "a link".into(),
         course: "{\"step\": 20}".into(),

@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use bitgrain::campaign::table::Table;
+use bitgrain::campaign::table::CampaignTable;
 use bitgrain::checkpoint;
 use bitgrain_tests::wee::Room;
 
@@ -262,7 +262,7 @@ fn a_campaign_believes_no_edited_member() {
     }
     let room = FURNISHED.copy();
     let text = String::from_utf8(room.read("camp/results.csv")).unwrap();
-    let table = Table::parse(&text, "results.csv").unwrap();
+    let table = CampaignTable::parse(&text, "results.csv").unwrap();
     let drag = table.text(0, "drag");
     room.edit("camp/results.csv", drag, &format!("1{drag}"));
     let told = room.says("verify camp --sample 1", 3);

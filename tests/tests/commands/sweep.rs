@@ -3,7 +3,7 @@
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use bitgrain::campaign::table::Table;
+use bitgrain::campaign::table::CampaignTable;
 use bitgrain_tests::{CAMPAIGN, CampaignDesk, output, results};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
@@ -288,7 +288,7 @@ fn a_full_disk_stops_a_campaign_with_what_is_done_intact() {
         stops += 1;
         let rows = desk.out().join("results.csv");
         if rows.exists() {
-            Table::read(&rows).unwrap();
+            CampaignTable::read(&rows).unwrap();
         }
     }
     assert!(stops >= 3, "{stops}");

@@ -325,7 +325,7 @@ fn physics_names_its_source() {
         );
     }
     for name in [
-        "harness/sim/src/audit/mod.rs",
+        "harness/sim/src/energy_budget/mod.rs",
         "harness/lab/src/bed/mod.rs",
         "harness/lab/src/bed/lid.rs",
         "harness/analysis/src/claims/fits.rs",
@@ -341,7 +341,7 @@ fn physics_names_its_source() {
     ] {
         assert!(cites(name), "{name}");
     }
-    assert!(text("harness/sim/src/blocks.rs").contains("Flyvbjerg and Petersen"));
+    assert!(text("harness/sim/src/block_averaging.rs").contains("Flyvbjerg and Petersen"));
 }
 
 /// The file system is called in one place, so that tests can fail every call and none opens a pipe.

@@ -334,7 +334,7 @@ fn a_stretch_of_a_run_is_replayed() {
         .unwrap()
         .digest()
         .unwrap();
-    assert_eq!(lines[6]["digest"], bitgrain::sim::hex(&saved.whole));
+    assert_eq!(lines[6]["digest"], bitgrain::simulation::hex(&saved.whole));
 
     // With contacts, of a step at which a state was kept.
     let args = "replay run --stage run-1 --from 8334 --steps 0 --contacts";
@@ -344,7 +344,7 @@ fn a_stretch_of_a_run_is_replayed() {
         .unwrap()
         .digest()
         .unwrap();
-    assert_eq!(line["digest"], bitgrain::sim::hex(&kept.whole));
+    assert_eq!(line["digest"], bitgrain::simulation::hex(&kept.whole));
     assert!(line["contacts"].as_array().unwrap().len() > 300);
 
     // A bed is poured again to there.

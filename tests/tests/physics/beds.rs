@@ -6,7 +6,7 @@ use bitgrain::bed::{self, import};
 use bitgrain::export;
 use bitgrain::lammps::data_text;
 use bitgrain::progress::Stage;
-use bitgrain::scenario::{self, Scenario, Several};
+use bitgrain::scenario::{self, OneOrMany, Scenario};
 use bitgrain::summary::BedSummary;
 use bitgrain_tests::{SMALL, output, small_from_file};
 
@@ -70,14 +70,14 @@ fn a_bed_goes_to_a_data_file_and_back() {
 
     let text = small_from_file("bed.data", "");
     let imported = scenario::parse(&text, "small", &[], folder.path()).unwrap();
-    assert_eq!(imported.intruder.diameter, Several::One(1.5));
+    assert_eq!(imported.intruder.diameter, OneOrMany::One(1.5));
     let again = import::bed(&imported, &file).unwrap();
     assert_eq!(again.obstacles[0].point, sim.obstacles[0].point);
     assert_eq!(
         again.obstacles[0].inverse_mass,
         sim.obstacles[0].inverse_mass
     );
-    let grains = |sim: &bitgrain::sim::Sim| -> Vec<([u64; 11], [i32; 3], u8)> {
+    let grains = |sim: &bitgrain::simulation::Simulation| -> Vec<([u64; 11], [i32; 3], u8)> {
         let mut rows: Vec<_> = (0..sim.count())
             .map(|i| {
                 let (x, v, w) = (sim.position[i], sim.velocity[i], sim.spin[i]);

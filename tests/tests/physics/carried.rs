@@ -6,12 +6,12 @@ use std::sync::LazyLock;
 
 use bitgrain::bed::{self, Pouring};
 use bitgrain::checkpoint;
-use bitgrain::drag::{Means, Record, drag};
+use bitgrain::drag::{DragSeries, Means, drag};
 use bitgrain::flow::FlowRow;
 use bitgrain::motion::Moves;
 use bitgrain::progress::Stage;
 use bitgrain::scenario::{self, BedPlan, DragPlan, Scenario};
-use bitgrain::sim::{Role, Sim};
+use bitgrain::simulation::{Role, Simulation};
 use bitgrain_kernel::ContactHistory;
 use bitgrain_tests::{RIG, Shown, largest};
 
@@ -23,7 +23,7 @@ fn rig() -> Scenario {
 }
 
 /// The bare bed, and with a lid: with and without a pressure gradient.
-static BEDS: LazyLock<[Sim; 3]> = LazyLock::new(|| {
+static BEDS: LazyLock<[Simulation; 3]> = LazyLock::new(|| {
     let scenario = rig();
     let [with, without] = &scenario.beds()[..] else {
         panic!("two beds are planned");
@@ -42,7 +42,7 @@ static BEDS: LazyLock<[Sim; 3]> = LazyLock::new(|| {
     [bare.clone(), covered(with, stage), covered(without, stage)]
 });
 
-fn places(sim: &Sim, role: Role) -> Vec<usize> {
+fn places(sim: &Simulation, role: Role) -> Vec<usize> {
     (0..sim.count()).filter(|&i| sim.role(i) == role).collect()
 }
 
@@ -59,13 +59,17 @@ fn plan(scenario: &Scenario, speed: f64, steps: u64, discard: u64, shown: &[u64]
     plan
 }
 
-fn run(sim: &mut Sim, plan: &DragPlan, mut show: impl FnMut(u64, &Sim)) -> (Means, Record) {
-    let mut shown = Shown(&plan.snapshots, |n, sim: &mut Sim| show(n, sim));
+fn run(
+    sim: &mut Simulation,
+    plan: &DragPlan,
+    mut show: impl FnMut(u64, &Simulation),
+) -> (Means, DragSeries) {
+    let mut shown = Shown(&plan.snapshots, |n, sim: &mut Simulation| show(n, sim));
     drag(sim, plan, &mut shown).unwrap()
 }
 
 /// Force of everything on the free grains along x.
-fn on_free(sim: &Sim) -> f64 {
+fn on_free(sim: &Simulation) -> f64 {
     places(sim, Role::Free)
         .iter()
         .map(|&i| sim.force[i][0])
@@ -105,7 +109,7 @@ fn what_base_and_lid_carry_is_the_drag() {
 #[cfg_attr(debug_assertions, ignore = "pours a small bed: seconds in release")]
 fn gravity_acts_on_whom_it_is_planned_to() {
     let [bare, with, without] = &*BEDS;
-    let of = |sim: &Sim, role: Role| {
+    let of = |sim: &Simulation, role: Role| {
         let found = places(sim, role);
         let pull = |&i: &usize| sim.groups[usize::from(sim.group[i])].gravity;
         assert!(found.iter().all(|i| pull(i) == pull(&found[0])));
@@ -133,7 +137,8 @@ fn base_lid_and_planes_go_by_as_one() {
         let mut sim = bed.clone();
         run(&mut sim, &plan, |_, _| ());
         let width = sim.domain.hi()[0];
-        let along = |sim: &Sim, i: usize| sim.position[i][0] + f64::from(sim.image[i][0]) * width;
+        let along =
+            |sim: &Simulation, i: usize| sim.position[i][0] + f64::from(sim.image[i][0]) * width;
         let carried = [places(&sim, Role::Base), places(&sim, Role::Lid)].concat();
         let mut lifted = 0;
         for &i in &carried {
@@ -226,7 +231,7 @@ fn a_bed_under_its_lid_goes_on_from_a_checkpoint() {
 }
 
 /// The bed seen in a mirror across x.
-fn mirrored(sim: &Sim) -> Sim {
+fn mirrored(sim: &Simulation) -> Simulation {
     let mut other = sim.clone();
     let width = other.domain.hi()[0];
     let turn = |v: &mut [f64; 4]| v[0] = -v[0];

@@ -18,7 +18,7 @@ use bitgrain::drag::{Means, drag};
 use bitgrain::error::Error;
 use bitgrain::scenario::Scenario;
 use bitgrain::series::SeriesRow;
-use bitgrain::sim::{Sim, hex};
+use bitgrain::simulation::{Simulation, hex};
 use bitgrain_kernel::Error as KernelError;
 use bitgrain_tests::drags::{Bed, Ours, blocks, body, spread, tail};
 use bitgrain_tests::{Shown, golden, hertz_history};
@@ -59,12 +59,12 @@ const REPLICAS: usize = 12;
 const PIECE: [u64; 2] = [200_000, 204_000];
 
 /// One drag, and the states at the `marks`.
-fn pull(scenario: &Scenario, marks: &[u64]) -> (Means, Vec<SeriesRow>, Vec<Sim>) {
+fn pull(scenario: &Scenario, marks: &[u64]) -> (Means, Vec<SeriesRow>, Vec<Simulation>) {
     let mut sim =
         bitgrain::bed::import::bed(scenario, scenario.source.as_deref().unwrap()).unwrap();
     let plan = scenario.runs().remove(0);
     let mut states = Vec::new();
-    let mut mark = Shown(marks, |_, sim: &mut Sim| states.push(sim.clone()));
+    let mut mark = Shown(marks, |_, sim: &mut Simulation| states.push(sim.clone()));
     let (means, record) = drag(&mut sim, &plan, &mut mark).unwrap();
     (means, record.series, states)
 }
@@ -79,7 +79,7 @@ fn eighths(rows: &[SeriesRow], steps: u64) -> [f64; 8] {
     })
 }
 
-fn line(bed: &Bed, froude: f64, replica: usize) -> (String, Vec<Sim>) {
+fn line(bed: &Bed, froude: f64, replica: usize) -> (String, Vec<Simulation>) {
     let slowest = (bed.file, froude) == (BEDS[0].file, 0.5);
     let marks = if slowest { &PIECE[..] } else { &[] };
     let (means, rows, states) = pull(&bed.scenario(froude, replica), marks);
@@ -115,7 +115,7 @@ fn points() -> impl Iterator<Item = (&'static Bed, f64)> {
 }
 
 /// Where a thread leaves a drag's line and states.
-type Slot = std::sync::Mutex<Option<(String, Vec<Sim>)>>;
+type Slot = std::sync::Mutex<Option<(String, Vec<Simulation>)>>;
 
 const RECIPE: &str = "cargo test -p bitgrain-tests --release --test physics drag:: -- --ignored";
 const HEAD: &str =

@@ -1,10 +1,10 @@
 //! The account of a simulation's energy: it closes, by terms that are all needed, and changes nothing.
 
-use bitgrain::audit::{Audit, EnergyRow};
 use bitgrain::case::{GrainSpec, MotionSpec};
 use bitgrain::checkpoint;
+use bitgrain::energy_budget::{Audit, EnergyRow};
 use bitgrain::law::LawSpec;
-use bitgrain::sim::Sim;
+use bitgrain::simulation::Simulation;
 use bitgrain_tests::{floor, golden_case, open_case, output, settled_quick};
 
 /// What the balance may leave, over the work done.
@@ -42,7 +42,7 @@ fn ball(id: u32, position: [f64; 3], velocity: [f64; 3], spin: [f64; 3]) -> Grai
 }
 
 /// A grain on its way to a floor.
-fn hits_floor(law: LawSpec, velocity: [f64; 3], dt: f64) -> Sim {
+fn hits_floor(law: LawSpec, velocity: [f64; 3], dt: f64) -> Simulation {
     let grain = ball(1, [0.0, 0.0, 0.5005], velocity, [0.0; 3]);
     let case = open_case(law, dt, vec![grain], vec![floor()]);
     case.start("floor", |_| {}).expect("a sound case")
@@ -50,7 +50,7 @@ fn hits_floor(law: LawSpec, velocity: [f64; 3], dt: f64) -> Sim {
 
 /// Two grains on their way to each other: half the relative velocity, the offset across it, the spin of
 /// both about the axis that the pair will turn about.
-fn meets(law: LawSpec, velocity: [f64; 2], offset: f64, spin: f64, dt: f64) -> Sim {
+fn meets(law: LawSpec, velocity: [f64; 2], offset: f64, spin: f64, dt: f64) -> Simulation {
     let apart = (1.0 - offset * offset).sqrt() + 5e-4;
     let [x, y] = velocity;
     let grains = vec![
@@ -62,7 +62,7 @@ fn meets(law: LawSpec, velocity: [f64; 2], offset: f64, spin: f64, dt: f64) -> S
 }
 
 /// The account after so many steps, and the most that it was ever open by over the work done by then.
-fn followed(sim: &mut Sim, steps: u64) -> (EnergyRow, f64) {
+fn followed(sim: &mut Simulation, steps: u64) -> (EnergyRow, f64) {
     let mut audit = Audit::new(sim);
     let mut worst = 0.0;
     for _ in 0..steps {
@@ -132,7 +132,7 @@ fn check_convergence(open: impl Fn(f64) -> (EnergyRow, f64), what: &str, most: &
 }
 
 /// Cases with many bodies: name, simulation, steps, and the closure measured.
-fn crowds() -> Vec<(&'static str, Sim, u64, f64)> {
+fn crowds() -> Vec<(&'static str, Simulation, u64, f64)> {
     let golden = |name: &str| golden_case(name).start(name, |_| {}).expect("a sound case");
     vec![
         ("collapse.json", golden("collapse.json"), 6000, 1e-4),

@@ -3,14 +3,14 @@
 
 use std::path::Path;
 
-use bitgrain::bed::library::Library;
+use bitgrain::bed::library::BedCache;
+use bitgrain::coarse_graining::load::Sum;
+use bitgrain::coarse_graining::{CoarseGraining, FieldPoint, Flag, intruder_outline, read};
 use bitgrain::drag::Dragging;
-use bitgrain::fields::load::Sum;
-use bitgrain::fields::{FieldsGauge, Flag, Point, hole, read};
 use bitgrain::motion::Moves;
 use bitgrain::progress::{Progress, Stage};
 use bitgrain::scenario::{self, Scenario};
-use bitgrain::sim::{Grain, Sim};
+use bitgrain::simulation::{Grain, Simulation};
 use bitgrain::summary::{Summary, read_summary};
 use bitgrain::threads::on_threads;
 use bitgrain::{bed, checkpoint, present};
@@ -58,7 +58,7 @@ fn fields_of_no_steady_state_are_refused() {
 }
 
 fn run_into(scenario: &Scenario, out: &Path, beds: &Path, threads: usize) -> Summary {
-    let library = Library::new(beds);
+    let library = BedCache::new(beds);
     bitgrain::present::run(scenario, out, &library, threads, &Progress::new(false)).unwrap();
     read_summary(&out.join("summary.json")).unwrap()
 }
@@ -121,12 +121,14 @@ fn a_drag_in_two_parts_has_the_fields_of_one() {
     let mut scenario = rig("grid = [20, 2, 12]\nevery = 150");
     scenario.lid = None;
     let plan = &scenario.runs()[0];
-    let go =
-        |sim: &mut Sim, dragging: &mut Dragging, witness: &mut dyn FnMut(u64), looks: &[u64]| {
-            let mut witness = Shown(looks, |n, _: &mut Sim| witness(n));
-            let stage = Stage::silent();
-            dragging.go_on(sim, plan, &stage, &mut witness).unwrap();
-        };
+    let go = |sim: &mut Simulation,
+              dragging: &mut Dragging,
+              observer: &mut dyn FnMut(u64),
+              looks: &[u64]| {
+        let mut observer = Shown(looks, |n, _: &mut Simulation| observer(n));
+        let stage = Stage::silent();
+        dragging.go_on(sim, plan, &stage, &mut observer).unwrap();
+    };
     let begun = || {
         let mut sim = bed::pour(&scenario, &scenario.beds()[0], &mut Stage::silent()).unwrap();
         let dragging = Dragging::begin(&mut sim, plan, "").unwrap();
@@ -164,12 +166,12 @@ fn a_drag_in_two_parts_has_the_fields_of_one() {
 /// Keeps the state at a step, and goes no further.
 struct Until(u64, Option<Vec<u8>>);
 
-impl bitgrain::witness::Witness for Until {
-    fn pause(
+impl bitgrain::observer::Observer for Until {
+    fn on_checkpoint(
         &mut self,
         step: u64,
-        sim: &mut Sim,
-        note: &dyn Fn() -> checkpoint::Note,
+        sim: &mut Simulation,
+        note: &dyn Fn() -> checkpoint::StageState,
     ) -> bitgrain::error::Result<()> {
         if step == self.0 {
             self.1 = Some(checkpoint::pack(sim, &note())?);
@@ -177,13 +179,13 @@ impl bitgrain::witness::Witness for Until {
         Ok(())
     }
 
-    fn ends(&self) -> u64 {
+    fn last_step(&self) -> u64 {
         self.0
     }
 }
 
 /// Five grains with a moving cylinder in the middle of a high box, which nothing pulls.
-fn cluster(scenario: &Scenario) -> Sim {
+fn cluster(scenario: &Scenario) -> Simulation {
     let places = [
         // Two on the cylinder, beside each other across the edge of the box along y, and one on the second.
         [3.02, 0.1, 12.0],
@@ -208,7 +210,7 @@ fn cluster(scenario: &Scenario) -> Sim {
     body.velocity = [2.0, 0.0, 0.0];
     let law = scenario.law.build().unwrap();
     let groups = vec![Group::free([0.0; 3])];
-    let mut sim = Sim::new(law, domain, scenario.drag.dt, groups, &grains, vec![body]);
+    let mut sim = Simulation::new(law, domain, scenario.drag.dt, groups, &grains, vec![body]);
     sim.start().unwrap();
     sim
 }
@@ -217,7 +219,7 @@ fn cluster(scenario: &Scenario) -> Sim {
 const RADIUS: f64 = 1.5;
 
 /// Sum of force times branch over all contacts; with the cylinder from a grain's centre to where they touch.
-fn virial(sim: &Sim, contacts: &[ContactForce<f64>]) -> [[f64; 3]; 3] {
+fn virial(sim: &Simulation, contacts: &[ContactForce<f64>]) -> [[f64; 3]; 3] {
     let place = |i: u32| [0, 1, 2].map(|a| sim.position[i as usize][a]);
     let mut virial = [[0.0; 3]; 3];
     for c in contacts {
@@ -253,11 +255,11 @@ fn fields_come_to_their_grains_and_contacts() {
         .filter(|c| c.partner == Partner::Obstacle(0));
     assert_eq!((contacts.len(), on_body.count()), (5, 2), "{contacts:?}");
     let plan = &scenario.runs()[0];
-    let mut gauge = FieldsGauge::new(&plan.fields.unwrap(), &plan.motion);
+    let mut gauge = CoarseGraining::new(&plan.fields.unwrap(), &plan.motion);
     gauge.add(&sim, &contacts, plan.motion.window[0]);
-    let fields = gauge.points(hole(&sim));
+    let fields = gauge.points(intruder_outline(&sim));
     let cell: f64 = fields.grid.step().iter().product();
-    let total = |of: &dyn Fn(&Point) -> f64| {
+    let total = |of: &dyn Fn(&FieldPoint) -> f64| {
         let known = fields.points.iter().filter(|p| p.packing_fraction > 0.0);
         known.map(of).sum::<f64>() * cell
     };
@@ -300,13 +302,13 @@ fn a_resting_bed_carries_its_weight() {
     let mut sim = bed::pour(&scenario, &scenario.beds()[0], &mut Stage::silent()).unwrap();
     let mut plan = scenario.runs().remove(0);
     plan.motion = plan.motion.averaged_beyond(0.0, plan.steps());
-    let mut gauge = FieldsGauge::new(&plan.fields.unwrap(), &plan.motion);
+    let mut gauge = CoarseGraining::new(&plan.fields.unwrap(), &plan.motion);
     let mut contacts = Vec::new();
     sim.step_watched(|contact| contacts.push(contact)).unwrap();
     gauge.add(&sim, &contacts, plan.motion.window[0]);
-    let fields = gauge.points(hole(&sim));
+    let fields = gauge.points(intruder_outline(&sim));
     let [nx, ny, _] = fields.grid.counts;
-    let layer = |kz: usize, of: fn(&Point) -> f64| {
+    let layer = |kz: usize, of: fn(&FieldPoint) -> f64| {
         let points = (0..nx * ny).map(|k| of(&fields.points[kz * nx * ny + k]));
         points.sum::<f64>() / (nx * ny) as f64
     };
@@ -320,7 +322,7 @@ fn a_resting_bed_carries_its_weight() {
         .filter(|kz| (5.0..surface - 4.0).contains(&fields.grid.at(2, *kz)))
         .collect();
     assert!(heights.len() > 10, "{surface}");
-    let mean = |of: fn(&Point) -> f64| {
+    let mean = |of: fn(&FieldPoint) -> f64| {
         heights.iter().map(|k| layer(*k, of)).sum::<f64>() / heights.len() as f64
     };
     let density = mean(|p| p.packing_fraction);
@@ -362,7 +364,7 @@ fn a_run_leaves_its_fields() {
     let text = |name: &str| String::from_utf8(files[name].clone()).unwrap();
     for run in &whole.runs {
         let of = |file: &str| text(&format!("runs/{}/{file}", run.name));
-        let grid = bitgrain::fields::grid::Grid {
+        let grid = bitgrain::coarse_graining::grid::Grid {
             counts: [54, 2, 32],
             size: scenario.bed.size,
         };

@@ -3,11 +3,11 @@
 use bitgrain::checkpoint;
 use bitgrain::claims::book::Book;
 use bitgrain::claims::evidence::Evidence;
-use bitgrain::sim::Sim;
+use bitgrain::simulation::Simulation;
 use bitgrain::threads::on_threads;
 use bitgrain_tests::{golden, golden_case};
 
-fn started(name: &str) -> Sim {
+fn started(name: &str) -> Simulation {
     let sim = golden_case(name).start(name, |_| {});
     sim.expect("a sound case")
 }

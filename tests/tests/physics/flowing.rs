@@ -8,8 +8,8 @@ use bitgrain::drag::drag;
 use bitgrain::flow::{FlowRow, flow_text, parse_flow, parse_profile};
 use bitgrain::scenario::{self, Scenario};
 use bitgrain::series::{SeriesRow, read_series, series_text};
-use bitgrain::summary::{Flow, RunSummary, Summary, read_summary};
-use bitgrain::{blocks::Mean, checkpoint};
+use bitgrain::summary::{DragSummary, Flow, Summary, read_summary};
+use bitgrain::{block_averaging::Mean, checkpoint};
 use bitgrain_tests::{golden, unpacked};
 
 /// Steps done again: eight rows of the force series and one of the flow.
@@ -50,7 +50,7 @@ const FILES: [[&str; 3]; 2] = [
 ];
 
 /// The runs of the summary with how their beds flowed: with a pressure gradient, and without.
-fn pair(whole: &Summary) -> [(&RunSummary, &Flow); 2] {
+fn pair(whole: &Summary) -> [(&DragSummary, &Flow); 2] {
     let of = |k: usize| {
         let run = &whole.runs[k];
         (run, run.flow.as_ref().unwrap())
@@ -68,7 +68,7 @@ fn the_first_steps_done_again_give_the_same_rows() {
     let packed = bytes("bed-1.safetensors.gz");
     let mut bed = checkpoint::parse(&packed, "bed-1", None).unwrap();
     assert_eq!(
-        bitgrain::sim::hex(&bed.digest().unwrap().whole),
+        bitgrain::simulation::hex(&bed.digest().unwrap().whole),
         whole().beds[0].digest
     );
     let mut plan = scenario.runs()[0].clone();

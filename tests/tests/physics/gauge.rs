@@ -5,7 +5,7 @@ use std::path::Path;
 use bitgrain::flow::FlowGauge;
 use bitgrain::motion::{Motion, Moves};
 use bitgrain::scenario;
-use bitgrain::sim::{Grain, Sim};
+use bitgrain::simulation::{Grain, Simulation};
 use bitgrain_kernel::{Domain, Group, Obstacle};
 use bitgrain_tests::SMALL;
 
@@ -21,7 +21,7 @@ const LID: u8 = 2;
 
 /// Grains at these places with these velocities along x, none in touch, in a box 16 long round an intruder
 /// in its middle, high up; nothing pulls them.
-fn tray(grains: &[(u8, [f64; 3], f64)]) -> Sim {
+fn tray(grains: &[(u8, [f64; 3], f64)]) -> Simulation {
     let domain = Domain::new([0.0; 3], [16.0, 4.0, 16.0], [true, true, false]).unwrap();
     let groups = vec![
         Group::free([0.0; 3]),
@@ -44,13 +44,18 @@ fn tray(grains: &[(u8, [f64; 3], f64)]) -> Sim {
         .build()
         .unwrap();
     let body = Obstacle::sphere([8.0, 2.0, 14.0], 0.5);
-    let mut sim = Sim::new(law, domain, DT, groups, &grains, vec![body]);
+    let mut sim = Simulation::new(law, domain, DT, groups, &grains, vec![body]);
     sim.start().unwrap();
     sim
 }
 
 /// Rows of a gauge at this sim for a speed of 1; `turn` may change velocities after a step.
-fn read(sim: &mut Sim, moves: Moves, rows: u64, turn: impl Fn(&mut Sim, u64)) -> FlowGauge {
+fn read(
+    sim: &mut Simulation,
+    moves: Moves,
+    rows: u64,
+    turn: impl Fn(&mut Simulation, u64),
+) -> FlowGauge {
     let motion = motion(moves, rows, 0.0);
     let mut gauge = FlowGauge::new(sim, &motion, 8.0);
     for n in 1..=motion.steps() {
@@ -110,7 +115,7 @@ fn a_bed_that_moves_as_one_is_at_its_speed() {
 }
 
 /// Gives every grain this speed along x.
-fn set_speed(sim: &mut Sim, speed: f64) {
+fn set_speed(sim: &mut Simulation, speed: f64) {
     let histories = sim.contact_histories();
     for v in &mut sim.velocity {
         v[0] = speed;
@@ -123,7 +128,7 @@ fn set_speed(sim: &mut Sim, speed: f64) {
 #[test]
 fn bursts_do_not_mislead() {
     for moves_last in [false, true] {
-        let pace = |sim: &mut Sim, n: u64| {
+        let pace = |sim: &mut Simulation, n: u64| {
             let fast = (n % ROW < ROW / 2) == moves_last;
             set_speed(sim, if fast { 2.0 } else { 0.0 });
         };

@@ -194,7 +194,7 @@ fn bar(diameter: f64) -> ObstacleSpec {
     }
 }
 
-fn fault(told: &Result<bitgrain::sim::Sim, Error>) -> Option<KernelError> {
+fn fault(told: &Result<bitgrain::simulation::Simulation, Error>) -> Option<KernelError> {
     match told {
         Err(Error::Run { fault, .. }) => Some(*fault),
         _ => None,

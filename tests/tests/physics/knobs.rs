@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use bitgrain::checkpoint;
-use bitgrain::sim::{AnyLaw, Role, Sim, hex};
+use bitgrain::simulation::{AnyLaw, Role, Simulation, hex};
 use bitgrain_kernel::contact::{HertzHistory, Law};
 use bitgrain_kernel::{ContactForce, Digest, Group, Obstacle, Partner, Store, digest, start, step};
 use bitgrain_tests::{golden, golden_case};
@@ -12,7 +12,7 @@ use bitgrain_tests::{golden, golden_case};
 mod range_bounds;
 
 /// A golden case and its started simulation.
-fn begin(name: &str) -> Sim {
+fn begin(name: &str) -> Simulation {
     let case = golden_case(name);
     case.start(name, |_| {}).expect("a sound case")
 }
@@ -32,7 +32,7 @@ fn the_rig_has_every_contact_of_a_rig() {
     for name in &CASES[2..] {
         let mut sim = begin(name);
         let roles = [Role::Free, Role::Base, Role::Lid];
-        let of = |sim: &Sim, role| (0..sim.count()).filter(|&i| sim.role(i) == role).count();
+        let of = |sim: &Simulation, role| (0..sim.count()).filter(|&i| sim.role(i) == role).count();
         assert_eq!(roles.map(|role| of(&sim, role)), [30, 12, 12]);
         let mut met = std::collections::BTreeMap::new();
         let mut across = 0;
@@ -183,7 +183,7 @@ fn cuts_into_ranges_change_nothing() {
     }
 }
 
-fn cut(sim: &Sim, law: &impl Law<f64>, name: &str) {
+fn cut(sim: &Simulation, law: &impl Law<f64>, name: &str) {
     let whole = after_two_steps(&mut sim.clone(), law, &[]);
     for range_bounds in [
         vec![1],
@@ -196,7 +196,7 @@ fn cut(sim: &Sim, law: &impl Law<f64>, name: &str) {
     }
 }
 
-fn after_two_steps(sim: &mut Sim, law: &impl Law<f64>, range_bounds: &[u32]) -> Digest {
+fn after_two_steps(sim: &mut Simulation, law: &impl Law<f64>, range_bounds: &[u32]) -> Digest {
     let mut world = sim.world();
     world.range_bounds = range_bounds;
     range_bounds::steps_cut(&mut world, law, 2).unwrap();

@@ -5,11 +5,11 @@
 
 use bitgrain::analysis::{self, words};
 use bitgrain::campaign;
-use bitgrain::campaign::table::Table;
+use bitgrain::campaign::table::CampaignTable;
 use bitgrain::claims::evidence::Evidence;
 use bitgrain::files::write_text;
 use bitgrain::folder::Folder;
-use bitgrain::manifest::Of;
+use bitgrain::manifest::FolderKind;
 use bitgrain_tests::wee::forge_manifest;
 use bitgrain_tests::{golden, output, unpacked};
 use serde_json::Value;
@@ -48,7 +48,7 @@ fn rows_done_again_are_those_of_the_table() {
     let own = plan.members.iter().find(|one| one.name == MEMBER).unwrap();
     let text = Folder(&member).scenario_text(&own.scenario);
     std::fs::write(member.join("scenario.toml"), text).unwrap();
-    forge_manifest(&member, Of::Run, &[]);
+    forge_manifest(&member, FolderKind::Run, &[]);
     let text = format!("# {}\n{}", bitgrain::files::bits(), plan.text());
     std::fs::write(folder.path().join("out/campaign.toml"), text).unwrap();
     let args = [
@@ -78,7 +78,7 @@ fn rows_done_again_are_those_of_the_table() {
 #[test]
 fn tables_are_those_of_the_shipped_campaigns() {
     for name in TABLES {
-        let table = Table::read(&golden(name).join("results.csv.gz")).unwrap();
+        let table = CampaignTable::read(&golden(name).join("results.csv.gz")).unwrap();
         let plan = campaign::load(name, &[]).unwrap();
         let mut row = 0;
         for member in &plan.members {
@@ -178,7 +178,7 @@ fn tables_have_a_page() {
         }
         assert!(!page.contains("NaN") && !page.contains("inf\""), "{name}");
         assert!(page.matches("<svg class=\"chart\"").count() > 15, "{name}");
-        let table = Table::read(&golden(name).join("results.csv.gz")).unwrap();
+        let table = CampaignTable::read(&golden(name).join("results.csv.gz")).unwrap();
         for row in 0..table.len() {
             let name = format!(
                 ">{}/{}</th>",

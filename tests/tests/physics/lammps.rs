@@ -17,8 +17,8 @@
 
 use bitgrain::files::read_text;
 use bitgrain::lammps::{
-    Atom, DataFile, Frame, data_text, dump_text, parse_atoms, parse_data, parse_dump, read_atoms,
-    read_data, read_dump,
+    Atom, DataFile, DumpFrame, data_text, dump_text, parse_atoms, parse_data, parse_dump,
+    read_atoms, read_data, read_dump,
 };
 use bitgrain::random::{Purpose, uniforms};
 use bitgrain_tests::{golden, largest};
@@ -171,7 +171,7 @@ fn scaled_and_unwrapped_columns_give_the_same_places() {
 #[test]
 fn frames_are_written_and_read_one_after_another() {
     let sent = sent();
-    let frame = |step, shift: f64| Frame {
+    let frame = |step, shift: f64| DumpFrame {
         step,
         lo: sent.lo,
         hi: sent.hi,

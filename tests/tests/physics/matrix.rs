@@ -6,22 +6,22 @@
 use bitgrain::bench::read_bed;
 use bitgrain::checkpoint;
 use bitgrain::compare::first_difference;
-use bitgrain::registers::Registers;
-use bitgrain::sim::{AnyLaw, Sim};
+use bitgrain::isa::Isa;
+use bitgrain::simulation::{AnyLaw, Simulation};
 use bitgrain::threads::on_threads;
 use bitgrain_kernel::Digest;
 use bitgrain_kernel::contact::HertzTsuji;
 use bitgrain_tests::{golden, settled_quick};
 
 /// A settled bed of 10,000 grains round a ball that moves.
-fn large() -> Sim {
+fn large() -> Simulation {
     let mut sim = read_bed(&golden("peers/bedA_D4.data.gz")).expect("the golden bed is sound");
     sim.start().expect("the golden bed is sound");
     sim
 }
 
 /// The same grains under the other law, without history, about as stiff.
-fn tsuji(mut sim: Sim) -> Sim {
+fn tsuji(mut sim: Simulation) -> Simulation {
     sim.law = AnyLaw::HertzTsuji(HertzTsuji::new(2e5, 0.3, 0.6, 0.5));
     sim.start().expect("the golden bed is sound");
     sim
@@ -31,7 +31,7 @@ fn tsuji(mut sim: Sim) -> Sim {
 #[derive(Clone, Copy, Debug)]
 struct Way {
     threads: usize,
-    registers: Registers,
+    registers: Isa,
     /// Over the skin and reach that the simulation chose.
     skin: f64,
     /// Watches every second step and saves every third.
@@ -42,7 +42,7 @@ struct Way {
 
 /// All knobs one by one, and then several at once.
 fn ways() -> Vec<Way> {
-    let registers = Registers::best();
+    let registers = Isa::best();
     let plain = Way {
         threads: 1,
         registers,
@@ -52,7 +52,7 @@ fn ways() -> Vec<Way> {
     };
     let mut ways = vec![plain];
     ways.extend([2, 3, 8].map(|threads| Way { threads, ..plain }));
-    let every = Registers::all();
+    let every = Isa::all();
     ways.extend(every.iter().map(|&registers| Way { registers, ..plain }));
     ways.extend([0.0, 0.3, 4.0].map(|skin| Way { skin, ..plain }));
     ways.extend([0, 1, 60].map(|room| Way { room, ..plain }));
@@ -74,7 +74,7 @@ fn ways() -> Vec<Way> {
 }
 
 impl Way {
-    fn prepare(&self, sim: &mut Sim) {
+    fn prepare(&self, sim: &mut Simulation) {
         sim.stepping.registers = self.registers;
         // Also beds of fewer grains are to be cut into as many ranges as there are threads.
         sim.stepping.range_min = 1;
@@ -85,7 +85,7 @@ impl Way {
         sim.resume(&histories).expect("the state is sound");
     }
 
-    fn step(&self, sim: &mut Sim, n: usize) {
+    fn step(&self, sim: &mut Simulation, n: usize) {
         if self.interrupted && !n.is_multiple_of(2) {
             sim.step_watched(|_| {}).expect("a sound bed");
         } else {
@@ -99,7 +99,7 @@ impl Way {
 }
 
 /// Steps a simulation by the kernel's own step and then in every way, and compares each step.
-fn compare(name: &str, steps: usize, begin: &Sim) {
+fn compare(name: &str, steps: usize, begin: &Simulation) {
     let mut sim = begin.clone();
     let first = sim.digest().unwrap();
     let mut digests: Vec<Digest> = Vec::new();
@@ -126,7 +126,7 @@ fn compare(name: &str, steps: usize, begin: &Sim) {
 
 /// The first step, part, grain and component that differ: the one way from the one state and the
 /// kernel's own step from the other.
-fn explain(way: &Way, step: usize, begin: &Sim, plain: &Sim) -> String {
+fn explain(way: &Way, step: usize, begin: &Simulation, plain: &Simulation) -> String {
     let (mut plain, mut other) = (plain.clone(), begin.clone());
     way.prepare(&mut other);
     let stepped = on_threads(way.threads, || {

@@ -6,13 +6,13 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use bitgrain::checkpoint;
+use bitgrain::coarse_graining::text::load_text;
 use bitgrain::drag::Dragging;
-use bitgrain::fields::text::load_text;
+use bitgrain::observer::Observer;
 use bitgrain::progress::Stage;
 use bitgrain::scenario::{self, Scenario};
-use bitgrain::sim::hex;
-use bitgrain::summary::{RunSummary, Summary, read_summary};
-use bitgrain::witness::Witness;
+use bitgrain::simulation::hex;
+use bitgrain::summary::{DragSummary, Summary, read_summary};
 use bitgrain_tests::{golden, unpacked};
 use sha2::{Digest, Sha256};
 
@@ -121,8 +121,8 @@ fn files_have_hashes() {
 /// Goes no further than to this step.
 struct Until(u64);
 
-impl Witness for Until {
-    fn ends(&self) -> u64 {
+impl Observer for Until {
+    fn last_step(&self) -> u64 {
         self.0
     }
 }
@@ -196,7 +196,7 @@ fn fields_keep_the_grains() {
     let [nx, _, nz] = grid.counts;
     for file in FIELDS {
         let run = whole.runs.iter().find(|run| file.starts_with(&run.name));
-        let run: &RunSummary = run.unwrap();
+        let run: &DragSummary = run.unwrap();
         let flow = run.flow.as_ref().unwrap();
         let rows = plane(file);
         assert_eq!(rows.len(), nx * nz);

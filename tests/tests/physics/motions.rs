@@ -3,7 +3,7 @@
 
 use bitgrain::case::{BoxSpec, Case, GrainSpec, MotionSpec, ObstacleSpec};
 use bitgrain::law::LawSpec;
-use bitgrain::sim::{AnyLaw, Sim, sphere_mass};
+use bitgrain::simulation::{AnyLaw, Simulation, sphere_mass};
 use bitgrain_tests::{GLASS, floor, golden, number, numbers, open_case, output, told};
 use serde_json::Value;
 
@@ -34,7 +34,7 @@ fn grain(id: u32, density: f64, position: [f64; 3], motion: MotionSpec) -> Grain
 }
 
 /// A lid's grain on a grain of the bulk on the floor, until all of it is at rest.
-fn column(law: LawSpec, bulk: MotionSpec) -> Sim {
+fn column(law: LawSpec, bulk: MotionSpec) -> Simulation {
     let grains = vec![
         grain(1, DENSITY, [0.0, 0.0, 0.5 * D], bulk),
         grain(

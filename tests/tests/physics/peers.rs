@@ -5,7 +5,7 @@
 
 use bitgrain::case::{BoxSpec, Case, GrainSpec, MotionSpec, ObstacleSpec};
 use bitgrain::law::LawSpec;
-use bitgrain::sim::Sim;
+use bitgrain::simulation::Simulation;
 use bitgrain_kernel::{Partner, vec3};
 use bitgrain_tests::{floor, golden, json, largest, number, numbers, open_case, triple};
 use serde_json::Value;
@@ -330,7 +330,7 @@ fn lammps_bed_of_200() {
     }
 }
 
-fn check_bed(sim: &Sim, rows: &[Vec<f64>], frozen: &[u32], tolerance: f64) {
+fn check_bed(sim: &Simulation, rows: &[Vec<f64>], frozen: &[u32], tolerance: f64) {
     let scale = |at: usize| largest(rows.iter().flat_map(|row| triple(row, at)));
     let scales = [5.5, scale(6), scale(9), scale(12), scale(15)];
     for (i, row) in rows.iter().enumerate() {
@@ -367,7 +367,7 @@ fn check_bed(sim: &Sim, rows: &[Vec<f64>], frozen: &[u32], tolerance: f64) {
     }
 }
 
-fn check_contacts(sim: &Sim, seen: &[bitgrain_kernel::ContactForce<f64>], theirs: &Value) {
+fn check_contacts(sim: &Simulation, seen: &[bitgrain_kernel::ContactForce<f64>], theirs: &Value) {
     let theirs: Vec<Vec<f64>> = theirs
         .as_array()
         .expect("contacts")

@@ -2,7 +2,7 @@
 
 use bitgrain::case::{BoxSpec, GrainSpec, MotionSpec, ObstacleSpec};
 use bitgrain::law::LawSpec;
-use bitgrain::sim::{AnyLaw, Sim};
+use bitgrain::simulation::{AnyLaw, Simulation};
 use bitgrain_kernel::{ContactHistory, Shape};
 use bitgrain_tests::{floor, open_case};
 
@@ -93,7 +93,7 @@ fn restitution_follows_the_viscoelastic_series() {
 }
 
 /// Kinetic, gravitational and Hertz energy (2/5 K sqrt(R) delta^(5/2)) of a frictionless world.
-fn energy(sim: &mut Sim, gravity: f64) -> f64 {
+fn energy(sim: &mut Simulation, gravity: f64) -> f64 {
     let AnyLaw::HertzHistory(law) = sim.law else {
         panic!("this law stores another energy")
     };
@@ -203,7 +203,7 @@ fn a_free_pair_keeps_its_momentum_to_the_last_bits() {
     let mut sim = open_case(soft(0.5, 792.0), 1e-4, grains, vec![])
         .start("pair", |_| {})
         .unwrap();
-    let momentum = |sim: &Sim, a: usize| {
+    let momentum = |sim: &Simulation, a: usize| {
         sim.velocity[0][3] * sim.velocity[0][a] + sim.velocity[1][3] * sim.velocity[1][a]
     };
     let before = [0, 1, 2].map(|a| momentum(&sim, a));
@@ -267,7 +267,7 @@ fn bar(center: [f64; 3], diameter: f64) -> ObstacleSpec {
 }
 
 /// A spinning grain that comes down on an obstacle whose highest point is at z = 2, with this overlap.
-fn comes_down(law: LawSpec, below: ObstacleSpec, overlap: f64) -> Sim {
+fn comes_down(law: LawSpec, below: ObstacleSpec, overlap: f64) -> Simulation {
     let mut grain = ball(1, [0.0, 0.25, 2.5 - overlap], [0.5, 0.25, -0.125]);
     grain.spin = [2.0, -3.0, 1.0];
     open_case(law, 1e-4, vec![grain], vec![below])
@@ -326,7 +326,7 @@ fn a_cylinder_presses_as_hertz_on_a_plane() {
 }
 
 /// A grain at a bar along y in a box of 8 by 8, shifted by this much; it overlaps by 0.03.
-fn at_bar(law: LawSpec, shift: [f64; 2]) -> Sim {
+fn at_bar(law: LawSpec, shift: [f64; 2]) -> Simulation {
     // Places in 1024ths, so that the separation is the same to the bit wherever both are.
     let place = [-1280.0, 512.0, 1559.0].map(|k| k / 1024.0);
     let place = [place[0] + shift[0], place[1] + shift[1], place[2]];
@@ -383,7 +383,7 @@ fn what_grains_lose_a_cylinder_takes() {
             .start("bar", |_| {})
             .expect("a sound case");
         let momentum =
-            |sim: &Sim, a: usize| -> f64 { sim.velocity.iter().map(|v| v[3] * v[a]).sum() };
+            |sim: &Simulation, a: usize| -> f64 { sim.velocity.iter().map(|v| v[3] * v[a]).sum() };
         let before = [0, 1, 2].map(|a| momentum(&sim, a));
         let (mut impulse, mut together) = ([0.0; 3], 0);
         for _ in 0..3000 {

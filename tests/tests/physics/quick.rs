@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::process::Command;
 
-use bitgrain::bed::library::Library;
+use bitgrain::bed::library::BedCache;
 use bitgrain::progress::Progress;
 use bitgrain::{scenario, summary};
 use bitgrain_tests::{golden, results, unpacked};
@@ -87,7 +87,7 @@ fn check_names(files: &BTreeMap<String, Vec<u8>>) {
 fn the_quick_scenario_gives_its_goldens() {
     let quick = scenario::load("quick", &[]).unwrap();
     let folder = tempfile::tempdir().unwrap();
-    let library = Library::new(folder.path().join("beds"));
+    let library = BedCache::new(folder.path().join("beds"));
     let out = folder.path().join("out");
     bitgrain::present::run(&quick, &out, &library, 2, &Progress::new(false)).unwrap();
     let files = results(&out);

@@ -7,14 +7,14 @@ use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
 use bitgrain::bed::energy_of_borne;
-use bitgrain::bed::library::Library;
+use bitgrain::bed::library::BedCache;
 use bitgrain::folder::Folder;
-use bitgrain::manifest::{Of, Vouched};
+use bitgrain::manifest::{FolderKind, Vouched};
 use bitgrain::observe::weight_and_support;
 use bitgrain::progress::Progress;
 use bitgrain::scenario::{self, Scenario};
-use bitgrain::sim::{Sim, sphere_mass};
-use bitgrain::summary::{BedSummary, Rig, RunSummary, Summary, read_folder, read_summary};
+use bitgrain::simulation::{Simulation, sphere_mass};
+use bitgrain::summary::{BedSummary, DragSummary, Rig, Summary, read_folder, read_summary};
 use bitgrain::{checkpoint, present, run};
 use bitgrain_tests::wee::forge_manifest;
 use bitgrain_tests::{RIG, golden, output, results};
@@ -33,7 +33,7 @@ fn short() -> Scenario {
 }
 
 fn run_into(scenario: &Scenario, out: &Path, beds: &Path, threads: usize) {
-    let library = Library::new(beds);
+    let library = BedCache::new(beds);
     bitgrain::present::run(scenario, out, &library, threads, &Progress::new(false)).unwrap();
 }
 
@@ -59,7 +59,7 @@ static MADE: LazyLock<Made> = LazyLock::new(|| {
 
 impl Made {
     /// The settled bed of a run, as it was before the motion.
-    fn bed(&self, k: usize) -> Sim {
+    fn bed(&self, k: usize) -> Simulation {
         let name = format!("beds/{}.safetensors", self.whole.beds[k].name);
         checkpoint::read(&self.out.join(name)).unwrap()
     }
@@ -82,7 +82,7 @@ fn a_drag_done_alone_is_that_of_the_whole() {
         run::run_in(run::Setting {
             scenario: &short(),
             folder: &Folder(&out),
-            library: &Library::new(&beds),
+            library: &BedCache::new(&beds),
             threads: 2,
             save: Default::default(),
             frames: true,
@@ -171,7 +171,7 @@ fn bed_lines(bed: &BedSummary) -> String {
     )
 }
 
-fn run_lines(run: &RunSummary) -> String {
+fn run_lines(run: &DragSummary) -> String {
     let flow = run.flow.as_ref().unwrap();
     format!(
         "{}: drag {:.6e} +- {:.1e} N, lift {:.6e} +- {:.1e} N, {:.4} contacts\n\
@@ -395,7 +395,7 @@ fn a_damaged_flow_series_is_refused() {
         let told = present::write_report(&whole).unwrap_err().to_string();
         assert!(told.contains(file) && told.contains("--resume"), "{told}");
         // Also where a manifest vouches for it.
-        forge_manifest(whole.0, Of::Run, &[]);
+        forge_manifest(whole.0, FolderKind::Run, &[]);
         let told = present::write_report(&whole).unwrap_err().to_string();
         let at = format!(
             "{file}:{}: is no row of finite numbers",
@@ -406,11 +406,11 @@ fn a_damaged_flow_series_is_refused() {
             "{told}"
         );
         std::fs::write(place(&name), text).unwrap();
-        forge_manifest(whole.0, Of::Run, &[]);
+        forge_manifest(whole.0, FolderKind::Run, &[]);
     }
 }
 
 /// What the manifest of a run vouches for.
 fn vouched(out: &std::path::Path) -> Vouched {
-    Vouched::open(out, Of::Run).unwrap()
+    Vouched::open(out, FolderKind::Run).unwrap()
 }

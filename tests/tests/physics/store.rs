@@ -1,6 +1,6 @@
 //! The golden cases in the kernel's own storage: the digests of the harness, without an allocator.
 
-use bitgrain::sim::{AnyLaw, Sim, hex};
+use bitgrain::simulation::{AnyLaw, Simulation, hex};
 use bitgrain_kernel::contact::Law;
 use bitgrain_kernel::{Store, digest, start, step};
 use bitgrain_tests::{golden, golden_case};
@@ -21,7 +21,7 @@ fn golden_digests(name: &str) -> Vec<(u64, String)> {
 
 /// Moves a simulation at step 0 into a store.
 fn store_of<const PAIRS: usize, const BODIES: usize>(
-    sim: &Sim,
+    sim: &Simulation,
     skin: f64,
 ) -> Box<Room<PAIRS, BODIES>> {
     let mut store = Box::new(Room::new(sim.domain, sim.dt, skin * sim.skin));
@@ -43,7 +43,7 @@ fn store_of<const PAIRS: usize, const BODIES: usize>(
     store
 }
 
-fn follow<const PAIRS: usize, const BODIES: usize>(name: &str, sim: &Sim, skin: f64) {
+fn follow<const PAIRS: usize, const BODIES: usize>(name: &str, sim: &Simulation, skin: f64) {
     let mut store = store_of::<PAIRS, BODIES>(sim, skin);
     match sim.law {
         AnyLaw::HertzHistory(law) => steps(name, &mut store, &law),

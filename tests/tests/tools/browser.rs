@@ -12,7 +12,7 @@ use bitgrain::motion::Moves;
 use bitgrain::report::{self, BedPicture, Drawings, Film, FlowGrain, FlowPicture, PictureGrain};
 use bitgrain::scenario::{self};
 use bitgrain::series::SeriesRow;
-use bitgrain::sim::Role;
+use bitgrain::simulation::Role;
 use bitgrain::summary::Summary;
 use bitgrain_tests::golden;
 

@@ -1,6 +1,6 @@
 //! All that a table says.
 
-use super::{around, curves, scaling, speeds, stiffness, yields};
+use super::{curves, near_field, scaling, speeds, stiffness, yields};
 use crate::analysis::Around;
 use crate::analysis::Curve;
 use crate::analysis::Material;
@@ -9,7 +9,7 @@ use crate::analysis::Scaling;
 use crate::analysis::Speeds;
 use crate::analysis::Stiffness;
 use crate::analysis::Yield;
-use bitgrain_lab::campaign::table::Table;
+use bitgrain_lab::campaign::table::CampaignTable;
 use bitgrain_sim::format::round10;
 use serde::{Deserialize, Serialize};
 
@@ -42,7 +42,7 @@ pub struct Analysis {
 }
 
 /// Analyses a table. Runs whose bed slid along as a plug are left out unless `plugs`.
-pub fn analyse(table: &Table, plugs: bool) -> Analysis {
+pub fn analyse(table: &CampaignTable, plugs: bool) -> Analysis {
     let read = curves::read(table, plugs);
     let curves = read.curves;
     let yields: Vec<Yield> = curves.iter().map(yields::yield_of).collect();
@@ -62,7 +62,7 @@ pub fn analyse(table: &Table, plugs: bool) -> Analysis {
         .collect();
     let around = materials
         .iter()
-        .map(|m| around::around(*m, &of(m)))
+        .map(|m| near_field::around(*m, &of(m)))
         .collect();
     Analysis {
         rows: table.len(),

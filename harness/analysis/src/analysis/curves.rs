@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::Value;
 use bitgrain_lab::campaign::columns::MOST_CONTACTS;
-use bitgrain_lab::campaign::table::Table;
-use bitgrain_lab::plug::Plug;
+use bitgrain_lab::campaign::table::CampaignTable;
+use bitgrain_lab::plug_flow::PlugFlow;
 
 /// Least D/d of an intruder with contacts enough for a law: the paper's smallest scatters too.
 const LEAST_DIAMETER: f64 = 2.0;
@@ -105,7 +105,7 @@ pub(super) struct Read {
 }
 
 /// Reads the curves of a table, by material, diameter and depth.
-pub(super) fn read(table: &Table, plugs: bool) -> Read {
+pub(super) fn read(table: &CampaignTable, plugs: bool) -> Read {
     let mut curves: Vec<Curve> = Vec::new();
     let (mut failed, mut sliding) = (0, 0);
     for row in 0..table.len() {
@@ -113,7 +113,7 @@ pub(super) fn read(table: &Table, plugs: bool) -> Read {
             failed += 1;
             continue;
         }
-        if table.text(row, "plug") == Plug::Slides.word() {
+        if table.text(row, "plug") == PlugFlow::Slides.word() {
             sliding += 1;
             if !plugs {
                 continue;
@@ -176,7 +176,7 @@ pub(super) fn read(table: &Table, plugs: bool) -> Read {
 }
 
 /// A row; `None` where it has no drag.
-fn point(table: &Table, row: usize) -> Option<Point> {
+fn point(table: &CampaignTable, row: usize) -> Option<Point> {
     let value = |column: &str| {
         let value = table.real(row, column)?;
         let error = table.real(row, &format!("{column}_error"))?;

@@ -5,29 +5,29 @@
 //! none.
 
 mod analyse;
-mod around;
 mod curves;
+mod describe;
 mod exponents;
 mod finding;
+mod near_field;
 mod scaling;
 mod speeds;
 mod stiffness;
 #[cfg(test)]
 mod tests;
 mod value;
-mod words;
 mod yields;
 
 pub use analyse::{Analysis, analyse, text};
-pub use around::{Around, Contacts, Floating, Offset};
 pub use curves::{Curve, Material, Point};
+pub use describe::words;
+pub(crate) use describe::{grains, intruder, material};
 pub use exponents::Scaled;
 pub(crate) use exponents::near;
 pub use finding::Finding;
+pub use near_field::{Around, Contacts, Floating, Offset};
 pub use scaling::{AtSpeed, Collapse, Exponent, Scaling, Spread};
 pub use speeds::{Flatness, Pooled, Speeds};
 pub use stiffness::{Level, Stiffness};
 pub use value::Value;
-pub use words::words;
-pub(crate) use words::{grains, intruder, material};
 pub use yields::{Method, Yield};

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::fit::Fit;
-use bitgrain_lab::campaign::table::Table;
+use bitgrain_lab::campaign::table::CampaignTable;
 use bitgrain_sim::random::{Purpose, uniforms};
 
 /// Relative noise of every drag, and the error that it is given with.
@@ -64,7 +64,7 @@ fn normal(k: u32) -> f64 {
 }
 
 impl Made {
-    fn table(&self) -> Table {
+    fn table(&self) -> CampaignTable {
         let names = "member,run,status,reason,digest,mu,kn,gamma_n,diameter,diameter_least,diameter_most,\
                      depth_asked,depth,speed,froude,drag,drag_error,plug,plug_ratio,contact_angle,\
                      contact_angle_error,kappa,kappa_error,floating,floating_error";
@@ -106,7 +106,7 @@ impl Made {
                 }
             }
         }
-        Table::parse(&text, "made").unwrap()
+        CampaignTable::parse(&text, "made").unwrap()
     }
 }
 

@@ -6,9 +6,9 @@ use super::book::{Book, Measured};
 use super::{guillard, kumar, restitution};
 use crate::analysis::{Analysis, analyse, text};
 use bitgrain_lab::campaign::folder::{Beside, CAMPAIGN, CampaignFolder};
-use bitgrain_lab::campaign::table::{Table, of_run};
+use bitgrain_lab::campaign::table::{CampaignTable, of_run};
 use bitgrain_lab::folder::{Folder, is_of};
-use bitgrain_lab::manifest::{Of, Vouched};
+use bitgrain_lab::manifest::{FolderKind, Vouched};
 use bitgrain_lab::scenario::source::hash;
 use bitgrain_lab::summary::{Summary, parse_summary, read_folder};
 use bitgrain_sim::disk;
@@ -25,7 +25,7 @@ pub struct Evidence {
     /// Digest of the results.
     pub digest: String,
     /// The results as a table.
-    pub table: Table,
+    pub table: CampaignTable,
     /// What that says.
     pub analysis: Analysis,
     /// A run's own summary; none of a campaign.
@@ -47,12 +47,12 @@ impl Evidence {
             return Self::of_text(text, from, None, plugs);
         }
         if !is_of(from, &CAMPAIGN) {
-            let vouched = Vouched::open(from, Of::Run)?;
+            let vouched = Vouched::open(from, FolderKind::Run)?;
             let (text, summary) = read_folder(&Folder(from), &vouched)?;
             return Self::of_summary(&text, summary, from, plugs);
         }
         let campaign = CampaignFolder(from);
-        let vouched = Vouched::open(from, Of::Campaign)?;
+        let vouched = Vouched::open(from, FolderKind::Campaign)?;
         let text = vouched.text(&campaign.table())?;
         let beside = campaign.beside(&vouched)?;
         Self::of_text(text, &campaign.table(), Some(beside), plugs)
@@ -69,7 +69,7 @@ impl Evidence {
             Some(beside) => beside.name.clone(),
             None => name_of_folder(path)?,
         };
-        let table = Table::parse(&text, &path.display().to_string())?;
+        let table = CampaignTable::parse(&text, &path.display().to_string())?;
         Ok(Self {
             by,
             digest: hash(&text),
@@ -83,7 +83,7 @@ impl Evidence {
     /// A run, by its summary and the text that this was read from.
     fn of_summary(text: &str, summary: Summary, path: &Path, plugs: bool) -> Result<Self> {
         let table = of_run(&summary);
-        let table = Table::parse(&table, &path.display().to_string())?;
+        let table = CampaignTable::parse(&table, &path.display().to_string())?;
         Ok(Self {
             by: summary.scenario.clone(),
             digest: hash(text),

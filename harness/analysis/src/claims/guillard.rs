@@ -8,8 +8,8 @@ use super::load_claims::measure as measure_loads;
 use super::points::{DEEP, SEEDS};
 use super::points::{Group, Point, Spread, Way, groups};
 use crate::analysis::Value;
-use bitgrain_lab::scenario::Shape;
-use bitgrain_lab::summary::{RunSummary, Summary};
+use bitgrain_lab::scenario::IntruderShape;
+use bitgrain_lab::summary::{DragSummary, Summary};
 
 /// D/d of the paper's simulations (Guillard 2014, Fig. 8).
 const THIN: f64 = 3.3;
@@ -24,7 +24,7 @@ pub fn measure(id: &str, summary: &Summary) -> Option<Found> {
     let rest = id.strip_prefix("guillard-")?;
     let groups = groups(summary);
     let group = groups.iter().find(|g| (g.over_grain - THIN).abs() <= NEAR);
-    let cylinder = summary.inputs.intruder.shape == Shape::Cylinder;
+    let cylinder = summary.inputs.intruder.shape == IntruderShape::Cylinder;
     let Some(group) = group.filter(|_| cylinder) else {
         return Some(Err(format!("no run has a cylinder of D/d = {THIN}")));
     };
@@ -223,7 +223,7 @@ fn zones<'a>(
 
 /// The drag's two halves of the window, which begins after 2 D: farthest from equal.
 fn halves(summary: &Summary) -> Found {
-    let one = |run: &RunSummary| {
+    let one = |run: &DragSummary| {
         let [first, second] = run.flow.as_ref()?.drag_halves;
         // Each half is known a root of two worse than the whole.
         let error = (2.0 * run.drag.standard_error / run.drag.mean).abs();
@@ -239,7 +239,7 @@ mod tests {
     use super::super::synthetic::{self, Asked};
     use super::*;
     use bitgrain_lab::summary::Flow;
-    use bitgrain_sim::fields::load::{Load, POINTS, Sum, theta};
+    use bitgrain_sim::coarse_graining::load::{Load, POINTS, Sum, theta};
 
     /// Fields of the form that the paper has: 15 P_0 cos(theta) in front, a disturbed zone of 3 above and 2 below
     /// with a gradient.

@@ -7,7 +7,7 @@ use crate::analysis::Value;
 use crate::fit::linear::line;
 use crate::fit::{Datum, Fit};
 use bitgrain_lab::summary::Summary;
-use bitgrain_sim::fields::load::{Load, POINTS, Sum, odd, theta};
+use bitgrain_sim::coarse_graining::load::{Load, POINTS, Sum, odd, theta};
 
 /// Least error of a stress over the largest of its curve: where hardly a grain touches, eight parts say nothing of
 /// one.

@@ -7,7 +7,7 @@ use super::points::{DEEP, SEEDS};
 use crate::analysis::Value;
 use crate::fit::Datum;
 use crate::fit::linear::line;
-use bitgrain_sim::fields::load::{POINTS, WIDTH, theta};
+use bitgrain_sim::coarse_graining::load::{POINTS, WIDTH, theta};
 
 /// A difference is told from none from so many errors on.
 const TOLD: f64 = 5.0;
@@ -248,7 +248,7 @@ mod tests {
     use super::super::load::{RunLoad, equation_4, odd_part, split};
     use super::*;
     use crate::fit::synthetic::normal;
-    use bitgrain_sim::fields::load::weights;
+    use bitgrain_sim::coarse_graining::load::weights;
 
     /// A load of the form that appendix B has: `P_0 15 cos(theta)` in front and a part `rho g D 20 sin(theta)`
     /// there with a gradient.

@@ -1,8 +1,8 @@
 //! Runs that differ only by their seed, taken together.
 
 use bitgrain_lab::scenario::LidPlan;
-use bitgrain_lab::summary::{Flow, Rig, RunSummary, Summary};
-use bitgrain_sim::blocks::Mean;
+use bitgrain_lab::summary::{DragSummary, Flow, Rig, Summary};
+use bitgrain_sim::block_averaging::Mean;
 
 /// Effective depth over D from which a lift counts as saturated without a plateau to tell it.
 pub(super) const DEEP: f64 = 16.0;
@@ -145,7 +145,7 @@ impl Group {
 /// A run of a flowing bed with what belongs to it.
 pub(super) struct Passage<'a> {
     place: usize,
-    run: &'a RunSummary,
+    run: &'a DragSummary,
     flow: &'a Flow,
     rig: &'a Rig,
 }
@@ -215,7 +215,7 @@ pub fn groups(summary: &Summary) -> Vec<Group> {
 
 /// Vertical stress at the cylinder's axis in a box of this area: the weight above it, which is the stress just above
 /// the cylinder, and half of what the lift adds below it.
-pub(super) fn axis_stress(run: &RunSummary, flow: &Flow, area: f64) -> f64 {
+pub(super) fn axis_stress(run: &DragSummary, flow: &Flow, area: f64) -> f64 {
     flow.pressure_measured + 0.5 * run.lift.mean / area
 }
 

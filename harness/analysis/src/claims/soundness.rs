@@ -3,7 +3,7 @@
 use super::judged::{FAR_FIELD_LEAST, Judged, TRAVEL_LEAST};
 use super::verdict::Statement;
 use super::verdict::Verdict;
-use bitgrain_lab::summary::{Flow, RunSummary, Summary};
+use bitgrain_lab::summary::{DragSummary, Flow, Summary};
 use bitgrain_sim::format::{number_with_error, short};
 
 /// Largest part of the drag that base and lid may not carry.
@@ -31,7 +31,7 @@ pub fn overlap_remark(deepest: f64) -> Option<String> {
     ))
 }
 
-type Passage<'a> = (&'a RunSummary, &'a Flow);
+type Passage<'a> = (&'a DragSummary, &'a Flow);
 
 /// The three statements about the runs themselves.
 pub(super) fn statements(summary: &Summary) -> Vec<Statement> {

@@ -5,7 +5,7 @@ use super::fits::{SAME_DEPTH, both, depths, drag_slope, flat, plateau};
 use super::judged::{Judged, verdict_of};
 use super::points::{Group, Point, groups};
 use super::verdict::{Statement, Verdict};
-use bitgrain_lab::scenario::{DRAG_COEFFICIENT, Shape};
+use bitgrain_lab::scenario::{DRAG_COEFFICIENT, IntruderShape};
 use bitgrain_lab::summary::Summary;
 use bitgrain_sim::format::{number_with_error, short};
 
@@ -39,7 +39,7 @@ const NO_LIFT: (f64, f64) = (3.0, 0.2);
 pub fn statements(summary: &Summary) -> Vec<Statement> {
     let groups = groups(summary);
     let mut out = Vec::new();
-    let cylinder = summary.inputs.intruder.shape == Shape::Cylinder;
+    let cylinder = summary.inputs.intruder.shape == IntruderShape::Cylinder;
     for group in groups.iter().filter(|_| cylinder) {
         let mut name = format!("D/d = {}", short(group.over_grain));
         if groups.iter().any(|g| g.speed != group.speed) {

@@ -1,8 +1,8 @@
 //! Made-up summaries of flowing beds, for tests.
 
 use bitgrain_lab::scenario::{self, Scenario};
-use bitgrain_lab::summary::{BedSummary, Flow, Rig, RunSummary, Summary};
-use bitgrain_sim::blocks::{METHOD, Mean};
+use bitgrain_lab::summary::{BedSummary, DragSummary, Flow, Rig, Summary};
+use bitgrain_sim::block_averaging::{METHOD, Mean};
 
 /// What a made-up summary is to show.
 #[derive(Clone, Debug)]
@@ -126,7 +126,7 @@ fn bed(name: &str, mut rig: Rig, effective_depth: f64) -> BedSummary {
     }
 }
 
-fn run(asked: &Asked, inputs: &Scenario, name: &str, bed: &BedSummary, speed: f64) -> RunSummary {
+fn run(asked: &Asked, inputs: &Scenario, name: &str, bed: &BedSummary, speed: f64) -> DragSummary {
     let rig = bed.rig.clone().expect("the bed flows");
     let sign = if rig.seed % 2 == 1 { 1.0 } else { -1.0 };
     let seeded = if asked.seeds > 1 { sign } else { 0.0 };
@@ -170,7 +170,7 @@ fn run(asked: &Asked, inputs: &Scenario, name: &str, bed: &BedSummary, speed: f6
         block_length: 400,
         converged: true,
     };
-    RunSummary {
+    DragSummary {
         name: name.into(),
         bed: bed.name.clone(),
         froude: 0.1,
@@ -199,7 +199,7 @@ fn run(asked: &Asked, inputs: &Scenario, name: &str, bed: &BedSummary, speed: f6
         coordination: None,
         drag_uncut: 0.5,
         plug_ratio: 0.5,
-        plug: bitgrain_lab::plug::Plug::Sound,
+        plug: bitgrain_lab::plug_flow::PlugFlow::Sound,
         coordination_shares: vec![],
         flow: Some(flow),
         overlap_max: 0.01,

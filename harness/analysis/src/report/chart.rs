@@ -8,7 +8,7 @@ use super::plot::{
 };
 use super::text::typeset;
 use bitgrain_lab::series::SeriesRow;
-use bitgrain_lab::summary::RunSummary;
+use bitgrain_lab::summary::DragSummary;
 use bitgrain_sim::units::Units;
 
 /// Points of all curves of a page together: a page of many runs stays small.
@@ -67,7 +67,7 @@ fn reduced(points: &[Point], limit: usize) -> Vec<Point> {
 /// Drag, or lift, against travel of one of `runs` runs, with the time along the top: thin the series, thick its
 /// average from the start, shaded the averaging window. `None` where there is nothing to draw.
 pub(super) fn along_travel(
-    run: &RunSummary,
+    run: &DragSummary,
     rows: &[SeriesRow],
     units: &Units,
     runs: usize,
@@ -113,14 +113,14 @@ pub(super) fn along_travel(
 /// Means of the drag with standard errors against Froude number, a marker shape for each of `beds`, hollow where the
 /// error did not converge; a cross is the mean from the start.
 /// `None` where there is nothing to draw.
-pub(super) fn froude(runs: &[RunSummary], beds: &[&str], units: &Units) -> Option<String> {
-    let good = |r: &&RunSummary| drawable(r.froude) && drawable(r.drag.mean);
-    let runs: Vec<&RunSummary> = runs.iter().filter(good).collect();
+pub(super) fn froude(runs: &[DragSummary], beds: &[&str], units: &Units) -> Option<String> {
+    let good = |r: &&DragSummary| drawable(r.froude) && drawable(r.drag.mean);
+    let runs: Vec<&DragSummary> = runs.iter().filter(good).collect();
     runs.first()?;
-    let error = |r: &RunSummary| Some(r.drag.standard_error).filter(|e| drawable(*e));
-    let reach = |r: &RunSummary| error(r).unwrap_or(0.0);
-    let uncut = |r: &RunSummary| Some(r.drag_uncut).filter(|x| drawable(*x));
-    let both = |r: &RunSummary| {
+    let error = |r: &DragSummary| Some(r.drag.standard_error).filter(|e| drawable(*e));
+    let reach = |r: &DragSummary| error(r).unwrap_or(0.0);
+    let uncut = |r: &DragSummary| Some(r.drag_uncut).filter(|x| drawable(*x));
+    let both = |r: &DragSummary| {
         let whole = uncut(r).unwrap_or(r.drag.mean);
         let ends = [r.drag.mean - reach(r), r.drag.mean + reach(r)];
         [ends[0].min(whole), ends[1].max(whole)]

@@ -10,7 +10,7 @@ use bitgrain_lab::summary::Summary;
 
 /// What a run wrote down of its flow.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Course {
+pub struct FlowSeries {
     /// The flow series.
     pub rows: Vec<FlowRow>,
     /// Layers of the far field: lower and upper height, mean speed over the speed asked for.
@@ -35,7 +35,7 @@ fn parts(rows: &[FlowRow], of: impl Fn(&FlowRow) -> f64) -> Vec<(f64, f64)> {
 }
 
 /// The section with three charts of each group.
-pub(super) fn section(summary: &Summary, groups: &[Group], courses: &[Course]) -> String {
+pub(super) fn section(summary: &Summary, groups: &[Group], courses: &[FlowSeries]) -> String {
     let mut figures = String::new();
     for group in groups {
         let name = subject(group, summary);
@@ -77,8 +77,8 @@ pub(super) fn section(summary: &Summary, groups: &[Group], courses: &[Course]) -
 /// A line with markers for each run of a group, from what `of` reads off its course.
 fn lines(
     group: &Group,
-    courses: &[Course],
-    of: impl Fn(usize, &Course) -> Vec<(f64, f64)>,
+    courses: &[FlowSeries],
+    of: impl Fn(usize, &FlowSeries) -> Vec<(f64, f64)>,
 ) -> (Vec<Mark>, Vec<Line>) {
     let (mut marks, mut lines) = (Vec::new(), Vec::new());
     for point in &group.points {
@@ -94,7 +94,7 @@ fn lines(
     (marks, lines)
 }
 
-fn packing_chart(group: &Group, summary: &Summary, courses: &[Course]) -> Option<String> {
+fn packing_chart(group: &Group, summary: &Summary, courses: &[FlowSeries]) -> Option<String> {
     let labels = [
         format!("travel ({})", typeset(&summary.units.length)),
         "packing fraction \u{3c6} (dimensionless)".to_owned(),
@@ -110,7 +110,7 @@ fn packing_chart(group: &Group, summary: &Summary, courses: &[Course]) -> Option
     )
 }
 
-fn drag_chart(group: &Group, summary: &Summary, courses: &[Course]) -> Option<String> {
+fn drag_chart(group: &Group, summary: &Summary, courses: &[FlowSeries]) -> Option<String> {
     let labels = [
         format!("travel ({})", typeset(&summary.units.length)),
         "drag F/(P D L) (dimensionless)".to_owned(),
@@ -135,13 +135,13 @@ fn drag_chart(group: &Group, summary: &Summary, courses: &[Course]) -> Option<St
     )
 }
 
-fn far_chart(group: &Group, summary: &Summary, courses: &[Course]) -> Option<String> {
+fn far_chart(group: &Group, summary: &Summary, courses: &[FlowSeries]) -> Option<String> {
     let labels = [
         "far grains over base (dimensionless)".to_owned(),
         format!("height z ({})", typeset(&summary.units.length)),
     ];
     // Few grains lie above the settled surface, between the lid's.
-    let surface = |run: &bitgrain_lab::summary::RunSummary| {
+    let surface = |run: &bitgrain_lab::summary::DragSummary| {
         let bed = summary.beds.iter().find(|bed| bed.name == run.bed);
         bed.map_or(f64::INFINITY, |bed| bed.surface)
     };

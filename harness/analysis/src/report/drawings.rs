@@ -1,6 +1,6 @@
 //! What a page draws besides the numbers of a summary.
 
-use super::course::Course;
+use super::course::FlowSeries;
 use crate::report::BedPicture;
 use crate::report::FieldPicture;
 use crate::report::Film;
@@ -21,7 +21,7 @@ pub struct Drawings<'a> {
     /// Frames of the runs they name.
     pub films: &'a [Film],
     /// Flow series, in the order of the runs.
-    pub courses: &'a [Course],
+    pub courses: &'a [FlowSeries],
     /// Fields of the runs they name.
     pub maps: &'a [FieldPicture],
 }

@@ -2,8 +2,8 @@
 
 use super::scale::Scale;
 use super::scale::{INK, open, push, ticks};
-use bitgrain_sim::fields::Hole;
-use bitgrain_sim::fields::grid::Grid;
+use bitgrain_sim::coarse_graining::IntruderOutline;
+use bitgrain_sim::coarse_graining::grid::Grid;
 use bitgrain_sim::format::short;
 
 /// Matplotlib's viridis at twelve steps: equal steps look equally far apart, to the colour-blind and in grey too.
@@ -25,7 +25,7 @@ pub(super) struct Map<'a> {
     /// Where the points are.
     pub grid: Grid,
     /// The intruder.
-    pub hole: Hole,
+    pub hole: IntruderOutline,
     /// Radius of the averaging windows.
     pub window: f64,
     /// The value at each point, if it is known.
@@ -224,7 +224,7 @@ mod tests {
         map(&Map {
             title: "a < b",
             grid,
-            hole: Hole {
+            hole: IntruderOutline {
                 height: 5.0,
                 radius: 0.5,
                 cylinder: true,

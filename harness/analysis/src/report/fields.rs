@@ -5,9 +5,9 @@ use super::caption::depth_words;
 use super::fieldmap::{Map, key, map, top};
 use super::text::escape;
 use crate::claims::{Group, same_depth};
-use bitgrain_lab::summary::{RunSummary, Summary};
-use bitgrain_sim::fields::streamlines::streamline;
-use bitgrain_sim::fields::{Fields, Flag, Hole, Point};
+use bitgrain_lab::summary::{DragSummary, Summary};
+use bitgrain_sim::coarse_graining::streamlines::streamline;
+use bitgrain_sim::coarse_graining::{FieldPoint, Fields, Flag, IntruderOutline};
 
 /// Mean fields of a run in the plane x, z.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,7 +17,7 @@ pub struct FieldPicture {
     /// The fields.
     pub fields: Fields,
     /// Its intruder.
-    pub hole: Hole,
+    pub hole: IntruderOutline,
     /// Radius of the averaging windows.
     pub window: f64,
     /// Height of the free surface of the settled bed.
@@ -37,7 +37,7 @@ const STEP: f64 = 0.5;
 type Quantity = (
     &'static str,
     bool,
-    fn(&FieldPicture, &RunSummary, &Point) -> f64,
+    fn(&FieldPicture, &DragSummary, &FieldPoint) -> f64,
 );
 
 const QUANTITIES: [Quantity; 3] = [
@@ -91,10 +91,10 @@ fn rows<'a>(
     summary: &'a Summary,
     groups: &[Group],
     pictures: &'a [FieldPicture],
-) -> Vec<Vec<(&'a RunSummary, &'a FieldPicture)>> {
+) -> Vec<Vec<(&'a DragSummary, &'a FieldPicture)>> {
     let mut all = Vec::new();
     for group in groups {
-        let mut rows: Vec<(f64, Vec<(&RunSummary, &FieldPicture)>)> = Vec::new();
+        let mut rows: Vec<(f64, Vec<(&DragSummary, &FieldPicture)>)> = Vec::new();
         let points = [false, true].map(|gradient| group.with_gradient(gradient));
         for point in points.into_iter().flatten() {
             let mut shown = point.runs.iter().filter_map(|&k| {
@@ -121,7 +121,7 @@ fn rows<'a>(
 /// One quantity of a row of pictures, to one scale.
 fn figures(
     summary: &Summary,
-    row: &[(&RunSummary, &FieldPicture)],
+    row: &[(&DragSummary, &FieldPicture)],
     (name, lines, of): &Quantity,
     index: &str,
 ) -> String {

@@ -1,19 +1,19 @@
 //! The drag as a moving picture: the grains round the intruder, coloured by speed, at one frame after the
 //! other.
 
-use super::around::key;
 use super::caption::depth_words;
 use super::flow::{GROUPS, coloured, group};
+use super::near_field::key;
 use super::player::{ROOM, State, figure};
 use super::plot::drawable;
 use super::scale::{Cut, Scale};
 use super::scale::{open, ticks};
 use super::text::escape;
 use bitgrain_lab::frames::{Frame, Slice, reach};
-use bitgrain_lab::summary::{RunSummary, Summary};
+use bitgrain_lab::summary::{DragSummary, Summary};
 use bitgrain_sim::format::short;
 use bitgrain_sim::motion::Moves;
-use bitgrain_sim::sim::Role;
+use bitgrain_sim::simulation::Role;
 
 /// Frames of a drag; all lengths over the mean grain diameter.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,7 +66,7 @@ fn thinned(frames: &[Frame], most: usize) -> Vec<&Frame> {
 /// One film; `None` where there is nothing to step through.
 fn played(
     summary: &Summary,
-    run: &RunSummary,
+    run: &DragSummary,
     film: &Film,
     (share, index): (usize, usize),
 ) -> Option<String> {

@@ -9,7 +9,7 @@ use super::scale::{INK, circles, open, push, ticks};
 use bitgrain_lab::frames::nearest;
 use bitgrain_sim::format::short;
 use bitgrain_sim::motion::Moves;
-use bitgrain_sim::sim::Role;
+use bitgrain_sim::simulation::Role;
 
 /// The grains round the intruder at one instant of a drag.
 #[derive(Clone, Debug, PartialEq)]

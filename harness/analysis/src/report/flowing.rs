@@ -6,12 +6,12 @@ use super::page::{Top, assembled};
 use super::picture::BedPicture;
 use super::sections::{bed_figure, numbers, repeat, span};
 use super::text::{escape, typeset};
-use super::{around, before, chart, course, fields, film};
+use super::{before, chart, course, fields, film, near_field};
 use super::{inputs, loads, player, rig_table, scaling, statements};
 use crate::claims::{self, Group, Verdict, drag_slope};
-use bitgrain_lab::scenario::Shape;
+use bitgrain_lab::scenario::IntruderShape;
 use bitgrain_lab::series::SeriesRow;
-use bitgrain_lab::summary::{Flow, RunSummary, Summary};
+use bitgrain_lab::summary::{DragSummary, Flow, Summary};
 use bitgrain_sim::format::{number_with_error, short};
 use bitgrain_sim::motion::Moves;
 
@@ -30,7 +30,7 @@ pub fn flowing_page(summary: &Summary, scenario_text: &str, drawings: &Drawings<
     out.push_str(&film::section(summary, drawings.films));
     out.push_str(&bed_figures(summary, drawings.beds, &first));
     out.push_str(&course::section(summary, &groups, drawings.courses));
-    out.push_str(&around::section(summary, drawings.flows, &first));
+    out.push_str(&near_field::section(summary, drawings.flows, &first));
     out.push_str(&fields::section(summary, &groups, drawings.maps));
     out.push_str(&loads::section(summary, &groups));
     out.push_str(&numbers(
@@ -54,13 +54,13 @@ pub fn flowing_page(summary: &Summary, scenario_text: &str, drawings: &Drawings<
 
 fn shape(summary: &Summary) -> &'static str {
     match summary.inputs.intruder.shape {
-        Shape::Sphere => "sphere",
-        Shape::Cylinder => "cylinder",
+        IntruderShape::Sphere => "sphere",
+        IntruderShape::Cylinder => "cylinder",
     }
 }
 
 /// The runs with how their beds flowed.
-fn passages(summary: &Summary) -> impl Iterator<Item = (&RunSummary, &Flow)> + Clone {
+fn passages(summary: &Summary) -> impl Iterator<Item = (&DragSummary, &Flow)> + Clone {
     let runs = summary.runs.iter();
     runs.filter_map(|run| Some((run, run.flow.as_ref()?)))
 }
@@ -104,7 +104,7 @@ fn in_words(summary: &Summary, groups: &[Group]) -> String {
         }
     }
     let lift = |gradient: bool| {
-        let fits = move |(_, f): &(&RunSummary, &Flow)| f.pressure_gradient == gradient;
+        let fits = move |(_, f): &(&DragSummary, &Flow)| f.pressure_gradient == gradient;
         let lifts = passages(summary)
             .filter(fits)
             .map(|(_, f)| f.lift_over_buoyancy);

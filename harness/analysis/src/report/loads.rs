@@ -12,7 +12,7 @@ use crate::claims::load::{
     PointLoad, difference, equation_4, highest, loads, odd_part, pairs, split,
 };
 use bitgrain_lab::summary::Summary;
-use bitgrain_sim::fields::load::{POINTS, theta};
+use bitgrain_sim::coarse_graining::load::{POINTS, theta};
 use bitgrain_sim::format::{number_with_error, short};
 
 /// Points of a curve from one marker to the next.

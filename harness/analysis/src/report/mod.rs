@@ -3,7 +3,6 @@
 //! The page is a pure function of what it shows: no time, no path and no name of a machine is in
 //! it, and it needs no other file.
 
-mod around;
 mod arrow;
 mod before;
 mod campaign;
@@ -18,6 +17,7 @@ mod flow;
 mod flowing;
 mod inputs;
 mod loads;
+mod near_field;
 mod page;
 mod picture;
 mod player;
@@ -33,7 +33,7 @@ mod text;
 
 use bitgrain_sim::format::short;
 pub use campaign::campaign_page;
-pub use course::Course;
+pub use course::FlowSeries;
 pub use drawings::Drawings;
 pub use fields::FieldPicture;
 pub use film::Film;
@@ -45,7 +45,7 @@ use sections::{LEGEND, bed_figure, numbers, repeat, span};
 use text::{escape, plus_minus, to_error, typeset};
 
 use bitgrain_lab::series::SeriesRow;
-use bitgrain_lab::summary::{BedSummary, RunSummary, Summary};
+use bitgrain_lab::summary::{BedSummary, DragSummary, Summary};
 
 /// One self-contained HTML page of drags of a sphere.
 pub fn page(summary: &Summary, scenario_text: &str, drawings: &Drawings<'_>) -> String {
@@ -55,7 +55,7 @@ pub fn page(summary: &Summary, scenario_text: &str, drawings: &Drawings<'_>) -> 
     out.push_str(&bed_figures(summary, drawings.beds));
     out.push_str(&film::section(summary, drawings.films));
     let all: Vec<usize> = (0..summary.runs.len()).collect();
-    out.push_str(&around::section(summary, drawings.flows, &all));
+    out.push_str(&near_field::section(summary, drawings.flows, &all));
     out.push_str(&numbers(summary, "", ""));
     out.push_str(&inputs::section(scenario_text, &summary.units));
     out.push_str(&repeat(summary, scenario_text));
@@ -75,7 +75,7 @@ fn in_words(summary: &Summary) -> String {
     let units = &summary.units;
     let runs = &summary.runs;
     let bed = |f: fn(&BedSummary) -> f64, unit| span(summary.beds.iter().map(f), unit);
-    let run = |f: fn(&RunSummary) -> f64, unit| span(runs.iter().map(f), unit);
+    let run = |f: fn(&DragSummary) -> f64, unit| span(runs.iter().map(f), unit);
     let several = |n: usize, one: &str, name: &str| match n {
         1 => one.to_owned(),
         n => format!("{n} {name}"),
@@ -93,7 +93,7 @@ fn in_words(summary: &Summary) -> String {
             bed(|b| b.depth, &units.length),
         ),
     };
-    let by_drag = |a: &&RunSummary, b: &&RunSummary| a.drag.mean.total_cmp(&b.drag.mean);
+    let by_drag = |a: &&DragSummary, b: &&DragSummary| a.drag.mean.total_cmp(&b.drag.mean);
     let finite = || runs.iter().filter(|r| r.drag.mean.is_finite());
     let (Some(least), Some(most)) = (finite().min_by(by_drag), finite().max_by(by_drag)) else {
         return format!("<p class=\"lead\">{text} No drag was measured.</p>\n");
@@ -106,7 +106,7 @@ fn in_words(summary: &Summary) -> String {
         run(|r| r.froude, ""),
     ));
     let force = escape(&typeset(&units.force));
-    let drag = |r: &RunSummary| {
+    let drag = |r: &DragSummary| {
         let (mean, froude) = (plus_minus(r.drag), short(r.froude));
         format!("{mean}&nbsp;{force} at Fr&nbsp;=&nbsp;{froude}")
     };

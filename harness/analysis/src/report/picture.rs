@@ -5,7 +5,7 @@ use super::scale::{Cut, INK, Scale, circles, open, push, ticks};
 use super::text::{escape, typeset};
 use bitgrain_sim::format::short;
 use bitgrain_sim::motion::Moves;
-use bitgrain_sim::sim::Role;
+use bitgrain_sim::simulation::Role;
 
 /// A settled bed to draw.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,7 +5,7 @@ use super::inputs::pressure_unit;
 use super::table::Table;
 use super::text::{count, exact};
 use bitgrain_lab::scenario::UnitSystem;
-use bitgrain_lab::summary::{BedSummary, Flow, Rig, RunSummary, Summary};
+use bitgrain_lab::summary::{BedSummary, DragSummary, Flow, Rig, Summary};
 use bitgrain_sim::coefficients::table_one;
 use bitgrain_sim::format::{number_with_error, short};
 use bitgrain_sim::units::Units;
@@ -57,10 +57,10 @@ pub(super) fn rig_table(beds: &[BedSummary], units: &Units) -> String {
 }
 
 /// A column for each run with how its bed flowed, and forces over what they scale with.
-pub(super) fn flow_table(runs: &[RunSummary], units: &Units) -> String {
+pub(super) fn flow_table(runs: &[DragSummary], units: &Units) -> String {
     let mut t = Table::new("Flow", runs, |r| &r.name);
     let mut row = |name: &str, unit: &str, note: &str, cell: &dyn Fn(&Flow) -> String| {
-        t.row(name, unit, note, |r: &RunSummary| {
+        t.row(name, unit, note, |r: &DragSummary| {
             r.flow.as_ref().map_or(NONE.to_owned(), cell)
         });
     };

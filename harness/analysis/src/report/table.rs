@@ -1,9 +1,9 @@
 //! Tables of the page: every number of the beds and drags.
 
 use super::text::{brief, count, escape, plus_minus, to_error, typeset};
-use bitgrain_lab::summary::{BedSummary, RunSummary};
-use bitgrain_sim::audit::EnergyRow;
-use bitgrain_sim::blocks::Mean;
+use bitgrain_lab::summary::{BedSummary, DragSummary};
+use bitgrain_sim::block_averaging::Mean;
+use bitgrain_sim::energy_budget::EnergyRow;
 use bitgrain_sim::format::number_with_error;
 use bitgrain_sim::units::Units;
 
@@ -120,7 +120,7 @@ pub(super) fn bed_table(beds: &[BedSummary], units: &Units) -> String {
     t.finish()
 }
 
-pub(super) fn run_table(runs: &[RunSummary], units: &Units) -> String {
+pub(super) fn run_table(runs: &[DragSummary], units: &Units) -> String {
     let mut t = Table::new("Drags", runs, |r| &r.name);
     let (length, force) = (&units.length, &units.force);
     t.row("Bed", "", "it was dragged through", |r| escape(&r.bed));
@@ -172,7 +172,7 @@ pub(super) fn run_table(runs: &[RunSummary], units: &Units) -> String {
     });
     let note = "drag over the weight of the bed above the intruder's lowest point";
     if !flows {
-        t.row("Plug ratio", "", note, |r| brief(r.plug_ratio));
+        t.row("PlugFlow ratio", "", note, |r| brief(r.plug_ratio));
     }
     let note = "at any row, over the mean diameter";
     t.row("Deepest overlap", "", note, |r| brief(r.overlap_max));
@@ -207,12 +207,12 @@ pub(super) fn run_table(runs: &[RunSummary], units: &Units) -> String {
 }
 
 /// Rows of the grains round the intruder that some runs have and others have not.
-fn around_rows(t: &mut Table<RunSummary>, runs: &[RunSummary]) {
+fn around_rows(t: &mut Table<DragSummary>, runs: &[DragSummary]) {
     type Line = (
         &'static str,
         &'static str,
         &'static str,
-        fn(&RunSummary) -> Option<Mean>,
+        fn(&DragSummary) -> Option<Mean>,
     );
     let lines: [Line; 4] = [
         (
@@ -248,7 +248,7 @@ fn around_rows(t: &mut Table<RunSummary>, runs: &[RunSummary]) {
     if runs.iter().any(|r| r.kappa.is_some()) {
         let note = "kappa: (Z/n) (D + d)<sup>2</sup>/(2 &radic;3 d<sup>2</sup>), Z the coordination \
                     number and n the contacts";
-        let cell = |r: &RunSummary| {
+        let cell = |r: &DragSummary| {
             let both = r.kappa.zip(r.kappa_error);
             both.map_or("\u{2014}".to_owned(), |(k, e)| number_with_error(k, e))
         };
@@ -271,7 +271,7 @@ fn blocks(mean: &Mean) -> String {
 }
 
 /// A row for each named part of the final states, in the order of their first mention.
-fn digest_rows(t: &mut Table<RunSummary>, runs: &[RunSummary]) {
+fn digest_rows(t: &mut Table<DragSummary>, runs: &[DragSummary]) {
     let mut parts: Vec<&str> = Vec::new();
     for (name, _) in runs.iter().flat_map(|r| &r.digest_parts) {
         if !parts.contains(&name.as_str()) {
@@ -294,7 +294,7 @@ fn digest_rows(t: &mut Table<RunSummary>, runs: &[RunSummary]) {
 }
 
 /// Rows of where the energy of each drag went.
-fn energy_rows(t: &mut Table<RunSummary>, runs: &[RunSummary], unit: &str) {
+fn energy_rows(t: &mut Table<DragSummary>, runs: &[DragSummary], unit: &str) {
     type Term = (&'static str, &'static str, fn(&EnergyRow) -> f64);
     let terms: [Term; 9] = [
         ("Work of the intruder", "and of all obstacles", |e| {
@@ -326,7 +326,7 @@ fn energy_rows(t: &mut Table<RunSummary>, runs: &[RunSummary], unit: &str) {
     if runs.iter().all(|r| r.energy.is_none()) {
         return;
     }
-    let cell = |r: &RunSummary, of: &dyn Fn(&EnergyRow) -> f64| {
+    let cell = |r: &DragSummary, of: &dyn Fn(&EnergyRow) -> f64| {
         r.energy.as_ref().map_or("none".into(), |e| brief(of(e)))
     };
     for (name, note, of) in terms {

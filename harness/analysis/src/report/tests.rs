@@ -1,9 +1,9 @@
 //! What the page promises, on made-up numbers.
 
 use super::*;
-use bitgrain_sim::blocks::Mean;
+use bitgrain_sim::block_averaging::Mean;
 use bitgrain_sim::motion::Moves;
-use bitgrain_sim::sim::Role;
+use bitgrain_sim::simulation::Role;
 use bitgrain_sim::units::Units;
 
 fn mean(mean: f64, standard_error: f64) -> Mean {
@@ -34,8 +34,8 @@ fn bed(x: f64) -> BedSummary {
     }
 }
 
-pub fn run(x: f64) -> RunSummary {
-    RunSummary {
+pub fn run(x: f64) -> DragSummary {
+    DragSummary {
         name: "fr".into(),
         bed: "bed".into(),
         froude: x,
@@ -61,7 +61,7 @@ pub fn run(x: f64) -> RunSummary {
         coordination: None,
         drag_uncut: x,
         plug_ratio: x,
-        plug: bitgrain_lab::plug::Plug::Sound,
+        plug: bitgrain_lab::plug_flow::PlugFlow::Sound,
         coordination_shares: vec![],
         flow: None,
         overlap_max: 0.01,
@@ -283,7 +283,7 @@ fn flowing(change: impl Fn(&mut Summary)) -> String {
         drag: 1.0,
         ..bitgrain_lab::flow::FlowRow::default()
     };
-    let course = Course {
+    let course = FlowSeries {
         rows: (1..30).map(row).collect(),
         profile: vec![(0.0, 1.0, 0.99), (1.0, 2.0, 0.98)],
     };
@@ -316,7 +316,7 @@ fn a_flowing_bed_has_a_page_of_its_own() {
     }
     for part in [
         "Froude",
-        "Plug ratio",
+        "PlugFlow ratio",
         "of a sphere",
         "NaN",
         "http",

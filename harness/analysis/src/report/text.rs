@@ -1,6 +1,6 @@
 //! Numbers and units as text of the page.
 
-use bitgrain_sim::blocks::Mean;
+use bitgrain_sim::block_averaging::Mean;
 use bitgrain_sim::format::{number, number_with_error, short};
 
 /// Text with no character that means something in HTML.

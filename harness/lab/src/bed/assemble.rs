@@ -3,7 +3,7 @@
 
 use bitgrain_kernel::{ContactHistory, Error as KernelError, Group, Obstacle};
 
-use bitgrain_sim::sim::{Grain, Sim, sphere_mass};
+use bitgrain_sim::simulation::{Grain, Simulation, sphere_mass};
 
 /// A grain of the new state.
 #[derive(Clone, Copy, Debug)]
@@ -19,13 +19,13 @@ pub(super) enum Member {
 /// that are gone, or that two heavy bodies have, are dropped. Grains of a group that does not move along
 /// z lose their velocity and spin.
 pub(super) fn assemble(
-    old: &mut Sim,
+    old: &mut Simulation,
     members: &[Member],
     groups: Vec<Group<f64>>,
     obstacles: Vec<(Obstacle<f64>, Option<u32>)>,
-) -> Result<Sim, KernelError> {
+) -> Result<Simulation, KernelError> {
     let histories = old.contact_histories();
-    let mut new = Sim::new(old.law, old.domain, old.dt, groups, &[], vec![]);
+    let mut new = Simulation::new(old.law, old.domain, old.dt, groups, &[], vec![]);
     new.set_step_count(old.step_count());
     let mut place = vec![None; old.count()];
     for (k, member) in members.iter().enumerate() {
@@ -77,7 +77,7 @@ pub(super) fn assemble(
 
 /// Where the grains and obstacles of the old state went.
 struct Renamed<'a> {
-    new: &'a Sim,
+    new: &'a Simulation,
     place: &'a [Option<u32>],
     /// The number each of the new obstacles had.
     number: &'a [Option<u32>],

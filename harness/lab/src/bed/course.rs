@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::recipe::Recipe;
 use bitgrain_sim::chain::Chain;
-use bitgrain_sim::checkpoint::Note;
-use bitgrain_sim::sim::Sim;
+use bitgrain_sim::checkpoint::StageState;
+use bitgrain_sim::simulation::Simulation;
 
 /// Where a bed is on its way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -26,7 +26,7 @@ pub enum Phase {
 /// All that one look at a bed hands to the next besides the state itself.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Course {
+pub struct PouringState {
     /// Digest of the bed's recipe; empty for a bed of others.
     pub(super) key: String,
     pub(super) phase: Phase,
@@ -43,16 +43,16 @@ pub struct Course {
 /// A bed under way.
 pub struct Pouring {
     /// The state.
-    pub sim: Sim,
+    pub sim: Simulation,
     /// What belongs to it.
-    pub course: Course,
+    pub course: PouringState,
 }
 
-impl Course {
+impl PouringState {
     /// What a checkpoint holds of it. Only a settled bed has its recipe's digest.
-    pub fn note(&self) -> Note {
+    pub fn note(&self) -> StageState {
         let settled = self.phase == Phase::Settled;
-        Note {
+        StageState {
             recipe: if settled {
                 self.key.clone()
             } else {
@@ -60,7 +60,7 @@ impl Course {
             },
             link: self.chain.end().to_string(),
             course: serde_json::to_string(self).expect("what is measured is finite"),
-            ..Note::default()
+            ..StageState::default()
         }
     }
 
@@ -68,7 +68,7 @@ impl Course {
     ///
     /// # Errors
     /// What is wrong with the note.
-    pub fn of(note: &Note) -> std::result::Result<Self, String> {
+    pub fn of(note: &StageState) -> std::result::Result<Self, String> {
         let read: Self =
             serde_json::from_str(&note.course).map_err(|e| format!("holds no bed: {e}"))?;
         if read.chain.end() == note.link {

@@ -12,8 +12,8 @@ use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::export::{FROZEN_TYPE, LID_TYPE, OBSTACLE_TYPE as INTRUDER_TYPE};
 use bitgrain_sim::files::read_text;
 use bitgrain_sim::lammps::{Atom, DataFile, parse_atoms};
-use bitgrain_sim::order::spatial_order;
-use bitgrain_sim::sim::{AnyLaw, Grain, Sim, sphere_mass};
+use bitgrain_sim::simulation::{AnyLaw, Grain, Simulation, sphere_mass};
+use bitgrain_sim::spatial_order::spatial_order;
 
 /// Height of the box over that of the bed in it.
 const HEADROOM: f64 = 20.0;
@@ -23,7 +23,7 @@ const HEADROOM: f64 = 20.0;
 ///
 /// # Errors
 /// [`Error::Input`] where the file has changed since, or grains and box do not fit together.
-pub fn bed(scenario: &Scenario, path: &Path) -> Result<Sim> {
+pub fn bed(scenario: &Scenario, path: &Path) -> Result<Simulation> {
     let name = path.display().to_string();
     let wrong = |what: String| Error::input(name.clone(), what);
     let text = read_text(path)?;
@@ -112,7 +112,7 @@ pub fn world(
     law: AnyLaw,
     dt: f64,
     gravity: f64,
-) -> std::result::Result<(Sim, Vec<u32>), String> {
+) -> std::result::Result<(Simulation, Vec<u32>), String> {
     let (balls, atoms): (Vec<&Atom>, Vec<&Atom>) =
         data.atoms.iter().partition(|a| a.kind == INTRUDER_TYPE);
     if !atoms.iter().any(|a| a.kind != FROZEN_TYPE) {
@@ -165,7 +165,7 @@ pub fn world(
     let names = order.iter().map(|&from| atoms[from].id).collect();
     let grains: Vec<Grain> = order.into_iter().enumerate().map(grain).collect();
     let groups = vec![Group::free([0.0, 0.0, -gravity]), Group::frozen()];
-    let mut sim = Sim::new(law, domain, dt, groups, &grains, obstacles.collect());
+    let mut sim = Simulation::new(law, domain, dt, groups, &grains, obstacles.collect());
     sim.image = images;
     Ok((sim, names))
 }

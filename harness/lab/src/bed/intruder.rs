@@ -1,15 +1,15 @@
 //! The body that a bed is made round.
 
-use crate::scenario::{BedPlan, Scenario, Shape};
+use crate::scenario::{BedPlan, IntruderShape, Scenario};
 use bitgrain_kernel::Obstacle;
-use bitgrain_sim::sim::sphere_mass;
+use bitgrain_sim::simulation::sphere_mass;
 
 /// The intruder of a plan, at rest.
 pub(super) fn intruder(scenario: &Scenario, plan: &BedPlan) -> Obstacle<f64> {
     let radius = 0.5 * plan.diameter;
     match scenario.intruder.shape {
-        Shape::Cylinder => Obstacle::cylinder(plan.center, [0.0, 1.0, 0.0], radius),
-        Shape::Sphere => Obstacle {
+        IntruderShape::Cylinder => Obstacle::cylinder(plan.center, [0.0, 1.0, 0.0], radius),
+        IntruderShape::Sphere => Obstacle {
             inverse_mass: scenario
                 .intruder
                 .density

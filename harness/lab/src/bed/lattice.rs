@@ -7,7 +7,7 @@ use super::intruder::intruder;
 use crate::scenario::{BedPlan, Scenario};
 use bitgrain_sim::observe::{length, offset};
 use bitgrain_sim::random::{Purpose, uniforms};
-use bitgrain_sim::sim::Grain;
+use bitgrain_sim::simulation::Grain;
 
 /// Distance of the sites over the largest diameter: near enough that the fall is short, a third of
 /// the volume filled.

@@ -22,13 +22,13 @@ const FILES: [&str; 2] = [BED, RECIPE];
 
 /// A folder of settled beds.
 #[derive(Clone, Debug)]
-pub struct Library {
+pub struct BedCache {
     folder: PathBuf,
 }
 
 /// A bed of the library.
 #[derive(Clone, Debug)]
-pub struct Entry {
+pub struct CachedBed {
     /// Its name: the first digits of its recipe's digest.
     pub name: String,
     /// Its recipe; `None` where that is missing or not one.
@@ -39,7 +39,7 @@ pub struct Entry {
     pub checkpoint: PathBuf,
 }
 
-impl Library {
+impl BedCache {
     /// The library in this folder, which need not be there yet.
     pub fn new(folder: impl Into<PathBuf>) -> Self {
         Self {
@@ -101,7 +101,7 @@ impl Library {
     ///
     /// # Errors
     /// [`Error::Input`] where the folder cannot be read; a library that is not there is empty.
-    pub fn list(&self) -> Result<Vec<Entry>> {
+    pub fn list(&self) -> Result<Vec<CachedBed>> {
         let mut beds = Vec::new();
         for (name, kind) in disk::list(&self.folder)? {
             // Other folders may lie here too; they are not ours to list or to remove.
@@ -116,7 +116,7 @@ impl Library {
             // A recipe that was changed is not the one that the bed is named after.
             let whole =
                 |recipe: &Recipe| recipe.text() == text && recipe.digest().starts_with(&name);
-            beds.push(Entry {
+            beds.push(CachedBed {
                 recipe: toml::from_str(&text).ok().filter(whole),
                 name,
                 bytes: files.iter().map(|file| disk::size(file)).sum(),
@@ -131,7 +131,7 @@ impl Library {
     ///
     /// # Errors
     /// [`Error::Input`] where there is none or more than one.
-    pub fn entry(&self, begin: &str) -> Result<Entry> {
+    pub fn entry(&self, begin: &str) -> Result<CachedBed> {
         if begin.is_empty() {
             return Err(Error::input(
                 "the name of a bed",
@@ -139,7 +139,7 @@ impl Library {
             ));
         }
         let beds = self.list()?;
-        let mut found: Vec<Entry> = beds
+        let mut found: Vec<CachedBed> = beds
             .into_iter()
             .filter(|bed| bed.name.starts_with(begin))
             .collect();
@@ -164,7 +164,7 @@ impl Library {
     ///
     /// # Errors
     /// [`Error::Write`].
-    pub fn remove(&self, bed: &Entry) -> Result<bool> {
+    pub fn remove(&self, bed: &CachedBed) -> Result<bool> {
         let path = self.folder.join(&bed.name);
         disk::clear_partials(&path);
         for file in FILES {

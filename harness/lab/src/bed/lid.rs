@@ -8,8 +8,8 @@ use super::survey;
 use crate::scenario::{BedPlan, LidPlan, Scenario};
 use crate::summary::BedSummary;
 use bitgrain_sim::error::{Error, Result};
-use bitgrain_sim::order::spatial_order;
-use bitgrain_sim::sim::{Grain, Sim};
+use bitgrain_sim::simulation::{Grain, Simulation};
+use bitgrain_sim::spatial_order::spatial_order;
 
 /// Gap between a grain of the lid and what it is laid on, in mean diameters: it is put down, not let
 /// fall.
@@ -59,11 +59,11 @@ pub fn lid_density(scenario: &Scenario, plan: &LidPlan, bare: &BedSummary) -> Re
 /// pressure gradient the bed's weight is switched off, and a plane at the box's top, moving with the
 /// lid, holds in what floats out between the lid's grains. All grains are numbered in spatial order.
 pub(super) fn cover(
-    bare: &mut Sim,
+    bare: &mut Simulation,
     scenario: &Scenario,
     plan: &LidPlan,
     density: f64,
-) -> std::result::Result<Sim, KernelError> {
+) -> std::result::Result<Simulation, KernelError> {
     let gravity = [0.0, 0.0, -scenario.gravity];
     let mut groups = bare.groups.clone();
     groups.truncate(usize::from(LID));
@@ -120,7 +120,7 @@ fn sites(scenario: &Scenario) -> Vec<[f64; 2]> {
 }
 
 /// Height at which a ball of this radius, let down at a place, first touches a grain or the intruder.
-fn rest_height(sim: &Sim, [x, y]: [f64; 2], radius: f64) -> f64 {
+fn rest_height(sim: &Simulation, [x, y]: [f64; 2], radius: f64) -> f64 {
     let mut height = f64::NEG_INFINITY;
     let mut over = |dx: f64, dy: f64, z: f64, reach: f64| {
         let square = reach * reach - dx * dx - dy * dy;
@@ -147,11 +147,11 @@ fn rest_height(sim: &Sim, [x, y]: [f64; 2], radius: f64) -> f64 {
 /// # Errors
 /// As [`lid_density`]; [`Error::Run`] where the kernel refuses the state.
 pub(super) fn covered(
-    bare: &mut Sim,
+    bare: &mut Simulation,
     scenario: &Scenario,
     plan: &BedPlan,
     lid: &LidPlan,
-) -> Result<Sim> {
+) -> Result<Simulation> {
     let found = survey(&plan.name, &scenario.measures(), bare)?;
     let density = lid_density(scenario, lid, &found)?;
     cover(bare, scenario, lid, density).map_err(|fault| {

@@ -4,20 +4,20 @@ use super::assemble::{Member, assemble};
 use super::groups::*;
 use super::intruder::intruder;
 use super::lattice::Lattice;
-use crate::scenario::{BedPlan, Pouring as Order, Scenario};
+use crate::scenario::{BedPlan, PouringOrder as Order, Scenario};
 use bitgrain_kernel::{Domain, Error as KernelError, Group, Obstacle, Shape as Body};
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::motion::Moves;
 use bitgrain_sim::observe;
-use bitgrain_sim::order::spatial_order;
-use bitgrain_sim::sim::Sim;
+use bitgrain_sim::simulation::Simulation;
+use bitgrain_sim::spatial_order::spatial_order;
 
 /// Freezes the grains whose centres lie below the base's height, takes the floor away where the bed
 /// has none, and numbers all grains in spatial order.
 pub(super) fn freeze_base(
-    old: &mut Sim,
+    old: &mut Simulation,
     scenario: &Scenario,
-) -> std::result::Result<Sim, KernelError> {
+) -> std::result::Result<Simulation, KernelError> {
     let group = |k: usize| {
         if old.position[k][2] < scenario.bed.base {
             BASE
@@ -37,7 +37,7 @@ pub(super) fn freeze_base(
 }
 
 /// Numbers all grains in spatial order.
-pub(super) fn renumbered(old: &mut Sim) -> std::result::Result<Sim, KernelError> {
+pub(super) fn renumbered(old: &mut Simulation) -> std::result::Result<Simulation, KernelError> {
     let members: Vec<Member> = in_order(old)
         .map(|k| Member::Old(k, old.group[k]))
         .collect();
@@ -47,7 +47,7 @@ pub(super) fn renumbered(old: &mut Sim) -> std::result::Result<Sim, KernelError>
 }
 
 /// The grains in spatial order.
-pub(super) fn in_order(sim: &Sim) -> impl Iterator<Item = usize> + use<> {
+pub(super) fn in_order(sim: &Simulation) -> impl Iterator<Item = usize> + use<> {
     let mean = 2.0 * sim.position.iter().map(|x| x[3]).sum::<f64>() / sim.count().max(1) as f64;
     spatial_order(&sim.position, mean).into_iter()
 }
@@ -55,11 +55,11 @@ pub(super) fn in_order(sim: &Sim) -> impl Iterator<Item = usize> + use<> {
 /// Puts the intruder into a bed that reaches up to it, and lets the rest of the grains go above; those
 /// whose place it takes are among them. Returns the height they fall from, too.
 pub(super) fn buried(
-    lower: &mut Sim,
+    lower: &mut Simulation,
     scenario: &Scenario,
     plan: &BedPlan,
     count: usize,
-) -> std::result::Result<(Sim, f64), KernelError> {
+) -> std::result::Result<(Simulation, f64), KernelError> {
     let body = intruder(scenario, plan);
     let clear = |k: usize| {
         let x = lower.position[k];
@@ -86,7 +86,11 @@ pub(super) fn buried(
 }
 
 /// The grains of a lattice as a world: with the intruder where all are poured at once.
-pub(super) fn dropped(scenario: &Scenario, plan: &BedPlan, lattice: &Lattice) -> Result<Sim> {
+pub(super) fn dropped(
+    scenario: &Scenario,
+    plan: &BedPlan,
+    lattice: &Lattice,
+) -> Result<Simulation> {
     let [x, y, z] = scenario.bed.size;
     let refuse = |what: String| Error::input(format!("scenario {}", scenario.name), what);
     let law = scenario
@@ -116,7 +120,7 @@ pub(super) fn dropped(scenario: &Scenario, plan: &BedPlan, lattice: &Lattice) ->
     };
     let groups = vec![Group::free(gravity), base];
     let grains = lattice.grains(scenario, plan, 0);
-    Ok(Sim::new(
+    Ok(Simulation::new(
         law,
         domain,
         scenario.drag.dt,

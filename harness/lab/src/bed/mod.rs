@@ -25,7 +25,7 @@ mod survey;
 #[cfg(test)]
 mod tests;
 
-pub use course::{Course, Phase, Pouring};
+pub use course::{Phase, Pouring, PouringState};
 pub use groups::{BASE, FREE, LID};
 pub use proof::prove;
 pub use survey::{Measures, energy_of_borne, survey};
@@ -33,7 +33,7 @@ pub use survey::{Measures, energy_of_borne, survey};
 use crate::progress::Stage;
 use crate::scenario::{BedPlan, PACKING_GUESS, Scenario};
 use bitgrain_sim::error::Result;
-use bitgrain_sim::sim::Sim;
+use bitgrain_sim::simulation::Simulation;
 
 /// Steps from release to rest over those of a fall through twice the bed's height: what beds have
 /// taken so far, for forecasts.
@@ -63,7 +63,7 @@ fn fall_time(scenario: &Scenario, plan: &BedPlan) -> f64 {
 ///
 /// # Errors
 /// As [`Pouring::begin`] and [`Pouring::go_on`].
-pub fn pour(scenario: &Scenario, plan: &BedPlan, stage: &mut Stage) -> Result<Sim> {
+pub fn pour(scenario: &Scenario, plan: &BedPlan, stage: &mut Stage) -> Result<Simulation> {
     let mut bed = Pouring::begin(scenario, plan)?;
     bed.go_on(scenario, plan, stage, &mut ())?;
     Ok(bed.sim)

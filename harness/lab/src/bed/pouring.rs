@@ -1,7 +1,7 @@
 //! A bed on its way from the first grain's release to rest: phase by phase, from a checkpoint on where it
 //! was stopped.
 
-use super::course::{Course, Phase, Pouring};
+use super::course::{Phase, Pouring, PouringState};
 use super::lattice::Lattice;
 use super::lid;
 use super::make::{buried, dropped, freeze_base, renumbered};
@@ -9,13 +9,13 @@ use super::recipe::Recipe;
 use super::settle::{fallen, rest, settle, upward};
 use super::survey::stopped;
 use crate::progress::Stage;
-use crate::scenario::{BedPlan, Pouring as Order, Scenario};
+use crate::scenario::{BedPlan, PouringOrder as Order, Scenario};
 use bitgrain_sim::chain::{self, Chain};
-use bitgrain_sim::checkpoint::Note;
+use bitgrain_sim::checkpoint::StageState;
 use bitgrain_sim::error::Result;
 use bitgrain_sim::memory::{PER_GRAIN, room};
-use bitgrain_sim::sim::Sim;
-use bitgrain_sim::witness::Witness;
+use bitgrain_sim::observer::Observer;
+use bitgrain_sim::simulation::Simulation;
 
 /// Steps between links of a bed's chain: beds are shared by scenarios, so it is the same for all.
 const LINKS: u64 = 1000;
@@ -51,7 +51,12 @@ impl Pouring {
     ///
     /// # Errors
     /// [`bitgrain_sim::error::Error::Input`] where the bed is deep enough without, and as [`Pouring::begin`].
-    pub fn cover(bare: &mut Sim, link: &str, scenario: &Scenario, plan: &BedPlan) -> Result<Self> {
+    pub fn cover(
+        bare: &mut Simulation,
+        link: &str,
+        scenario: &Scenario,
+        plan: &BedPlan,
+    ) -> Result<Self> {
         let lid = plan.lid.as_ref().expect("only beds with a lid are covered");
         let mut sim = lid::covered(bare, scenario, plan, lid)?;
         sim.law = quenching(scenario);
@@ -64,16 +69,16 @@ impl Pouring {
     ///
     /// # Errors
     /// [`bitgrain_sim::error::Error::Contract`].
-    pub fn imported(sim: Sim, scenario: &Scenario, plan: &BedPlan) -> Result<Self> {
+    pub fn imported(sim: Simulation, scenario: &Scenario, plan: &BedPlan) -> Result<Self> {
         let file = scenario.bed.hash.as_deref().unwrap_or_default();
         let link = chain::beginning(file);
         Self::new(String::new(), sim, Phase::Settled, link, &plan.name)
     }
 
-    fn new(key: String, sim: Sim, phase: Phase, link: String, name: &str) -> Result<Self> {
+    fn new(key: String, sim: Simulation, phase: Phase, link: String, name: &str) -> Result<Self> {
         let mut bed = Self {
             sim,
-            course: Course {
+            course: PouringState {
                 key,
                 phase,
                 begin: 0,
@@ -93,12 +98,12 @@ impl Pouring {
     /// # Errors
     /// What is wrong with the note.
     pub fn of(
-        sim: Sim,
-        note: &Note,
+        sim: Simulation,
+        note: &StageState,
         scenario: &Scenario,
         plan: &BedPlan,
     ) -> std::result::Result<Self, String> {
-        let course = Course::of(note)?;
+        let course = PouringState::of(note)?;
         if course.key == Recipe::new(scenario, plan).digest() {
             Ok(Self { sim, course })
         } else {
@@ -106,31 +111,31 @@ impl Pouring {
         }
     }
 
-    /// Goes on until the bed is settled. Says whether it is: not where `witness` has seen enough before.
+    /// Goes on until the bed is settled. Says whether it is: not where `observer` has seen enough before.
     ///
     /// # Errors
     /// [`bitgrain_sim::error::Error::Run`] where grains escape or overlap too deep,
     /// [`bitgrain_sim::error::Error::Unsettled`], [`bitgrain_sim::error::Error::Interrupted`], after which the bed can
-    /// go on from here, and what `witness` returns.
+    /// go on from here, and what `observer` returns.
     pub fn go_on(
         &mut self,
         scenario: &Scenario,
         plan: &BedPlan,
         stage: &mut Stage,
-        witness: &mut impl Witness,
+        observer: &mut impl Observer,
     ) -> Result<bool> {
         let count = scenario.grain_count(plan.diameter);
-        witness.begins(self.sim.step_count(), &mut self.sim)?;
+        observer.on_start(self.sim.step_count(), &mut self.sim)?;
         while self.course.phase != Phase::Settled {
             let phase = self.course.phase;
             let goal = match phase {
                 Phase::Fall | Phase::Fill => fallen(scenario, self.course.top),
                 _ => rest(scenario, plan, phase == Phase::Quench),
             };
-            if !settle(self, scenario, plan, &goal, stage, witness)? {
+            if !settle(self, scenario, plan, &goal, stage, observer)? {
                 return Ok(false);
             }
-            let wrong = |sim: &Sim, f| stopped(&plan.name, sim, f);
+            let wrong = |sim: &Simulation, f| stopped(&plan.name, sim, f);
             let next = match phase {
                 Phase::Fall => {
                     self.sim =
@@ -156,7 +161,7 @@ impl Pouring {
             };
             self.enter(next);
         }
-        self.link(plan, witness)?;
+        self.link(plan, observer)?;
         Ok(true)
     }
 
@@ -167,23 +172,23 @@ impl Pouring {
     }
 
     /// After a look that was not the last of its phase: the next link, where it is due, and a moment to save.
-    pub(super) fn looked(&mut self, plan: &BedPlan, witness: &mut impl Witness) -> Result<()> {
+    pub(super) fn looked(&mut self, plan: &BedPlan, observer: &mut impl Observer) -> Result<()> {
         if self.course.chain.is_due(self.sim.step_count()) {
-            self.link(plan, witness)?;
+            self.link(plan, observer)?;
         }
         let Self { sim, course } = self;
-        witness.pause(sim.step_count(), sim, &|| course.note())
+        observer.on_checkpoint(sim.step_count(), sim, &|| course.note())
     }
 
-    fn link(&mut self, plan: &BedPlan, witness: &mut impl Witness) -> Result<()> {
+    fn link(&mut self, plan: &BedPlan, observer: &mut impl Observer) -> Result<()> {
         let digest = self.sim.digest();
         let digest = digest.map_err(|f| stopped(&plan.name, &self.sim, f))?;
         let link = self.course.chain.add(self.sim.step_count(), &digest);
-        link.map_or(Ok(()), |link| witness.linked(link))
+        link.map_or(Ok(()), |link| observer.on_digest(link))
     }
 }
 
-pub(super) fn quenching(scenario: &Scenario) -> bitgrain_sim::sim::AnyLaw {
+pub(super) fn quenching(scenario: &Scenario) -> bitgrain_sim::simulation::AnyLaw {
     scenario
         .law
         .quenching(scenario.drag.dt, scenario.mean_diameter())

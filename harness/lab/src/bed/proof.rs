@@ -1,6 +1,6 @@
 //! Whether the bytes of a checkpoint are a settled bed by a recipe, as far as they themselves can tell.
 
-use super::course::{Course, Phase};
+use super::course::{Phase, PouringState};
 use super::recipe::Recipe;
 use bitgrain_sim::chain::{self, Chain};
 use bitgrain_sim::checkpoint;
@@ -25,14 +25,16 @@ pub fn prove(bytes: &[u8], name: &str, recipe: &Recipe) -> Result<()> {
         place: name.into(),
         problem,
     };
-    let course = Course::of(&note).map_err(damaged)?;
+    let course = PouringState::of(&note).map_err(damaged)?;
     let chain = course.chain();
     let same = Chain::parse(&chain.text(), name).is_ok_and(|read| read.links == chain.links);
     // A bed under a lid goes on from the chain of the one below, whose last link no recipe says.
     let begins = recipe.lid.is_some() || chain.begins == chain::beginning(&recipe.digest());
     let digest = sim.digest();
     let digest = digest.map_err(|fault| Error::run(name, sim.step_count(), fault))?;
-    let parts = digest.parts().map(|part| bitgrain_sim::sim::hex(part));
+    let parts = digest
+        .parts()
+        .map(|part| bitgrain_sim::simulation::hex(part));
     let ends = chain.links.last();
     let ends = ends.is_some_and(|last| last.step == sim.step_count() && last.parts == parts);
     if !same || !begins || !ends || !course.is_in(Phase::Settled) || !course.is_by(recipe) {

@@ -3,11 +3,11 @@
 use bitgrain_kernel::BITS_VERSION;
 use serde::{Deserialize, Serialize};
 
-use crate::scenario::{BedPlan, LidPlan, Pouring, Scenario, Shape, UnitSystem};
+use crate::scenario::{BedPlan, IntruderShape, LidPlan, PouringOrder, Scenario, UnitSystem};
 use bitgrain_sim::checkpoint::FORMAT;
 use bitgrain_sim::law::LawSpec;
 use bitgrain_sim::motion::Moves;
-use bitgrain_sim::sim::hex;
+use bitgrain_sim::simulation::hex;
 
 /// Names the procedure of pouring. A change that gives other beds from equal scenarios raises it.
 pub const POURING: u32 = 2;
@@ -50,7 +50,7 @@ pub struct Recipe {
     pub halting: Option<bool>,
     /// Whether the grains were let fall all at once or in turn.
     #[serde(default, skip_serializing_if = "is_default")]
-    pub order: Pouring,
+    pub order: PouringOrder,
     /// What moves: the base of a bed that moves is carried, that of another frozen.
     #[serde(default, skip_serializing_if = "is_default")]
     pub moves: Moves,
@@ -73,7 +73,7 @@ fn is_default<T: Default + PartialEq>(value: &T) -> bool {
 pub struct RecipeIntruder {
     /// A sphere, or a bar along y.
     #[serde(default, skip_serializing_if = "is_default")]
-    pub shape: Shape,
+    pub shape: IntruderShape,
     /// Diameter.
     pub diameter: f64,
     /// Mass density of a sphere, as it enters the effective mass of its contacts.

@@ -5,12 +5,12 @@ use bitgrain_kernel::Error as KernelError;
 use super::course::Pouring;
 use super::survey::{energy_of_borne, energy_per_grain, stopped};
 use crate::progress::Stage;
-use crate::scenario::{BedPlan, Scenario, Shape};
+use crate::scenario::{BedPlan, IntruderShape, Scenario};
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::motion::Moves;
 use bitgrain_sim::observe::{INTRUDER, weight_and_support};
-use bitgrain_sim::sim::Sim;
-use bitgrain_sim::witness::Witness;
+use bitgrain_sim::observer::Observer;
+use bitgrain_sim::simulation::Simulation;
 
 /// Steps between looks at the kinetic energy. Part of the recipe: it decides where settling ends.
 const LOOK: u64 = 500;
@@ -59,7 +59,7 @@ pub struct Goal {
 /// (Cundall 1976).
 pub fn rest(scenario: &Scenario, plan: &BedPlan, quench: bool) -> Goal {
     let lattice_fall = scenario.expected_surface(plan.diameter);
-    let sphere = scenario.intruder.shape == Shape::Sphere;
+    let sphere = scenario.intruder.shape == IntruderShape::Sphere;
     Goal {
         energy: scenario.bed.settled,
         carried: true,
@@ -74,7 +74,8 @@ pub fn rest(scenario: &Scenario, plan: &BedPlan, quench: bool) -> Goal {
 /// Whether all motion is stopped at maxima of the kinetic energy. It hangs on what the recipe of the bed
 /// holds alone: the bare bed under a lid is one that other scenarios use without.
 fn halts(scenario: &Scenario, plan: &BedPlan) -> bool {
-    let still = scenario.intruder.shape == Shape::Sphere && scenario.drag.moves == Moves::Intruder;
+    let still =
+        scenario.intruder.shape == IntruderShape::Sphere && scenario.drag.moves == Moves::Intruder;
     scenario.bed.halting.unwrap_or(!still || plan.lid.is_some())
 }
 
@@ -98,29 +99,29 @@ pub fn fallen(scenario: &Scenario, height: f64) -> Goal {
     }
 }
 
-/// Steps on until the goal is reached. Says whether it was: not where `witness` has seen enough before.
+/// Steps on until the goal is reached. Says whether it was: not where `observer` has seen enough before.
 ///
 /// # Errors
-/// [`Error::Run`], [`Error::Unsettled`], [`Error::Interrupted`], and what `witness` returns.
+/// [`Error::Run`], [`Error::Unsettled`], [`Error::Interrupted`], and what `observer` returns.
 pub fn settle(
     bed: &mut Pouring,
     scenario: &Scenario,
     plan: &BedPlan,
     goal: &Goal,
     stage: &mut Stage,
-    witness: &mut impl Witness,
+    observer: &mut impl Observer,
 ) -> Result<bool> {
     let limit = bed.course.begin + (PATIENCE * goal.fall_steps as f64) as u64 + 100 * LOOK;
     let buoyancy = scenario.buoyancy(plan.diameter);
     loop {
-        if bed.sim.step_count() >= witness.ends() {
+        if bed.sim.step_count() >= observer.last_step() {
             return Ok(false);
         }
         let sim = &mut bed.sim;
         if goal.halting {
-            halt_at_maxima(sim, &plan.name, witness)?;
+            halt_at_maxima(sim, &plan.name, observer)?;
         } else {
-            stride(sim, &plan.name, LOOK, witness, |_| Ok(()))?;
+            stride(sim, &plan.name, LOOK, observer, |_| Ok(()))?;
         }
         let energy = if goal.borne {
             energy_of_borne(sim, &scenario.measures())
@@ -147,7 +148,7 @@ pub fn settle(
                 carried: support / weight,
             });
         }
-        bed.looked(plan, witness)?;
+        bed.looked(plan, observer)?;
         let share = support / weight;
         stage.settling(
             &bed.sim,
@@ -160,25 +161,25 @@ pub fn settle(
 }
 
 /// Upward force on the intruder, or on the floor of a bed that is poured up to it.
-pub(super) fn upward(sim: &Sim) -> f64 {
+pub(super) fn upward(sim: &Simulation) -> f64 {
     sim.obstacles[INTRUDER as usize].force[2]
 }
 
-/// Steps on, showing `witness` the steps that it looks at; `last` is done to the state after the last of
+/// Steps on, showing `observer` the steps that it looks at; `last` is done to the state after the last of
 /// them, before it is shown, and says what is wrong with what it made of it.
 fn stride(
-    sim: &mut Sim,
+    sim: &mut Simulation,
     bed: &str,
     steps: u64,
-    witness: &mut impl Witness,
-    last: impl FnOnce(&mut Sim) -> std::result::Result<(), KernelError>,
+    observer: &mut impl Observer,
+    last: impl FnOnce(&mut Simulation) -> std::result::Result<(), KernelError>,
 ) -> Result<()> {
     let end = sim.step_count() + steps;
     let mut last = Some(last);
     let mut seen = Vec::new();
     while sim.step_count() < end {
         let now = sim.step_count();
-        let wanted = (now + 1..=end).find(|&n| witness.looks_at(n));
+        let wanted = (now + 1..=end).find(|&n| observer.wants_step(n));
         let quiet = wanted.map_or(end, |n| n - 1);
         sim.steps(quiet - now).map_err(|f| stopped(bed, sim, f))?;
         if wanted.is_some() {
@@ -192,18 +193,18 @@ fn stride(
             last(sim).map_err(|f| stopped(bed, sim, f))?;
         }
         if let Some(n) = wanted {
-            witness.look(n, sim, &seen)?;
+            observer.on_step(n, sim, &seen)?;
         }
     }
     Ok(())
 }
 
 /// Steps on to the next look; stops every grain where the kinetic energy has just begun to fall.
-fn halt_at_maxima(sim: &mut Sim, bed: &str, witness: &mut impl Witness) -> Result<()> {
+fn halt_at_maxima(sim: &mut Simulation, bed: &str, observer: &mut impl Observer) -> Result<()> {
     let mut before = sim.kinetic_energy();
     let mut rising = false;
     for _ in 0..LOOK / GLANCE {
-        stride(sim, bed, GLANCE, witness, |sim| {
+        stride(sim, bed, GLANCE, observer, |sim| {
             let energy = sim.kinetic_energy();
             if rising && energy < before {
                 (before, rising) = (0.0, true);
@@ -218,7 +219,7 @@ fn halt_at_maxima(sim: &mut Sim, bed: &str, witness: &mut impl Witness) -> Resul
 }
 
 /// Stops every grain where it is, with its contacts and forces.
-fn halt(sim: &mut Sim) -> std::result::Result<(), KernelError> {
+fn halt(sim: &mut Simulation) -> std::result::Result<(), KernelError> {
     let histories = sim.contact_histories();
     for row in sim.velocity.iter_mut().chain(&mut sim.spin) {
         *row = [0.0, 0.0, 0.0, row[3]];
@@ -233,12 +234,12 @@ mod tests {
     use super::*;
     use crate::bed::survey::Measures;
     use bitgrain_sim::law::LawSpec;
-    use bitgrain_sim::sim::Grain;
+    use bitgrain_sim::simulation::Grain;
 
     const D: f64 = 1.5e-3;
 
     /// Grains at these places along x and z over a floor, which lose nothing in a contact.
-    fn bouncing(places: &[[f64; 2]]) -> Sim {
+    fn bouncing(places: &[[f64; 2]]) -> Simulation {
         let law = LawSpec::HertzTsuji {
             young: 5e6,
             poisson: 0.45,
@@ -258,7 +259,7 @@ mod tests {
         let domain = Domain::new([0.0; 3], [0.03, 0.01, 0.03], [true, true, false]).unwrap();
         let groups = vec![Group::free([0.0, 0.0, -9.81])];
         let floor = Obstacle::plane([0.0; 3], [0.0, 0.0, 1.0]);
-        let mut sim = Sim::new(
+        let mut sim = Simulation::new(
             law.build().unwrap(),
             domain,
             1e-6,
@@ -270,7 +271,7 @@ mod tests {
         sim
     }
 
-    fn fastest(sim: &mut Sim) -> f64 {
+    fn fastest(sim: &mut Simulation) -> f64 {
         let mut most = 0.0;
         for _ in 0..40 {
             sim.steps(50).unwrap();

@@ -4,7 +4,7 @@ use crate::summary::BedSummary;
 use bitgrain_kernel::{ContactHistory, Error as KernelError};
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::observe::{self, INTRUDER};
-use bitgrain_sim::sim::{Role, Sim, hex, sphere_mass};
+use bitgrain_sim::simulation::{Role, Simulation, hex, sphere_mass};
 
 /// What a survey must know besides the state.
 #[derive(Clone, Copy, Debug)]
@@ -21,7 +21,7 @@ pub struct Measures {
 ///
 /// # Errors
 /// [`bitgrain_sim::error::Error::Contract`].
-pub fn survey(name: &str, measures: &Measures, sim: &mut Sim) -> Result<BedSummary> {
+pub fn survey(name: &str, measures: &Measures, sim: &mut Simulation) -> Result<BedSummary> {
     let digest = sim.digest().map_err(|f| stopped(name, sim, f))?;
     let d = measures.diameter;
     let surface = observe::surface_height(sim, d);
@@ -48,14 +48,14 @@ pub fn survey(name: &str, measures: &Measures, sim: &mut Sim) -> Result<BedSumma
     })
 }
 
-pub fn stopped(bed: &str, sim: &Sim, fault: KernelError) -> Error {
+pub fn stopped(bed: &str, sim: &Simulation, fault: KernelError) -> Error {
     Error::run(format!("pouring {bed}"), sim.step_count() + 1, fault)
 }
 
 /// Kinetic energy of the grains with two contacts or more, per free grain, over a grain's mean weight
 /// times its mean diameter: what says that a bed without weight rests, for a grain that was squeezed
 /// out of one flies on.
-pub fn energy_of_borne(sim: &mut Sim, measures: &Measures) -> f64 {
+pub fn energy_of_borne(sim: &mut Simulation, measures: &Measures) -> f64 {
     let mut contacts = vec![0u32; sim.count()];
     for bond in sim.contact_histories() {
         match bond {
@@ -72,11 +72,11 @@ pub fn energy_of_borne(sim: &mut Sim, measures: &Measures) -> f64 {
 }
 
 /// Kinetic energy per free grain over a grain's mean weight times its mean diameter.
-pub fn energy_per_grain(sim: &Sim, measures: &Measures) -> f64 {
+pub fn energy_per_grain(sim: &Simulation, measures: &Measures) -> f64 {
     per_grain(sim.kinetic_energy(), sim, measures)
 }
 
-fn per_grain(energy: f64, sim: &Sim, measures: &Measures) -> f64 {
+fn per_grain(energy: f64, sim: &Simulation, measures: &Measures) -> f64 {
     let free = (0..sim.count())
         .filter(|&i| sim.role(i) == Role::Free)
         .count();

@@ -15,8 +15,8 @@ use crate::scenario;
 use bitgrain_kernel::ContactForce;
 use bitgrain_sim::observe;
 use bitgrain_sim::observe::INTRUDER;
-use bitgrain_sim::sim::Role;
-use bitgrain_sim::witness::Witness;
+use bitgrain_sim::observer::Observer;
+use bitgrain_sim::simulation::Role;
 
 /// A rig of 490 grains: 18 x 3 on a base, under a lid.
 fn rig() -> Scenario {
@@ -42,7 +42,7 @@ fn bare_plan(scenario: &Scenario) -> BedPlan {
     }
 }
 
-fn from_axis(sim: &Sim, i: usize) -> [f64; 3] {
+fn from_axis(sim: &Simulation, i: usize) -> [f64; 3] {
     let (x, body) = (sim.position[i], &sim.obstacles[INTRUDER as usize]);
     observe::offset(&sim.domain, body, [x[0], x[1], x[2]])
 }
@@ -141,23 +141,23 @@ fn a_poured_bed_lies_round_its_cylinder() {
 #[derive(Default)]
 struct Digests(std::collections::BTreeMap<u64, [String; 6]>);
 
-impl Witness for Digests {
-    fn looks_at(&self, step: u64) -> bool {
+impl Observer for Digests {
+    fn wants_step(&self, step: u64) -> bool {
         step.is_multiple_of(500)
     }
 
-    fn look(&mut self, step: u64, sim: &mut Sim, _: &[ContactForce<f64>]) -> Result<()> {
+    fn on_step(&mut self, step: u64, sim: &mut Simulation, _: &[ContactForce<f64>]) -> Result<()> {
         let parts = sim
             .digest()
             .unwrap()
             .parts()
-            .map(|part| bitgrain_sim::sim::hex(part));
+            .map(|part| bitgrain_sim::simulation::hex(part));
         self.0.insert(step, parts);
         Ok(())
     }
 }
 
-/// What a witness sees of a bed is what its chain holds, also where all motion is stopped now and then;
+/// What a observer sees of a bed is what its chain holds, also where all motion is stopped now and then;
 /// and that it looks changes nothing.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours a small bed: seconds in release")]
@@ -188,11 +188,11 @@ fn a_state_put_together_as_it_was_is_the_same() {
     let plan = &bare_plan(&scenario);
     let mut sim = pour(&scenario, plan, &mut Stage::silent()).unwrap();
     sim.steps(100).unwrap();
-    let obstacles = |sim: &Sim| -> Vec<_> {
+    let obstacles = |sim: &Simulation| -> Vec<_> {
         let bodies = sim.obstacles.iter().copied();
         bodies.zip((0..).map(Some)).collect()
     };
-    let put = |sim: &mut Sim, back: bool| {
+    let put = |sim: &mut Simulation, back: bool| {
         let n = sim.count();
         let place = |k: usize| if back { n - 1 - k } else { k };
         let old = |k: usize| Member::Old(place(k), sim.group[place(k)]);
@@ -203,7 +203,7 @@ fn a_state_put_together_as_it_was_is_the_same() {
     let mut same = put(&mut sim, false);
     let mut turned = put(&mut sim, true);
     assert_ne!(turned.digest(), sim.digest());
-    let springs = |sim: &mut Sim| sim.contact_histories().len();
+    let springs = |sim: &mut Simulation| sim.contact_histories().len();
     assert!(springs(&mut sim) > 800);
     assert_eq!(springs(&mut turned), springs(&mut sim));
     let mut again = put(&mut turned, true);

@@ -1,8 +1,8 @@
 //! The columns of a campaign's table: inputs, observables with their standard errors, digests.
 
 use crate::scenario::{DragPlan, Scenario};
-use crate::summary::{Flow, RunRecord};
-use bitgrain_sim::blocks::Mean;
+use crate::summary::{DragRecord, Flow};
+use bitgrain_sim::block_averaging::Mean;
 use bitgrain_sim::format::round10;
 use bitgrain_sim::law::LawSpec;
 
@@ -13,7 +13,7 @@ pub const MOST_CONTACTS: usize = 12;
 #[derive(Clone, Debug, PartialEq)]
 pub enum Status {
     /// It did.
-    Done(Box<RunRecord>),
+    Done(Box<DragRecord>),
     /// It went wrong, or its bed did, and why.
     Failed(String),
 }
@@ -76,7 +76,7 @@ impl Column {
 }
 
 impl Row<'_> {
-    fn record(&self) -> Option<&RunRecord> {
+    fn record(&self) -> Option<&DragRecord> {
         match self.status {
             Status::Done(record) => Some(record),
             Status::Failed(_) => None,
@@ -137,7 +137,7 @@ fn mean(
     all: &mut Vec<Column>,
     name: &str,
     unit: Unit,
-    of: impl Fn(&RunRecord) -> Option<Mean> + Copy + 'static,
+    of: impl Fn(&DragRecord) -> Option<Mean> + Copy + 'static,
 ) {
     let with_error = format!("{name}_error");
     real(all, name, unit, move |row| Some(of(row.record()?)?.mean));

@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 use super::plan::{Member, Plan};
 use super::written;
 use crate::changes;
-use crate::folder::{Claim, Contents};
-use crate::manifest::{self, Ledger, Of, Vouched};
+use crate::folder::{Contents, DirectoryLock};
+use crate::manifest::{self, FolderKind, Ledger, Vouched};
 use bitgrain_sim::disk::{self, Kind};
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::files::bits;
@@ -18,7 +18,7 @@ pub(super) const FAILURE: &str = "failure.json";
 
 /// What the folder of a campaign holds.
 pub const CAMPAIGN: Contents = Contents {
-    of: Of::Campaign,
+    of: FolderKind::Campaign,
     marker: "campaign.toml",
     names: &[
         "campaign.toml",
@@ -112,9 +112,9 @@ impl CampaignFolder<'_> {
             .collect()
     }
 
-    pub(super) fn claim(&self, plan: &Plan) -> Result<Claim> {
+    pub(super) fn claim(&self, plan: &Plan) -> Result<DirectoryLock> {
         let text = format!("# {}\n{}", bits(), plan.text());
-        let claim = Claim::take(self.0, &CAMPAIGN, &Self::stages(plan), |ledger| {
+        let claim = DirectoryLock::take(self.0, &CAMPAIGN, &Self::stages(plan), |ledger| {
             self.survey(plan, &text, ledger)?;
             ledger.write(&self.campaign(), text.as_bytes())
         })?;

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::only::Only;
 use super::plan::Plan;
-use crate::bed::{self, library::Library, recipe::Recipe};
+use crate::bed::{self, library::BedCache, recipe::Recipe};
 use crate::forecast::{disk, side_by_side, trial};
 use crate::scenario::{DragPlan, Scenario};
 use bitgrain_sim::error::Result;
@@ -25,7 +25,7 @@ const LARGE: [(usize, f64); 3] = [(5_000, 0.85), (50_000, 0.7), (500_000, 0.6)];
 pub fn forecast(
     plan: &Plan,
     only: &Only,
-    library: &Library,
+    library: &BedCache,
     threads: usize,
     jobs: usize,
 ) -> Result<String> {
@@ -129,7 +129,7 @@ fn span(hours: f64) -> String {
 }
 
 /// Million grain-steps of each bed that is not at hand; a recipe counts once.
-fn pouring(scenario: &Scenario, library: &Library, recipes: &mut Vec<String>) -> Result<Vec<f64>> {
+fn pouring(scenario: &Scenario, library: &BedCache, recipes: &mut Vec<String>) -> Result<Vec<f64>> {
     let mut work = Vec::new();
     if scenario.source.is_some() {
         return Ok(work);

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use toml::Table;
 
 use super::rules::Rule;
-use crate::scenario::Several;
+use crate::scenario::OneOrMany;
 
 /// A campaign: a base scenario, and grids of values over it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -19,7 +19,7 @@ pub struct Campaign {
     /// The base: the keys of a scenario, or the name of a shipped one or of a scenario's file.
     pub base: Base,
     /// What is varied: the runs are those of all grids together, each once.
-    pub grid: Vec<Grid>,
+    pub grid: Vec<ParameterGrid>,
 }
 
 /// A scenario in the file itself, or by name.
@@ -35,7 +35,7 @@ pub enum Base {
 /// Values of the varied quantities: each one with each other.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Grid {
+pub struct ParameterGrid {
     /// What it is for, in a word or two.
     pub name: String,
     /// Keys of the scenario that are the same in all of it, as `{ "bed.box" = [28.0, 14.0, 26.0] }`.
@@ -46,41 +46,41 @@ pub struct Grid {
     pub keep: Option<Vec<Rule>>,
     /// Stiffness `law.kn`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub kn: Option<Several>,
+    pub kn: Option<OneOrMany>,
     /// Damping `law.gamma_n`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub gamma_n: Option<Several>,
+    pub gamma_n: Option<OneOrMany>,
     /// Damping as `gamma_n/kn^0.6`, which fixes the restitution at every speed (Kumar 2018, Fig. 2).
     #[serde(
         rename = "gamma_n/kn^0.6",
         default,
         skip_serializing_if = "Option::is_none"
     )]
-    pub damping: Option<Several>,
+    pub damping: Option<OneOrMany>,
     /// Friction coefficient `law.mu`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub mu: Option<Several>,
+    pub mu: Option<OneOrMany>,
     /// Diameter of the intruder.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub diameter: Option<Several>,
+    pub diameter: Option<OneOrMany>,
     /// Depth of the intruder's centre below the expected surface.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub depth: Option<Several>,
+    pub depth: Option<OneOrMany>,
     /// Height of its centre above the floor, instead of `depth`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub height: Option<Several>,
+    pub height: Option<OneOrMany>,
     /// Seeds; each pours beds of its own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seed: Option<Vec<u64>>,
     /// Froude numbers.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub froude: Option<Several>,
+    pub froude: Option<OneOrMany>,
     /// Speeds, instead of `froude`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub speed: Option<Several>,
+    pub speed: Option<OneOrMany>,
     /// Travel: one for all speeds, or one for each.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub distance: Option<Several>,
+    pub distance: Option<OneOrMany>,
 }
 
 /// A varied quantity that makes members: its name in their names, the key that it sets, its values.
@@ -95,7 +95,7 @@ pub struct Axis {
     pub values: Vec<f64>,
 }
 
-impl Grid {
+impl ParameterGrid {
     /// The varied quantities that make members, in the order of their names; speeds are not among them.
     pub fn axes(&self) -> Vec<Axis> {
         let given = [

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use toml::{Table, Value};
 
-use super::keys::{Axis, Base, Campaign, Grid};
+use super::keys::{Axis, Base, Campaign, ParameterGrid};
 use super::rules::{Rule, damping, followers};
 use crate::parse_errors::wrong_toml;
 use crate::scenario::{self, DragPlan, Scenario};
@@ -48,7 +48,7 @@ impl Plan {
 
 /// One combination of a grid's values.
 struct Cell<'a> {
-    grid: &'a Grid,
+    grid: &'a ParameterGrid,
     name: String,
     /// `key=value` of what the grid sets, speeds left out.
     sets: Vec<String>,
@@ -171,7 +171,7 @@ fn base_table(base: &Base, place: &str, folder: &Path) -> Result<Table> {
 }
 
 /// Refuses what is given twice, or not at all.
-fn check(grid: &Grid, place: &str) -> Result<()> {
+fn check(grid: &ParameterGrid, place: &str) -> Result<()> {
     let refuse = |problem: String| Err(Error::input(place, problem));
     let axes = grid.axes();
     let mut given: Vec<(&str, &str)> = axes.iter().map(|a| (a.name, a.key)).collect();
@@ -255,7 +255,7 @@ fn word(value: f64) -> String {
 }
 
 /// Every combination of a grid's values, the last axis fastest.
-fn cells_of<'a>(grid: &'a Grid, place: &str) -> Result<Vec<Cell<'a>>> {
+fn cells_of<'a>(grid: &'a ParameterGrid, place: &str) -> Result<Vec<Cell<'a>>> {
     let mut fixed = Vec::new();
     for (key, value) in &grid.set {
         if matches!(value, Value::Table(_)) {
@@ -322,7 +322,7 @@ impl Maker<'_> {
     /// The scenario of one combination.
     fn scenario(&self, cell: &Cell) -> Result<Scenario> {
         let grid = cell.grid;
-        let listed = |key: &str, values: &Option<scenario::Several>| {
+        let listed = |key: &str, values: &Option<scenario::OneOrMany>| {
             values.as_ref().map(|v| format!("{key}={:?}", v.values()))
         };
         let mut sets = vec![format!("name={}", scenario_name(&cell.name))];
@@ -371,7 +371,7 @@ impl Maker<'_> {
         let bare = |s: &Scenario| {
             let mut s = s.clone();
             (s.intruder.froude, s.intruder.speed) = (None, None);
-            s.drag.distance = scenario::Several::One(0.0);
+            s.drag.distance = scenario::OneOrMany::One(0.0);
             s
         };
         if let Some(line) = difference(&bare(&member.scenario), &bare(&other)) {
@@ -413,13 +413,13 @@ impl Maker<'_> {
         }
         all.sort_by(|a, b| a.0.total_cmp(&b.0));
         let (speeds, distances): (Vec<f64>, Vec<f64>) = all.into_iter().unzip();
-        let speeds = Some(scenario::Several::Many(speeds));
+        let speeds = Some(scenario::OneOrMany::Many(speeds));
         let intruder = &mut member.scenario.intruder;
         (intruder.froude, intruder.speed) = match by_froude {
             true => (speeds, None),
             false => (None, speeds),
         };
-        member.scenario.drag.distance = scenario::Several::Many(distances);
+        member.scenario.drag.distance = scenario::OneOrMany::Many(distances);
         // Together they may be too many.
         member.scenario.check().map_err(|(key, problem)| {
             let place = format!("{}: member `{}`: `{key}`", self.place, member.name);

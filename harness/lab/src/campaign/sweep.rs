@@ -12,8 +12,8 @@ use super::folder::{CampaignFolder, FAILURE, Failure};
 use super::only::Only;
 use super::plan::Plan;
 use crate::bed::recipe::Recipe;
-use crate::bed::{self, library::Library};
-use crate::folder::{Claim, Folder};
+use crate::bed::{self, library::BedCache};
+use crate::folder::{DirectoryLock, Folder};
 use crate::manifest::Ledger;
 use crate::progress::{Overall, Progress};
 use crate::run::{self, SaveEvery, Setting, WriteReport, side_by_side};
@@ -33,7 +33,7 @@ pub struct Sweep<'a> {
     /// The campaign's folder.
     pub out: &'a Path,
     /// The settled beds that runs share.
-    pub library: &'a Library,
+    pub library: &'a BedCache,
     /// Threads.
     pub threads: usize,
     /// Most stages at a time, which share the threads.
@@ -66,7 +66,7 @@ struct Under<'a> {
     ledger: Ledger,
     places: Vec<PathBuf>,
     /// The folders of its members.
-    claims: Vec<Claim>,
+    claims: Vec<DirectoryLock>,
     jobs: Vec<Job>,
     slots: Mutex<Vec<Slot>>,
 }

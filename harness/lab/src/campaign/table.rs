@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::columns::{Cell, Row, Status, Unit, columns};
 use crate::scenario::DragPlan;
-use crate::summary::{RunRecord, RunSummary, Summary};
+use crate::summary::{DragRecord, DragSummary, Summary};
 use bitgrain_sim::error::{CHANGED, Error, Result};
 use bitgrain_sim::files::{bits, read_text};
 use bitgrain_sim::units::Units;
@@ -52,10 +52,10 @@ pub fn text(units: &Units, rows: &[Row<'_>]) -> String {
 /// The table of one run: a row for each of its drags.
 pub fn of_run(whole: &Summary) -> String {
     let plans = whole.inputs.runs();
-    let done = |run: &RunSummary| {
+    let done = |run: &DragSummary| {
         let plan = plans.iter().find(|plan| plan.name == run.name)?;
         let bed = whole.beds.iter().find(|bed| bed.name == run.bed)?;
-        let record = RunRecord {
+        let record = DragRecord {
             version: whole.version.clone(),
             bits_version: whole.bits_version,
             units: whole.units.clone(),
@@ -93,14 +93,14 @@ const ROWS_MAX: usize = 200_000;
 
 /// A campaign's table as it was written: names and cells.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Table {
+pub struct CampaignTable {
     /// Of each unit the columns that have it, then the unit, as the comment says.
     units: Vec<String>,
     names: Vec<String>,
     rows: Vec<Vec<String>>,
 }
 
-impl Table {
+impl CampaignTable {
     /// Reads a table.
     ///
     /// # Errors
@@ -112,7 +112,7 @@ impl Table {
     /// Reads the text of a table; `name` is what errors call it.
     ///
     /// # Errors
-    /// As [`Table::read`].
+    /// As [`CampaignTable::read`].
     pub fn parse(text: &str, name: &str) -> Result<Self> {
         let wrong = |e: csv::Error| {
             let line = e.position().map_or(1, csv::Position::line);
@@ -166,7 +166,7 @@ impl Table {
     ///
     /// # Errors
     /// [`Error::Unverified`] with the first run, column and both texts that differ, or what is missing.
-    pub fn check_against(&self, other: &Table, place: &str) -> Result<usize> {
+    pub fn check_against(&self, other: &CampaignTable, place: &str) -> Result<usize> {
         let missing = other.names.iter().find(|name| !self.names.contains(name));
         let digest = other.names.iter().any(|name| name == "digest");
         if missing.is_some() || !digest {
@@ -179,7 +179,9 @@ impl Table {
         }
         let mut same = 0;
         for row in (0..self.len()).filter(|&row| self.text(row, "status") == "done") {
-            let key = |table: &Table, row| ["member", "run"].map(|c| table.text(row, c).to_owned());
+            let key = |table: &CampaignTable, row| {
+                ["member", "run"].map(|c| table.text(row, c).to_owned())
+            };
             let [member, run] = key(self, row);
             let twin = (0..other.len()).find(|&k| key(other, k) == key(self, row));
             let problem = match twin {

@@ -7,9 +7,9 @@ use super::plan::{Member, Plan};
 use super::{parquet, table, written};
 use crate::bed::recipe::Recipe;
 use crate::folder::Folder;
-use crate::manifest::{Manifest, NAME, Of, Vouched};
+use crate::manifest::{FolderKind, Manifest, NAME, Vouched};
 use crate::progress::Progress;
-use crate::rerun::Past;
+use crate::rerun::RunArchive;
 use crate::run;
 use crate::scenario::DragPlan;
 use crate::summary::parse_record;
@@ -56,7 +56,7 @@ pub fn verify(
             say(&format!("{label}{problem}"))?;
             problems.add(Cause::Changed, format!("{label}{problem}"));
         }
-        match Past::open(own) {
+        match RunArchive::open(own) {
             Ok(past) => pasts.push((past, manifest, label)),
             Err(e) => {
                 say(&format!("{label}cannot be run again: {e}"))?;
@@ -130,7 +130,7 @@ fn table_holds(folder: &CampaignFolder<'_>, plan: &Plan) -> std::result::Result<
     let mut ended: Vec<(&Member, DragPlan, Status)> = Vec::new();
     for member in &plan.members {
         let place = folder.member(&member.name);
-        let vouched = Vouched::open(&place, Of::Run).map_err(|e| e.to_string())?;
+        let vouched = Vouched::open(&place, FolderKind::Run).map_err(|e| e.to_string())?;
         for run in member.scenario.runs() {
             let status = status(&Folder(&place), &vouched, &run.name)?;
             ended.extend(status.map(|status| (member, run, status)));

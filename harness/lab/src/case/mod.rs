@@ -5,7 +5,7 @@ use std::path::Path;
 use bitgrain_kernel::{Domain, Error as KernelError, Group, Obstacle};
 
 use bitgrain_sim::error::{Error, FULL, Result};
-use bitgrain_sim::sim::{Grain, Sim, sphere_mass};
+use bitgrain_sim::simulation::{Grain, Simulation, sphere_mass};
 
 mod check;
 mod keys;
@@ -80,7 +80,7 @@ impl Case {
         &self,
         name: &str,
         watch: impl FnMut(bitgrain_kernel::ContactForce<f64>),
-    ) -> Result<Sim> {
+    ) -> Result<Simulation> {
         let law = self
             .law
             .build()
@@ -125,7 +125,7 @@ impl Case {
             Group::free([0.0; 3]),
             Group::free_along_z(self.gravity),
         ];
-        let mut sim = Sim::new(law, domain, self.dt, groups, &grains, obstacles);
+        let mut sim = Simulation::new(law, domain, self.dt, groups, &grains, obstacles);
         sim.start_watched(watch).map_err(|fault| {
             refuse(name, fault, |id| {
                 let at = self.grains.iter().position(|g| g.id == id).unwrap_or(0);

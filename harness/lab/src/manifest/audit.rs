@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::record::{Departure, Manifest, NAME, Of, RESULTS};
+use super::record::{Departure, FolderKind, Manifest, NAME, RESULTS};
 use bitgrain_sim::disk::{self, Kind, is_partial};
 use bitgrain_sim::error::Result;
 
@@ -11,7 +11,7 @@ const BESIDE: [&str; 4] = [NAME, "performance.json", "report.html", "analysis.js
 
 /// What was found.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Audit {
+pub struct FolderAudit {
     /// What does not hold, a line each.
     pub wrong: Vec<String>,
     /// Stages that have not come to their end.
@@ -22,7 +22,7 @@ pub struct Audit {
     pub sound: usize,
 }
 
-impl Audit {
+impl FolderAudit {
     /// Whether all is finished and as the manifest says.
     pub fn holds(&self) -> bool {
         self.wrong.is_empty() && self.unfinished.is_empty()
@@ -33,8 +33,8 @@ impl Audit {
 ///
 /// # Errors
 /// Where the folder or a file in it cannot be read.
-pub fn audit(root: &Path, manifest: &Manifest, planned: &[String]) -> Result<Audit> {
-    let mut found = Audit::default();
+pub fn audit(root: &Path, manifest: &Manifest, planned: &[String]) -> Result<FolderAudit> {
+    let mut found = FolderAudit::default();
     for name in planned {
         let stage = manifest.stages.iter().find(|stage| stage.name == *name);
         match stage {
@@ -67,7 +67,7 @@ pub fn audit(root: &Path, manifest: &Manifest, planned: &[String]) -> Result<Aud
                 false => format!("{below}/{name}"),
             };
             // A member is a run with a manifest of its own.
-            let member = manifest.of == Of::Campaign && below == "members";
+            let member = manifest.of == FolderKind::Campaign && below == "members";
             if member && kind == Kind::Folder {
                 if !planned.contains(&name) {
                     found

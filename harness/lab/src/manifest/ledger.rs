@@ -4,7 +4,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard};
 
-use super::record::{Departure, Entry, Manifest, NAME, Of, RESULTS, Stage, relative};
+use super::record::{
+    Departure, FileRecord, FolderKind, Manifest, NAME, RESULTS, StageRecord, relative,
+};
 use bitgrain_sim::disk::{self, write_whole};
 use bitgrain_sim::error::{Error, Result};
 
@@ -22,7 +24,7 @@ pub struct Ledger {
 #[derive(Debug)]
 struct Known {
     manifest: Manifest,
-    entries: BTreeMap<String, Entry>,
+    entries: BTreeMap<String, FileRecord>,
     /// Files that are as their entries say.
     sound: BTreeSet<String>,
     /// What lies on the disk.
@@ -46,7 +48,7 @@ impl Ledger {
     /// # Errors
     /// [`Error::Input`] where it is of something else, or it or a file in it cannot be read. A damaged one counts
     /// as none, and is returned beside as what to warn of; so is one that is missing where there are results.
-    pub fn open(root: &Path, of: Of, stages: &[String]) -> Result<(Self, Option<Error>)> {
+    pub fn open(root: &Path, of: FolderKind, stages: &[String]) -> Result<(Self, Option<Error>)> {
         let (old, damage) = match Manifest::of(root) {
             Ok(None) if RESULTS.iter().any(|name| disk::is_there(&root.join(name))) => {
                 let missing = Error::Manifest {
@@ -149,7 +151,7 @@ impl Ledger {
     /// comes out the same: then somebody changed the manifest or what it was made from.
     pub fn write(&self, path: &Path, bytes: &[u8]) -> Result<()> {
         let name = self.name(path);
-        let entry = Entry::of(&name, bytes);
+        let entry = FileRecord::of(&name, bytes);
         let before = self.known().entries.get(&name).cloned();
         if before.as_ref() == Some(&entry) {
             if self.known().sound.contains(&name) {
@@ -198,7 +200,7 @@ impl Ledger {
             .iter_mut()
             .find(|one| one.name == stage)
         {
-            *one = Stage {
+            *one = StageRecord {
                 name: stage.into(),
                 finished: true,
                 link: link.into(),

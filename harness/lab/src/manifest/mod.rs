@@ -15,5 +15,7 @@ mod record;
 mod vouched;
 
 pub use ledger::Ledger;
-pub use record::{Departure, Entry, FORMAT, Manifest, NAME, Of, Stage, relative};
+pub use record::{
+    Departure, FORMAT, FileRecord, FolderKind, Manifest, NAME, StageRecord, relative,
+};
 pub use vouched::Vouched;

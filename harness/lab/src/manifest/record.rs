@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use bitgrain_sim::disk::{self, Kind};
 use bitgrain_sim::error::{Error, Result};
-use bitgrain_sim::sim::hex;
+use bitgrain_sim::simulation::hex;
 
 /// Name of the file.
 pub const NAME: &str = "manifest.json";
@@ -22,19 +22,19 @@ pub const FORMAT: u32 = 1;
 /// What a manifest is of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Of {
+pub enum FolderKind {
     /// A run.
     Run,
     /// A campaign.
     Campaign,
 }
 
-impl Of {
+impl FolderKind {
     /// In a word.
     pub fn word(self) -> &'static str {
         match self {
-            Of::Run => "run",
-            Of::Campaign => "campaign",
+            FolderKind::Run => "run",
+            FolderKind::Campaign => "campaign",
         }
     }
 }
@@ -42,7 +42,7 @@ impl Of {
 /// A bed or a drag of a run, or a member of a campaign.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Stage {
+pub struct StageRecord {
     /// Its name.
     pub name: String,
     /// Whether it has come to its end.
@@ -54,7 +54,7 @@ pub struct Stage {
 /// A file of results.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Entry {
+pub struct FileRecord {
     /// Its path from the folder on, with `/`.
     pub path: String,
     /// Its length.
@@ -72,13 +72,13 @@ pub struct Manifest {
     /// Version of the kernel's arithmetic.
     pub bits_version: u32,
     /// What it is of.
-    pub of: Of,
+    pub of: FolderKind,
     /// Whether all of it has come to its end.
     pub finished: bool,
     /// Its stages, in the order in which they are run.
-    pub stages: Vec<Stage>,
+    pub stages: Vec<StageRecord>,
     /// Its files, by path.
-    pub files: Vec<Entry>,
+    pub files: Vec<FileRecord>,
     /// BLAKE3 over this text with an empty closing hash, in hex.
     pub closing: String,
 }
@@ -92,7 +92,7 @@ pub enum Departure {
     Unreadable(Error),
 }
 
-impl Entry {
+impl FileRecord {
     /// The entry of a file with these bytes.
     pub fn of(path: &str, bytes: &[u8]) -> Self {
         Self {
@@ -147,8 +147,8 @@ impl Entry {
 
 impl Manifest {
     /// One without files, of which nothing is finished.
-    pub fn new(of: Of, stages: &[String]) -> Self {
-        let stage = |name: &String| Stage {
+    pub fn new(of: FolderKind, stages: &[String]) -> Self {
+        let stage = |name: &String| StageRecord {
             name: name.clone(),
             finished: false,
             link: String::new(),
@@ -242,7 +242,7 @@ impl Manifest {
     }
 
     /// The entry of a file.
-    pub fn entry(&self, path: &str) -> Option<&Entry> {
+    pub fn entry(&self, path: &str) -> Option<&FileRecord> {
         let place = self
             .files
             .binary_search_by(|entry| entry.path.as_str().cmp(path));
@@ -261,7 +261,7 @@ impl Manifest {
         self.finished && self.closing == link || stages.any(|stage| stage.link == link)
     }
 
-    pub(super) fn entries(self) -> BTreeMap<String, Entry> {
+    pub(super) fn entries(self) -> BTreeMap<String, FileRecord> {
         let each = self.files.into_iter();
         each.map(|entry| (entry.path.clone(), entry)).collect()
     }
@@ -289,10 +289,10 @@ mod tests {
     use super::*;
 
     fn sample() -> Manifest {
-        let mut manifest = Manifest::new(Of::Run, &["bed".into(), "run-1".into()]);
+        let mut manifest = Manifest::new(FolderKind::Run, &["bed".into(), "run-1".into()]);
         manifest.files = vec![
-            Entry::of("a", b"1"),
-            Entry::of("runs/run-1/forces.csv", b"2"),
+            FileRecord::of("a", b"1"),
+            FileRecord::of("runs/run-1/forces.csv", b"2"),
         ];
         manifest.stages[0].finished = true;
         manifest.stages[0].link = "ab".into();
@@ -322,7 +322,7 @@ mod tests {
     fn paths_stay_below_their_folder() {
         for path in ["../a", "/a", "a/../b", "a//b", "", "./a", "a/", "a\\b"] {
             let mut manifest = sample();
-            manifest.files = vec![Entry::of(path, b"1")];
+            manifest.files = vec![FileRecord::of(path, b"1")];
             assert!(Manifest::parse(&manifest.text()).is_err(), "{path}");
         }
         let mut twice = sample();

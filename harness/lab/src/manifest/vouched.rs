@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::record::{Departure, Manifest, NAME, Of, relative};
+use super::record::{Departure, FolderKind, Manifest, NAME, relative};
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::files::text_of;
 
@@ -20,7 +20,7 @@ impl Vouched {
     /// # Errors
     /// [`Error::Input`] where it has no manifest or one of something else, [`Error::Manifest`] where that is
     /// damaged.
-    pub fn open(root: &Path, of: Of) -> Result<Self> {
+    pub fn open(root: &Path, of: FolderKind) -> Result<Self> {
         let place = root.display().to_string();
         let manifest = Manifest::of(root)?.ok_or_else(|| {
             let problem = format!(
@@ -80,9 +80,9 @@ impl Vouched {
 }
 
 /// The command that makes files again.
-fn remedy(of: Of) -> &'static str {
+fn remedy(of: FolderKind) -> &'static str {
     match of {
-        Of::Run => "bitgrain run --resume FOLDER",
-        Of::Campaign => "bitgrain sweep CAMPAIGN --out FOLDER",
+        FolderKind::Run => "bitgrain run --resume FOLDER",
+        FolderKind::Campaign => "bitgrain sweep CAMPAIGN --out FOLDER",
     }
 }

@@ -7,18 +7,18 @@ use super::saving::Saver;
 use super::setting::Setting;
 use crate::bed;
 use crate::bed::recipe::Recipe;
-use crate::bed::{Course, Pouring};
+use crate::bed::{Pouring, PouringState};
 use crate::folder::Folder;
 use crate::manifest::Ledger;
 use crate::progress::Stage;
 use crate::scenario::{BedPlan, Scenario};
 use crate::summary::BedSummary;
-use bitgrain_sim::checkpoint::{self, Note};
+use bitgrain_sim::checkpoint::{self, StageState};
 use bitgrain_sim::disk::{self, Kind};
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::files::{bits, text_file};
 use bitgrain_sim::format::short;
-use bitgrain_sim::sim::Sim;
+use bitgrain_sim::simulation::Simulation;
 use bitgrain_sim::{export, lammps};
 
 use super::summarise::rig;
@@ -110,7 +110,7 @@ pub fn data_file(
     folder: &Folder<'_>,
     scenario: &Scenario,
     plan: &BedPlan,
-    sim: &Sim,
+    sim: &Simulation,
 ) -> Result<(PathBuf, Vec<u8>)> {
     let title = format!(
         "{} of {}: atom_style sphere; {}",
@@ -123,10 +123,14 @@ pub fn data_file(
 }
 
 /// A settled bed of the run directory, whose chain of digests is written beside it.
-fn read_settled(setting: Setting<'_>, ledger: &Ledger, plan: &BedPlan) -> Result<(Sim, Note)> {
+fn read_settled(
+    setting: Setting<'_>,
+    ledger: &Ledger,
+    plan: &BedPlan,
+) -> Result<(Simulation, StageState)> {
     let path = setting.folder.bed(&plan.name);
     let (sim, note) = checkpoint::read_noted(&path)?;
-    let course = Course::of(&note).map_err(|problem| Error::Damaged {
+    let course = PouringState::of(&note).map_err(|problem| Error::Damaged {
         place: path.display().to_string(),
         problem,
     })?;
@@ -142,8 +146,8 @@ fn read_settled(setting: Setting<'_>, ledger: &Ledger, plan: &BedPlan) -> Result
 pub fn surveyed(
     scenario: &Scenario,
     plan: &BedPlan,
-    sim: &mut Sim,
-    note: &Note,
+    sim: &mut Simulation,
+    note: &StageState,
 ) -> Result<BedSummary> {
     let mut summary = bed::survey(&plan.name, &scenario.measures(), sim)?;
     summary.chain = note.link.clone();

@@ -3,16 +3,16 @@
 
 use std::path::Path;
 
-use crate::bed::Course;
+use crate::bed::PouringState;
 use crate::bed::recipe::Recipe;
 use crate::changes;
 use crate::drag::Dragging;
-use crate::folder::{Claim, Folder, RUN};
+use crate::folder::{DirectoryLock, Folder, RUN};
 use crate::manifest::Ledger;
 use crate::scenario::{BedPlan, Scenario};
-use crate::summary::{RunRecord, Summary};
+use crate::summary::{DragRecord, Summary};
 use bitgrain_sim::chain;
-use bitgrain_sim::checkpoint::{self, Note};
+use bitgrain_sim::checkpoint::{self, StageState};
 use bitgrain_sim::disk::{self, Kind};
 use bitgrain_sim::error::{Error, Result};
 
@@ -22,8 +22,8 @@ use bitgrain_sim::error::{Error, Result};
 /// # Errors
 /// [`Error::Input`] where it is somebody else's, holds another scenario's results, or another run is at work in
 /// it; [`Error::Write`].
-pub fn claim(folder: &Folder<'_>, scenario: &Scenario) -> Result<Claim> {
-    let claim = Claim::take(folder.0, &RUN, &stages(scenario), |ledger| {
+pub fn claim(folder: &Folder<'_>, scenario: &Scenario) -> Result<DirectoryLock> {
+    let claim = DirectoryLock::take(folder.0, &RUN, &stages(scenario), |ledger| {
         survey(folder, scenario, ledger)?;
         let text = folder.scenario_text(scenario);
         ledger.write(&folder.scenario(), text.as_bytes())
@@ -87,7 +87,7 @@ fn survey(folder: &Folder<'_>, scenario: &Scenario, ledger: &Ledger) -> Result<(
         for path in kept.chain([folder.latest(&plan.name)]) {
             each.state(&path, |note| Dragging::of(note).map(|drag| drag.key == key))?;
         }
-        each.summary::<RunRecord>(&folder.of_run(&plan.name, "summary.json"), |record| {
+        each.summary::<DragRecord>(&folder.of_run(&plan.name, "summary.json"), |record| {
             record.inputs == inputs
         })?;
     }
@@ -96,12 +96,12 @@ fn survey(folder: &Folder<'_>, scenario: &Scenario, ledger: &Ledger) -> Result<(
 
 /// Whether a state is one of this bed: by its recipe, or by the file that it was taken over from.
 fn is_bed(
-    note: &Note,
+    note: &StageState,
     scenario: &Scenario,
     plan: &BedPlan,
     begins: Option<&str>,
 ) -> std::result::Result<bool, String> {
-    let course = Course::of(note)?;
+    let course = PouringState::of(note)?;
     Ok(match begins {
         Some(begins) => course.chain().begins == begins,
         None => course.is_by(&Recipe::new(scenario, plan)),
@@ -173,7 +173,7 @@ impl Looking<'_> {
     fn state(
         &self,
         path: &Path,
-        belongs: impl FnOnce(&Note) -> std::result::Result<bool, String>,
+        belongs: impl FnOnce(&StageState) -> std::result::Result<bool, String>,
     ) -> Result<()> {
         let Some(bytes) = self.bytes(path)? else {
             return Ok(());

@@ -14,22 +14,22 @@ use crate::flow;
 use crate::folder::Folder;
 use crate::json::json_text;
 use crate::manifest::Ledger;
-use crate::plug::{self, Plug};
+use crate::plug_flow::{self, PlugFlow};
 use crate::progress::Progress;
 use crate::scenario::Scenario;
 use crate::series::series_text;
-use crate::summary::{BedSummary, RunRecord, RunSummary};
-use bitgrain_sim::audit::energy_text;
-use bitgrain_sim::blocks::METHOD;
-use bitgrain_sim::checkpoint::{self, Note};
+use crate::summary::{BedSummary, DragRecord, DragSummary};
+use bitgrain_sim::block_averaging::METHOD;
+use bitgrain_sim::checkpoint::{self, StageState};
+use bitgrain_sim::coarse_graining::intruder_outline;
 use bitgrain_sim::disk::{self, Kind};
+use bitgrain_sim::energy_budget::energy_text;
 use bitgrain_sim::error::{Error, Result};
-use bitgrain_sim::fields::hole;
 use bitgrain_sim::files::{bits, packed_name, text_file};
 use bitgrain_sim::format::short;
-use bitgrain_sim::sim::Sim;
-use bitgrain_sim::witness::Witness;
-use bitgrain_sim::{export, fields, lammps};
+use bitgrain_sim::observer::Observer;
+use bitgrain_sim::simulation::Simulation;
+use bitgrain_sim::{coarse_graining, export, lammps};
 
 /// Does one drag, or what is left of it, and writes down what it measured.
 pub(super) fn drag_one(
@@ -38,7 +38,7 @@ pub(super) fn drag_one(
     save: SaveEvery,
     frames: bool,
     progress: &Progress,
-) -> Result<(RunSummary, StagePerformance)> {
+) -> Result<(DragSummary, StagePerformance)> {
     let DragTask {
         folder,
         scenario,
@@ -110,7 +110,7 @@ pub(super) fn drag_one(
 ///
 /// # Errors
 /// Where the bed cannot be read or its drag not begun.
-pub fn begin(drag: DragTask<'_>) -> Result<(Sim, Dragging)> {
+pub fn begin(drag: DragTask<'_>) -> Result<(Simulation, Dragging)> {
     let path = drag.folder.bed(&drag.bed.name);
     let (mut sim, note) = checkpoint::read_noted(&path)?;
     let dragging = Dragging::begin(&mut sim, drag.plan, &note.link)?;
@@ -123,7 +123,7 @@ fn take_up(
     drag: DragTask<'_>,
     ledger: &Ledger,
     progress: &Progress,
-) -> Result<Option<(Sim, Dragging)>> {
+) -> Result<Option<(Simulation, Dragging)>> {
     let (folder, name) = (drag.folder, &drag.plan.name);
     for file in ledger.damaged(&format!("runs/{name}/")) {
         let path = folder.0.join(file);
@@ -133,7 +133,7 @@ fn take_up(
             path.display()
         ));
     }
-    let mut furthest: Option<(Sim, Dragging)> = None;
+    let mut furthest: Option<(Simulation, Dragging)> = None;
     let kept = drag.plan.checkpoints.iter().rev();
     let kept = kept.map(|&step| folder.checkpoint(name, step));
     // The kept ones descend, so that the first sound one is the furthest of them.
@@ -166,7 +166,7 @@ fn take_up(
 ///
 /// # Errors
 /// [`Error::Damaged`], and [`Error::Input`] where it is another drag's or another version's.
-pub fn read(drag: DragTask<'_>, path: &Path) -> Result<(Sim, Dragging)> {
+pub fn read(drag: DragTask<'_>, path: &Path) -> Result<(Simulation, Dragging)> {
     let (sim, note) = checkpoint::read_noted(path)?;
     let place = path.display().to_string();
     let dragging = Dragging::of(&note).map_err(|problem| Error::Damaged {
@@ -237,7 +237,7 @@ impl DragTask<'_> {
     pub fn snapshot_files(
         &self,
         step: u64,
-        sim: &Sim,
+        sim: &Simulation,
         contacts: &[ContactForce<f64>],
     ) -> Result<[(std::path::PathBuf, Vec<u8>); 3]> {
         let (folder, run) = (self.folder, &self.plan.name[..]);
@@ -262,12 +262,17 @@ struct Files<'a> {
     frames: Frames,
 }
 
-impl Witness for Files<'_> {
-    fn looks_at(&self, step: u64) -> bool {
+impl Observer for Files<'_> {
+    fn wants_step(&self, step: u64) -> bool {
         self.drag.shows(step) || self.frames.wants(self.drag, step)
     }
 
-    fn look(&mut self, step: u64, sim: &mut Sim, contacts: &[ContactForce<f64>]) -> Result<()> {
+    fn on_step(
+        &mut self,
+        step: u64,
+        sim: &mut Simulation,
+        contacts: &[ContactForce<f64>],
+    ) -> Result<()> {
         if self.frames.wants(self.drag, step) {
             self.frames.add(self.drag, step, sim);
         }
@@ -280,10 +285,15 @@ impl Witness for Files<'_> {
         Ok(())
     }
 
-    fn pause(&mut self, step: u64, sim: &mut Sim, note: &dyn Fn() -> Note) -> Result<()> {
+    fn on_checkpoint(
+        &mut self,
+        step: u64,
+        sim: &mut Simulation,
+        note: &dyn Fn() -> StageState,
+    ) -> Result<()> {
         if self.drag.plan.checkpoints.binary_search(&step).is_err() {
             let frames = &self.frames;
-            return self.saver.pause(step, sim, &|| frames.note(note()));
+            return self.saver.on_checkpoint(step, sim, &|| frames.note(note()));
         }
         if let Some(text) = self.frames.take() {
             let path = self.drag.folder.frames(&self.drag.plan.name, step);
@@ -304,8 +314,8 @@ impl Witness for Files<'_> {
 pub fn results(
     drag: DragTask<'_>,
     dragging: &Dragging,
-    sim: &mut Sim,
-) -> Result<(Vec<(&'static str, String)>, RunSummary)> {
+    sim: &mut Simulation,
+) -> Result<(Vec<(&'static str, String)>, DragSummary)> {
     let DragTask { scenario, plan, .. } = drag;
     let means = dragging.means(plan, sim.dt)?;
     let (units, record) = (scenario.units(), &dragging.record);
@@ -326,20 +336,23 @@ pub fn results(
         tables.push(("profile.csv", gauge.profile.text()));
     }
     if let Some(gauge) = &dragging.fields {
-        let hole = hole(sim);
-        let scales = fields::text::Scales {
+        let hole = intruder_outline(sim);
+        let scales = coarse_graining::text::Scales {
             units: &units,
             diameter: scenario.mean_diameter(),
             density: scenario.bed.density,
             far: scenario.far_velocity(plan.motion.speed),
         };
-        tables.push(("fields.vti", fields::text::vti(&gauge.points(hole), scales)));
-        let plane = fields::text::plane_text(&gauge.plane(hole), scales);
+        tables.push((
+            "fields.vti",
+            coarse_graining::text::vti(&gauge.points(hole), scales),
+        ));
+        let plane = coarse_graining::text::plane_text(&gauge.plane(hole), scales);
         tables.push(("plane.csv", plane));
     }
     let summary = summarise(scenario, plan, drag.bed, &means, dragging, sim)?;
     if let Some(load) = summary.flow.as_ref().and_then(|flow| flow.load.as_ref()) {
-        tables.push(("load.csv", fields::text::load_text(load, &units)));
+        tables.push(("load.csv", coarse_graining::text::load_text(load, &units)));
     }
     Ok((tables, summary))
 }
@@ -349,9 +362,9 @@ pub fn record(
     folder: &Folder<'_>,
     scenario: &Scenario,
     bed: &BedSummary,
-    run: &RunSummary,
-) -> RunRecord {
-    RunRecord {
+    run: &DragSummary,
+) -> DragRecord {
+    DragRecord {
         version: env!("CARGO_PKG_VERSION").into(),
         bits_version: BITS_VERSION,
         units: scenario.units(),
@@ -362,7 +375,7 @@ pub fn record(
     }
 }
 
-fn tell(scenario: &Scenario, run: &RunSummary, how: &str, seconds: f64, progress: &Progress) {
+fn tell(scenario: &Scenario, run: &DragSummary, how: &str, seconds: f64, progress: &Progress) {
     progress.line(&format!(
         "{}: Fr {}, drag {} +- {} {} ({how}, {seconds:.1} s)",
         run.name,
@@ -371,8 +384,8 @@ fn tell(scenario: &Scenario, run: &RunSummary, how: &str, seconds: f64, progress
         short(run.drag.standard_error),
         scenario.units().force,
     ));
-    if run.plug == Plug::Slides {
-        let found = plug::found(
+    if run.plug == PlugFlow::Slides {
+        let found = plug_flow::found(
             scenario.law.mu(),
             run.plug_ratio,
             run.drift.map(|drift| drift.mean),

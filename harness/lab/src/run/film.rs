@@ -4,8 +4,8 @@
 use super::task::DragTask;
 use crate::drag::Dragging;
 use crate::frames;
-use bitgrain_sim::checkpoint::Note;
-use bitgrain_sim::sim::Sim;
+use bitgrain_sim::checkpoint::StageState;
+use bitgrain_sim::simulation::Simulation;
 
 /// Frames since the last checkpoint that was kept.
 pub struct Frames {
@@ -38,13 +38,13 @@ impl Frames {
     }
 
     /// Adds the state after this step.
-    pub fn add(&mut self, drag: DragTask<'_>, step: u64, sim: &Sim) {
+    pub fn add(&mut self, drag: DragTask<'_>, step: u64, sim: &Simulation) {
         self.rows += &frames::rows(sim, &drag.plan.motion, step);
     }
 
     /// What is saved of a drag, these with it.
-    pub fn note(&self, note: Note) -> Note {
-        Note {
+    pub fn note(&self, note: StageState) -> StageState {
+        StageState {
             frames: if self.whole {
                 self.rows.clone()
             } else {

@@ -29,13 +29,13 @@ use std::time::Instant;
 use bitgrain_kernel::BITS_VERSION;
 
 use crate::bed::recipe::Recipe;
-use crate::folder::{Claim, Folder};
+use crate::folder::{DirectoryLock, Folder};
 use crate::manifest::Ledger;
 use crate::progress::Progress;
 use crate::scenario::{BedPlan, DragPlan, Scenario, UnitSystem};
-use crate::summary::{BedSummary, RunSummary, Summary};
+use crate::summary::{BedSummary, DragSummary, Summary};
 use beds::{below, pour_bare, settle_one};
-use bitgrain_sim::blocks::METHOD;
+use bitgrain_sim::block_averaging::METHOD;
 use bitgrain_sim::coefficients::table_text;
 use bitgrain_sim::disk::{check_writable, write_whole};
 use bitgrain_sim::error::{Error, Result};
@@ -102,7 +102,7 @@ pub fn run_in(setting: Setting<'_>) -> Result<Option<Done>> {
             done.inspect_err(|error| tell_now(error, runs.len(), progress))
         },
     )?;
-    let dragged: Vec<(RunSummary, StagePerformance)> =
+    let dragged: Vec<(DragSummary, StagePerformance)> =
         dragged.into_iter().collect::<Result<_>>()?;
     let (runs, timed): (Vec<_>, Vec<_>) = dragged.into_iter().unzip();
     stages.extend(timed);
@@ -167,7 +167,7 @@ fn wanted(setting: Setting<'_>) -> Result<Vec<DragPlan>> {
 ///
 /// # Errors
 /// As [`claim`].
-pub fn claimed(setting: Setting<'_>) -> Result<Claim> {
+pub fn claimed(setting: Setting<'_>) -> Result<DirectoryLock> {
     let claim = claim(setting.folder, setting.scenario)?;
     claim.warn_of_damage(setting.progress);
     if !claim.sure {
@@ -229,7 +229,7 @@ pub fn drag(
     ledger: &Ledger,
     plan: &DragPlan,
     bed: &BedSummary,
-) -> Result<(RunSummary, StagePerformance)> {
+) -> Result<(DragSummary, StagePerformance)> {
     let drag = DragTask {
         folder: setting.folder,
         scenario: setting.scenario,
@@ -249,7 +249,7 @@ pub fn conclude(
     ledger: &Ledger,
     scenario: &Scenario,
     beds: Vec<BedSummary>,
-    runs: Vec<RunSummary>,
+    runs: Vec<DragSummary>,
 ) -> Result<String> {
     let whole = whole_summary(folder, scenario, beds, runs);
     let path = folder.summary();
@@ -270,7 +270,7 @@ pub fn whole_summary(
     folder: &Folder<'_>,
     scenario: &Scenario,
     beds: Vec<BedSummary>,
-    runs: Vec<RunSummary>,
+    runs: Vec<DragSummary>,
 ) -> Summary {
     Summary {
         version: env!("CARGO_PKG_VERSION").into(),

@@ -1,7 +1,7 @@
 //! How fast stages went on this machine.
 
 use crate::progress::Stage;
-use bitgrain_sim::sim::Sim;
+use bitgrain_sim::simulation::Simulation;
 use serde::Serialize;
 
 /// Timings and other facts of the machine, kept apart from the results.
@@ -26,7 +26,7 @@ pub struct StagePerformance {
     pub(super) pairs_listed: usize,
 }
 
-pub(super) fn timed(stage: Stage, how: &str, sim: &Sim, steps: u64) -> StagePerformance {
+pub(super) fn timed(stage: Stage, how: &str, sim: &Simulation, steps: u64) -> StagePerformance {
     let (name, seconds) = (stage.name().to_string(), stage.finish());
     let (searches, pairs_listed, _) = sim.search_counts();
     StagePerformance {

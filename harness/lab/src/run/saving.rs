@@ -4,11 +4,11 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use crate::manifest::Ledger;
-use bitgrain_sim::checkpoint::{self, Note};
+use bitgrain_sim::checkpoint::{self, StageState};
 use bitgrain_sim::disk::{self, write_whole};
 use bitgrain_sim::error::Result;
-use bitgrain_sim::sim::Sim;
-use bitgrain_sim::witness::Witness;
+use bitgrain_sim::observer::Observer;
+use bitgrain_sim::simulation::Simulation;
 
 /// Time between saves where nothing else is asked for.
 const DEFAULT: Duration = Duration::from_secs(300);
@@ -75,7 +75,7 @@ impl<'a> Saver<'a> {
 
     /// Saves the stage now. The manifest comes first, so that it vouches for all that was written before this
     /// state.
-    pub fn save(&self, sim: &mut Sim, note: &Note) -> Result<()> {
+    pub fn save(&self, sim: &mut Simulation, note: &StageState) -> Result<()> {
         self.ledger.save()?;
         write_whole(&self.path, &checkpoint::pack(sim, note)?)
     }
@@ -88,8 +88,13 @@ impl<'a> Saver<'a> {
 }
 
 /// Saves the stage where it is time to.
-impl Witness for Saver<'_> {
-    fn pause(&mut self, step: u64, sim: &mut Sim, note: &dyn Fn() -> Note) -> Result<()> {
+impl Observer for Saver<'_> {
+    fn on_checkpoint(
+        &mut self,
+        step: u64,
+        sim: &mut Simulation,
+        note: &dyn Fn() -> StageState,
+    ) -> Result<()> {
         let due = match self.every {
             SaveEvery::Time(time) => self.time.elapsed() >= time,
             SaveEvery::Steps(steps) => step.saturating_sub(self.step) >= steps,

@@ -1,6 +1,6 @@
 //! How a scenario is run.
 
-use crate::bed::library::Library;
+use crate::bed::library::BedCache;
 use crate::folder::Folder;
 use crate::progress::Progress;
 use crate::run::SaveEvery;
@@ -15,7 +15,7 @@ pub struct Setting<'a> {
     /// The run directory.
     pub folder: &'a Folder<'a>,
     /// The settled beds that runs share.
-    pub library: &'a Library,
+    pub library: &'a BedCache,
     /// Threads.
     pub threads: usize,
     /// How often a stage under way is saved.

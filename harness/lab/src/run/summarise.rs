@@ -4,26 +4,26 @@ use bitgrain_kernel::PARTS;
 
 use crate::drag::{Dragging, Means};
 use crate::flow::FlowMeans;
-use crate::plug::{self, Plug};
-use crate::scenario::{BedPlan, DragPlan, Scenario, Shape};
-use crate::summary::{BedSummary, Flow, Rig, RunSummary};
+use crate::plug_flow::{self, PlugFlow};
+use crate::scenario::{BedPlan, DragPlan, IntruderShape, Scenario};
+use crate::summary::{BedSummary, DragSummary, Flow, Rig};
+use bitgrain_sim::coarse_graining::disturbed_zone::disturbance;
+use bitgrain_sim::coarse_graining::{IntruderOutline, intruder_outline};
 use bitgrain_sim::error::{Error, Result};
-use bitgrain_sim::fields::zone::disturbance;
-use bitgrain_sim::fields::{Hole, hole};
 use bitgrain_sim::observe::{INTRUDER, pressure_at};
-use bitgrain_sim::sim::{Role, Sim, hex};
+use bitgrain_sim::simulation::{Role, Simulation, hex};
 
 /// Layers next to base and lid that do not count as the bed's, in mean diameters.
 const EDGE: f64 = 2.0;
 
 /// What a settled bed that flows has besides.
-pub(super) fn rig(scenario: &Scenario, plan: &BedPlan, bed: &BedSummary, sim: &Sim) -> Rig {
+pub(super) fn rig(scenario: &Scenario, plan: &BedPlan, bed: &BedSummary, sim: &Simulation) -> Rig {
     let lid: Vec<usize> = (0..sim.count())
         .filter(|&i| sim.role(i) == Role::Lid)
         .collect();
     let lid_density = lid.first().map_or(0.0, |&i| {
         let (mass, radius) = (sim.velocity[i][3], sim.position[i][3]);
-        mass / bitgrain_sim::sim::sphere_mass(2.0 * radius, 1.0)
+        mass / bitgrain_sim::simulation::sphere_mass(2.0 * radius, 1.0)
     });
     let bulk_density = bed.packing_fraction * scenario.bed.density;
     let body = &sim.obstacles[INTRUDER as usize];
@@ -33,8 +33,8 @@ pub(super) fn rig(scenario: &Scenario, plan: &BedPlan, bed: &BedSummary, sim: &S
         seed: plan.seed,
         diameter: plan.diameter,
         length: match scenario.intruder.shape {
-            Shape::Cylinder => scenario.bed.size[1],
-            Shape::Sphere => plan.diameter,
+            IntruderShape::Cylinder => scenario.bed.size[1],
+            IntruderShape::Sphere => plan.diameter,
         },
         pressure_gradient,
         lid_grains: lid.len(),
@@ -63,7 +63,7 @@ fn flow(
     means: &Means,
     measured: &FlowMeans,
     dragging: &Dragging,
-    hole: Hole,
+    hole: IntruderOutline,
 ) -> Option<Flow> {
     let (record, fields) = (&dragging.record, dragging.fields.as_ref());
     let rig = bed.rig.as_ref()?;
@@ -139,8 +139,8 @@ pub(super) fn summarise(
     bed: &BedSummary,
     means: &Means,
     dragging: &Dragging,
-    sim: &mut Sim,
-) -> Result<RunSummary> {
+    sim: &mut Simulation,
+) -> Result<DragSummary> {
     let wrong = |fault| Error::run(&plan.name, plan.steps(), fault);
     let digest = sim.digest().map_err(wrong)?;
     let [x, y, _] = scenario.bed.size;
@@ -150,7 +150,7 @@ pub(super) fn summarise(
     let ratio = means.drag.mean / above;
     let around = means.around;
     let kappa = kappa(means, diameter / scenario.mean_diameter());
-    Ok(RunSummary {
+    Ok(DragSummary {
         name: plan.name.clone(),
         bed: bed.name.clone(),
         froude: plan.froude,
@@ -178,12 +178,20 @@ pub(super) fn summarise(
         drag_uncut: means.drag_uncut,
         plug_ratio: ratio,
         plug: match scenario.flows() {
-            true => Plug::Sound,
-            false => plug::judge(scenario.law.mu(), ratio, around.drift.map(|d| d.mean)),
+            true => PlugFlow::Sound,
+            false => plug_flow::judge(scenario.law.mu(), ratio, around.drift.map(|d| d.mean)),
         },
-        flow: means
-            .flow
-            .and_then(|m| flow(scenario, plan, bed, means, &m, dragging, hole(sim))),
+        flow: means.flow.and_then(|m| {
+            flow(
+                scenario,
+                plan,
+                bed,
+                means,
+                &m,
+                dragging,
+                intruder_outline(sim),
+            )
+        }),
         overlap_max: dragging.record.deepest / scenario.mean_diameter(),
         energy: dragging.record.energy.last().copied(),
         chain: dragging.chain.end().to_string(),

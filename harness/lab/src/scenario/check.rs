@@ -3,7 +3,7 @@
 use super::limits::GRAINS_MAX;
 use super::plan::STEPS_MAX;
 use super::refusal::{Check, positive, refuse};
-use super::{History, Scenario, Several, Shape, UnitSystem};
+use super::{History, IntruderShape, OneOrMany, Scenario, UnitSystem};
 use bitgrain_sim::format::short;
 use bitgrain_sim::law::LawSpec;
 
@@ -161,7 +161,7 @@ impl Scenario {
         }
         match (i.shape, i.density) {
             // A file's density belongs to its sphere, and that it is one is told below.
-            (Shape::Cylinder, Some(_)) if self.bed.file.is_none() => {
+            (IntruderShape::Cylinder, Some(_)) if self.bed.file.is_none() => {
                 return refuse(
                     "intruder.density",
                     "is given, but a cylinder counts as an infinitely heavy wall; leave it out",
@@ -198,8 +198,8 @@ impl Scenario {
     }
 
     fn check_box(&self) -> Check {
-        let one = |values: &Option<Several>| match values {
-            Some(Several::One(x)) => x.is_finite(),
+        let one = |values: &Option<OneOrMany>| match values {
+            Some(OneOrMany::One(x)) => x.is_finite(),
             _ => false,
         };
         if self.bed.file.is_some() && !one(&self.intruder.height) {
@@ -227,8 +227,8 @@ impl Scenario {
             most
         };
         let along_y = match self.intruder.shape {
-            Shape::Sphere => (diameter, across),
-            Shape::Cylinder => (0.0, most),
+            IntruderShape::Sphere => (diameter, across),
+            IntruderShape::Cylinder => (0.0, most),
         };
         for (length, axis, (body, widest)) in [(x, "x", (diameter, across)), (y, "y", along_y)] {
             if length <= body {

@@ -2,9 +2,9 @@
 
 use super::refusal::{Check, positive, refuse};
 use super::{DragPlan, Scenario};
-use bitgrain_sim::fields::Sampling;
-use bitgrain_sim::fields::grid::Grid;
-use bitgrain_sim::fields::load::PARTS;
+use bitgrain_sim::coarse_graining::Sampling;
+use bitgrain_sim::coarse_graining::grid::Grid;
+use bitgrain_sim::coarse_graining::load::PARTS;
 use bitgrain_sim::format::short;
 
 /// Travel between samples where nothing is said, in mean diameters.

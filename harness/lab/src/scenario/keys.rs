@@ -19,7 +19,7 @@ pub struct Scenario {
     /// Seed of every random number.
     #[serde(default)]
     pub seed: u64,
-    /// Several seeds instead of `seed`: each pours beds of its own.
+    /// OneOrMany seeds instead of `seed`: each pours beds of its own.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub seeds: Vec<u64>,
     /// Acceleration of gravity, along -z.
@@ -89,7 +89,7 @@ pub struct Bed {
     pub floor: bool,
     /// How the grains are let fall.
     #[serde(default, skip_serializing_if = "is_default")]
-    pub pouring: Pouring,
+    pub pouring: PouringOrder,
     /// The bed is settled when the kinetic energy per free grain, over its mean weight times the
     /// mean diameter, falls below this.
     #[serde(default = "settled")]
@@ -104,51 +104,51 @@ pub struct Bed {
 /// One value or several.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
-pub enum Several {
+pub enum OneOrMany {
     /// One.
     One(f64),
-    /// Several, in order.
+    /// OneOrMany, in order.
     Many(Vec<f64>),
 }
 
-impl<'de> Deserialize<'de> for Several {
+impl<'de> Deserialize<'de> for OneOrMany {
     fn deserialize<D: serde::Deserializer<'de>>(from: D) -> std::result::Result<Self, D::Error> {
         struct Either;
         impl<'de> serde::de::Visitor<'de> for Either {
-            type Value = Several;
+            type Value = OneOrMany;
             fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
                 f.write_str("a number or a list of numbers")
             }
-            fn visit_f64<E>(self, x: f64) -> std::result::Result<Several, E> {
-                Ok(Several::One(x))
+            fn visit_f64<E>(self, x: f64) -> std::result::Result<OneOrMany, E> {
+                Ok(OneOrMany::One(x))
             }
-            fn visit_i64<E>(self, x: i64) -> std::result::Result<Several, E> {
-                Ok(Several::One(x as f64))
+            fn visit_i64<E>(self, x: i64) -> std::result::Result<OneOrMany, E> {
+                Ok(OneOrMany::One(x as f64))
             }
-            fn visit_u64<E>(self, x: u64) -> std::result::Result<Several, E> {
-                Ok(Several::One(x as f64))
+            fn visit_u64<E>(self, x: u64) -> std::result::Result<OneOrMany, E> {
+                Ok(OneOrMany::One(x as f64))
             }
             fn visit_seq<A: serde::de::SeqAccess<'de>>(
                 self,
                 mut list: A,
-            ) -> std::result::Result<Several, A::Error> {
+            ) -> std::result::Result<OneOrMany, A::Error> {
                 let mut values = Vec::new();
                 while let Some(x) = list.next_element()? {
                     values.push(x);
                 }
-                Ok(Several::Many(values))
+                Ok(OneOrMany::Many(values))
             }
         }
         from.deserialize_any(Either)
     }
 }
 
-impl Several {
+impl OneOrMany {
     /// The values in order.
     pub fn values(&self) -> Vec<f64> {
         match self {
-            Several::One(x) => vec![*x],
-            Several::Many(xs) => xs.clone(),
+            OneOrMany::One(x) => vec![*x],
+            OneOrMany::Many(xs) => xs.clone(),
         }
     }
 }
@@ -156,7 +156,7 @@ impl Several {
 /// How the grains of a poured bed are let fall.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Pouring {
+pub enum PouringOrder {
     /// All at once, round the intruder in its place (Kumar 2018, section II).
     #[default]
     AtOnce,
@@ -171,32 +171,32 @@ pub enum Pouring {
 pub struct Intruder {
     /// A sphere, or a bar along y.
     #[serde(default, skip_serializing_if = "is_default")]
-    pub shape: Shape,
+    pub shape: IntruderShape,
     /// Diameter; several make several beds.
-    pub diameter: Several,
+    pub diameter: OneOrMany,
     /// Mass density of a sphere, as it enters the effective mass of its contacts; a cylinder counts
     /// as a wall and has none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub density: Option<f64>,
     /// Height of its centre above z = 0; or give `depth`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub height: Option<Several>,
+    pub height: Option<OneOrMany>,
     /// Depth of its centre below the free surface expected at a packing fraction of 0.6; the depth
     /// in the settled bed is measured. Each depth gets a bed of its own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub depth: Option<Several>,
+    pub depth: Option<OneOrMany>,
     /// Speeds along x; or give `froude`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub speed: Option<Several>,
+    pub speed: Option<OneOrMany>,
     /// Froude numbers 2 V sqrt(2 D/g)/(D + d).
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub froude: Option<Several>,
+    pub froude: Option<OneOrMany>,
 }
 
 /// What an intruder is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Shape {
+pub enum IntruderShape {
     /// A ball.
     #[default]
     Sphere,
@@ -215,10 +215,10 @@ pub struct Lid {
     /// follows from what is measured on the poured bed. The one that is the bed's own depth, to half
     /// a grain, needs no lid.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub effective_depth: Option<Several>,
+    pub effective_depth: Option<OneOrMany>,
     /// Mass densities of the lid's grains.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub density: Option<Several>,
+    pub density: Option<OneOrMany>,
     /// Whether the bed below the lid has weight.
     #[serde(default)]
     pub pressure_gradient: Gradient,
@@ -247,7 +247,7 @@ pub struct Drag {
     #[serde(default, skip_serializing_if = "is_default")]
     pub moves: Moves,
     /// Travel of the intruder through the bed: one for all speeds, or one for each.
-    pub distance: Several,
+    pub distance: OneOrMany,
     /// Whether the travel may go beyond one box length, where the intruder is in its own wake.
     #[serde(default, skip_serializing_if = "is_default")]
     pub own_wake: bool,
@@ -304,13 +304,13 @@ pub struct Measure {
     pub digest_every: u64,
     /// Fields of velocity and stress round the intruder, and the load on a cylinder by angle.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub fields: Option<FieldsAsked>,
+    pub fields: Option<FieldsConfig>,
 }
 
 /// Continuous fields by coarse-graining, averaged over the steady state (Guillard 2014, appendix A).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct FieldsAsked {
+pub struct FieldsConfig {
     /// Points along x, y and z, the paper's by default; each in the middle of its cell of `bed.box`.
     #[serde(default = "paper")]
     pub grid: [usize; 3],

@@ -2,7 +2,7 @@
 //! one that comes from a file of results.
 
 use super::refusal::{Check, refuse};
-use super::{Scenario, Several, Shape};
+use super::{IntruderShape, OneOrMany, Scenario};
 
 /// Travel over D before a cylinder's steady state (Guillard 2014, section III A).
 pub(super) const STEADY: f64 = 2.0;
@@ -29,7 +29,7 @@ pub(super) const GRAINS_MAX: usize = 100_000_000;
 const IMPORTED: &str = "beds/imported/";
 
 /// How many values a key has that may be left out.
-fn count(key: &Option<Several>) -> usize {
+fn count(key: &Option<OneOrMany>) -> usize {
     key.as_ref().map_or(0, |values| values.values().len())
 }
 
@@ -102,7 +102,7 @@ impl Scenario {
     /// The key that is wrong, and what is wrong with it.
     pub(crate) fn check_resolved(&self) -> Check {
         self.check()?;
-        if self.intruder.shape == Shape::Sphere && self.intruder.density.is_none() {
+        if self.intruder.shape == IntruderShape::Sphere && self.intruder.density.is_none() {
             return refuse("intruder.density", "is missing");
         }
         let Some(file) = &self.bed.file else {

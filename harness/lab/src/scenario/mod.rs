@@ -13,8 +13,8 @@ mod rig;
 pub mod source;
 
 pub use keys::{
-    Bed, Drag, FieldsAsked, Gradient, History, Intruder, Lid, Measure, Pouring, Scenario, Several,
-    Shape, UnitSystem,
+    Bed, Drag, FieldsConfig, Gradient, History, Intruder, IntruderShape, Lid, Measure, OneOrMany,
+    PouringOrder, Scenario, UnitSystem,
 };
 pub use plan::{BedPlan, DragPlan, LidPlan, PACKING_GUESS};
 pub use rig::{BULK_FRICTION, DRAG_COEFFICIENT};
@@ -132,7 +132,7 @@ pub fn parse(text: &str, place: &str, sets: &[String], folder: &Path) -> Result<
         }
     };
     scenario.source = source;
-    if scenario.intruder.shape == Shape::Sphere && scenario.intruder.density.is_none() {
+    if scenario.intruder.shape == IntruderShape::Sphere && scenario.intruder.density.is_none() {
         scenario.intruder.density = Some(1.0);
     }
     scenario

@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::limits::STEADY;
-use super::{Gradient, History, Scenario, Several, Shape, UnitSystem};
-use bitgrain_sim::fields::Sampling;
+use super::{Gradient, History, IntruderShape, OneOrMany, Scenario, UnitSystem};
+use bitgrain_sim::coarse_graining::Sampling;
 use bitgrain_sim::motion::{Motion, Moves};
 use bitgrain_sim::units::Units;
 
@@ -127,7 +127,7 @@ impl Scenario {
         // Its content has a digest among the inputs.
         inputs.bed.file = inputs.bed.file.map(|_| String::new());
         let text = format!("{run}\n{}", inputs.to_toml());
-        bitgrain_sim::sim::hex(blake3::hash(text.as_bytes()).as_bytes())
+        bitgrain_sim::simulation::hex(blake3::hash(text.as_bytes()).as_bytes())
     }
 
     /// The resolved scenario as TOML, every default written out.
@@ -156,15 +156,17 @@ impl Scenario {
 
     /// Whether the bed's flow is measured too: round a cylinder, under a lid, and where it moves.
     pub fn flows(&self) -> bool {
-        let sphere = self.intruder.shape == Shape::Sphere;
+        let sphere = self.intruder.shape == IntruderShape::Sphere;
         !sphere || self.lid.is_some() || self.drag.moves == Moves::Bed
     }
 
     /// Volume of an intruder of this diameter in the box.
     pub fn intruder_volume(&self, diameter: f64) -> f64 {
         match self.intruder.shape {
-            Shape::Sphere => bitgrain_sim::sim::sphere_mass(diameter, 1.0),
-            Shape::Cylinder => std::f64::consts::PI / 4.0 * diameter * diameter * self.bed.size[1],
+            IntruderShape::Sphere => bitgrain_sim::simulation::sphere_mass(diameter, 1.0),
+            IntruderShape::Cylinder => {
+                std::f64::consts::PI / 4.0 * diameter * diameter * self.bed.size[1]
+            }
         }
     }
 
@@ -261,7 +263,7 @@ impl Scenario {
         let Some(lid) = &self.lid else {
             return vec![None];
         };
-        let list = |key: &Option<Several>| key.as_ref().map_or(vec![], Several::values);
+        let list = |key: &Option<OneOrMany>| key.as_ref().map_or(vec![], OneOrMany::values);
         let deep = list(&lid.effective_depth);
         let dense = list(&lid.density);
         let asked = deep.iter().map(|&h| (Some(h), None));
@@ -413,9 +415,9 @@ impl Scenario {
     /// of the distance; for a cylinder 2 D (Guillard 2014, section III A).
     fn default_discard(&self, diameter: f64, distance: f64) -> f64 {
         match self.intruder.shape {
-            Shape::Cylinder => STEADY * diameter,
-            Shape::Sphere if 0.1 * distance > diameter => 0.1 * distance,
-            Shape::Sphere => diameter,
+            IntruderShape::Cylinder => STEADY * diameter,
+            IntruderShape::Sphere if 0.1 * distance > diameter => 0.1 * distance,
+            IntruderShape::Sphere => diameter,
         }
     }
 }

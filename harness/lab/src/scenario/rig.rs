@@ -2,7 +2,7 @@
 
 use super::limits::STEADY;
 use super::refusal::{Check, positive, refuse};
-use super::{Pouring, Scenario, Shape};
+use super::{IntruderShape, PouringOrder, Scenario};
 use bitgrain_sim::format::short;
 use bitgrain_sim::motion::Moves;
 
@@ -38,7 +38,7 @@ impl Scenario {
     }
 
     pub(super) fn check_rig(&self) -> Check {
-        let cylinder = self.intruder.shape == Shape::Cylinder;
+        let cylinder = self.intruder.shape == IntruderShape::Cylinder;
         if self.bed.file.is_some() {
             let other = [
                 (
@@ -53,7 +53,7 @@ impl Scenario {
                     "a file's base stays at rest",
                 ),
                 (
-                    self.bed.pouring == Pouring::InTurn,
+                    self.bed.pouring == PouringOrder::InTurn,
                     "bed.pouring",
                     "a file's bed is not poured",
                 ),

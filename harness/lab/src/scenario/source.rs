@@ -9,7 +9,7 @@ use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::export::OBSTACLE_TYPE as INTRUDER_TYPE;
 use bitgrain_sim::files::read_text;
 use bitgrain_sim::lammps::{Atom, DataFile, parse_atoms};
-use bitgrain_sim::sim::hex;
+use bitgrain_sim::simulation::hex;
 
 /// Largest relative difference between a number of the file and of the scenario that still counts as
 /// the same: programs that store a mass give a density back with its last digits changed.

@@ -4,10 +4,10 @@
 
 use bitgrain_kernel::PARTS;
 
-use super::record::{BedSummary, Flow, Rig, RunRecord, RunSummary, Summary};
+use super::record::{BedSummary, DragRecord, DragSummary, Flow, Rig, Summary};
 use crate::scenario::{BedPlan, DragPlan, Scenario};
-use bitgrain_sim::blocks::Mean;
-use bitgrain_sim::fields::load::{self, Load, POINTS};
+use bitgrain_sim::block_averaging::Mean;
+use bitgrain_sim::coarse_graining::load::{self, Load, POINTS};
 use bitgrain_sim::units::Units;
 
 /// Nothing, or the key that is wrong and what is wrong with it.
@@ -74,7 +74,7 @@ impl Summary {
     }
 }
 
-impl RunRecord {
+impl DragRecord {
     /// Whether it can be the summary of a drag of its own inputs.
     ///
     /// # Errors
@@ -160,7 +160,7 @@ fn check_rig(rig: &Rig, plan: &BedPlan, at: &str) -> Check {
 }
 
 fn check_run(
-    run: &RunSummary,
+    run: &DragSummary,
     bed: &BedSummary,
     (beds, runs): (&[BedPlan], &[DragPlan]),
     inputs: &Scenario,
@@ -215,7 +215,7 @@ fn check_run(
     }
 }
 
-fn check_means(run: &RunSummary, at: &str) -> Check {
+fn check_means(run: &DragSummary, at: &str) -> Check {
     let means: [(&str, Option<&Mean>); 10] = [
         ("drag", Some(&run.drag)),
         ("lift", Some(&run.lift)),

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::record::{RunRecord, Summary};
+use super::record::{DragRecord, Summary};
 use crate::folder::Folder;
 use crate::json;
 use crate::manifest::Vouched;
@@ -33,9 +33,9 @@ pub fn parse_summary(text: &str, path: &Path) -> Result<Summary> {
 ///
 /// # Errors
 /// As [`parse_summary`].
-pub fn parse_record(text: &str, path: &Path) -> Result<RunRecord> {
+pub fn parse_record(text: &str, path: &Path) -> Result<DragRecord> {
     let place = path.display().to_string();
-    let record: RunRecord = json::parse(text, &place)?;
+    let record: DragRecord = json::parse(text, &place)?;
     record.check().map_err(|wrong| refused(&place, wrong))?;
     Ok(record)
 }

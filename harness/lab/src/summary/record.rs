@@ -1,10 +1,10 @@
 //! Everything measured, as it is written.
 
-use crate::plug::Plug;
+use crate::plug_flow::PlugFlow;
 use crate::scenario::Scenario;
-use bitgrain_sim::audit::EnergyRow;
-use bitgrain_sim::blocks::Mean;
-use bitgrain_sim::fields::Load;
+use bitgrain_sim::block_averaging::Mean;
+use bitgrain_sim::coarse_graining::Load;
+use bitgrain_sim::energy_budget::EnergyRow;
 use bitgrain_sim::units::Units;
 use serde::{Deserialize, Serialize};
 
@@ -27,7 +27,7 @@ pub struct Summary {
     /// The settled beds, one for each depth asked for.
     pub beds: Vec<BedSummary>,
     /// The drags, by bed and then speed.
-    pub runs: Vec<RunSummary>,
+    pub runs: Vec<DragSummary>,
 }
 
 /// One settled bed.
@@ -95,7 +95,7 @@ pub struct Rig {
 
 /// One drag at one speed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct RunSummary {
+pub struct DragSummary {
     /// Name, also of its folder.
     pub name: String,
     /// Name of its bed.
@@ -162,7 +162,7 @@ pub struct RunSummary {
     pub plug_ratio: f64,
     /// What that ratio says; of a bed that flows it says nothing, for base and lid carry it.
     #[serde(default)]
-    pub plug: Plug,
+    pub plug: PlugFlow,
     /// Deepest overlap of grains with each other and with the intruder at any row of the series, over the
     /// mean diameter.
     #[serde(default)]
@@ -239,7 +239,7 @@ pub struct Flow {
 /// One drag with all that belongs to it: `summary.json` of its own folder.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct RunRecord {
+pub struct DragRecord {
     /// Version of the program that wrote it.
     pub version: String,
     /// Version of the kernel's arithmetic.
@@ -253,10 +253,10 @@ pub struct RunRecord {
     /// The settled bed it was dragged through.
     pub bed: BedSummary,
     /// What was measured.
-    pub run: RunSummary,
+    pub run: DragSummary,
 }
 
-impl RunRecord {
+impl DragRecord {
     /// The summary of its scenario, without beds and drags.
     pub(super) fn whole(&self) -> Summary {
         Summary {

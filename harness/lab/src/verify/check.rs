@@ -9,8 +9,8 @@ use crate::run::DragTask;
 use bitgrain_sim::chain::{Link, differing};
 use bitgrain_sim::disk;
 use bitgrain_sim::error::Result;
-use bitgrain_sim::sim::Sim;
-use bitgrain_sim::witness::Witness;
+use bitgrain_sim::observer::Observer;
+use bitgrain_sim::simulation::Simulation;
 
 /// What a piece gave: how many links held, and what does not.
 pub(super) struct Finding {
@@ -45,8 +45,8 @@ impl<'a> Check<'a> {
     }
 }
 
-impl Witness for Check<'_> {
-    fn linked(&mut self, link: &Link) -> Result<()> {
+impl Observer for Check<'_> {
+    fn on_digest(&mut self, link: &Link) -> Result<()> {
         let recorded = self.recorded.iter().find(|one| one.step == link.step);
         match recorded {
             Some(one) if one == link => self.held += 1,
@@ -68,12 +68,17 @@ impl Witness for Check<'_> {
         Ok(())
     }
 
-    fn looks_at(&self, step: u64) -> bool {
+    fn wants_step(&self, step: u64) -> bool {
         let shown = |drag: DragTask<'_>| drag.shows(step) || drag.films(step);
         self.drag.is_some_and(shown)
     }
 
-    fn look(&mut self, step: u64, sim: &mut Sim, contacts: &[ContactForce<f64>]) -> Result<()> {
+    fn on_step(
+        &mut self,
+        step: u64,
+        sim: &mut Simulation,
+        contacts: &[ContactForce<f64>],
+    ) -> Result<()> {
         let Some(drag) = self.drag else {
             return Ok(());
         };
@@ -93,7 +98,7 @@ impl Witness for Check<'_> {
         Ok(())
     }
 
-    fn ends(&self) -> u64 {
+    fn last_step(&self) -> u64 {
         if self.broken.is_some() { 0 } else { self.ends }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{Cause, Problems};
 use crate::manifest::{Manifest, NAME};
-use crate::rerun::{Part, Past};
+use crate::rerun::{RunArchive, RunPart};
 use crate::run;
 use bitgrain_sim::checkpoint;
 use bitgrain_sim::disk;
@@ -14,7 +14,7 @@ use bitgrain_sim::error::{Error, Result};
 /// # Errors
 /// What `say` returns.
 pub(crate) fn check_ends(
-    past: &Past<'_>,
+    past: &RunArchive<'_>,
     manifest: Option<&Manifest>,
     say: &mut impl FnMut(&str) -> Result<()>,
 ) -> Result<Problems> {
@@ -29,8 +29,8 @@ pub(crate) fn check_ends(
             continue; // Not planned, which was told.
         };
         let path = match part {
-            Part::Bed(plan) => past.folder.bed(&plan.name),
-            Part::Drag(plan) => past.folder.checkpoint(&plan.name, plan.steps()),
+            RunPart::Bed(plan) => past.folder.bed(&plan.name),
+            RunPart::Drag(plan) => past.folder.checkpoint(&plan.name, plan.steps()),
         };
         let link = checkpoint::read_noted(&path).map(|(_, note)| note.link);
         if stage.finished && !link.is_ok_and(|link| link == stage.link) {
@@ -54,7 +54,7 @@ pub(crate) fn check_ends(
 }
 
 /// The run's own summary, made from its beds and the last checkpoints of its drags.
-fn summary_text(past: &Past<'_>) -> Result<String> {
+fn summary_text(past: &RunArchive<'_>) -> Result<String> {
     let plans = past.scenario.beds();
     let mut beds = Vec::with_capacity(plans.len());
     for plan in &plans {

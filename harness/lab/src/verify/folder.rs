@@ -3,14 +3,14 @@
 use std::path::Path;
 
 use crate::manifest::audit::audit;
-use crate::manifest::{Manifest, NAME, Of};
+use crate::manifest::{FolderKind, Manifest, NAME};
 use bitgrain_sim::error::{CHANGED, Error, Result, UNEXPECTED};
 
 /// Why a folder is not verified; the last that was found tells what to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Cause {
     /// It has not come to its end.
-    Unfinished(Of),
+    Unfinished(FolderKind),
     /// It is not the one that was expected.
     Unexpected,
     /// What lies in it is not what its scenario gives, or nothing says what belongs to it.
@@ -20,8 +20,10 @@ pub(crate) enum Cause {
 impl Cause {
     fn hint(self) -> &'static str {
         match self {
-            Cause::Unfinished(Of::Run) => "`bitgrain run --resume FOLDER` brings it to its end",
-            Cause::Unfinished(Of::Campaign) => {
+            Cause::Unfinished(FolderKind::Run) => {
+                "`bitgrain run --resume FOLDER` brings it to its end"
+            }
+            Cause::Unfinished(FolderKind::Campaign) => {
                 "`bitgrain sweep CAMPAIGN --out FOLDER` brings it to its end"
             }
             Cause::Unexpected => UNEXPECTED,

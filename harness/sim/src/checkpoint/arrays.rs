@@ -3,8 +3,8 @@
 use bitgrain_kernel::ContactHistory;
 use safetensors::tensor::{Dtype, SafeTensors};
 
-use super::head::{FIELDS, FRAMES, Head, Note};
-use crate::sim::Sim;
+use super::head::{FIELDS, FRAMES, Head, StageState};
+use crate::simulation::Simulation;
 
 /// The arrays of a file.
 pub(super) struct Arrays<'a> {
@@ -40,10 +40,10 @@ impl Arrays<'_> {
     }
 
     /// A simulation of the grains, without their contacts.
-    pub fn sim(&self, head: &Head) -> std::result::Result<Sim, String> {
+    pub fn sim(&self, head: &Head) -> std::result::Result<Simulation, String> {
         let id = self.words::<4>("id", Dtype::U32)?;
         let group: Vec<[u8; 1]> = self.words("group", Dtype::U8)?;
-        let mut sim = Sim::new(
+        let mut sim = Simulation::new(
             head.law,
             head.domain,
             head.dt,
@@ -68,8 +68,8 @@ impl Arrays<'_> {
     }
 
     /// What the file holds besides the state.
-    pub fn note(&self, head: &Head) -> std::result::Result<Note, String> {
-        Ok(Note {
+    pub fn note(&self, head: &Head) -> std::result::Result<StageState, String> {
+        Ok(StageState {
             recipe: head.recipe.clone(),
             link: head.link.clone(),
             course: text(

@@ -1,12 +1,12 @@
 //! What a checkpoint says beside its arrays.
 
-use crate::sim::{AnyLaw, hex};
+use crate::simulation::{AnyLaw, hex};
 use bitgrain_kernel::{Domain, Group, Obstacle};
 use serde::{Deserialize, Serialize};
 
 /// What a checkpoint holds besides the state.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Note {
+pub struct StageState {
     /// Digest of the recipe a bed was poured by; empty for other states.
     pub recipe: String,
     /// The last link of the chain of digests up to this state; empty where there is none.
@@ -37,7 +37,7 @@ pub(super) struct Head {
     /// Digest of the state, which reading computes anew.
     pub(super) digest: String,
     /// The arrays, by name.
-    pub(super) parts: Vec<Part>,
+    pub(super) parts: Vec<PartSeal>,
     /// BLAKE3 over this text with the seal empty.
     pub(super) seal: String,
 }
@@ -45,13 +45,13 @@ pub(super) struct Head {
 /// An array of the file: its length and its digest.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Part {
+pub(super) struct PartSeal {
     pub(super) name: String,
     pub(super) bytes: usize,
     blake3: String,
 }
 
-impl Part {
+impl PartSeal {
     pub(super) fn of(name: &str, bytes: &[u8]) -> Self {
         Self {
             name: name.to_string(),

@@ -35,7 +35,7 @@ pub enum Call<'a> {
 
 /// What becomes of a call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
+pub enum CallOutcome {
     /// It is made.
     Go,
     /// It fails without having been made.
@@ -47,7 +47,7 @@ pub enum Verdict {
 /// Who is asked before each call.
 pub trait Watch: Send + Sync {
     /// What is to become of it.
-    fn before(&self, call: &Call<'_>) -> Verdict;
+    fn before(&self, call: &Call<'_>) -> CallOutcome;
 }
 
 static WATCHED: AtomicBool = AtomicBool::new(false);
@@ -70,15 +70,19 @@ pub(super) fn before(call: Call<'_>) -> io::Result<()> {
         return Ok(());
     }
     let watcher = WATCHER.read().unwrap_or_else(|broken| broken.into_inner());
-    let verdict = watcher.as_ref().map_or(Verdict::Go, |w| w.before(&call));
+    let verdict = watcher
+        .as_ref()
+        .map_or(CallOutcome::Go, |w| w.before(&call));
     match (verdict, call) {
-        (Verdict::Go, _) => Ok(()),
-        (Verdict::Fail(kind), _) => Err(io::Error::new(kind, "made to fail")),
-        (Verdict::Short(count), Call::Write(path, bytes)) => {
+        (CallOutcome::Go, _) => Ok(()),
+        (CallOutcome::Fail(kind), _) => Err(io::Error::new(kind, "made to fail")),
+        (CallOutcome::Short(count), Call::Write(path, bytes)) => {
             let mut file = File::options().append(true).open(path)?;
             file.write_all(&bytes[..count.min(bytes.len())])?;
             Err(io::Error::new(io::ErrorKind::StorageFull, "made to fail"))
         }
-        (Verdict::Short(_), _) => Err(io::Error::new(io::ErrorKind::StorageFull, "made to fail")),
+        (CallOutcome::Short(_), _) => {
+            Err(io::Error::new(io::ErrorKind::StorageFull, "made to fail"))
+        }
     }
 }

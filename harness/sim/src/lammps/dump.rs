@@ -8,11 +8,11 @@ use super::atom::{Atom, Read, check_sphere, edges_of, id_of, image_of, number_of
 use super::atom::{push_numbers, sort_atoms};
 use crate::error::{Error, Result};
 use crate::files::read_text;
-use crate::sim::sphere_mass;
+use crate::simulation::sphere_mass;
 
 /// One frame of a dump: its atoms by ascending id.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Frame {
+pub struct DumpFrame {
     /// Time step.
     pub step: u64,
     /// Lower edges of the box (length).
@@ -29,7 +29,7 @@ pub struct Frame {
 ///
 /// # Errors
 /// As [`parse_dump`].
-pub fn read_dump(path: &Path) -> Result<Vec<Frame>> {
+pub fn read_dump(path: &Path) -> Result<Vec<DumpFrame>> {
     parse_dump(&read_text(path)?, &path.display().to_string())
 }
 
@@ -43,7 +43,7 @@ pub fn read_dump(path: &Path) -> Result<Vec<Frame>> {
 ///
 /// # Errors
 /// [`Error::Input`] with the line, where it is no dump of spheres in a rectangular box.
-pub fn parse_dump(text: &str, name: &str) -> Result<Vec<Frame>> {
+pub fn parse_dump(text: &str, name: &str) -> Result<Vec<DumpFrame>> {
     let mut frames = Vec::new();
     each_frame(text, name, |frame| frames.push(frame))?;
     if frames.is_empty() {
@@ -58,7 +58,7 @@ pub(super) fn no_frame(name: &str) -> Error {
 }
 
 /// Reads a dump frame by frame.
-pub(super) fn each_frame(text: &str, name: &str, mut take: impl FnMut(Frame)) -> Result<()> {
+pub(super) fn each_frame(text: &str, name: &str, mut take: impl FnMut(DumpFrame)) -> Result<()> {
     let mut source = Source {
         lines: text.lines().enumerate().peekable(),
         line: 0,
@@ -97,7 +97,7 @@ impl<'a> Source<'a> {
     }
 
     /// The next frame, or nothing at the end of the file.
-    fn frame(&mut self) -> Read<Option<Frame>> {
+    fn frame(&mut self) -> Read<Option<DumpFrame>> {
         let (mut step, mut count, mut bounds) = (None, None, None);
         while let Some(line) = self.next() {
             if line.trim().is_empty() {
@@ -171,7 +171,7 @@ impl<'a> Source<'a> {
         Ok(bounds)
     }
 
-    fn atoms(&mut self, step: u64, count: u64, bounds: Bounds, names: &[&str]) -> Read<Frame> {
+    fn atoms(&mut self, step: u64, count: u64, bounds: Bounds, names: &[&str]) -> Read<DumpFrame> {
         let columns = Columns::find(names)?;
         let mut atoms = Vec::new();
         for found in 0..count {
@@ -190,7 +190,7 @@ impl<'a> Source<'a> {
             atoms.push(columns.atom(&words, &bounds)?);
         }
         sort_atoms(&mut atoms)?;
-        Ok(Frame {
+        Ok(DumpFrame {
             step,
             lo: bounds.lo,
             hi: bounds.hi,
@@ -351,7 +351,7 @@ fn shortened(text: &str) -> String {
 /// The text of one frame, to be put after others; a force for each atom where there is one.
 ///
 /// Columns: id, type, radius, density, position, image counts, velocity, spin and perhaps force.
-pub fn dump_text(frame: &Frame, forces: Option<&[[f64; 3]]>) -> String {
+pub fn dump_text(frame: &DumpFrame, forces: Option<&[[f64; 3]]>) -> String {
     let boundary = frame.periodic.map(|p| if p { "pp" } else { "ff" });
     let mut out = format!(
         "ITEM: TIMESTEP\n{}\nITEM: NUMBER OF ATOMS\n{}\nITEM: BOX BOUNDS {}\n",

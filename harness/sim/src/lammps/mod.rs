@@ -15,7 +15,7 @@ mod dump;
 
 pub use atom::{Atom, DataFile};
 pub use data::{data_text, parse_data, read_data};
-pub use dump::{Frame, dump_text, parse_dump, read_dump};
+pub use dump::{DumpFrame, dump_text, parse_dump, read_dump};
 
 /// Reads a data file, or the last frame of a dump, plain or gzip: the first line says which it is.
 ///

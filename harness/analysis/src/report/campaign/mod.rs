@@ -1,9 +1,9 @@
 //! The page of a campaign: what its runs say together, in charts, and every fit and number.
 
-mod around;
 mod claims;
 mod drags;
 mod figure;
+mod near_field;
 mod shown;
 mod yields;
 
@@ -33,9 +33,9 @@ pub fn campaign_page(evidence: &Evidence) -> String {
     let mut out = String::new();
     out.push_str(&drags::figures(shown));
     out.push_str(&claims::section(shown.book, shown.name));
-    out.push_str(&around::figures(shown));
+    out.push_str(&near_field::figures(shown));
     out.push_str(&yields::figures(shown));
-    out.push_str(&around::drifts(shown));
+    out.push_str(&near_field::drifts(shown));
     out.push_str(&fits(shown.analysis));
     out.push_str(&runs(shown));
     out.push_str(&repeat(shown));
@@ -77,7 +77,7 @@ fn remarks(shown: &Shown) -> Vec<String> {
             "In {n} runs the bed above the intruder slid along with it: their drag is the box&rsquo;s as much as the \
              intruder&rsquo;s. They {what}."
         );
-        out.push(remark("Plug", &words));
+        out.push(remark("PlugFlow", &words));
     }
     let rows = || 0..table.len();
     let open = rows().filter(|&row| table.text(row, "drag_converged") == "false");
@@ -227,7 +227,7 @@ fn runs(shown: &Shown) -> String {
         "<section>\n<h2>The runs</h2>\n<div class=\"wide\" tabindex=\"0\" role=\"region\" \
          aria-label=\"Runs\"><table>\n<thead><tr><th scope=\"col\">Run</th><th scope=\"col\">&mu;</th>\
          <th scope=\"col\">D{length}</th><th scope=\"col\">h{length}</th><th scope=\"col\">Fr</th>\
-         <th scope=\"col\">Drag{force}</th><th scope=\"col\">Contact angle (rad)</th><th scope=\"col\">Plug \
+         <th scope=\"col\">Drag{force}</th><th scope=\"col\">Contact angle (rad)</th><th scope=\"col\">PlugFlow \
          ratio</th><th scope=\"col\">Drift over V</th><th scope=\"col\">Digest, first 16 digits
 </th></tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n</section>\n"
     )

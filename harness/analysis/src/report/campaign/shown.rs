@@ -5,7 +5,7 @@ use crate::analysis::{self, Analysis, Curve, Finding, Material};
 use crate::claims::book::Book;
 use crate::fit::Fit;
 use bitgrain_lab::campaign::folder::Beside;
-use bitgrain_lab::campaign::table::Table;
+use bitgrain_lab::campaign::table::CampaignTable;
 
 /// What a page shows.
 pub(super) struct Shown<'a> {
@@ -14,7 +14,7 @@ pub(super) struct Shown<'a> {
     /// What lies beside its table; none of a table alone.
     pub(super) beside: Option<&'a Beside>,
     /// Its table.
-    pub(super) table: &'a Table,
+    pub(super) table: &'a CampaignTable,
     /// What that says.
     pub(super) analysis: &'a Analysis,
     /// Claims with what it measured of them.

@@ -5,7 +5,7 @@ use crate::campaign::columns::{Row, Status};
 use crate::campaign::{parquet, table};
 use crate::folder::Folder;
 use crate::run;
-use crate::summary::{BedSummary, RunSummary};
+use crate::summary::{BedSummary, DragSummary};
 use bitgrain_sim::disk;
 use bitgrain_sim::error::{Error, Result};
 
@@ -14,7 +14,7 @@ impl Under<'_> {
     pub(super) fn record(
         &self,
         job: usize,
-        ended: std::result::Result<RunSummary, String>,
+        ended: std::result::Result<DragSummary, String>,
         bed: &BedSummary,
     ) -> Result<()> {
         let folder = Folder(&self.places[self.jobs[job].member]);

@@ -49,7 +49,7 @@ pub fn vti(fields: &Fields, scales: Scales) -> String {
     let three = |v: [f64; 3]| format!("{:?} {:?} {:?}", v[0], v[1], v[2]);
     let origin = [0, 1, 2].map(|a| fields.grid.at(a, 0));
     let known = || fields.points.iter().zip(&fields.flags);
-    let reals = |of: &dyn Fn(&super::Point) -> Vec<f64>| -> Vec<u8> {
+    let reals = |of: &dyn Fn(&super::FieldPoint) -> Vec<f64>| -> Vec<u8> {
         let each = known().flat_map(|(point, flag)| {
             let values = of(point);
             match flag {
@@ -195,7 +195,7 @@ pub fn load_text(load: &Load, units: &Units) -> String {
 #[cfg(test)]
 mod tests {
     use super::super::grid::Grid;
-    use super::super::{Point, read};
+    use super::super::{FieldPoint, read};
     use super::*;
 
     fn fields() -> Fields {
@@ -203,7 +203,7 @@ mod tests {
             counts: [3, 1, 2],
             size: [3.0, 1.0, 2.0],
         };
-        let point = |k: usize| Point {
+        let point = |k: usize| FieldPoint {
             packing_fraction: 0.5,
             velocity: [k as f64, 0.25, -0.5],
             stress: [

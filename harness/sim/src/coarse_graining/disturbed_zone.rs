@@ -1,6 +1,6 @@
 //! How far the intruder disturbs the bed above it and below (Guillard 2014, section III C and Fig. 9).
 
-use super::plane::{Fields, Hole, Point};
+use super::plane::{FieldPoint, Fields, IntruderOutline};
 
 /// Part of the box, on either side of the intruder, that is disturbed; beyond is the far field.
 const NEAR: f64 = 0.25;
@@ -9,7 +9,12 @@ const NEAR: f64 = 0.25;
 /// speed of the motion, v_far the mean velocity of the far field at the same height, and both areas reach to
 /// `reach` from the centre. The same of the far field, which is what noise makes of it, is taken off. `None` where
 /// nothing is known of one of them.
-pub fn disturbance(fields: &Fields, hole: Hole, speed: f64, reach: f64) -> Option<[f64; 2]> {
+pub fn disturbance(
+    fields: &Fields,
+    hole: IntruderOutline,
+    speed: f64,
+    reach: f64,
+) -> Option<[f64; 2]> {
     let [nx, _, nz] = fields.grid.counts;
     let [step_x, _, step_z] = fields.grid.step();
     let near = |kx: &usize| fields.grid.at(0, *kx).abs() < NEAR * fields.grid.size[0];
@@ -24,7 +29,7 @@ pub fn disturbance(fields: &Fields, hole: Hole, speed: f64, reach: f64) -> Optio
             continue;
         }
         let mean = [0, 1, 2].map(|a| row(false).map(|p| p.velocity[a]).sum::<f64>() / far);
-        let apart = |p: &Point| {
+        let apart = |p: &FieldPoint| {
             let off = [0, 1, 2].map(|a| p.velocity[a] - mean[a]);
             (off[0] * off[0] + off[1] * off[1] + off[2] * off[2]).sqrt()
         };
@@ -64,7 +69,7 @@ mod tests {
             let [x, z] = place(k);
             let wide = if z > 0.0 { 4.0 } else { 2.0 };
             let fast = x.abs() < wide && z.abs() < 3.0;
-            Point {
+            FieldPoint {
                 packing_fraction: 0.6,
                 velocity: [if fast { 2.0 } else { 1.0 }, 0.0, 0.0],
                 stress: [[0.0; 3]; 3],
@@ -75,7 +80,7 @@ mod tests {
             flags: vec![Flag::Whole; 1600],
             points: (0..1600).map(point).collect(),
         };
-        let hole = Hole {
+        let hole = IntruderOutline {
             height: 10.0,
             radius: 1.0,
             cylinder: true,
@@ -83,7 +88,7 @@ mod tests {
         let areas = disturbance(&fields, hole, 1.0, 5.0).unwrap();
         assert_eq!(areas, [8.0 * 3.0 / 4.0, 4.0 * 3.0 / 4.0]);
         // A cell that the centre cuts is shared out; this grid has cells of half a unit.
-        let off = Hole {
+        let off = IntruderOutline {
             height: 10.1,
             ..hole
         };

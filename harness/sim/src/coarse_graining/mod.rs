@@ -1,9 +1,10 @@
 //! Continuous fields of a bed that flows past its intruder, by coarse-graining, and the load on a cylinder
 //! (Guillard 2014, sections III C and IV and appendix A).
 //!
-//! [`FieldsGauge`] sums samples of a drag as it goes; [`plane`](plane::plane) and [`Load`] are what the sums
+//! [`CoarseGraining`] sums samples of a drag as it goes; [`plane`](plane::plane) and [`Load`] are what the sums
 //! come to, [`text`] their files and [`read`] those files again.
 
+pub mod disturbed_zone;
 pub mod gauge;
 pub mod grid;
 pub mod load;
@@ -13,9 +14,8 @@ pub mod streamlines;
 pub mod sums;
 pub mod text;
 pub mod window;
-pub mod zone;
 
 pub use gauge::Sampling;
-pub use gauge::{FieldsGauge, hole};
+pub use gauge::{CoarseGraining, intruder_outline};
 pub use load::Load;
-pub use plane::{Fields, Flag, Hole, Point};
+pub use plane::{FieldPoint, Fields, Flag, IntruderOutline};

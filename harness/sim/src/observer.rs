@@ -4,23 +4,23 @@
 use bitgrain_kernel::ContactForce;
 
 use crate::chain::Link;
-use crate::checkpoint::Note;
+use crate::checkpoint::StageState;
 use crate::error::Result;
-use crate::sim::Sim;
+use crate::simulation::Simulation;
 
 /// Looks on while a stage runs. Steps are the stage's own: of a drag from 0, of a bed from the first
 /// grain's release.
-pub trait Witness {
+pub trait Observer {
     /// The state that the stage begins or goes on from.
     ///
     /// # Errors
     /// What stops the stage.
-    fn begins(&mut self, _step: u64, _sim: &mut Sim) -> Result<()> {
+    fn on_start(&mut self, _step: u64, _sim: &mut Simulation) -> Result<()> {
         Ok(())
     }
 
     /// Whether the state and the contacts after this step are wanted.
-    fn looks_at(&self, _step: u64) -> bool {
+    fn wants_step(&self, _step: u64) -> bool {
         false
     }
 
@@ -28,7 +28,12 @@ pub trait Witness {
     ///
     /// # Errors
     /// What stops the stage.
-    fn look(&mut self, _step: u64, _sim: &mut Sim, _contacts: &[ContactForce<f64>]) -> Result<()> {
+    fn on_step(
+        &mut self,
+        _step: u64,
+        _sim: &mut Simulation,
+        _contacts: &[ContactForce<f64>],
+    ) -> Result<()> {
         Ok(())
     }
 
@@ -36,7 +41,7 @@ pub trait Witness {
     ///
     /// # Errors
     /// What stops the stage.
-    fn linked(&mut self, _link: &Link) -> Result<()> {
+    fn on_digest(&mut self, _link: &Link) -> Result<()> {
         Ok(())
     }
 
@@ -45,15 +50,20 @@ pub trait Witness {
     ///
     /// # Errors
     /// What stops the stage.
-    fn pause(&mut self, _step: u64, _sim: &mut Sim, _note: &dyn Fn() -> Note) -> Result<()> {
+    fn on_checkpoint(
+        &mut self,
+        _step: u64,
+        _sim: &mut Simulation,
+        _note: &dyn Fn() -> StageState,
+    ) -> Result<()> {
         Ok(())
     }
 
-    /// The step after which the witness has seen enough.
-    fn ends(&self) -> u64 {
+    /// The step after which the observer has seen enough.
+    fn last_step(&self) -> u64 {
         u64::MAX
     }
 }
 
 /// Nobody looks on.
-impl Witness for () {}
+impl Observer for () {}

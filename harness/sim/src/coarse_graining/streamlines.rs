@@ -70,7 +70,7 @@ fn advance(fields: &Fields, at: [f64; 2], step: f64) -> Option<[f64; 2]> {
 #[cfg(test)]
 mod tests {
     use super::super::grid::Grid;
-    use super::super::plane::{Flag, Point};
+    use super::super::plane::{FieldPoint, Flag};
     use super::*;
 
     fn flow(of: fn(f64, f64) -> [f64; 2]) -> Fields {
@@ -80,7 +80,7 @@ mod tests {
         };
         let point = |k: usize| {
             let [x, z] = of(grid.at(0, k % 41), grid.at(2, k / 41) - 10.25);
-            Point {
+            FieldPoint {
                 packing_fraction: 0.6,
                 velocity: [x, 0.0, z],
                 stress: [[0.0; 3]; 3],

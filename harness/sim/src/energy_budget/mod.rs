@@ -33,8 +33,8 @@ use bitgrain_kernel::vec3::{add, dot, head, scale, sub};
 use bitgrain_kernel::{ContactForce, ContactHistory, Error as KernelError, Partner, Row};
 use serde::{Deserialize, Serialize};
 
-use crate::sim::Sim;
-use contacts::{ContactGeometry, Elastic, Motion, spring_of};
+use crate::simulation::Simulation;
+use contacts::{Elastic, ElasticContact, Velocities, spring_of};
 pub use table::{ENERGY_COLUMNS, EnergyRow, energy_text, parse_energy};
 
 /// Energies of a state.
@@ -94,7 +94,7 @@ pub struct Audit {
 
 /// A contact before a step.
 struct Held {
-    at: ContactGeometry,
+    at: ElasticContact,
     spring: [f64; 3],
     stiffness: f64,
     /// What its spring will advance by if its plane does not turn.
@@ -106,7 +106,7 @@ impl Audit {
     ///
     /// The contact forces of the state are had from the law with the velocities of the full step, which
     /// is first order in dt for the damping in the first half step alone.
-    pub fn new(sim: &mut Sim) -> Self {
+    pub fn new(sim: &mut Simulation) -> Self {
         let elastic = Elastic::of(&sim.law);
         let histories = sim.contact_histories();
         let mut audit = Self {
@@ -125,7 +125,7 @@ impl Audit {
         let mut energies = of_grains(sim);
         let mut powers = carried(sim);
         for bond in &histories {
-            let at = ContactGeometry::listed(sim, &elastic, bond);
+            let at = ElasticContact::listed(sim, &elastic, bond);
             let spring = spring_of(bond);
             let r = at.forces(sim, &motion, spring);
             powers.add_contact(sim, &elastic, &at, (r.normal, r.tangential), spring);
@@ -139,18 +139,18 @@ impl Audit {
     /// Advances the simulation by one step and books it.
     ///
     /// # Errors
-    /// As [`Sim::steps`]; a fault is booked nowhere.
-    pub fn step(&mut self, sim: &mut Sim) -> Result<(), KernelError> {
+    /// As [`Simulation::steps`]; a fault is booked nowhere.
+    pub fn step(&mut self, sim: &mut Simulation) -> Result<(), KernelError> {
         self.step_watched(sim, |_| {})
     }
 
-    /// [`Audit::step`], showing every touching contact to `watch` as [`Sim::step_watched`] does.
+    /// [`Audit::step`], showing every touching contact to `watch` as [`Simulation::step_watched`] does.
     ///
     /// # Errors
     /// As [`Audit::step`].
     pub fn step_watched(
         &mut self,
-        sim: &mut Sim,
+        sim: &mut Simulation,
         mut watch: impl FnMut(ContactForce<f64>),
     ) -> Result<(), KernelError> {
         let elastic = Elastic::of(&sim.law);
@@ -168,7 +168,7 @@ impl Audit {
         let histories = sim.contact_histories();
         debug_assert_eq!(histories.len(), pairs.len() + touches.len());
 
-        let half = Motion {
+        let half = Velocities {
             velocity: &velocity,
             spin: &spin,
             obstacles: &sim.obstacles,
@@ -177,7 +177,7 @@ impl Audit {
         let mut powers = carried(sim);
         let mut held = held.iter().peekable();
         for (p, bond) in pairs.iter().chain(&touches).zip(&histories) {
-            let at = ContactGeometry::pushed(sim, &elastic, p);
+            let at = ElasticContact::pushed(sim, &elastic, p);
             let spring = spring_of(bond);
             while let Some(gone) = held.next_if(|h| h.at.key() < at.key()) {
                 self.part(gone);
@@ -200,7 +200,7 @@ impl Audit {
     fn hold_on(
         &mut self,
         before: Option<&Held>,
-        at: &ContactGeometry,
+        at: &ElasticContact,
         (stiffness, spring): (f64, [f64; 3]),
         advance: [f64; 3],
     ) {
@@ -293,9 +293,9 @@ impl Flows {
     /// and `F . V` of an obstacle on its grain.
     fn add_contact(
         &mut self,
-        sim: &Sim,
+        sim: &Simulation,
         elastic: &Elastic,
-        at: &ContactGeometry,
+        at: &ElasticContact,
         (normal, tangential): (f64, [f64; 3]),
         spring: [f64; 3],
     ) {
@@ -315,15 +315,15 @@ impl Flows {
 }
 
 impl Energies {
-    fn add_contact(&mut self, elastic: &Elastic, at: &ContactGeometry, spring: [f64; 3]) {
+    fn add_contact(&mut self, elastic: &Elastic, at: &ElasticContact, spring: [f64; 3]) {
         self.normal += elastic.normal_energy(at);
         self.tangential += 0.5 * elastic.stiffness(at) * dot(spring, spring);
     }
 }
 
 /// The present velocities.
-fn full_step(sim: &Sim) -> Motion<'_> {
-    Motion {
+fn full_step(sim: &Simulation) -> Velocities<'_> {
+    Velocities {
         velocity: &sim.velocity,
         spin: &sim.spin,
         obstacles: &sim.obstacles,
@@ -331,7 +331,7 @@ fn full_step(sim: &Sim) -> Motion<'_> {
 }
 
 /// Velocities and spins half a step on: those of the coming drift and of the forces after it.
-fn half_step(sim: &Sim) -> (Vec<Row<f64>>, Vec<Row<f64>>) {
+fn half_step(sim: &Simulation) -> (Vec<Row<f64>>, Vec<Row<f64>>) {
     let half = 0.5 * sim.dt;
     let (mut velocity, mut spin) = (sim.velocity.clone(), sim.spin.clone());
     for (i, (v, w)) in velocity.iter_mut().zip(&mut spin).enumerate() {
@@ -351,15 +351,20 @@ fn half_step(sim: &Sim) -> (Vec<Row<f64>>, Vec<Row<f64>>) {
 }
 
 /// The touching contacts with what their springs hold.
-fn held(sim: &mut Sim, elastic: &Elastic, velocity: &[Row<f64>], spin: &[Row<f64>]) -> Vec<Held> {
+fn held(
+    sim: &mut Simulation,
+    elastic: &Elastic,
+    velocity: &[Row<f64>],
+    spin: &[Row<f64>],
+) -> Vec<Held> {
     let histories = sim.contact_histories();
-    let motion = Motion {
+    let motion = Velocities {
         velocity,
         spin,
         obstacles: &sim.obstacles,
     };
     let hold = |bond: &ContactHistory<f64>| {
-        let at = ContactGeometry::listed(sim, elastic, bond);
+        let at = ElasticContact::listed(sim, elastic, bond);
         let (_, sliding) = at.speeds(&motion);
         Held {
             spring: spring_of(bond),
@@ -372,7 +377,7 @@ fn held(sim: &mut Sim, elastic: &Elastic, velocity: &[Row<f64>], spin: &[Row<f64
 }
 
 /// Kinetic and gravitational energy.
-fn of_grains(sim: &Sim) -> Energies {
+fn of_grains(sim: &Simulation) -> Energies {
     let (lo, hi) = (sim.domain.lo(), sim.domain.hi());
     let mut gravitational = 0.0;
     for (i, x) in sim.position.iter().enumerate() {
@@ -399,7 +404,7 @@ fn of_grains(sim: &Sim) -> Energies {
 
 /// Power of what keeps grains from answering to forces: along every axis that a group does not
 /// integrate it takes up contact forces and weight.
-fn carried(sim: &Sim) -> Flows {
+fn carried(sim: &Simulation) -> Flows {
     let mut carriers = 0.0;
     for (i, v) in sim.velocity.iter().enumerate() {
         let group = &sim.groups[usize::from(sim.group[i])];

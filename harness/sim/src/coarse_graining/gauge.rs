@@ -5,11 +5,11 @@ use serde::{Deserialize, Serialize};
 
 use super::grid::Grid;
 use super::load::{Load, LoadSums, PARTS};
-use super::plane::{Fields, Hole, plane, points};
+use super::plane::{Fields, IntruderOutline, plane, points};
 use super::sums::{Ball, Branch, NUMBERS, Sums};
 use crate::motion::Motion;
 use crate::observe::{INTRUDER, offset};
-use crate::sim::Sim;
+use crate::simulation::Simulation;
 
 /// Where and how often fields are taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,7 +25,7 @@ pub struct Sampling {
 /// What is summed on the way.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct FieldsGauge {
+pub struct CoarseGraining {
     /// Steps between samples.
     every: u64,
     /// First and last step that are averaged.
@@ -36,7 +36,7 @@ pub struct FieldsGauge {
     load: LoadSums,
 }
 
-impl FieldsGauge {
+impl CoarseGraining {
     /// A gauge for a bed that is about to move.
     pub fn new(sampling: &Sampling, motion: &Motion) -> Self {
         Self {
@@ -54,7 +54,7 @@ impl FieldsGauge {
     }
 
     /// Adds a sample: the state after step `n` and all its touching contacts.
-    pub fn add(&mut self, sim: &Sim, contacts: &[ContactForce<f64>], n: u64) {
+    pub fn add(&mut self, sim: &Simulation, contacts: &[ContactForce<f64>], n: u64) {
         let body = &sim.obstacles[INTRUDER as usize];
         let place = |x: [f64; 4]| {
             let d = sim.domain.separation([x[0], x[1], x[2]], body.point);
@@ -133,17 +133,17 @@ impl FieldsGauge {
     }
 
     /// Mean fields at every point.
-    pub fn points(&self, hole: Hole) -> Fields {
+    pub fn points(&self, hole: IntruderOutline) -> Fields {
         points(&self.sums, hole)
     }
 
     /// Mean fields in the plane x, z.
-    pub fn plane(&self, hole: Hole) -> Fields {
+    pub fn plane(&self, hole: IntruderOutline) -> Fields {
         plane(&self.sums, hole)
     }
 
     /// Mean load on a cylinder of this length; `None` on a ball.
-    pub fn load(&self, hole: Hole, length: f64) -> Option<Load> {
+    pub fn load(&self, hole: IntruderOutline, length: f64) -> Option<Load> {
         let load = hole
             .cylinder
             .then(|| self.load.load(2.0 * hole.radius, length));
@@ -152,9 +152,9 @@ impl FieldsGauge {
 }
 
 /// The intruder of a state, as fields see it.
-pub fn hole(sim: &Sim) -> Hole {
+pub fn intruder_outline(sim: &Simulation) -> IntruderOutline {
     let body = &sim.obstacles[INTRUDER as usize];
-    Hole {
+    IntruderOutline {
         height: body.point[2],
         radius: body.reach(),
         cylinder: matches!(body.shape, Shape::Cylinder { .. }),

@@ -4,7 +4,7 @@
 use multiversion::multiversion;
 
 /// Work compiled for several instruction sets.
-pub(crate) trait Job {
+pub(crate) trait Kernel {
     /// What it returns.
     type Output;
     /// Does it. An implementation is `#[inline(always)]`, or it is not compiled for the instructions
@@ -14,7 +14,7 @@ pub(crate) trait Job {
 
 /// Sets of instructions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Registers {
+pub enum Isa {
     /// What every machine of the target has.
     Plain,
     /// AVX2: four contacts at once.
@@ -23,7 +23,7 @@ pub enum Registers {
     Avx512,
 }
 
-impl Registers {
+impl Isa {
     /// Those that this machine has, the plainest first.
     pub fn all() -> Vec<Self> {
         let (avx2, avx512) = detect();
@@ -46,7 +46,7 @@ impl Registers {
     }
 
     /// Does a job; where the machine lacks the instructions, with those it has.
-    pub(crate) fn run<J: Job>(self, job: J) -> J::Output {
+    pub(crate) fn run<J: Kernel>(self, job: J) -> J::Output {
         match self {
             Self::Plain => job.run(),
             Self::Avx2 => avx2(job),
@@ -74,11 +74,11 @@ fn detect() -> (bool, bool) {
 }
 
 #[multiversion(targets("x86_64+avx2"))]
-fn avx2<J: Job>(job: J) -> J::Output {
+fn avx2<J: Kernel>(job: J) -> J::Output {
     job.run()
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512vl"))]
-fn avx512<J: Job>(job: J) -> J::Output {
+fn avx512<J: Kernel>(job: J) -> J::Output {
     job.run()
 }

@@ -8,10 +8,10 @@ use super::flow::{
 use super::picture::LID;
 use super::scale::INK;
 use super::text::{count, escape, typeset};
-use bitgrain_lab::summary::{RunSummary, Summary};
+use bitgrain_lab::summary::{DragSummary, Summary};
 use bitgrain_sim::format::short;
 use bitgrain_sim::motion::Moves;
-use bitgrain_sim::sim::Role;
+use bitgrain_sim::simulation::Role;
 
 /// The section of the page with a picture for each of the runs at these places that has one.
 pub(super) fn section(summary: &Summary, flows: &[FlowPicture], places: &[usize]) -> String {
@@ -99,7 +99,7 @@ pub(super) fn key(lid: bool) -> String {
 }
 
 /// What the picture of a run shows, with how many of its grains move ahead and behind.
-fn caption(flow: &FlowPicture, window: &Window, run: &RunSummary, summary: &Summary) -> String {
+fn caption(flow: &FlowPicture, window: &Window, run: &DragSummary, summary: &Summary) -> String {
     let units = &summary.units;
     let unit = |name: &str| escape(&typeset(name));
     let place = match summary.beds.len() {

@@ -34,7 +34,7 @@ impl Flag {
 
 /// Mean fields at a point. Velocities are those in the frame of the intruder.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Point {
+pub struct FieldPoint {
     /// Packing fraction of the window.
     pub packing_fraction: f64,
     /// Velocity, every volume alike (Guillard 2014, eq. A2).
@@ -44,7 +44,7 @@ pub struct Point {
     pub stress: [[f64; 3]; 3],
 }
 
-impl Point {
+impl FieldPoint {
     /// A third of the trace of the stress.
     pub fn pressure(&self) -> f64 {
         (self.stress[0][0] + self.stress[1][1] + self.stress[2][2]) / 3.0
@@ -73,12 +73,12 @@ pub struct Fields {
     /// What is known there, x fastest.
     pub flags: Vec<Flag>,
     /// The fields; of no meaning where nothing is known.
-    pub points: Vec<Point>,
+    pub points: Vec<FieldPoint>,
 }
 
 /// An intruder as fields see it: in the middle of the box at this height.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hole {
+pub struct IntruderOutline {
     /// Height of its centre or axis.
     pub height: f64,
     /// Its radius.
@@ -87,7 +87,7 @@ pub struct Hole {
     pub cylinder: bool,
 }
 
-impl Hole {
+impl IntruderOutline {
     /// How far a place lies from its centre or axis.
     pub fn distance(&self, [x, y, z]: [f64; 3]) -> f64 {
         let (y, z) = (if self.cylinder { 0.0 } else { y }, z - self.height);
@@ -96,13 +96,13 @@ impl Hole {
 }
 
 /// The fields of single points, each the mean over the samples.
-pub fn points(sums: &Sums, hole: Hole) -> Fields {
+pub fn points(sums: &Sums, hole: IntruderOutline) -> Fields {
     fields(sums.grid, &sums.values, sums, 1.0, hole)
 }
 
 /// The fields in the plane x, z: round a cylinder the mean along y too, round a ball those through its centre
 /// (or just beside it, where the points along y are even in number).
-pub fn plane(sums: &Sums, hole: Hole) -> Fields {
+pub fn plane(sums: &Sums, hole: IntruderOutline) -> Fields {
     let [nx, ny, nz] = sums.grid.counts;
     let mut grid = sums.grid;
     grid.counts[1] = 1;
@@ -124,9 +124,15 @@ pub fn plane(sums: &Sums, hole: Hole) -> Fields {
 }
 
 /// From sums over `each` points at a time.
-fn fields(grid: Grid, values: &[[f64; NUMBERS]], sums: &Sums, each: f64, hole: Hole) -> Fields {
+fn fields(
+    grid: Grid,
+    values: &[[f64; NUMBERS]],
+    sums: &Sums,
+    each: f64,
+    hole: IntruderOutline,
+) -> Fields {
     let windows = sums.volume() * sums.samples as f64 * each;
-    let point = |v: &[f64; NUMBERS]| Point {
+    let point = |v: &[f64; NUMBERS]| FieldPoint {
         packing_fraction: v[0] / windows,
         velocity: [v[1] / v[0], v[2] / v[0], v[3] / v[0]],
         stress: [0, 1, 2].map(|a| [0, 1, 2].map(|b| v[4 + 3 * a + b] / windows)),
@@ -151,7 +157,7 @@ fn fields(grid: Grid, values: &[[f64; NUMBERS]], sums: &Sums, each: f64, hole: H
 
 impl Fields {
     /// The fields at a point of a plane, if they are known.
-    pub fn at(&self, kx: usize, kz: usize) -> Option<&Point> {
+    pub fn at(&self, kx: usize, kz: usize) -> Option<&FieldPoint> {
         let k = kz * self.grid.counts[0] + kx;
         (self.flags[k] != Flag::Empty).then(|| &self.points[k])
     }
@@ -182,9 +188,9 @@ impl Fields {
 
 /// Change of the velocity over a length: from both neighbours, or from the one that is known.
 fn slope(
-    before: Option<&Point>,
-    here: &Point,
-    after: Option<&Point>,
+    before: Option<&FieldPoint>,
+    here: &FieldPoint,
+    after: Option<&FieldPoint>,
     step: f64,
 ) -> Option<[f64; 3]> {
     let (from, to, steps) = match (before, after) {
@@ -207,7 +213,7 @@ mod tests {
     use super::super::sums::Ball;
     use super::*;
 
-    const HOLE: Hole = Hole {
+    const HOLE: IntruderOutline = IntruderOutline {
         height: 5.0,
         radius: 1.0,
         cylinder: true,
@@ -306,7 +312,7 @@ mod tests {
         let solid: Vec<f64> = inside.map(|k| fields.points[k].packing_fraction).collect();
         let mean = solid.iter().sum::<f64>() / solid.len() as f64;
         assert!((mean - std::f64::consts::PI / 6.0).abs() < 5e-3, "{mean}");
-        let point = Point {
+        let point = FieldPoint {
             packing_fraction: 0.6,
             velocity: [0.0; 3],
             stress: [[3.0, 0.5, 0.0], [1.5, 2.0, 0.0], [0.0, 0.0, 1.0]],

@@ -7,7 +7,7 @@ use super::figure::{Figure, Series, add, ends, section, straight, traced};
 use super::shown::{Shown, intruder, material, words_of};
 use crate::analysis::{Around, Curve, Point, Value};
 use crate::fit::Fit;
-use bitgrain_lab::plug::bounds;
+use bitgrain_lab::plug_flow::bounds;
 use bitgrain_sim::format::short;
 
 /// The paper's laws: eq. 7 and Fig. 8.

@@ -1,7 +1,7 @@
 //! The plane's table, read again.
 
 use super::grid::Grid;
-use super::plane::{Fields, Flag, Point};
+use super::plane::{FieldPoint, Fields, Flag};
 use super::text::PLANE_COLUMNS;
 use crate::files::finite;
 
@@ -45,7 +45,7 @@ pub fn plane(text: &str, grid: Grid) -> Result<Fields, usize> {
     }
 }
 
-fn row(line: &str) -> Option<([f32; 2], Flag, Point)> {
+fn row(line: &str) -> Option<([f32; 2], Flag, FieldPoint)> {
     let cells: Vec<&str> = line.split(',').collect();
     if cells.len() != PLANE_COLUMNS.split(',').count() {
         return None;
@@ -59,7 +59,7 @@ fn row(line: &str) -> Option<([f32; 2], Flag, Point)> {
         }
     }
     let s = &numbers[8..];
-    let point = Point {
+    let point = FieldPoint {
         packing_fraction: numbers[3],
         velocity: [numbers[4], numbers[5], numbers[6]],
         stress: [[s[0], s[1], s[2]], [s[3], s[4], s[5]], [s[6], s[7], s[8]]],

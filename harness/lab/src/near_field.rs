@@ -4,11 +4,11 @@
 use bitgrain_kernel::Obstacle;
 use serde::{Deserialize, Serialize};
 
-use bitgrain_sim::blocks::{BlockSums, Mean};
+use bitgrain_sim::block_averaging::{BlockSums, Mean};
 use bitgrain_sim::histogram::{Angles, Coordination};
 use bitgrain_sim::motion::Moves;
 use bitgrain_sim::observe::{self, INTRUDER};
-use bitgrain_sim::sim::{Role, Sim};
+use bitgrain_sim::simulation::{Role, Simulation};
 
 /// Grains whose centres lie within so many mean diameters of the intruder's surface are its
 /// neighbourhood (Kumar 2018, Fig. 7).
@@ -21,7 +21,7 @@ pub const ALONG: f64 = 0.5;
 /// Sums over the averaging window, and what one step hands to the next.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Surroundings {
+pub struct NearField {
     /// Places of the grains that touched the intruder after the last step.
     touching: Vec<u32>,
     angle: BlockSums,
@@ -34,7 +34,7 @@ pub struct Surroundings {
 
 /// Means over the averaging window.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct SurroundingMeans {
+pub struct NearFieldMeans {
     /// Contact angle, over all contacts of the samples.
     pub contact_angle: Option<Mean>,
     /// Contact angle where contacts begin, over all that began.
@@ -58,9 +58,9 @@ pub struct Sample {
     pub coordination: Option<f64>,
 }
 
-impl Surroundings {
+impl NearField {
     /// After every step: contacts that began with it, which are summed where the step is `counted`.
-    pub fn touched(&mut self, sim: &Sim, moves: Moves, counted: bool, angles: &mut Angles) {
+    pub fn touched(&mut self, sim: &Simulation, moves: Moves, counted: bool, angles: &mut Angles) {
         let before = std::mem::take(&mut self.touching);
         self.touching.extend(sim.touching(INTRUDER));
         if !counted {
@@ -79,7 +79,7 @@ impl Surroundings {
     /// At a row of the series: the whole neighbourhood; its numbers are summed where it is `counted`.
     pub fn sample(
         &mut self,
-        sim: &mut Sim,
+        sim: &mut Simulation,
         moves: Moves,
         mean_diameter: f64,
         counted: Option<(&mut Angles, &mut Coordination)>,
@@ -111,8 +111,8 @@ impl Surroundings {
     }
 
     /// The means of what was summed.
-    pub fn means(&self) -> SurroundingMeans {
-        SurroundingMeans {
+    pub fn means(&self) -> NearFieldMeans {
+        NearFieldMeans {
             contact_angle: self.angle.mean(),
             new_contact_angle: self.new_angle.mean(),
             coordination: self.coordination.mean(),
@@ -124,7 +124,7 @@ impl Surroundings {
 }
 
 /// How many free grains go along with the intruder, and the mean speed along x of those above its top.
-fn going_along(sim: &Sim, body: &Obstacle<f64>) -> (usize, Option<f64>) {
+fn going_along(sim: &Simulation, body: &Obstacle<f64>) -> (usize, Option<f64>) {
     let top = body.point[2] + body.reach();
     let least = ALONG * body.velocity[0].abs();
     let (mut moving, mut above, mut sum) = (0, 0u64, 0.0);

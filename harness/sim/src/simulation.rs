@@ -35,7 +35,7 @@ pub enum AnyLaw {
 
 /// A world and everything it borrows, owned.
 #[derive(Clone, Debug)]
-pub struct Sim {
+pub struct Simulation {
     /// The contact law.
     pub law: AnyLaw,
     /// The box.
@@ -78,8 +78,8 @@ pub struct Sim {
     clock: Clock<f64>,
 }
 
-impl Sim {
-    /// A simulation of these grains, not yet started. Skin and reach are as [`Sim::choose_skin`] has them.
+impl Simulation {
+    /// A simulation of these grains, not yet started. Skin and reach are as [`Simulation::choose_skin`] has them.
     pub fn new(
         law: AnyLaw,
         domain: Domain<f64>,
@@ -205,7 +205,7 @@ impl Sim {
     }
 
     /// Lends lists of this many entries, and cells, until they prove too short: speed and memory only,
-    /// never a bit. Contacts are forgotten: [`Sim::resume`] or start again.
+    /// never a bit. Contacts are forgotten: [`Simulation::resume`] or start again.
     pub fn lend(&mut self, entries: usize) {
         for list in &mut self.lists {
             list.resize(entries, entries)
@@ -324,10 +324,10 @@ impl Sim {
         self.start_watched(|_| {})
     }
 
-    /// [`Sim::start`], showing every touching contact to `watch`.
+    /// [`Simulation::start`], showing every touching contact to `watch`.
     ///
     /// # Errors
-    /// As [`Sim::start`].
+    /// As [`Simulation::start`].
     pub fn start_watched(
         &mut self,
         mut watch: impl FnMut(ContactForce<f64>),
@@ -349,7 +349,7 @@ impl Sim {
     /// Advances by one step, showing every touching contact to `watch`.
     ///
     /// # Errors
-    /// As [`Sim::steps`].
+    /// As [`Simulation::steps`].
     pub fn step_watched(
         &mut self,
         mut watch: impl FnMut(ContactForce<f64>),
@@ -381,8 +381,8 @@ impl Sim {
     /// Advances by `count` steps, on the threads of the rayon pool that this is called in.
     ///
     /// # Errors
-    /// The fault that stopped a step; [`Sim::step_count`] says how many were finished. [`KernelError::Edited`], where
-    /// rows were written to since the last step: [`Sim::resume`] or start again.
+    /// The fault that stopped a step; [`Simulation::step_count`] says how many were finished. [`KernelError::Edited`], where
+    /// rows were written to since the last step: [`Simulation::resume`] or start again.
     pub fn steps(&mut self, count: u64) -> Result<(), KernelError> {
         // A file may say that any number of steps was done.
         let end = self.clock.step.saturating_add(count);
@@ -402,7 +402,7 @@ impl Sim {
         done
     }
 
-    /// Begins a stretch of steps of one who looks on at each, but writes to no row until [`Sim::release`]: the rows
+    /// Begins a stretch of steps of one who looks on at each, but writes to no row until [`Simulation::release`]: the rows
     /// are sealed once, and not at each call. What is written to them all the same is not found.
     ///
     /// # Errors
@@ -415,7 +415,7 @@ impl Sim {
         begun
     }
 
-    /// Ends the stretch that [`Sim::hold`] began.
+    /// Ends the stretch that [`Simulation::hold`] began.
     ///
     /// # Errors
     /// [`KernelError::Arithmetic`]; [`KernelError::NotStarted`] where a fault stopped the steps.

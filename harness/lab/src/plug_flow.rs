@@ -29,7 +29,7 @@ use bitgrain_sim::format::short;
 /// What the ratio says of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Plug {
+pub enum PlugFlow {
     /// The layers above stay.
     Sound,
     /// They drift by up to a fifth of the speed, and the drag may be low.
@@ -41,20 +41,20 @@ pub enum Plug {
     Unknown,
 }
 
-impl Plug {
+impl PlugFlow {
     /// In a word.
     pub fn word(self) -> &'static str {
         match self {
-            Plug::Sound => "sound",
-            Plug::Drifts => "drifts",
-            Plug::Slides => "slides",
-            Plug::Unknown => "unknown",
+            PlugFlow::Sound => "sound",
+            PlugFlow::Drifts => "drifts",
+            PlugFlow::Slides => "slides",
+            PlugFlow::Unknown => "unknown",
         }
     }
 
     /// Whether it was not judged.
     pub fn is_unknown(&self) -> bool {
-        *self == Plug::Unknown
+        *self == PlugFlow::Unknown
     }
 }
 
@@ -69,17 +69,17 @@ pub fn bounds(mu: f64) -> [f64; 2] {
 pub const DRIFTS: [f64; 2] = [0.1, 0.2];
 
 /// What a ratio of drag to weight says, with the drift of the layers above over V where that was measured.
-pub fn judge(mu: f64, ratio: f64, drift: Option<f64>) -> Plug {
+pub fn judge(mu: f64, ratio: f64, drift: Option<f64>) -> PlugFlow {
     let [sound, slides] = bounds(mu);
     let beyond = |least: f64| drift.is_some_and(|drift| drift.abs() >= least);
     let stays = drift.is_some() && !beyond(DRIFTS[0]);
     if !ratio.is_finite() || beyond(DRIFTS[1]) || ratio > slides && !stays {
         // What is no number is no sound bed either.
-        Plug::Slides
+        PlugFlow::Slides
     } else if ratio <= sound && !beyond(DRIFTS[0]) {
-        Plug::Sound
+        PlugFlow::Sound
     } else {
-        Plug::Drifts
+        PlugFlow::Drifts
     }
 }
 
@@ -118,23 +118,23 @@ mod tests {
         let [sound, slides] = bounds(0.5);
         assert!((sound - 0.12).abs() < 0.001 && (slides - 0.3).abs() < 0.001);
         for (mu, ratio, drift, verdict) in [
-            (0.0, 0.03, 0.02, Plug::Sound),
-            (0.0, 0.062, 0.04, Plug::Drifts),
-            (0.0, 0.112, 0.11, Plug::Drifts),
-            (0.1, 0.077, 0.016, Plug::Sound),
-            (0.1, 0.164, 0.1, Plug::Drifts),
-            (0.1, 0.227, 0.21, Plug::Slides),
-            (0.5, 0.118, 0.017, Plug::Sound),
-            (0.5, 0.265, 0.16, Plug::Drifts),
-            (0.5, 0.368, 0.25, Plug::Slides),
-            (0.5, 0.319, 0.045, Plug::Drifts),
-            (0.5, 0.1, 0.4, Plug::Slides),
-            (0.5, 0.1, -0.12, Plug::Drifts),
-            (0.5, f64::NAN, 0.01, Plug::Slides),
+            (0.0, 0.03, 0.02, PlugFlow::Sound),
+            (0.0, 0.062, 0.04, PlugFlow::Drifts),
+            (0.0, 0.112, 0.11, PlugFlow::Drifts),
+            (0.1, 0.077, 0.016, PlugFlow::Sound),
+            (0.1, 0.164, 0.1, PlugFlow::Drifts),
+            (0.1, 0.227, 0.21, PlugFlow::Slides),
+            (0.5, 0.118, 0.017, PlugFlow::Sound),
+            (0.5, 0.265, 0.16, PlugFlow::Drifts),
+            (0.5, 0.368, 0.25, PlugFlow::Slides),
+            (0.5, 0.319, 0.045, PlugFlow::Drifts),
+            (0.5, 0.1, 0.4, PlugFlow::Slides),
+            (0.5, 0.1, -0.12, PlugFlow::Drifts),
+            (0.5, f64::NAN, 0.01, PlugFlow::Slides),
         ] {
             assert_eq!(judge(mu, ratio, Some(drift)), verdict, "mu = {mu}, {ratio}");
         }
-        assert_eq!(judge(0.5, 0.319, None), Plug::Slides);
+        assert_eq!(judge(0.5, 0.319, None), PlugFlow::Slides);
     }
 
     /// A bed that slides by its drift alone is not said to be held by too little friction.

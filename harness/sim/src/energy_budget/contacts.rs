@@ -6,7 +6,7 @@ use bitgrain_kernel::vec3::{Vec3, add, cross, dot, head, scale, sub};
 use bitgrain_kernel::{ContactForce, ContactHistory, Obstacle, Partner, Row, Shape};
 
 use crate::observe::{length, offset};
-use crate::sim::{AnyLaw, Sim};
+use crate::simulation::{AnyLaw, Simulation};
 
 /// What a law stores, and the levers of its tangential force.
 #[derive(Clone, Copy)]
@@ -38,12 +38,12 @@ impl Elastic {
     }
 
     /// Normal force of the spring alone: `K_n sqrt(R delta) delta` by either law.
-    pub fn normal_force(&self, at: &ContactGeometry) -> f64 {
+    pub fn normal_force(&self, at: &ElasticContact) -> f64 {
         self.kn * at.root * at.overlap
     }
 
     /// Its energy: `(2/5) K_n sqrt(R) delta^(5/2)`.
-    pub fn normal_energy(&self, at: &ContactGeometry) -> f64 {
+    pub fn normal_energy(&self, at: &ElasticContact) -> f64 {
         0.4 * self.kn * at.root * (at.overlap * at.overlap)
     }
 
@@ -55,14 +55,14 @@ impl Elastic {
     }
 
     /// Stiffness of the tangential spring: `K_t sqrt(R delta)` by either law.
-    pub fn stiffness(&self, at: &ContactGeometry) -> f64 {
+    pub fn stiffness(&self, at: &ElasticContact) -> f64 {
         self.kt * at.root
     }
 }
 
 /// Where a grain and its partner meet.
 #[derive(Clone, Copy)]
-pub(super) struct ContactGeometry {
+pub(super) struct ElasticContact {
     pub i: usize,
     pub partner: Partner,
     /// Unit vector from the partner to the grain.
@@ -78,13 +78,13 @@ pub(super) struct ContactGeometry {
 
 /// Velocities and spins of all grains at one time, and the obstacles with theirs.
 #[derive(Clone, Copy)]
-pub(super) struct Motion<'a> {
+pub(super) struct Velocities<'a> {
     pub velocity: &'a [Row<f64>],
     pub spin: &'a [Row<f64>],
     pub obstacles: &'a [Obstacle<f64>],
 }
 
-impl ContactGeometry {
+impl ElasticContact {
     /// The same order for every list: pairs by their places, then obstacle contacts by theirs.
     pub fn key(&self) -> (bool, usize, u32) {
         match self.partner {
@@ -94,7 +94,7 @@ impl ContactGeometry {
     }
 
     fn new(
-        sim: &Sim,
+        sim: &Simulation,
         elastic: &Elastic,
         (i, partner): (u32, Partner),
         (normal, overlap): (Vec3<f64>, f64),
@@ -127,12 +127,12 @@ impl ContactGeometry {
     }
 
     /// A contact as a step showed it.
-    pub fn pushed(sim: &Sim, elastic: &Elastic, p: &ContactForce<f64>) -> Self {
+    pub fn pushed(sim: &Simulation, elastic: &Elastic, p: &ContactForce<f64>) -> Self {
         Self::new(sim, elastic, (p.i, p.partner), (p.normal, p.overlap))
     }
 
     /// A contact of the list, from where its bodies are now.
-    pub fn listed(sim: &Sim, elastic: &Elastic, bond: &ContactHistory<f64>) -> Self {
+    pub fn listed(sim: &Simulation, elastic: &Elastic, bond: &ContactHistory<f64>) -> Self {
         let (i, partner) = match *bond {
             ContactHistory::Pair { i, j, .. } => (i, Partner::Grain(j)),
             ContactHistory::Obstacle { i, obstacle, .. } => (i, Partner::Obstacle(obstacle)),
@@ -161,7 +161,7 @@ impl ContactGeometry {
 
     /// Velocity of the grain less that of its partner, and what the spins add to the sliding before it
     /// is crossed with the normal.
-    fn relative(&self, motion: &Motion) -> (Vec3<f64>, Vec3<f64>) {
+    fn relative(&self, motion: &Velocities) -> (Vec3<f64>, Vec3<f64>) {
         let (v, w) = (head(motion.velocity[self.i]), head(motion.spin[self.i]));
         let turn = scale(w, self.arms[0]);
         match self.partner {
@@ -175,7 +175,7 @@ impl ContactGeometry {
     }
 
     /// Speed along the normal, and the velocity of the grain's surface over its partner's.
-    pub fn speeds(&self, motion: &Motion) -> (f64, Vec3<f64>) {
+    pub fn speeds(&self, motion: &Velocities) -> (f64, Vec3<f64>) {
         let (velocity, turn) = self.relative(motion);
         let speed = dot(velocity, self.normal);
         let along = sub(velocity, scale(self.normal, speed));
@@ -187,7 +187,12 @@ impl ContactGeometry {
     ///
     /// A spring on the cap is longer than the cap by a rounding or not at all; made longer by a part in
     /// 1e9 it slides, as it did.
-    pub fn forces(&self, sim: &Sim, motion: &Motion, spring: Vec3<f64>) -> Reaction<f64> {
+    pub fn forces(
+        &self,
+        sim: &Simulation,
+        motion: &Velocities,
+        spring: Vec3<f64>,
+    ) -> Reaction<f64> {
         let inverse_mass = match self.partner {
             Partner::Grain(j) => sim.spin[j as usize][3],
             Partner::Obstacle(k) => sim.obstacles[k as usize].inverse_mass,
