@@ -15,7 +15,7 @@
 //!   the force on it is a result.
 //! * A [`contact::Law`] turns how two bodies touch into a force: [`contact::HertzHistory`] (Kumar 2018) or
 //!   [`contact::HertzTsuji`] (Guillard 2014).
-//! * [`PairList`] list who may touch and keep the tangential springs of those who do. The search that
+//! * A [`PairList`] lists who may touch and keeps the tangential springs of those who do. The search that
 //!   fills them runs when it must, and when that is has no effect on any result.
 //! * [`World`] gathers all of that, borrowed. [`start`] evaluates the forces, [`step()`] goes on by
 //!   one time step, [`resume`] goes on from a saved state.

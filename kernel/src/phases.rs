@@ -3,10 +3,10 @@
 //! Each phase works on a range of grains with output of its own, and between two phases stands a call over the whole
 //! world; any partition into ranges gives the same bits. In order: [`seal()`] and [`begin`], which finds what was
 //! written to since the last step; [`integrate`] that drifts and [`drift`]; then, for each of several steps,
-//! [`ensure_pair_list`], [`obstacle_forces`], [`cross_range`] for the pairs of two ranges and [`accumulate`] for all others, which
-//! also ends the step of a grain and begins its next one as soon as its sum is complete, [`check_overlaps`] and [`finish`], and
-//! [`drift`] unless it was the last; at last [`seal()`] and [`end`]. Until then all that is lent is the phases' alone.
-//! `examples/threaded_host.rs` does so.
+//! [`ensure_pair_list`], [`obstacle_forces`], [`cross_range`] for the pairs of two ranges and [`accumulate`] for all
+//! others, which also ends the step of a grain and begins its next one as soon as its sum is complete,
+//! [`check_overlaps`] and [`finish`], and [`drift`] unless it was the last; at last [`seal()`] and [`end`]. Until then
+//! all that is lent is the phases' alone. `examples/threaded_host.rs` does so.
 
 use crate::digest::seal::whole;
 use crate::error::Error;

@@ -153,7 +153,7 @@ impl<
     }
 
     /// How far beyond the skin pairs are candidates from now on (length; 0 at first): speed only, never
-    /// a bit. OuterList are stored in `PAIRS` entries too.
+    /// a bit. Candidates are stored in `PAIRS` entries too.
     pub fn set_reach(&mut self, reach: R) {
         self.reach = reach;
     }

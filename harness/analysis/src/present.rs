@@ -343,7 +343,7 @@ fn flow(
     let grain = |a: &&Atom| FlowGrain {
         position: a.position,
         radius: 0.5 * a.diameter,
-        // FolderKind the base, or of the box where the base is at rest.
+        // Of the base, or of the box where the base is at rest.
         velocity: [a.velocity[0] - frame_speed, a.velocity[1], a.velocity[2]],
         role: match a.kind {
             FROZEN_TYPE => Role::Base,

@@ -1,12 +1,12 @@
 //! An owned simulation over the bitgrain kernel, and what is measured on it and kept of it.
 //!
-//! * [`simulation`]: grains and contacts in vectors; steps on any number of threads ([`threads`], [`stepping`]) and with any
-//!   of the machine's instruction sets ([`isa`]), all with the same bits; [`spatial_order`] numbers grains in space,
-//!   [`random`] draws numbers that never change;
+//! * [`simulation`]: grains and contacts in vectors; steps on any number of threads ([`threads`], [`stepping`]) and
+//!   with any of the machine's instruction sets ([`isa`]), all with the same bits; [`spatial_order`] numbers grains in
+//!   space, [`random`] draws numbers that never change;
 //! * [`law`]: contact laws by name with their ranges, [`coefficients`] in the numbers of both papers;
-//! * measuring: [`observe`] reads a state, [`observer`] looks on as it goes, [`energy_budget`] keeps account of the energy,
-//!   [`coarse_graining`] averages velocity and stress in space, [`histogram`] counts, [`block_averaging`] gives means their errors,
-//!   in a [`motion`] and in [`units`];
+//! * measuring: [`observe`] reads a state, [`observer`] looks on as it goes, [`energy_budget`] accounts for the energy,
+//!   [`coarse_graining`] averages velocity and stress in space, [`histogram`] counts, [`block_averaging`] gives means
+//!   their errors, in a [`motion`] and in [`units`];
 //! * keeping: [`checkpoint`], [`chain`] (digests), [`lammps`] and [`export`] (LAMMPS and VTK files);
 //! * below all: [`error`], [`disk`] (every call to the file system), [`files`], [`memory`], [`mod@format`].
 //!

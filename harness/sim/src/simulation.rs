@@ -381,8 +381,8 @@ impl Simulation {
     /// Advances by `count` steps, on the threads of the rayon pool that this is called in.
     ///
     /// # Errors
-    /// The fault that stopped a step; [`Simulation::step_count`] says how many were finished. [`KernelError::Edited`], where
-    /// rows were written to since the last step: [`Simulation::resume`] or start again.
+    /// What stopped a step; [`Simulation::step_count`] says how many were finished. [`KernelError::Edited`], if rows
+    /// were written to since the last step: [`Simulation::resume`] or start again.
     pub fn steps(&mut self, count: u64) -> Result<(), KernelError> {
         // A file may say that any number of steps was done.
         let end = self.clock.step.saturating_add(count);
@@ -402,8 +402,8 @@ impl Simulation {
         done
     }
 
-    /// Begins a stretch of steps of one who looks on at each, but writes to no row until [`Simulation::release`]: the rows
-    /// are sealed once, and not at each call. What is written to them all the same is not found.
+    /// Begins a stretch of steps of one who looks on at each, but writes to no row until [`Simulation::release`]:
+    /// the rows are sealed once, and not at each call. What is written to them all the same is not found.
     ///
     /// # Errors
     /// [`KernelError::Edited`], of rows that were written to since the last stretch ended.

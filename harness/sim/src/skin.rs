@@ -69,7 +69,7 @@ impl Skin {
         }
         let renewing = began.elapsed();
         if now.searches > before.searches {
-            // OuterList grow with about the reach, and so does what picking looks at in vain.
+            // Candidates grow with about the reach, and so does what picking looks at in vain.
             let vain = self.picking.mul_f64(0.5);
             if !self.picking.is_zero() {
                 world.reach *= change(renewing > vain);

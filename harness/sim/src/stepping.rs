@@ -280,7 +280,7 @@ impl Split for GrainRange<'_, f64> {
     }
 }
 
-/// PairList of two ranges, what they read, and what they give.
+/// Pairs of two ranges, what they read, and what they give.
 struct Sending<'a>(
     GrainView<'a, f64>,
     PairRange<'a, f64>,

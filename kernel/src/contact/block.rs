@@ -13,7 +13,7 @@ use crate::math::rows::{copy, front_mut, less, min, prefix};
 use crate::math::vec3::{Vec3, add, cross, dot, either, head, scale};
 use crate::state::domain::Domain;
 
-/// PairList of a block: enough that filling and emptying it costs little, few enough for the nearest
+/// Pairs of a block: enough that filling and emptying it costs little, few enough for the nearest
 /// cache; fewer where the stack is small. A multiple of [`STRIDE`].
 pub(crate) const BLOCK: usize = if cfg!(any(target_arch = "arm", target_arch = "riscv32")) {
     1
@@ -309,13 +309,15 @@ impl<R: Real> Block<R> {
         if any == 0 {
             return None;
         }
-        (0..min(self.count, BLOCK)).find(|&k| too_deep(k))
+        let count = min(self.count, BLOCK);
+        (0..count).find(|&k| too_deep(k))
     }
 
     /// Overlap, normal, normal force and tangential force of each pair that touches.
     #[inline(always)]
     pub fn seen(&self, mut show: impl FnMut(usize, R, Vec3<R>, R, Vec3<R>)) {
-        for k in 0..min(self.count, BLOCK) {
+        let count = min(self.count, BLOCK);
+        for k in 0..count {
             if self.overlap[k] > R::ZERO {
                 show(
                     k,

@@ -52,7 +52,7 @@ struct Grid<R> {
 }
 
 impl<R: Real> Grid<R> {
-    /// CellList of at least `width`, as many as `capacity` allows. Periodic axes span the box, others
+    /// Cells of at least `width`, as many as `capacity` allows. Periodic axes span the box, others
     /// the grains.
     fn new(domain: &Domain<R>, position: &[Row<R>], width: R, capacity: usize) -> Self {
         let periodic = domain.periodic();

@@ -37,11 +37,11 @@ pub struct PairList<'a, R> {
 /// How many entries of a list are in use.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Listed {
-    /// PairList within one range of grains: the first ones.
+    /// Pairs within one range of grains: the first ones.
     pub inner: usize,
     /// All pairs.
     pub pairs: usize,
-    /// PairList that touched when they were listed; for timings only.
+    /// Pairs that touched when they were listed; for timings only.
     pub touching: usize,
     /// Obstacle contacts.
     pub touches: usize,

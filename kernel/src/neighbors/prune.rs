@@ -48,7 +48,7 @@ pub(crate) fn prune<R: Real>(
     Ok(new)
 }
 
-/// PairList within one range from the front, those of two ranges from the back, which are then turned
+/// Pairs within one range from the front, those of two ranges from the back, which are then turned
 /// round and moved up.
 fn list<R: Real>(
     picking: &Pruning<'_, R>,

@@ -171,7 +171,7 @@ proptest! {
         compare_with_all(&world, skin)?;
     }
 
-    /// PairList a few units in the last place from touching, in all directions and across the edges:
+    /// Pairs a few units in the last place from touching, in all directions and across the edges:
     /// who is evaluated as touching is who overlaps by the law's own measure, also in a list without a
     /// skin.
     #[test]

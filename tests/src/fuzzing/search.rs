@@ -115,7 +115,7 @@ fn fly(lent: &mut Lent<f64>, before: bool, met: &mut Met) -> Result<(), KernelEr
         no_fetch(),
         After::Stay,
     );
-    // PairList of two ranges are evaluated without a watcher: those that touch are added here.
+    // Pairs of two ranges are evaluated without a watcher: those that touch are added here.
     met.extend(pairs.into_iter().filter(|&(i, j)| gap(&world, i, j) < 0.0));
     let passed = integrate(&mut world.grain_motion(), MotionPhase::Kick);
     finish(&mut world, passed)?;

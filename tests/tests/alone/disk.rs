@@ -11,7 +11,7 @@ use std::sync::{Arc, Mutex};
 use bitgrain::bed::library::BedCache;
 use bitgrain::campaign::only::Only;
 use bitgrain::campaign::sweep::{Sweep, sweep};
-use bitgrain::disk::{self, Call, Verdict, Watch};
+use bitgrain::disk::{self, Call, CallOutcome, Watch};
 use bitgrain::error::Result;
 use bitgrain::progress::Progress;
 use bitgrain::run::SaveEvery;
@@ -55,7 +55,7 @@ struct State {
 }
 
 impl Watch for Spoiler {
-    fn before(&self, call: &Call<'_>) -> Verdict {
+    fn before(&self, call: &Call<'_>) -> CallOutcome {
         let mut state = self.state.lock().unwrap();
         let (now, dead) = (
             state.calls,
@@ -76,13 +76,13 @@ impl Watch for Spoiler {
             }
             state.spoilt = true;
             return match (self.spoil, call) {
-                (Spoil::Short, Call::Write(_, bytes)) => Verdict::Short(bytes.len() / 2),
-                (Spoil::Error, _) => Verdict::Fail(ErrorKind::Other),
-                _ => Verdict::Fail(ErrorKind::StorageFull),
+                (Spoil::Short, Call::Write(_, bytes)) => CallOutcome::Short(bytes.len() / 2),
+                (Spoil::Error, _) => CallOutcome::Fail(ErrorKind::Other),
+                _ => CallOutcome::Fail(ErrorKind::StorageFull),
             };
         }
         state.disk.made(call);
-        Verdict::Go
+        CallOutcome::Go
     }
 }
 
@@ -398,13 +398,13 @@ fn mend(work: &Run, killed: &Files, name: &str, spoil: Way, want: &Files) -> boo
 struct ReadOnly(PathBuf);
 
 impl Watch for ReadOnly {
-    fn before(&self, call: &Call<'_>) -> Verdict {
+    fn before(&self, call: &Call<'_>) -> CallOutcome {
         let (Call::Create(path) | Call::MakeFolder(path) | Call::Remove(path)) = call else {
-            return Verdict::Go;
+            return CallOutcome::Go;
         };
         match path.starts_with(&self.0) {
-            true => Verdict::Fail(ErrorKind::ReadOnlyFilesystem),
-            false => Verdict::Go,
+            true => CallOutcome::Fail(ErrorKind::ReadOnlyFilesystem),
+            false => CallOutcome::Go,
         }
     }
 }

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use bitgrain::chain::Link;
 use bitgrain::checkpoint::{self, StageState};
-use bitgrain::disk::{self, Call, Verdict, Watch};
+use bitgrain::disk::{self, Call, CallOutcome, Watch};
 use bitgrain::drag::drag;
 use bitgrain::error::{Error, Result};
 use bitgrain::folder::Folder;
@@ -152,11 +152,11 @@ fn a_mode_switched_on_by_who_looks_on_ends_the_drag_before_anything_is_written()
 struct Driver(u32);
 
 impl Watch for Driver {
-    fn before(&self, call: &Call<'_>) -> Verdict {
+    fn before(&self, call: &Call<'_>) -> CallOutcome {
         if matches!(call, Call::SyncFolder(path) if path.ends_with("snapshots")) {
             set(PLAIN | self.0);
         }
-        Verdict::Go
+        CallOutcome::Go
     }
 }
 

@@ -36,7 +36,7 @@ fn told(out: &Output) -> String {
     String::from_utf8_lossy(&out.stderr).into_owned()
 }
 
-/// PairList of grains in one place were all listed before one of them was found too deep.
+/// Pairs of grains in one place were all listed before one of them was found too deep.
 #[test]
 fn crowds_are_refused_at_once() {
     let folder = tempfile::tempdir().unwrap();

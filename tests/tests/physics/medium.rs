@@ -188,7 +188,7 @@ fn plane(file: &str) -> Vec<Row> {
 /// bed sinks as it grows denser by a fortieth on its way of 27 D: by a hundredth of the speed at most. Far from the
 /// cylinder it goes at the speed that displacements give, but for base and lid, which go at that of the motion. The
 /// pressure at the height of the axis is in the mean the weight above; that stresses are as large along x and y as
-/// along z holds to a twentieth. TangentialForce stresses are those of friction, below 0.38 of the pressure where grains flow.
+/// along z holds to a twentieth. Shear stresses are those of friction, below 0.38 of the pressure where grains flow.
 #[test]
 fn fields_keep_the_grains() {
     let (scenario, whole) = (shipped(), whole());

@@ -63,8 +63,9 @@ const MUTANTS: &[Mutant] = &[
         name: "sum order: what lower ranges send comes backwards",
         file: "forces/accumulate.rs",
         from: "for one in lower {",
-        to: "let mut sent = [CrossRangeForce::default(); 999];\n    let mut count = 0;\n    for one in lower {\n        \
-             (sent[count], count) = (*one, count + 1);\n    }\n    for one in sent[..count].iter().rev() {",
+        to: "let mut sent = [CrossRangeForce::default(); 999];\n    let mut count = 0;\n    \
+             for one in lower {\n        (sent[count], count) = (*one, count + 1);\n    }\n    \
+             for one in sent[..count].iter().rev() {",
         target: "sums",
         red: &["any_cut_into_ranges_gives_the_same_steps"],
     },

@@ -131,7 +131,7 @@ pub(super) fn map(map: &Map) -> Option<String> {
     Some(out)
 }
 
-/// CellList by colour: one path for each, of rectangles that hold as many neighbours as are alike.
+/// Cells by colour: one path for each, of rectangles that hold as many neighbours as are alike.
 fn bands(out: &mut String, map: &Map, scale: &Scale) {
     let grid = map.grid;
     let [nx, _, nz] = grid.counts;

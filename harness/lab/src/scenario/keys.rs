@@ -19,7 +19,7 @@ pub struct Scenario {
     /// Seed of every random number.
     #[serde(default)]
     pub seed: u64,
-    /// OneOrMany seeds instead of `seed`: each pours beds of its own.
+    /// Several seeds instead of `seed`: each pours beds of its own.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub seeds: Vec<u64>,
     /// Acceleration of gravity, along -z.
@@ -107,7 +107,7 @@ pub struct Bed {
 pub enum OneOrMany {
     /// One.
     One(f64),
-    /// OneOrMany, in order.
+    /// Several, in order.
     Many(Vec<f64>),
 }
 

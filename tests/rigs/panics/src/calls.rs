@@ -1,10 +1,17 @@
 //! What is done under a law.
 
-use bitgrain_kernel::contact::{Contact, Law, NormalForce, Reaction, TangentialForce, TangentialState, NormalState};
+use bitgrain_kernel::contact::{
+    Contact, Law, NormalForce, NormalState, Reaction, TangentialForce, TangentialState,
+};
 use bitgrain_kernel::phases::MotionCheck;
-use bitgrain_kernel::phases::{After, ExcessiveOverlap, GrainRange, GrainView, PairRange, CrossRangeForce, no_fetch, cross_range, accumulate};
+use bitgrain_kernel::phases::{
+    After, CrossRangeForce, ExcessiveOverlap, GrainRange, GrainView, PairRange, accumulate,
+    cross_range, no_fetch,
+};
 use bitgrain_kernel::phases::{ObstacleContactRange, obstacle_forces};
-use bitgrain_kernel::{Error as KernelError, ContactForce, Real, Row, World, start, start_watched, step, step_watched};
+use bitgrain_kernel::{
+    ContactForce, Error as KernelError, Real, Row, World, start, start_watched, step, step_watched,
+};
 
 type Watch<'w, R> = &'w mut dyn FnMut(ContactForce<R>);
 type Ended = Result<(), KernelError>;
@@ -16,9 +23,21 @@ pub struct Calls<R: Real, L: Law<R>> {
     start_watched: fn(&mut World<'_, R>, &L, Watch<'_, R>) -> Ended,
     step: fn(&mut World<'_, R>, &L) -> Ended,
     step_watched: fn(&mut World<'_, R>, &L, Watch<'_, R>) -> Ended,
-    obstacle_forces: fn(&mut GrainRange<'_, R>, &mut ObstacleContactRange<'_, R>, &L, Watch<'_, R>) -> ExcessiveOverlap,
-    spill: fn(GrainView<'_, R>, PairRange<'_, R>, &L, &mut [CrossRangeForce<R>]) -> ExcessiveOverlap,
-    sum: fn(&mut GrainRange<'_, R>, &L, &[CrossRangeForce<R>], &[CrossRangeForce<R>], After) -> Summed<R>,
+    obstacle_forces: fn(
+        &mut GrainRange<'_, R>,
+        &mut ObstacleContactRange<'_, R>,
+        &L,
+        Watch<'_, R>,
+    ) -> ExcessiveOverlap,
+    spill:
+        fn(GrainView<'_, R>, PairRange<'_, R>, &L, &mut [CrossRangeForce<R>]) -> ExcessiveOverlap,
+    sum: fn(
+        &mut GrainRange<'_, R>,
+        &L,
+        &[CrossRangeForce<R>],
+        &[CrossRangeForce<R>],
+        After,
+    ) -> Summed<R>,
     sum_watched: fn(
         &mut GrainRange<'_, R>,
         &L,

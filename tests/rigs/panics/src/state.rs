@@ -3,19 +3,21 @@
 use core::fmt;
 
 use bitgrain_kernel::blake3::Hasher;
-use bitgrain_kernel::contact::{HertzHistory, HertzTsuji};
-use bitgrain_kernel::phases::{GrainMotion, MotionPhase, MotionCheck, integrate};
-use bitgrain_kernel::phases::{ExcessiveOverlap, GrainRange, GrainView, PairRange, first_excessive_overlap};
 use bitgrain_kernel::conformance::{self, Line, Room};
+use bitgrain_kernel::contact::{HertzHistory, HertzTsuji};
+use bitgrain_kernel::phases::ObstacleContactRange;
+use bitgrain_kernel::phases::{
+    ExcessiveOverlap, GrainRange, GrainView, PairRange, first_excessive_overlap,
+};
+use bitgrain_kernel::phases::{GrainMotion, MotionCheck, MotionPhase, integrate};
 use bitgrain_kernel::phases::{Sealed, seal};
 use bitgrain_kernel::phases::{
-    begin, drift, end, ensure_pair_list_ahead, ensure_pair_list, finish, check_overlaps,
+    begin, check_overlaps, drift, end, ensure_pair_list, ensure_pair_list_ahead, finish,
 };
-use bitgrain_kernel::phases::ObstacleContactRange;
 use bitgrain_kernel::vec3::{self, Vec3};
 use bitgrain_kernel::{
-    ContactHistory, Clock, Digest, Domain, Error as KernelError, ArithmeticDefect, Grains, Group, Obstacle, Real, Row, Store, World,
-    check_arithmetic, digest, resume,
+    ArithmeticDefect, Clock, ContactHistory, Digest, Domain, Error as KernelError, Grains, Group,
+    Obstacle, Real, Row, Store, World, check_arithmetic, digest, resume,
 };
 
 type Ended = Result<(), KernelError>;
@@ -74,7 +76,8 @@ pub struct State<R: Real + 'static> {
     digest: fn(&World<'_, R>) -> Digest,
     contact_histories: fn(&World<'_, R>, &mut dyn FnMut(ContactHistory<R>)),
     moving: for<'w> fn(&'w mut World<'_, R>) -> GrainMotion<'w, R>,
-    pushing: for<'w> fn(&'w mut World<'_, R>, R) -> (GrainRange<'w, R>, ObstacleContactRange<'w, R>),
+    pushing:
+        for<'w> fn(&'w mut World<'_, R>, R) -> (GrainRange<'w, R>, ObstacleContactRange<'w, R>),
     across: for<'w> fn(&'w mut World<'_, R>) -> (GrainView<'w, R>, PairRange<'w, R>),
     split_moving: for<'w> fn(GrainMotion<'w, R>, usize) -> (GrainMotion<'w, R>, GrainMotion<'w, R>),
     stretch: for<'w> fn(&'w mut GrainMotion<'_, R>, usize, usize) -> GrainMotion<'w, R>,
@@ -124,7 +127,11 @@ impl<R: Real + 'static> State<R> {
                 clock.listed_across(),
                 clock.touches(),
             ];
-            ([clock.searches(), clock.renewals()], listed, clock.rests() || clock.has_begun())
+            (
+                [clock.searches(), clock.renewals()],
+                listed,
+                clock.rests() || clock.has_begun(),
+            )
         },
         stop: |clock| clock.stop(),
         pieces: Pieces::ALL,
