@@ -1,7 +1,7 @@
 //! Drags through beds that LAMMPS poured: LAMMPS' and ours as the goldens hold them, and what it takes
 //! to compare them.
 
-use bitgrain::scenario::{self, Scenario};
+use bitgrain::scenario::{self, CheckedScenario};
 
 use crate::golden;
 
@@ -56,7 +56,7 @@ pub fn body(name: &str) -> String {
 impl Bed {
     /// The scenario of one drag; the `replica`-th has its time step longer by so many parts in 10,000.
     /// Without friction a floor is under the bed.
-    pub fn scenario(&self, froude: f64, replica: usize) -> Scenario {
+    pub fn scenario(&self, froude: f64, replica: usize) -> CheckedScenario {
         let file = golden("peers/drag/lammps.toml");
         let sets = [
             format!("bed.file='{}'", golden("peers").join(self.file).display()),

@@ -16,7 +16,7 @@ use bitgrain_lab::frames::{self, Frame, Slice};
 use bitgrain_lab::manifest::{FolderKind, Vouched};
 use bitgrain_lab::progress::Progress;
 use bitgrain_lab::run::{self, Setting};
-use bitgrain_lab::scenario::{DragPlan, Scenario};
+use bitgrain_lab::scenario::{CheckedScenario, DragPlan};
 use bitgrain_lab::series::{SeriesRow, parse_series};
 use bitgrain_lab::summary::{BedSummary, DragSummary, Summary, read_folder};
 use bitgrain_sim::checkpoint;
@@ -122,7 +122,7 @@ pub fn write_report(folder: &Folder<'_>) -> Result<()> {
 /// # Errors
 /// As [`run::run_in`].
 pub fn run(
-    scenario: &Scenario,
+    scenario: &CheckedScenario,
     out: &Path,
     library: &BedCache,
     threads: usize,
@@ -144,7 +144,7 @@ pub fn run(
 
 /// The drags of a summary with their plans.
 fn plans(whole: &Summary) -> Result<Vec<(&DragSummary, DragPlan)>> {
-    let plans = whole.inputs.runs();
+    let plans = whole.inputs.drags();
     let plan = |run: &DragSummary| plans.iter().find(|plan| plan.name == run.name).cloned();
     let each = whole.runs.iter();
     each.map(|run| Ok((run, plan(run).ok_or_else(|| unplanned(&run.name))?)))
@@ -223,7 +223,7 @@ fn course(folder: &Folder<'_>, vouched: &Vouched, run: &DragSummary) -> Result<F
 fn map(
     folder: &Folder<'_>,
     vouched: &Vouched,
-    inputs: &Scenario,
+    inputs: &CheckedScenario,
     run: &DragSummary,
     still: &Still,
 ) -> Result<Option<FieldPicture>> {

@@ -58,7 +58,7 @@ fn range(values: impl Iterator<Item = f64> + Clone) -> String {
 }
 
 fn part(summary: &Summary) -> Option<Remark> {
-    let (done, planned) = (summary.runs.len(), summary.inputs.runs().len());
+    let (done, planned) = (summary.runs.len(), summary.inputs.drags().len());
     (done < planned).then(|| {
         let words = format!("{done} of {planned} drags are done; all that is said is of these.");
         remark("A part", words)

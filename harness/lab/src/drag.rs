@@ -102,7 +102,7 @@ struct Gauges {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Dragging {
-    /// Which run of which scenario this is: [`Scenario::key`].
+    /// Which run of which scenario this is: [`CheckedScenario::key`].
     pub key: String,
     /// Steps done.
     pub step: u64,

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::manifest::{self, FolderKind, Ledger, Manifest};
 use crate::progress::Progress;
-use crate::scenario::{self, Scenario};
+use crate::scenario::{self, CheckedScenario};
 use bitgrain_sim::disk::{self, Kind, make_folder};
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::files::{bits, read_text};
@@ -255,7 +255,7 @@ impl Folder<'_> {
     ///
     /// # Errors
     /// [`Error::Input`] where it holds none, a wrong one, or one of another arithmetic.
-    pub fn saved_scenario(&self) -> Result<Scenario> {
+    pub fn saved_scenario(&self) -> Result<CheckedScenario> {
         let path = self.scenario();
         let place = || path.display().to_string();
         if !disk::is_there(&path) {
@@ -281,13 +281,12 @@ impl Folder<'_> {
     }
 
     /// The scenario as this folder holds it: the file of an imported bed lies in it.
-    pub fn inputs(&self, scenario: &Scenario) -> Scenario {
-        let mut inputs = scenario.clone();
-        if let Some(source) = inputs.source.take() {
-            let name = source.file_name().unwrap_or_default();
-            inputs.bed.file = Some(format!("beds/imported/{}", name.to_string_lossy()));
-        }
-        inputs
+    pub fn inputs(&self, scenario: &CheckedScenario) -> CheckedScenario {
+        let Some(source) = &scenario.source else {
+            return scenario.clone();
+        };
+        let name = source.file_name().unwrap_or_default();
+        scenario.with_bed_file(format!("beds/imported/{}", name.to_string_lossy()))
     }
 
     /// Whether anything was made in it.
@@ -297,18 +296,18 @@ impl Folder<'_> {
     }
 
     /// The text of `scenario.toml` of a run of this scenario.
-    pub fn scenario_text(&self, scenario: &Scenario) -> String {
+    pub fn scenario_text(&self, scenario: &CheckedScenario) -> String {
         format!("# {}\n{}", bits(), self.inputs(scenario).to_toml())
     }
 
     /// The folders that files of a run are written to.
-    pub fn own_folders(&self, scenario: &Scenario) -> Vec<PathBuf> {
+    pub fn own_folders(&self, scenario: &CheckedScenario) -> Vec<PathBuf> {
         let mut own = vec![
             self.0.to_path_buf(),
             self.0.join("beds"),
             self.0.join("beds/imported"),
         ];
-        for run in scenario.runs() {
+        for run in scenario.drags() {
             let runs = ["forces.csv", "checkpoints/0", "snapshots/0", "frames/0"];
             let files = runs.map(|file| self.of_run(&run.name, file));
             own.extend(

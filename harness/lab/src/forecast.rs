@@ -8,7 +8,7 @@ use crate::bed;
 use crate::bed::library::BedCache;
 use crate::bed::recipe::Recipe;
 use crate::progress::Stage;
-use crate::scenario::{self, BedPlan, DragPlan, PACKING_GUESS, Scenario, UnitSystem};
+use crate::scenario::{self, BedPlan, CheckedScenario, DragPlan, PACKING_GUESS, UnitSystem};
 use bitgrain_sim::coefficients::table_text;
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::format::{bytes, short};
@@ -39,7 +39,7 @@ const TRIAL: f64 = 0.5;
 ///
 /// # Errors
 /// What the trial may meet: a run that goes wrong.
-pub fn forecast(scenario: &Scenario, library: &BedCache, threads: usize) -> Result<String> {
+pub fn forecast(scenario: &CheckedScenario, library: &BedCache, threads: usize) -> Result<String> {
     let speed = trial(scenario)?;
     let work = Work::of(scenario, library)?;
     let mut out = Lines::default();
@@ -67,7 +67,7 @@ struct Work {
 
 impl Work {
     /// Of a scenario whose beds may be in a library.
-    fn of(scenario: &Scenario, library: &BedCache) -> Result<Self> {
+    fn of(scenario: &CheckedScenario, library: &BedCache) -> Result<Self> {
         let mut work = Work::default();
         if scenario.source.is_none() {
             let absent = |plan: &BedPlan| {
@@ -81,7 +81,7 @@ impl Work {
                 if plan.lid.is_some() {
                     work.covered.push(bed::covering_steps(scenario, &plan));
                 }
-                work.missing.push(plan.name);
+                work.missing.push(plan.name.clone());
             }
             for plan in scenario.bare_beds() {
                 if absent(&plan)? {
@@ -129,7 +129,7 @@ pub fn shipped(threads: usize) -> Result<Vec<Size>> {
             Some(speed) => speed,
             None => *speed.insert(trial(&scenario)?),
         };
-        let (beds, runs) = (scenario.beds(), scenario.runs());
+        let (beds, runs) = (scenario.beds(), scenario.drags());
         let grains = largest(&scenario, &beds);
         let steps = Work::of(&scenario, &none)?.longest(&runs, threads);
         sizes.push(Size {
@@ -144,7 +144,7 @@ pub fn shipped(threads: usize) -> Result<Vec<Size>> {
 }
 
 /// Grains of the largest bed.
-fn largest(scenario: &Scenario, beds: &[BedPlan]) -> usize {
+fn largest(scenario: &CheckedScenario, beds: &[BedPlan]) -> usize {
     let sizes = beds.iter().map(|plan| scenario.grain_count(plan.diameter));
     sizes.max().unwrap_or(0)
 }
@@ -177,8 +177,8 @@ impl Lines {
 }
 
 /// Grains, steps, memory, disk and time.
-fn cost(scenario: &Scenario, work: &Work, threads: usize, speed: f64, out: &mut Lines) {
-    let (beds, runs) = (scenario.beds(), scenario.runs());
+fn cost(scenario: &CheckedScenario, work: &Work, threads: usize, speed: f64, out: &mut Lines) {
+    let (beds, runs) = (scenario.beds(), scenario.drags());
     let grains = largest(scenario, &beds);
     let whole = work.longest(&runs, threads);
     let drags: u64 = runs.iter().map(|run| run.steps()).sum();
@@ -230,7 +230,7 @@ fn cost(scenario: &Scenario, work: &Work, threads: usize, speed: f64, out: &mut 
 }
 
 /// Dimensionless groups, of the scenario and of each run.
-fn groups(scenario: &Scenario, speed: f64, out: &mut Lines) {
+fn groups(scenario: &CheckedScenario, speed: f64, out: &mut Lines) {
     let units = scenario.units();
     let (rayleigh, collision) = (scenario.rayleigh_time(), scenario.shortest_contact());
     let bound = |time: f64, most: f64, name: &str| {
@@ -261,7 +261,7 @@ fn groups(scenario: &Scenario, speed: f64, out: &mut Lines) {
 }
 
 /// A row for each run.
-fn runs(scenario: &Scenario, speed: f64, out: &mut Lines) {
+fn runs(scenario: &CheckedScenario, speed: f64, out: &mut Lines) {
     let units = scenario.units();
     let beds = scenario.beds();
     out.gap();
@@ -276,7 +276,7 @@ fn runs(scenario: &Scenario, speed: f64, out: &mut Lines) {
         format!("depth ({})", units.length),
         "depth/D".into(),
     ]];
-    for run in scenario.runs() {
+    for run in scenario.drags() {
         let plan = &beds[run.bed];
         let depth = planned_depth(scenario, plan);
         let contact = scenario.law.contact_duration(
@@ -315,7 +315,7 @@ fn runs(scenario: &Scenario, speed: f64, out: &mut Lines) {
 }
 
 /// Depth, or effective depth under a lid, at the packing fraction that plans assume.
-fn planned_depth(scenario: &Scenario, plan: &BedPlan) -> f64 {
+fn planned_depth(scenario: &CheckedScenario, plan: &BedPlan) -> f64 {
     let own = scenario.expected_surface(plan.diameter) - plan.center[2];
     let Some(lid) = &plan.lid else {
         return own;
@@ -328,7 +328,7 @@ fn planned_depth(scenario: &Scenario, plan: &BedPlan) -> f64 {
     }
 }
 
-fn system(scenario: &Scenario) -> &'static str {
+fn system(scenario: &CheckedScenario) -> &'static str {
     match scenario.units {
         crate::scenario::UnitSystem::Reduced => "reduced units: rho = d = g = 1",
         crate::scenario::UnitSystem::Si => "SI units",
@@ -349,12 +349,17 @@ pub(crate) fn side_by_side(jobs: &[u64], threads: usize) -> u64 {
 }
 
 /// Points of the fields along each axis; none where there are no fields.
-fn points(scenario: &Scenario) -> [f64; 3] {
+fn points(scenario: &CheckedScenario) -> [f64; 3] {
     let grid = scenario.fields_grid();
     grid.map_or([0; 3], |grid| grid.counts).map(|n| n as f64)
 }
 
-pub(crate) fn disk(scenario: &Scenario, runs: &[DragPlan], grains: usize, beds: usize) -> f64 {
+pub(crate) fn disk(
+    scenario: &CheckedScenario,
+    runs: &[DragPlan],
+    grains: usize,
+    beds: usize,
+) -> f64 {
     let grains = grains as f64;
     // Twice: in the library and in the run directory.
     let bed = grains * (2.0 * CHECKPOINT + DATA);
@@ -382,7 +387,7 @@ const TRIAL_GRAINS: usize = 300;
 
 /// Grain-steps a second on one thread: a small bed of the quick scenario's soft grains, poured just
 /// now, with the scenario's friction.
-pub(crate) fn trial(scenario: &Scenario) -> Result<f64> {
+pub(crate) fn trial(scenario: &CheckedScenario) -> Result<f64> {
     let sets = [
         "name=trial".to_string(),
         format!("bed.grains={TRIAL_GRAINS}"),
@@ -406,13 +411,13 @@ pub(crate) fn trial(scenario: &Scenario) -> Result<f64> {
 }
 
 /// Normal stiffness over the weight of a grain's height of material.
-fn stiffness(scenario: &Scenario) -> f64 {
+fn stiffness(scenario: &CheckedScenario) -> f64 {
     let weight = scenario.bed.density * scenario.gravity * scenario.mean_diameter();
     scenario.law.normal_stiffness() / weight
 }
 
 /// `(V/D) d / sqrt(P/rho)` with the pressure `P = phi rho g h` at the intruder's depth.
-fn inertial(scenario: &Scenario, run: &DragPlan, diameter: f64, depth: f64) -> f64 {
+fn inertial(scenario: &CheckedScenario, run: &DragPlan, diameter: f64, depth: f64) -> f64 {
     let rate = run.motion.speed / diameter;
     rate * scenario.mean_diameter() / (PACKING_GUESS * scenario.gravity * depth).sqrt()
 }

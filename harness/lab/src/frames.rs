@@ -237,7 +237,7 @@ mod tests {
         let law = AnyLaw::HertzHistory(conformance::history(0.0));
         let sim = Simulation::new(law, domain, 1e-3, groups, &grains, vec![ball]);
         let quick = crate::scenario::load("quick", &[]).unwrap();
-        let mut plan = quick.runs()[0].clone();
+        let mut plan = quick.drags()[0].clone();
         (plan.motion.speed, plan.motion.dt) = (2.0, sim.dt);
         let still = "50,0.100,1.500,1.000,0.400,0.500,0.250,0.559,free\n\
                      50,0.100,-1.000,-2.500,0.500,0.000,0.000,0.000,base\n";

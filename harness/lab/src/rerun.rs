@@ -5,7 +5,7 @@ use crate::drag::Dragging;
 use crate::folder::Folder;
 use crate::progress::{Progress, Stage};
 use crate::run::{self, DragTask, surveyed};
-use crate::scenario::{BedPlan, DragPlan, Scenario};
+use crate::scenario::{BedPlan, CheckedScenario, DragPlan};
 use crate::summary::BedSummary;
 use bitgrain_sim::checkpoint;
 use bitgrain_sim::disk;
@@ -18,11 +18,7 @@ pub struct RunArchive<'a> {
     /// Where it is.
     pub folder: &'a Folder<'a>,
     /// The scenario.
-    pub scenario: Scenario,
-    /// Its beds: those below lids, then those that are dragged through.
-    pub beds: Vec<BedPlan>,
-    /// Its drags.
-    pub runs: Vec<DragPlan>,
+    pub scenario: CheckedScenario,
 }
 
 /// A stage of a run.
@@ -51,24 +47,13 @@ impl<'a> RunArchive<'a> {
     /// As [`Folder::saved_scenario`].
     pub fn open(folder: &'a Folder<'a>) -> Result<Self> {
         let scenario = folder.saved_scenario()?;
-        let mut beds = scenario.bare_beds();
-        for plan in scenario.beds() {
-            if !beds.contains(&plan) {
-                beds.push(plan);
-            }
-        }
-        Ok(Self {
-            folder,
-            beds,
-            runs: scenario.runs(),
-            scenario,
-        })
+        Ok(Self { folder, scenario })
     }
 
     /// All stages, in the order in which they are run.
     pub fn parts(&self) -> impl Iterator<Item = RunPart<'_>> {
-        let beds = self.beds.iter().map(RunPart::Bed);
-        beds.chain(self.runs.iter().map(RunPart::Drag))
+        let beds = self.scenario.all_beds().into_iter().map(RunPart::Bed);
+        beds.chain(self.scenario.drags().iter().map(RunPart::Drag))
     }
 
     /// The stage of this name.

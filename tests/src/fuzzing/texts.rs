@@ -57,7 +57,7 @@ pub fn scenario(data: &[u8]) -> bool {
     let Ok(read) = scenario::parse(text, "fuzz", &[], Path::new("")) else {
         return false;
     };
-    let (beds, runs) = (read.beds(), read.runs());
+    let (beds, runs) = (read.beds(), read.drags());
     assert!(!beds.is_empty() && !runs.is_empty(), "nothing to do");
     assert!(runs.iter().all(|run| run.bed < beds.len()));
     let again = scenario::parse(&read.to_toml(), "fuzz", &[], Path::new(""));

@@ -15,7 +15,7 @@ use bitgrain::disk::{self, Call, CallOutcome, Watch};
 use bitgrain::error::Result;
 use bitgrain::progress::Progress;
 use bitgrain::run::SaveEvery;
-use bitgrain::scenario::Scenario;
+use bitgrain::scenario::CheckedScenario;
 use bitgrain_tests::results;
 use bitgrain_tests::wee::{WEE, WEE_CAMPAIGN};
 
@@ -175,7 +175,7 @@ trait Work {
     fn go(&self, room: &Path) -> Result<()>;
 }
 
-struct Run(Scenario);
+struct Run(CheckedScenario);
 
 impl Work for Run {
     fn go(&self, room: &Path) -> Result<()> {

@@ -124,9 +124,9 @@ impl Observer for BedCache {
 #[test]
 fn a_mode_switched_on_by_who_looks_on_ends_the_drag_before_anything_is_written() {
     let _alone = alone();
-    let mut scenario = scenario::load("quick", &[]).unwrap();
-    scenario.measure.digest_every = 2;
-    let plan = &scenario.runs()[0];
+    let quick = scenario::load("quick", &[]).unwrap();
+    let scenario = quick.changed(|s| s.measure.digest_every = 2).unwrap();
+    let plan = &scenario.drags()[0];
     for (bits, _) in MODES {
         let mut library = BedCache {
             bits,

@@ -148,7 +148,7 @@ fn wrong_rigs_are_refused() {
     snapshot("rigs", &text);
     let sound = RIG.replacen(far, "distance = 0.05\nown_wake = true", 1);
     let sound = bitgrain::scenario::parse(&sound, "wake", &[], Path::new("")).unwrap();
-    assert_eq!(sound.runs()[0].distance, 0.05);
+    assert_eq!(sound.drags()[0].distance, 0.05);
 }
 
 const CASE: &str = r#"{
@@ -359,7 +359,7 @@ fn shipped_scenarios_are_sound() {
     );
     let two = bitgrain::scenario::load("kumar-system-2", &[]).unwrap();
     assert_eq!(
-        (two.grain_count(3.0), two.beds().len(), two.runs().len()),
+        (two.grain_count(3.0), two.beds().len(), two.drags().len()),
         (300_000, 7, 35)
     );
 }

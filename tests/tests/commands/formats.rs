@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
 use bitgrain::bed::recipe::Recipe;
-use bitgrain::scenario::{self, Scenario};
+use bitgrain::scenario::{self, CheckedScenario};
 use bitgrain::{campaign, scenario::parse};
 use bitgrain_tests::root;
 use serde_json::Value;
@@ -22,7 +22,7 @@ fn snapshot(name: &str, text: &str) {
 }
 
 /// BLAKE3 of the text of a scenario, and of the recipe of each of its beds.
-fn digests(name: &str, scenario: &Scenario, out: &mut String) {
+fn digests(name: &str, scenario: &CheckedScenario, out: &mut String) {
     let text = blake3::hash(scenario.to_toml().as_bytes()).to_hex();
     let _ = writeln!(out, "{name} {}", &text[..32]);
     for plan in scenario.beds() {

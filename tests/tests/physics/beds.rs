@@ -6,11 +6,11 @@ use bitgrain::bed::{self, import};
 use bitgrain::export;
 use bitgrain::lammps::data_text;
 use bitgrain::progress::Stage;
-use bitgrain::scenario::{self, OneOrMany, Scenario};
+use bitgrain::scenario::{self, CheckedScenario, OneOrMany};
 use bitgrain::summary::BedSummary;
 use bitgrain_tests::{SMALL, output, small_from_file};
 
-fn quick(sets: &[&str]) -> Scenario {
+fn quick(sets: &[&str]) -> CheckedScenario {
     let sets: Vec<String> = sets.iter().map(|s| s.to_string()).collect();
     scenario::load("quick", &sets).unwrap()
 }

@@ -10,14 +10,14 @@ use bitgrain::drag::{DragSeries, Means, drag};
 use bitgrain::flow::FlowRow;
 use bitgrain::motion::Moves;
 use bitgrain::progress::Stage;
-use bitgrain::scenario::{self, BedPlan, DragPlan, Scenario};
+use bitgrain::scenario::{self, BedPlan, CheckedScenario, DragPlan};
 use bitgrain::simulation::{Role, Simulation};
 use bitgrain_kernel::ContactHistory;
 use bitgrain_tests::{RIG, Shown, largest};
 
 const SPEED: f64 = 0.1;
 
-fn rig() -> Scenario {
+fn rig() -> CheckedScenario {
     let sets = ["lid.effective_depth=0.03", "bed.settled=1e-2"];
     scenario::parse(RIG, "rig", &sets.map(String::from), Path::new("")).unwrap()
 }
@@ -47,8 +47,14 @@ fn places(sim: &Simulation, role: Role) -> Vec<usize> {
 }
 
 /// A run of so many steps, averaged after the first `discard` of them, which shows some of its states.
-fn plan(scenario: &Scenario, speed: f64, steps: u64, discard: u64, shown: &[u64]) -> DragPlan {
-    let mut plan = scenario.runs().remove(0);
+fn plan(
+    scenario: &CheckedScenario,
+    speed: f64,
+    steps: u64,
+    discard: u64,
+    shown: &[u64],
+) -> DragPlan {
+    let mut plan = scenario.drags()[0].clone();
     plan.motion.speed = speed;
     plan.distance = plan.motion.travel(steps);
     // Half a step early, so that rounding decides nothing.
@@ -268,8 +274,7 @@ fn who_moves_does_not_matter() {
     // So fast that two rows of the flow take few steps, in which rounding errors hardly grow.
     let fast = 0.5;
     for bed in &*BEDS {
-        let mut scenario = rig();
-        scenario.measure.every = 10;
+        let scenario = rig().changed(|s| s.measure.every = 10).unwrap();
         let mut plan = plan(&scenario, fast, 300, 2, &[10, 300]);
         let (mut through, mut past) = (vec![], vec![]);
         plan.motion.moves = Moves::Intruder;

@@ -16,7 +16,7 @@ use std::fmt::Write;
 use bitgrain::checkpoint;
 use bitgrain::drag::{Means, drag};
 use bitgrain::error::Error;
-use bitgrain::scenario::Scenario;
+use bitgrain::scenario::CheckedScenario;
 use bitgrain::series::SeriesRow;
 use bitgrain::simulation::{Simulation, hex};
 use bitgrain_kernel::Error as KernelError;
@@ -59,10 +59,10 @@ const REPLICAS: usize = 12;
 const PIECE: [u64; 2] = [200_000, 204_000];
 
 /// One drag, and the states at the `marks`.
-fn pull(scenario: &Scenario, marks: &[u64]) -> (Means, Vec<SeriesRow>, Vec<Simulation>) {
+fn pull(scenario: &CheckedScenario, marks: &[u64]) -> (Means, Vec<SeriesRow>, Vec<Simulation>) {
     let mut sim =
         bitgrain::bed::import::bed(scenario, scenario.source.as_deref().unwrap()).unwrap();
-    let plan = scenario.runs().remove(0);
+    let plan = scenario.drags()[0].clone();
     let mut states = Vec::new();
     let mut mark = Shown(marks, |_, sim: &mut Simulation| states.push(sim.clone()));
     let (means, record) = drag(&mut sim, &plan, &mut mark).unwrap();
@@ -231,10 +231,10 @@ fn both_programs_are_asked_the_same() {
     assert!(input.contains("-var bed bedS_D4_mu0.data -var mu 0 -var floor yes"));
     let speed = word("-var V", 0);
     // The same but for how it was rounded.
-    assert!((speed / scenario.runs()[0].motion.speed - 1.0).abs() < 1e-15);
+    assert!((speed / scenario.drags()[0].motion.speed - 1.0).abs() < 1e-15);
     for (bed, froude) in points() {
         let (scenario, row) = (bed.scenario(froude, 0), bed.lammps(froude));
-        let plan = scenario.runs().remove(0);
+        let plan = scenario.drags()[0].clone();
         assert_eq!(scenario.beds()[0].diameter, bed.diameter);
         assert!((row.speed / plan.motion.speed - 1.0).abs() < 1e-9);
         // LAMMPS' runs end with a row of their series, 400 of them.
@@ -381,10 +381,12 @@ fn eighths_of_fast_drags_agree_with_lammps() {
 /// The begin of a drag at Fr 5 with LAMMPS' series of it: rows of both.
 fn first_rows(bed: &Bed, floor: bool, rows: u64) -> Result<Vec<[[f64; 2]; 2]>, Error> {
     let (_, theirs) = bed.lammps_series(5.0);
-    let mut scenario = bed.scenario(5.0, 0);
-    scenario.bed.floor = floor;
-    scenario.measure.every = theirs[0][0] as u64;
-    let mut plan = scenario.runs().remove(0);
+    let scenario = bed.scenario(5.0, 0).changed(|s| {
+        s.bed.floor = floor;
+        s.measure.every = theirs[0][0] as u64;
+    });
+    let scenario = scenario.unwrap();
+    let mut plan = scenario.drags()[0].clone();
     let steps = rows * scenario.measure.every;
     plan.motion = plan.motion.averaged_beyond(0.1, steps);
     let mut sim = bitgrain::bed::import::bed(&scenario, scenario.source.as_deref().unwrap())?;

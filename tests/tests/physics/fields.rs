@@ -9,7 +9,7 @@ use bitgrain::coarse_graining::{CoarseGraining, FieldPoint, Flag, intruder_outli
 use bitgrain::drag::Dragging;
 use bitgrain::motion::Moves;
 use bitgrain::progress::{Progress, Stage};
-use bitgrain::scenario::{self, Scenario};
+use bitgrain::scenario::{self, CheckedScenario};
 use bitgrain::simulation::{Grain, Simulation};
 use bitgrain::summary::{Summary, read_summary};
 use bitgrain::threads::on_threads;
@@ -19,13 +19,13 @@ use bitgrain_tests::{RIG, SMALL, Shown, output, results};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
 
-fn parsed(text: &str, sets: &[&str]) -> Scenario {
+fn parsed(text: &str, sets: &[&str]) -> CheckedScenario {
     let sets: Vec<String> = sets.iter().map(|s| s.to_string()).collect();
     scenario::parse(text, "fields", &sets, Path::new("")).unwrap()
 }
 
 /// The rig over a short way under its heavier lid, with these fields; three quarters of a second.
-fn rig(fields: &str) -> Scenario {
+fn rig(fields: &str) -> CheckedScenario {
     let text = format!("{RIG}\n[measure.fields]\n{fields}\n");
     let sets = [
         "lid.effective_depth=0.03",
@@ -57,7 +57,7 @@ fn fields_of_no_steady_state_are_refused() {
     );
 }
 
-fn run_into(scenario: &Scenario, out: &Path, beds: &Path, threads: usize) -> Summary {
+fn run_into(scenario: &CheckedScenario, out: &Path, beds: &Path, threads: usize) -> Summary {
     let library = BedCache::new(beds);
     bitgrain::present::run(scenario, out, &library, threads, &Progress::new(false)).unwrap();
     read_summary(&out.join("summary.json")).unwrap()
@@ -73,8 +73,7 @@ fn loads_are_the_forces() {
     let asked = "grid = [9, 1, 8]\nevery = 1";
     let mut whole = None;
     for moves in [Moves::Intruder, Moves::Bed] {
-        let mut scenario = rig(asked);
-        scenario.drag.moves = moves;
+        let scenario = rig(asked).changed(|s| s.drag.moves = moves).unwrap();
         let out = folder.path().join(format!("{moves:?}"));
         let made = run_into(&scenario, &out, &beds, 2);
         let (run, rig_of) = (&made.runs[0], made.beds[0].rig.as_ref().unwrap());
@@ -105,8 +104,7 @@ fn loads_are_the_forces() {
     }
     let whole = whole.unwrap();
     let run = &whole.runs[0];
-    let mut without = rig("");
-    without.measure.fields = None;
+    let without = rig("").changed(|s| s.measure.fields = None).unwrap();
     let bare = run_into(&without, &folder.path().join("without"), &beds, 2);
     assert_eq!(bare.runs[0].digest, run.digest);
     assert_eq!(bare.runs[0].drag, run.drag);
@@ -118,9 +116,9 @@ fn loads_are_the_forces() {
 #[test]
 #[ignore = "half a minute: `.ci/run long`"]
 fn a_drag_in_two_parts_has_the_fields_of_one() {
-    let mut scenario = rig("grid = [20, 2, 12]\nevery = 150");
-    scenario.lid = None;
-    let plan = &scenario.runs()[0];
+    let scenario = rig("grid = [20, 2, 12]\nevery = 150");
+    let scenario = scenario.changed(|s| s.lid = None).unwrap();
+    let plan = &scenario.drags()[0];
     let go = |sim: &mut Simulation,
               dragging: &mut Dragging,
               observer: &mut dyn FnMut(u64),
@@ -185,7 +183,7 @@ impl bitgrain::observer::Observer for Until {
 }
 
 /// Five grains with a moving cylinder in the middle of a high box, which nothing pulls.
-fn cluster(scenario: &Scenario) -> Simulation {
+fn cluster(scenario: &CheckedScenario) -> Simulation {
     let places = [
         // Two on the cylinder, beside each other across the edge of the box along y, and one on the second.
         [3.02, 0.1, 12.0],
@@ -254,7 +252,7 @@ fn fields_come_to_their_grains_and_contacts() {
         .iter()
         .filter(|c| c.partner == Partner::Obstacle(0));
     assert_eq!((contacts.len(), on_body.count()), (5, 2), "{contacts:?}");
-    let plan = &scenario.runs()[0];
+    let plan = &scenario.drags()[0];
     let mut gauge = CoarseGraining::new(&plan.fields.unwrap(), &plan.motion);
     gauge.add(&sim, &contacts, plan.motion.window[0]);
     let fields = gauge.points(intruder_outline(&sim));
@@ -300,7 +298,7 @@ fn a_resting_bed_carries_its_weight() {
     let text = format!("{SMALL}\n[measure.fields]\ngrid = [20, 16, 96]\nevery = 1\n");
     let scenario = parsed(&text, &sets);
     let mut sim = bed::pour(&scenario, &scenario.beds()[0], &mut Stage::silent()).unwrap();
-    let mut plan = scenario.runs().remove(0);
+    let mut plan = scenario.drags()[0].clone();
     plan.motion = plan.motion.averaged_beyond(0.0, plan.steps());
     let mut gauge = CoarseGraining::new(&plan.fields.unwrap(), &plan.motion);
     let mut contacts = Vec::new();
@@ -356,8 +354,12 @@ fn a_resting_bed_carries_its_weight() {
 fn a_run_leaves_its_fields() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
-    let mut scenario = rig("grid = [54, 2, 32]\nevery = 100");
-    scenario.lid.as_mut().unwrap().pressure_gradient = scenario::Gradient::Both;
+    let both = |s: &mut scenario::Scenario| {
+        s.lid.as_mut().unwrap().pressure_gradient = scenario::Gradient::Both;
+    };
+    let scenario = rig("grid = [54, 2, 32]\nevery = 100")
+        .changed(both)
+        .unwrap();
     let whole = run_into(&scenario, &out, &folder.path().join("beds"), 2);
     present::write_report(&bitgrain::folder::Folder(&out)).unwrap();
     let files = results(&out);

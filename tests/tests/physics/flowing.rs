@@ -6,7 +6,7 @@
 use bitgrain::claims;
 use bitgrain::drag::drag;
 use bitgrain::flow::{FlowRow, flow_text, parse_flow, parse_profile};
-use bitgrain::scenario::{self, Scenario};
+use bitgrain::scenario::{self, CheckedScenario};
 use bitgrain::series::{SeriesRow, read_series, series_text};
 use bitgrain::summary::{DragSummary, Flow, Summary, read_summary};
 use bitgrain::{block_averaging::Mean, checkpoint};
@@ -15,7 +15,7 @@ use bitgrain_tests::{golden, unpacked};
 /// Steps done again: eight rows of the force series and one of the flow.
 const AGAIN: u64 = 4_000;
 
-fn scenario() -> Scenario {
+fn scenario() -> CheckedScenario {
     scenario::load("guillard-small", &[]).unwrap()
 }
 
@@ -71,7 +71,7 @@ fn the_first_steps_done_again_give_the_same_rows() {
         bitgrain::simulation::hex(&bed.digest().unwrap().whole),
         whole().beds[0].digest
     );
-    let mut plan = scenario.runs()[0].clone();
+    let mut plan = scenario.drags()[0].clone();
     // Averages are of no concern here; those of the whole run begin much later.
     plan.motion = plan.motion.averaged_beyond(0.0, AGAIN);
     let (_, record) = drag(&mut bed, &plan, &mut ()).unwrap();
@@ -180,7 +180,7 @@ fn the_bed_follows_its_base_and_base_and_lid_carry_the_drag() {
 fn half_the_speed_changes_the_drag_by_less_than_a_twentieth() {
     let (slow, fast) = (series("half.forces.csv.gz"), series(FILES[0][0]));
     let travel = slow.last().unwrap().distance;
-    let begin = scenario().runs()[0].discard;
+    let begin = scenario().drags()[0].discard;
     let drag = |series: &[SeriesRow]| {
         let step_at = |distance: f64| {
             let mut before = series

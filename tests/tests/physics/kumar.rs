@@ -82,7 +82,7 @@ fn tables_are_those_of_the_shipped_campaigns() {
         let plan = campaign::load(name, &[]).unwrap();
         let mut row = 0;
         for member in &plan.members {
-            for run in member.scenario.runs() {
+            for run in member.scenario.drags() {
                 assert_eq!(table.text(row, "member"), member.name);
                 assert_eq!(table.text(row, "run"), run.name);
                 let near = |column: &str, want: f64| {

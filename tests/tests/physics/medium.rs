@@ -10,7 +10,7 @@ use bitgrain::coarse_graining::text::load_text;
 use bitgrain::drag::Dragging;
 use bitgrain::observer::Observer;
 use bitgrain::progress::Stage;
-use bitgrain::scenario::{self, Scenario};
+use bitgrain::scenario::{self, CheckedScenario};
 use bitgrain::simulation::hex;
 use bitgrain::summary::{DragSummary, Summary, read_summary};
 use bitgrain_tests::{golden, unpacked};
@@ -35,7 +35,7 @@ const FIELDS: [&str; 8] = [
     "bed-29-run-1.csv.gz",
 ];
 
-fn shipped() -> Scenario {
+fn shipped() -> CheckedScenario {
     scenario::load("guillard-medium", &[]).unwrap()
 }
 
@@ -66,9 +66,9 @@ fn links() -> BTreeMap<(String, u64), String> {
 fn drags_are_those_of_the_shipped_scenario() {
     let (shipped, whole, links) = (shipped(), whole(), links());
     assert_eq!(whole.inputs, shipped);
-    let plans = shipped.runs();
+    let plans = shipped.drags();
     assert_eq!(whole.runs.len(), plans.len());
-    for (run, plan) in whole.runs.iter().zip(&plans) {
+    for (run, plan) in whole.runs.iter().zip(plans) {
         assert_eq!(run.name, plan.name);
         assert_eq!((run.speed, run.steps), (plan.motion.speed, plan.steps()));
         for step in (0..=run.steps).step_by(LINKS as usize) {
@@ -134,7 +134,7 @@ impl Observer for Until {
 fn a_piece_done_again_gives_the_same_links_and_sums() {
     let (scenario, links) = (shipped(), links());
     let plan = scenario
-        .runs()
+        .drags()
         .into_iter()
         .find(|plan| plan.name == PIECE.0);
     let plan = plan.unwrap();
@@ -147,7 +147,7 @@ fn a_piece_done_again_gives_the_same_links_and_sums() {
     dragging
         .go_on(&mut sim, &plan, &Stage::silent(), &mut Until(end))
         .unwrap();
-    assert_eq!(dragging.chain.end(), links[&(plan.name, end)]);
+    assert_eq!(dragging.chain.end(), links[&(plan.name.clone(), end)]);
     let fields = dragging.fields.as_ref().unwrap();
     let said = format!(
         "step {}\nlink {}\nsamples {}\nsums of fields {}\nsums of load {}\n",

@@ -12,7 +12,7 @@ use bitgrain::folder::Folder;
 use bitgrain::manifest::{FolderKind, Vouched};
 use bitgrain::observe::weight_and_support;
 use bitgrain::progress::Progress;
-use bitgrain::scenario::{self, Scenario};
+use bitgrain::scenario::{self, CheckedScenario};
 use bitgrain::simulation::{Simulation, sphere_mass};
 use bitgrain::summary::{BedSummary, DragSummary, Rig, Summary, read_folder, read_summary};
 use bitgrain::{checkpoint, present, run};
@@ -22,17 +22,17 @@ use bitgrain_tests::{RIG, golden, output, results};
 const G: f64 = 9.81;
 const D: f64 = 0.0015;
 
-fn rig(sets: &[&str]) -> Scenario {
+fn rig(sets: &[&str]) -> CheckedScenario {
     let sets: Vec<String> = sets.iter().map(|s| s.to_string()).collect();
     scenario::parse(RIG, "rig", &sets, Path::new("")).unwrap()
 }
 
 /// The rig over the shortest way that leaves a window after two diameters.
-fn short() -> Scenario {
+fn short() -> CheckedScenario {
     rig(&["drag.distance=0.006", "measure.every=40"])
 }
 
-fn run_into(scenario: &Scenario, out: &Path, beds: &Path, threads: usize) {
+fn run_into(scenario: &CheckedScenario, out: &Path, beds: &Path, threads: usize) {
     let library = BedCache::new(beds);
     bitgrain::present::run(scenario, out, &library, threads, &Progress::new(false)).unwrap();
 }

@@ -13,7 +13,7 @@ use bitgrain::report::{self, BedPicture, Drawings, Film, FlowGrain, FlowPicture,
 use bitgrain::scenario::{self};
 use bitgrain::series::SeriesRow;
 use bitgrain::simulation::Role;
-use bitgrain::summary::Summary;
+use bitgrain::summary::{Summary, parse_summary};
 use bitgrain_tests::golden;
 
 /// Widths of a desk's and a phone's window, in CSS pixels.
@@ -36,7 +36,7 @@ fn summary() -> Summary {
     let json = &text[text
         .find("\n{")
         .expect("a summary after the snapshot's head")..];
-    let mut whole: Summary = serde_json::from_str(json).unwrap();
+    let mut whole = parse_summary(json, Path::new("quick")).unwrap();
     let mut deep = whole.beds[0].clone();
     deep.name = "bed-2".into();
     whole.beds.push(deep);

@@ -102,7 +102,7 @@ impl Evidence {
     /// How much of a run is done, where it has not come to its end.
     fn part(&self) -> Option<String> {
         let summary = self.summary.as_ref()?;
-        let (done, planned) = (summary.runs.len(), summary.inputs.runs().len());
+        let (done, planned) = (summary.runs.len(), summary.inputs.drags().len());
         (done < planned).then(|| format!("{done} of {planned} drags"))
     }
 

@@ -1,6 +1,6 @@
 //! Made-up summaries of flowing beds, for tests.
 
-use bitgrain_lab::scenario::{self, Scenario};
+use bitgrain_lab::scenario::{self, CheckedScenario};
 use bitgrain_lab::summary::{BedSummary, DragSummary, Flow, Rig, Summary};
 use bitgrain_sim::block_averaging::{METHOD, Mean};
 
@@ -43,7 +43,7 @@ impl Default for Asked {
     }
 }
 
-fn scenario(asked: &Asked) -> Scenario {
+fn scenario(asked: &Asked) -> CheckedScenario {
     let seeds: Vec<u64> = (1..=asked.seeds).collect();
     let sets = [
         format!("lid.effective_depth={:?}", asked.depths),
@@ -64,7 +64,7 @@ pub(crate) fn summary(asked: &Asked) -> Summary {
             bed(&plan.name, rig, lid.effective_depth.unwrap_or(0.0))
         })
         .collect();
-    let runs = inputs.runs();
+    let runs = inputs.drags();
     let runs = runs
         .iter()
         .map(|plan| {
@@ -89,7 +89,7 @@ pub(crate) fn summary(asked: &Asked) -> Summary {
     }
 }
 
-fn rig(inputs: &Scenario, seed: u64, pressure_gradient: bool) -> Rig {
+fn rig(inputs: &CheckedScenario, seed: u64, pressure_gradient: bool) -> Rig {
     Rig {
         seed,
         diameter: 0.00495,
@@ -126,7 +126,13 @@ fn bed(name: &str, mut rig: Rig, effective_depth: f64) -> BedSummary {
     }
 }
 
-fn run(asked: &Asked, inputs: &Scenario, name: &str, bed: &BedSummary, speed: f64) -> DragSummary {
+fn run(
+    asked: &Asked,
+    inputs: &CheckedScenario,
+    name: &str,
+    bed: &BedSummary,
+    speed: f64,
+) -> DragSummary {
     let rig = bed.rig.clone().expect("the bed flows");
     let sign = if rig.seed % 2 == 1 { 1.0 } else { -1.0 };
     let seeded = if asked.seeds > 1 { sign } else { 0.0 };

@@ -6,7 +6,7 @@ use std::path::Path;
 use bitgrain_kernel::{Domain, Error as KernelError, Group, Obstacle};
 
 use super::groups::{BASE, FREE};
-use crate::scenario::Scenario;
+use crate::scenario::CheckedScenario;
 use crate::scenario::source::{SAME, hash, split};
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::export::{FROZEN_TYPE, LID_TYPE, OBSTACLE_TYPE as INTRUDER_TYPE};
@@ -23,7 +23,7 @@ const HEADROOM: f64 = 20.0;
 ///
 /// # Errors
 /// [`Error::Input`] where the file has changed since, or grains and box do not fit together.
-pub fn bed(scenario: &Scenario, path: &Path) -> Result<Simulation> {
+pub fn bed(scenario: &CheckedScenario, path: &Path) -> Result<Simulation> {
     let name = path.display().to_string();
     let wrong = |what: String| Error::input(name.clone(), what);
     let text = read_text(path)?;
@@ -35,8 +35,7 @@ pub fn bed(scenario: &Scenario, path: &Path) -> Result<Simulation> {
     let data = parse_atoms(&text, &name)?;
     let (_, grains) = split(&data).map_err(wrong)?;
     check_grains(scenario, &grains).map_err(wrong)?;
-    let law = scenario.law.build();
-    let law = law.map_err(|(key, p)| wrong(format!("law.{key} {p}")))?;
+    let law = scenario.contact_law();
     let made = world(&data, law, scenario.drag.dt, scenario.gravity).map_err(wrong)?;
     let (mut sim, names) = made;
     if scenario.bed.floor {
@@ -72,7 +71,7 @@ fn with_names(fault: KernelError, names: &[u32]) -> KernelError {
 }
 
 /// Diameters and densities must be those that the scenario counts with.
-fn check_grains(scenario: &Scenario, grains: &[Atom]) -> std::result::Result<(), String> {
+fn check_grains(scenario: &CheckedScenario, grains: &[Atom]) -> std::result::Result<(), String> {
     let [least, most] = scenario.bed.diameters;
     for a in grains {
         let sized = a.diameter >= least * (1.0 - SAME) && a.diameter <= most * (1.0 + SAME);

@@ -1,11 +1,11 @@
 //! The body that a bed is made round.
 
-use crate::scenario::{BedPlan, IntruderShape, Scenario};
+use crate::scenario::{BedPlan, CheckedScenario, IntruderShape};
 use bitgrain_kernel::Obstacle;
 use bitgrain_sim::simulation::sphere_mass;
 
 /// The intruder of a plan, at rest.
-pub(super) fn intruder(scenario: &Scenario, plan: &BedPlan) -> Obstacle<f64> {
+pub(super) fn intruder(scenario: &CheckedScenario, plan: &BedPlan) -> Obstacle<f64> {
     let radius = 0.5 * plan.diameter;
     match scenario.intruder.shape {
         IntruderShape::Cylinder => Obstacle::cylinder(plan.center, [0.0, 1.0, 0.0], radius),

@@ -1,10 +1,8 @@
 //! The loose lattice that grains fall from.
 
-use bitgrain_kernel::Domain;
-
 use super::groups::FREE;
 use super::intruder::intruder;
-use crate::scenario::{BedPlan, Scenario};
+use crate::scenario::{BedPlan, CheckedScenario};
 use bitgrain_sim::observe::{length, offset};
 use bitgrain_sim::random::{Purpose, uniforms};
 use bitgrain_sim::simulation::Grain;
@@ -22,7 +20,12 @@ pub(super) struct Lattice {
 
 impl Lattice {
     /// `count` sites from the height `from` up, clear of the plan's intruder where there is one.
-    pub fn new(scenario: &Scenario, count: usize, from: f64, round: Option<&BedPlan>) -> Self {
+    pub fn new(
+        scenario: &CheckedScenario,
+        count: usize,
+        from: f64,
+        round: Option<&BedPlan>,
+    ) -> Self {
         let [x, y, _] = scenario.bed.size;
         let most = scenario.bed.diameters[1];
         let fit = |length: f64| (length / (SPACING * most)).floor().max(1.0);
@@ -30,11 +33,10 @@ impl Lattice {
         let spacing = [x / nx, y / ny, SPACING * most];
         let least = scenario.bed.diameters[0];
         let shift = spacing.map(|s| 0.5 * (s - least));
-        let domain = Domain::new([0.0; 3], [x, y, 1.0], [true, true, false]);
-        let domain = domain.expect("the scenario was checked");
+        let domain = scenario.lattice_domain();
         let clear = |at: [f64; 3]| {
             round.is_none_or(|plan| {
-                let off = offset(&domain, &intruder(scenario, plan), at);
+                let off = offset(domain, &intruder(scenario, plan), at);
                 length(off) > 0.5 * (plan.diameter + most) + length(shift)
             })
         };
@@ -67,7 +69,7 @@ impl Lattice {
     }
 
     /// Grains at the sites; their names, and so their random numbers, come after `first`.
-    pub fn grains(&self, scenario: &Scenario, plan: &BedPlan, first: u32) -> Vec<Grain> {
+    pub fn grains(&self, scenario: &CheckedScenario, plan: &BedPlan, first: u32) -> Vec<Grain> {
         let [least, most] = scenario.bed.diameters;
         let speed = (scenario.gravity * scenario.mean_diameter()).sqrt();
         let seed = plan.seed;

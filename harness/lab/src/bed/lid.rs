@@ -5,7 +5,7 @@ use bitgrain_kernel::{Error as KernelError, Group, Obstacle};
 use super::assemble::{Member, assemble};
 use super::groups::{BASE, FREE, LID};
 use super::survey;
-use crate::scenario::{BedPlan, LidPlan, Scenario};
+use crate::scenario::{BedPlan, CheckedScenario, LidPlan};
 use crate::summary::BedSummary;
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::simulation::{Grain, Simulation};
@@ -24,7 +24,7 @@ const LIGHTEST: f64 = 1.0;
 ///
 /// # Errors
 /// [`Error::Input`] where the bed is deep enough without one.
-pub fn lid_density(scenario: &Scenario, plan: &LidPlan, bare: &BedSummary) -> Result<f64> {
+pub fn lid_density(scenario: &CheckedScenario, plan: &LidPlan, bare: &BedSummary) -> Result<f64> {
     if let Some(density) = plan.density {
         return Ok(density);
     }
@@ -60,7 +60,7 @@ pub fn lid_density(scenario: &Scenario, plan: &LidPlan, bare: &BedSummary) -> Re
 /// lid, holds in what floats out between the lid's grains. All grains are numbered in spatial order.
 pub(super) fn cover(
     bare: &mut Simulation,
-    scenario: &Scenario,
+    scenario: &CheckedScenario,
     plan: &LidPlan,
     density: f64,
 ) -> std::result::Result<Simulation, KernelError> {
@@ -107,7 +107,7 @@ pub(super) fn cover(
 }
 
 /// Places of the lid's grains: the middles of squares of the mean diameter.
-fn sites(scenario: &Scenario) -> Vec<[f64; 2]> {
+fn sites(scenario: &CheckedScenario) -> Vec<[f64; 2]> {
     let [nx, ny] = scenario.lid_sites();
     let step = [
         scenario.bed.size[0] / nx as f64,
@@ -148,7 +148,7 @@ fn rest_height(sim: &Simulation, [x, y]: [f64; 2], radius: f64) -> f64 {
 /// As [`lid_density`]; [`Error::Run`] where the kernel refuses the state.
 pub(super) fn covered(
     bare: &mut Simulation,
-    scenario: &Scenario,
+    scenario: &CheckedScenario,
     plan: &BedPlan,
     lid: &LidPlan,
 ) -> Result<Simulation> {

@@ -4,7 +4,7 @@ use super::assemble::{Member, assemble};
 use super::groups::*;
 use super::intruder::intruder;
 use super::lattice::Lattice;
-use crate::scenario::{BedPlan, PouringOrder as Order, Scenario};
+use crate::scenario::{BedPlan, CheckedScenario, PouringOrder as Order};
 use bitgrain_kernel::{Domain, Error as KernelError, Group, Obstacle, Shape as Body};
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::motion::Moves;
@@ -16,7 +16,7 @@ use bitgrain_sim::spatial_order::spatial_order;
 /// has none, and numbers all grains in spatial order.
 pub(super) fn freeze_base(
     old: &mut Simulation,
-    scenario: &Scenario,
+    scenario: &CheckedScenario,
 ) -> std::result::Result<Simulation, KernelError> {
     let group = |k: usize| {
         if old.position[k][2] < scenario.bed.base {
@@ -56,7 +56,7 @@ pub(super) fn in_order(sim: &Simulation) -> impl Iterator<Item = usize> + use<> 
 /// whose place it takes are among them. Returns the height they fall from, too.
 pub(super) fn buried(
     lower: &mut Simulation,
-    scenario: &Scenario,
+    scenario: &CheckedScenario,
     plan: &BedPlan,
     count: usize,
 ) -> std::result::Result<(Simulation, f64), KernelError> {
@@ -87,7 +87,7 @@ pub(super) fn buried(
 
 /// The grains of a lattice as a world: with the intruder where all are poured at once.
 pub(super) fn dropped(
-    scenario: &Scenario,
+    scenario: &CheckedScenario,
     plan: &BedPlan,
     lattice: &Lattice,
 ) -> Result<Simulation> {

@@ -31,7 +31,7 @@ pub use proof::prove;
 pub use survey::{Measures, energy_of_borne, survey};
 
 use crate::progress::Stage;
-use crate::scenario::{BedPlan, PACKING_GUESS, Scenario};
+use crate::scenario::{BedPlan, CheckedScenario, PACKING_GUESS};
 use bitgrain_sim::error::Result;
 use bitgrain_sim::simulation::Simulation;
 
@@ -43,19 +43,19 @@ const POURING_FALLS: f64 = 3.2;
 const LID_FALLS: f64 = 3.0;
 
 /// About how many steps a bed takes from release to rest: for forecasts, never for results.
-pub fn pouring_steps(scenario: &Scenario, plan: &BedPlan) -> u64 {
+pub fn pouring_steps(scenario: &CheckedScenario, plan: &BedPlan) -> u64 {
     let surface = scenario.expected_surface(plan.diameter);
     let fall = (4.0 * surface / scenario.gravity).sqrt();
     (POURING_FALLS * fall / scenario.drag.dt) as u64
 }
 
 /// About how many steps a lid takes to come to rest on it.
-pub fn covering_steps(scenario: &Scenario, plan: &BedPlan) -> u64 {
+pub fn covering_steps(scenario: &CheckedScenario, plan: &BedPlan) -> u64 {
     (LID_FALLS * fall_time(scenario, plan) / scenario.drag.dt) as u64
 }
 
 /// Time of a fall through the bed.
-fn fall_time(scenario: &Scenario, plan: &BedPlan) -> f64 {
+fn fall_time(scenario: &CheckedScenario, plan: &BedPlan) -> f64 {
     (2.0 * scenario.expected_surface(plan.diameter) / scenario.gravity).sqrt()
 }
 
@@ -63,13 +63,13 @@ fn fall_time(scenario: &Scenario, plan: &BedPlan) -> f64 {
 ///
 /// # Errors
 /// As [`Pouring::begin`] and [`Pouring::go_on`].
-pub fn pour(scenario: &Scenario, plan: &BedPlan, stage: &mut Stage) -> Result<Simulation> {
+pub fn pour(scenario: &CheckedScenario, plan: &BedPlan, stage: &mut Stage) -> Result<Simulation> {
     let mut bed = Pouring::begin(scenario, plan)?;
     bed.go_on(scenario, plan, stage, &mut ())?;
     Ok(bed.sim)
 }
 
-impl Scenario {
+impl CheckedScenario {
     /// Buoyancy of an intruder of this diameter, at the packing fraction that plans assume.
     fn buoyancy(&self, diameter: f64) -> f64 {
         PACKING_GUESS * self.bed.density * self.gravity * self.intruder_volume(diameter)

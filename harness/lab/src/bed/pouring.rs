@@ -9,7 +9,7 @@ use super::recipe::Recipe;
 use super::settle::{fallen, rest, settle, upward};
 use super::survey::stopped;
 use crate::progress::Stage;
-use crate::scenario::{BedPlan, PouringOrder as Order, Scenario};
+use crate::scenario::{BedPlan, CheckedScenario, PouringOrder as Order};
 use bitgrain_sim::chain::{self, Chain};
 use bitgrain_sim::checkpoint::StageState;
 use bitgrain_sim::error::Result;
@@ -25,7 +25,7 @@ impl Pouring {
     ///
     /// # Errors
     /// [`bitgrain_sim::error::Error::Input`] and [`bitgrain_sim::error::Error::Run`] where they cannot be.
-    pub fn begin(scenario: &Scenario, plan: &BedPlan) -> Result<Self> {
+    pub fn begin(scenario: &CheckedScenario, plan: &BedPlan) -> Result<Self> {
         let lowest = plan.center[2] - 0.5 * plan.diameter;
         let count = scenario.grain_count(plan.diameter);
         room(
@@ -54,7 +54,7 @@ impl Pouring {
     pub fn cover(
         bare: &mut Simulation,
         link: &str,
-        scenario: &Scenario,
+        scenario: &CheckedScenario,
         plan: &BedPlan,
     ) -> Result<Self> {
         let lid = plan.lid.as_ref().expect("only beds with a lid are covered");
@@ -69,7 +69,7 @@ impl Pouring {
     ///
     /// # Errors
     /// [`bitgrain_sim::error::Error::Contract`].
-    pub fn imported(sim: Simulation, scenario: &Scenario, plan: &BedPlan) -> Result<Self> {
+    pub fn imported(sim: Simulation, scenario: &CheckedScenario, plan: &BedPlan) -> Result<Self> {
         let file = scenario.bed.hash.as_deref().unwrap_or_default();
         let link = chain::beginning(file);
         Self::new(String::new(), sim, Phase::Settled, link, &plan.name)
@@ -100,7 +100,7 @@ impl Pouring {
     pub fn of(
         sim: Simulation,
         note: &StageState,
-        scenario: &Scenario,
+        scenario: &CheckedScenario,
         plan: &BedPlan,
     ) -> std::result::Result<Self, String> {
         let course = PouringState::of(note)?;
@@ -119,7 +119,7 @@ impl Pouring {
     /// go on from here, and what `observer` returns.
     pub fn go_on(
         &mut self,
-        scenario: &Scenario,
+        scenario: &CheckedScenario,
         plan: &BedPlan,
         stage: &mut Stage,
         observer: &mut impl Observer,
@@ -157,7 +157,7 @@ impl Pouring {
             };
             self.sim.law = match next {
                 Phase::Quench => quenching(scenario),
-                _ => scenario.law.build().expect("the scenario was checked"),
+                _ => scenario.contact_law(),
             };
             self.enter(next);
         }
@@ -188,7 +188,7 @@ impl Pouring {
     }
 }
 
-pub(super) fn quenching(scenario: &Scenario) -> bitgrain_sim::simulation::AnyLaw {
+pub(super) fn quenching(scenario: &CheckedScenario) -> bitgrain_sim::simulation::AnyLaw {
     scenario
         .law
         .quenching(scenario.drag.dt, scenario.mean_diameter())

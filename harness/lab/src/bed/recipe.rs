@@ -3,7 +3,7 @@
 use bitgrain_kernel::BITS_VERSION;
 use serde::{Deserialize, Serialize};
 
-use crate::scenario::{BedPlan, IntruderShape, LidPlan, PouringOrder, Scenario, UnitSystem};
+use crate::scenario::{BedPlan, CheckedScenario, IntruderShape, LidPlan, PouringOrder, UnitSystem};
 use bitgrain_sim::checkpoint::FORMAT;
 use bitgrain_sim::law::LawSpec;
 use bitgrain_sim::motion::Moves;
@@ -85,7 +85,7 @@ pub struct RecipeIntruder {
 
 impl Recipe {
     /// The recipe of one bed of a scenario.
-    pub fn new(scenario: &Scenario, plan: &BedPlan) -> Self {
+    pub fn new(scenario: &CheckedScenario, plan: &BedPlan) -> Self {
         let bed = &scenario.bed;
         Self {
             bits_version: BITS_VERSION,

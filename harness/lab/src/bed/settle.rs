@@ -5,7 +5,7 @@ use bitgrain_kernel::Error as KernelError;
 use super::course::Pouring;
 use super::survey::{energy_of_borne, energy_per_grain, stopped};
 use crate::progress::Stage;
-use crate::scenario::{BedPlan, IntruderShape, Scenario};
+use crate::scenario::{BedPlan, CheckedScenario, IntruderShape};
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::motion::Moves;
 use bitgrain_sim::observe::{INTRUDER, weight_and_support};
@@ -57,7 +57,7 @@ pub struct Goal {
 /// spins on a point. There, under more damping, all grains are stopped each time the kinetic energy passes
 /// a maximum, where a mode of oscillation is at its equilibrium: the kinetic damping of dynamic relaxation
 /// (Cundall 1976).
-pub fn rest(scenario: &Scenario, plan: &BedPlan, quench: bool) -> Goal {
+pub fn rest(scenario: &CheckedScenario, plan: &BedPlan, quench: bool) -> Goal {
     let lattice_fall = scenario.expected_surface(plan.diameter);
     let sphere = scenario.intruder.shape == IntruderShape::Sphere;
     Goal {
@@ -73,18 +73,18 @@ pub fn rest(scenario: &Scenario, plan: &BedPlan, quench: bool) -> Goal {
 
 /// Whether all motion is stopped at maxima of the kinetic energy. It hangs on what the recipe of the bed
 /// holds alone: the bare bed under a lid is one that other scenarios use without.
-fn halts(scenario: &Scenario, plan: &BedPlan) -> bool {
+fn halts(scenario: &CheckedScenario, plan: &BedPlan) -> bool {
     let still =
         scenario.intruder.shape == IntruderShape::Sphere && scenario.drag.moves == Moves::Intruder;
     scenario.bed.halting.unwrap_or(!still || plan.lid.is_some())
 }
 
-fn steps_of_fall(scenario: &Scenario, height: f64) -> u64 {
+fn steps_of_fall(scenario: &CheckedScenario, height: f64) -> u64 {
     ((2.0 * height / scenario.gravity).sqrt() / scenario.drag.dt) as u64
 }
 
 /// The fall from this height is over.
-pub fn fallen(scenario: &Scenario, height: f64) -> Goal {
+pub fn fallen(scenario: &CheckedScenario, height: f64) -> Goal {
     let settled = scenario.bed.settled;
     let fall_steps = steps_of_fall(scenario, height);
     Goal {
@@ -105,7 +105,7 @@ pub fn fallen(scenario: &Scenario, height: f64) -> Goal {
 /// [`Error::Run`], [`Error::Unsettled`], [`Error::Interrupted`], and what `observer` returns.
 pub fn settle(
     bed: &mut Pouring,
-    scenario: &Scenario,
+    scenario: &CheckedScenario,
     plan: &BedPlan,
     goal: &Goal,
     stage: &mut Stage,

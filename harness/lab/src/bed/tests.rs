@@ -19,7 +19,7 @@ use bitgrain_sim::observer::Observer;
 use bitgrain_sim::simulation::Role;
 
 /// A rig of 490 grains: 18 x 3 on a base, under a lid.
-fn rig() -> Scenario {
+fn rig() -> CheckedScenario {
     let sets = [
         "bed.box=[0.027, 0.0045, 0.021]",
         "bed.fill_height=0.012",
@@ -35,7 +35,7 @@ fn rig() -> Scenario {
 }
 
 /// The bed of the rig with nothing on it.
-fn bare_plan(scenario: &Scenario) -> BedPlan {
+fn bare_plan(scenario: &CheckedScenario) -> BedPlan {
     BedPlan {
         lid: None,
         ..scenario.beds()[0].clone()

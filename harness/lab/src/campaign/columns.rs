@@ -1,6 +1,7 @@
 //! The columns of a campaign's table: inputs, observables with their standard errors, digests.
 
-use crate::scenario::{DragPlan, Scenario};
+use crate::scenario::BedPlan;
+use crate::scenario::{CheckedScenario, DragPlan};
 use crate::summary::{DragRecord, Flow};
 use bitgrain_sim::block_averaging::Mean;
 use bitgrain_sim::format::round10;
@@ -24,7 +25,7 @@ pub struct Row<'a> {
     /// Its member.
     pub member: &'a str,
     /// The member's scenario.
-    pub scenario: &'a Scenario,
+    pub scenario: &'a CheckedScenario,
     /// The run.
     pub plan: DragPlan,
     /// How it ended.
@@ -163,7 +164,9 @@ fn names(all: &mut Vec<Column>) {
 }
 
 fn inputs(all: &mut Vec<Column>) {
-    let plan = |row: &Row<'_>| row.scenario.beds().swap_remove(row.plan.bed);
+    fn plan<'a>(row: &Row<'a>) -> &'a BedPlan {
+        &row.scenario.beds()[row.plan.bed]
+    }
     whole(all, "seed", move |row| Some(plan(row).seed));
     real(all, "gravity", Unit::None, |row| Some(row.scenario.gravity));
     for (a, axis) in ["x", "y", "z"].into_iter().enumerate() {

@@ -73,7 +73,7 @@ impl CampaignFolder<'_> {
         let reports = plan.members.iter().filter(reported);
         Ok(Beside {
             name: plan.campaign.name.clone(),
-            planned: plan.members.iter().map(|m| m.scenario.runs().len()).sum(),
+            planned: plan.members.iter().map(|m| m.scenario.drags().len()).sum(),
             reports: reports.map(|member| member.name.clone()).collect(),
             text,
         })

@@ -6,7 +6,7 @@ use super::only::Only;
 use super::plan::Plan;
 use crate::bed::{self, library::BedCache, recipe::Recipe};
 use crate::forecast::{disk, side_by_side, trial};
-use crate::scenario::{DragPlan, Scenario};
+use crate::scenario::{CheckedScenario, DragPlan};
 use bitgrain_sim::error::Result;
 use bitgrain_sim::format::short;
 
@@ -41,7 +41,8 @@ pub fn forecast(
     for member in &plan.members {
         let scenario = &member.scenario;
         let wanted = |run: &DragPlan| only.wants(&member.name, &run.name);
-        let plans: Vec<DragPlan> = scenario.runs().into_iter().filter(wanted).collect();
+        let plans = scenario.drags().iter();
+        let plans: Vec<DragPlan> = plans.filter(|run| wanted(run)).cloned().collect();
         if plans.is_empty() {
             continue;
         }
@@ -129,7 +130,11 @@ fn span(hours: f64) -> String {
 }
 
 /// Million grain-steps of each bed that is not at hand; a recipe counts once.
-fn pouring(scenario: &Scenario, library: &BedCache, recipes: &mut Vec<String>) -> Result<Vec<f64>> {
+fn pouring(
+    scenario: &CheckedScenario,
+    library: &BedCache,
+    recipes: &mut Vec<String>,
+) -> Result<Vec<f64>> {
     let mut work = Vec::new();
     if scenario.source.is_some() {
         return Ok(work);
@@ -148,7 +153,7 @@ fn pouring(scenario: &Scenario, library: &BedCache, recipes: &mut Vec<String>) -
 }
 
 /// Million grain-steps of each drag.
-fn dragging(scenario: &Scenario, runs: &[DragPlan]) -> Vec<f64> {
+fn dragging(scenario: &CheckedScenario, runs: &[DragPlan]) -> Vec<f64> {
     let beds = scenario.beds();
     runs.iter()
         .map(|run| {

@@ -18,7 +18,7 @@ impl Only {
             members.any(|m| {
                 m.name == *name
                     || m.scenario
-                        .runs()
+                        .drags()
                         .iter()
                         .any(|run| *name == of(&m.name, &run.name))
             })

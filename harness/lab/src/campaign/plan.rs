@@ -7,7 +7,7 @@ use toml::{Table, Value};
 use super::keys::{Axis, Base, Campaign, ParameterGrid};
 use super::rules::{Rule, damping, followers};
 use crate::parse_errors::wrong_toml;
-use crate::scenario::{self, DragPlan, Scenario};
+use crate::scenario::{self, CheckedScenario, DragPlan, Scenario};
 use bitgrain_sim::disk;
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::files::read_text;
@@ -36,7 +36,7 @@ pub struct Member {
     /// Name, of its folder too: what is varied, with its values.
     pub name: String,
     /// All of it.
-    pub scenario: Scenario,
+    pub scenario: CheckedScenario,
 }
 
 impl Plan {
@@ -115,7 +115,7 @@ pub(super) fn plan_of(
     let mut runs = 0;
     for cell in &cells {
         let scenario = maker.scenario(cell)?;
-        runs += scenario.runs().len();
+        runs += scenario.drags().len();
         if runs > RUNS_MAX {
             let problem = format!("makes more than {RUNS_MAX} drags: give fewer values");
             return Err(Error::input(place, problem));
@@ -314,13 +314,13 @@ struct Maker<'a> {
 }
 
 impl Maker<'_> {
-    fn parse(&self, name: &str, sets: &[String]) -> Result<Scenario> {
+    fn parse(&self, name: &str, sets: &[String]) -> Result<CheckedScenario> {
         let place = format!("{}: member `{name}`", self.place);
         scenario::parse(self.base, &place, sets, self.folder)
     }
 
     /// The scenario of one combination.
-    fn scenario(&self, cell: &Cell) -> Result<Scenario> {
+    fn scenario(&self, cell: &Cell) -> Result<CheckedScenario> {
         let grid = cell.grid;
         let listed = |key: &str, values: &Option<scenario::OneOrMany>| {
             values.as_ref().map(|v| format!("{key}={:?}", v.values()))
@@ -361,15 +361,15 @@ impl Maker<'_> {
     }
 
     /// Adds the speeds of another grid's member to the one of the same name.
-    fn merge(&self, member: &mut Member, other: Scenario) -> Result<()> {
+    fn merge(&self, member: &mut Member, other: CheckedScenario) -> Result<()> {
         let refuse = |problem: String| {
             Err(Error::input(
                 format!("{}: member `{}`", self.place, member.name),
                 problem,
             ))
         };
-        let bare = |s: &Scenario| {
-            let mut s = s.clone();
+        let bare = |s: &CheckedScenario| {
+            let mut s = s.edit();
             (s.intruder.froude, s.intruder.speed) = (None, None);
             s.drag.distance = scenario::OneOrMany::One(0.0);
             s
@@ -386,9 +386,9 @@ impl Maker<'_> {
             );
         }
         let by_froude = froude == [true; 2];
-        let speeds = |s: &Scenario| -> Vec<(f64, f64)> {
+        let speeds = |s: &CheckedScenario| -> Vec<(f64, f64)> {
             // The runs of every bed are alike: the first bed's tell.
-            let runs = s.runs().into_iter().filter(|run| run.bed == 0);
+            let runs = s.drags().iter().filter(|run| run.bed == 0);
             let speed = |run: &DragPlan| {
                 if by_froude {
                     run.froude
@@ -396,7 +396,7 @@ impl Maker<'_> {
                     run.motion.speed
                 }
             };
-            runs.map(|run| (speed(&run), run.distance)).collect()
+            runs.map(|run| (speed(run), run.distance)).collect()
         };
         let mut all = speeds(&member.scenario);
         for (speed, distance) in speeds(&other) {
@@ -414,17 +414,19 @@ impl Maker<'_> {
         all.sort_by(|a, b| a.0.total_cmp(&b.0));
         let (speeds, distances): (Vec<f64>, Vec<f64>) = all.into_iter().unzip();
         let speeds = Some(scenario::OneOrMany::Many(speeds));
-        let intruder = &mut member.scenario.intruder;
+        let mut both = member.scenario.edit();
+        let intruder = &mut both.intruder;
         (intruder.froude, intruder.speed) = match by_froude {
             true => (speeds, None),
             false => (None, speeds),
         };
-        member.scenario.drag.distance = scenario::OneOrMany::Many(distances);
+        both.drag.distance = scenario::OneOrMany::Many(distances);
         // Together they may be too many.
-        member.scenario.check().map_err(|(key, problem)| {
-            let place = format!("{}: member `{}`: `{key}`", self.place, member.name);
-            Error::input(place, problem)
-        })
+        let place = format!("{}: member `{}`", self.place, member.name);
+        member.scenario = both
+            .check()
+            .map_err(|wrong| scenario::refused(&place, wrong))?;
+        Ok(())
     }
 }
 

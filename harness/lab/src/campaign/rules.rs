@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::scenario::Scenario;
+use crate::scenario::CheckedScenario;
 use bitgrain_sim::law::LawSpec;
 
 /// A combination that keeps the value it has in the base.
@@ -37,7 +37,7 @@ pub fn damping(ratio: f64, kn: f64) -> f64 {
 ///
 /// Only `hertz_history` has such keys: of another law none is set.
 pub fn followers(
-    base: &Scenario,
+    base: &CheckedScenario,
     rules: &[Rule],
     kn: f64,
     damping: Option<f64>,

@@ -17,7 +17,7 @@ use crate::folder::{DirectoryLock, Folder};
 use crate::manifest::Ledger;
 use crate::progress::{Overall, Progress};
 use crate::run::{self, SaveEvery, Setting, WriteReport, side_by_side};
-use crate::scenario::{BedPlan, Scenario};
+use crate::scenario::{BedPlan, CheckedScenario};
 use crate::summary::{BedSummary, parse_record};
 use bitgrain_sim::disk::{self, check_writable};
 use bitgrain_sim::error::{Error, Result};
@@ -143,7 +143,7 @@ impl Under<'_> {
         self.slots.lock().expect("no job panics with it")
     }
 
-    fn scenario(&self, member: usize) -> &Scenario {
+    fn scenario(&self, member: usize) -> &CheckedScenario {
         &self.what.plan.members[member].scenario
     }
 

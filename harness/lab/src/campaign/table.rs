@@ -51,7 +51,7 @@ pub fn text(units: &Units, rows: &[Row<'_>]) -> String {
 
 /// The table of one run: a row for each of its drags.
 pub fn of_run(whole: &Summary) -> String {
-    let plans = whole.inputs.runs();
+    let plans = whole.inputs.drags();
     let done = |run: &DragSummary| {
         let plan = plans.iter().find(|plan| plan.name == run.name)?;
         let bed = whole.beds.iter().find(|bed| bed.name == run.bed)?;

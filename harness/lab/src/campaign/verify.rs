@@ -127,11 +127,11 @@ fn disagreement(
 
 /// Whether the tables are those of the runs that the members' manifests vouch for.
 fn table_holds(folder: &CampaignFolder<'_>, plan: &Plan) -> std::result::Result<(), String> {
-    let mut ended: Vec<(&Member, DragPlan, Status)> = Vec::new();
+    let mut ended: Vec<(&Member, &DragPlan, Status)> = Vec::new();
     for member in &plan.members {
         let place = folder.member(&member.name);
         let vouched = Vouched::open(&place, FolderKind::Run).map_err(|e| e.to_string())?;
-        for run in member.scenario.runs() {
+        for run in member.scenario.drags() {
             let status = status(&Folder(&place), &vouched, &run.name)?;
             ended.extend(status.map(|status| (member, run, status)));
         }
@@ -141,7 +141,7 @@ fn table_holds(folder: &CampaignFolder<'_>, plan: &Plan) -> std::result::Result<
         rows.push(Row {
             member: &member.name,
             scenario: &member.scenario,
-            plan: run.clone(),
+            plan: (*run).clone(),
             status,
         });
     }

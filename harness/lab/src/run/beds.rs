@@ -11,7 +11,7 @@ use crate::bed::{Pouring, PouringState};
 use crate::folder::Folder;
 use crate::manifest::Ledger;
 use crate::progress::Stage;
-use crate::scenario::{BedPlan, Scenario};
+use crate::scenario::{BedPlan, CheckedScenario};
 use crate::summary::BedSummary;
 use bitgrain_sim::checkpoint::{self, StageState};
 use bitgrain_sim::disk::{self, Kind};
@@ -24,9 +24,9 @@ use bitgrain_sim::{export, lammps};
 use super::summarise::rig;
 
 /// Where the bed below a lid is in the run directory.
-pub(super) fn below(scenario: &Scenario, plan: &BedPlan) -> BedPlan {
+pub(super) fn below<'a>(scenario: &'a CheckedScenario, plan: &BedPlan) -> &'a BedPlan {
     let wanted = Recipe::new(scenario, &plan.bare());
-    let mut bare = scenario.bare_beds().into_iter();
+    let mut bare = scenario.bare_beds().iter();
     let found = bare.find(|other| Recipe::new(scenario, other) == wanted);
     found.expect("every lid lies on one of the bare beds")
 }
@@ -108,7 +108,7 @@ pub(super) fn settle_one(
 /// [`Error::Write`] where packing goes wrong.
 pub fn data_file(
     folder: &Folder<'_>,
-    scenario: &Scenario,
+    scenario: &CheckedScenario,
     plan: &BedPlan,
     sim: &Simulation,
 ) -> Result<(PathBuf, Vec<u8>)> {
@@ -144,7 +144,7 @@ fn read_settled(
 /// # Errors
 /// [`Error::Contract`].
 pub fn surveyed(
-    scenario: &Scenario,
+    scenario: &CheckedScenario,
     plan: &BedPlan,
     sim: &mut Simulation,
     note: &StageState,
@@ -228,7 +228,11 @@ fn fetch_bed(
 ///
 /// # Errors
 /// Where the file is no such bed, or the bed below the lid cannot be read.
-pub fn begin_bed(folder: &Folder<'_>, scenario: &Scenario, plan: &BedPlan) -> Result<Pouring> {
+pub fn begin_bed(
+    folder: &Folder<'_>,
+    scenario: &CheckedScenario,
+    plan: &BedPlan,
+) -> Result<Pouring> {
     if let Some(source) = &scenario.source {
         let sim = bed::import::bed(scenario, source)?;
         return Pouring::imported(sim, scenario, plan);

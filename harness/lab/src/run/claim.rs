@@ -9,7 +9,7 @@ use crate::changes;
 use crate::drag::Dragging;
 use crate::folder::{DirectoryLock, Folder, RUN};
 use crate::manifest::Ledger;
-use crate::scenario::{BedPlan, Scenario};
+use crate::scenario::{BedPlan, CheckedScenario, Scenario};
 use crate::summary::{DragRecord, Summary};
 use bitgrain_sim::chain;
 use bitgrain_sim::checkpoint::{self, StageState};
@@ -22,7 +22,7 @@ use bitgrain_sim::error::{Error, Result};
 /// # Errors
 /// [`Error::Input`] where it is somebody else's, holds another scenario's results, or another run is at work in
 /// it; [`Error::Write`].
-pub fn claim(folder: &Folder<'_>, scenario: &Scenario) -> Result<DirectoryLock> {
+pub fn claim(folder: &Folder<'_>, scenario: &CheckedScenario) -> Result<DirectoryLock> {
     let claim = DirectoryLock::take(folder.0, &RUN, &stages(scenario), |ledger| {
         survey(folder, scenario, ledger)?;
         let text = folder.scenario_text(scenario);
@@ -48,27 +48,17 @@ pub fn claim(folder: &Folder<'_>, scenario: &Scenario) -> Result<DirectoryLock> 
 }
 
 /// Names of the stages of a run, in order.
-pub fn stages(scenario: &Scenario) -> Vec<String> {
-    let mut names: Vec<String> = Vec::new();
-    let bare = scenario.bare_beds();
-    let beds = bare.iter().map(|bed| bed.name.clone());
-    let own = scenario.beds().into_iter().map(|bed| bed.name);
-    let runs = scenario.runs().into_iter().map(|run| run.name);
-    for name in beds.chain(own).chain(runs) {
-        if !names.contains(&name) {
-            names.push(name);
-        }
-    }
-    names
+pub fn stages(scenario: &CheckedScenario) -> Vec<String> {
+    let beds = scenario.all_beds().into_iter().map(|bed| &bed.name);
+    let drags = scenario.drags().iter().map(|drag| &drag.name);
+    beds.chain(drags).cloned().collect()
 }
 
 /// Refuses a folder in which anything is of another scenario.
-fn survey(folder: &Folder<'_>, scenario: &Scenario, ledger: &Ledger) -> Result<()> {
+fn survey(folder: &Folder<'_>, scenario: &CheckedScenario, ledger: &Ledger) -> Result<()> {
     refuse_other_scenario(folder, scenario, ledger)?;
     let each = Looking { ledger };
-    let mut beds = scenario.bare_beds();
-    beds.extend(scenario.beds());
-    for plan in &beds {
+    for plan in scenario.all_beds() {
         let begins = match &scenario.bed.hash {
             Some(hash) if scenario.source.is_some() => Some(chain::beginning(hash)),
             _ => None,
@@ -80,24 +70,25 @@ fn survey(folder: &Folder<'_>, scenario: &Scenario, ledger: &Ledger) -> Result<(
         }
     }
     let inputs = folder.inputs(scenario);
-    for plan in scenario.runs() {
+    for plan in scenario.drags() {
         let key = scenario.key(&plan.name);
         let kept = plan.checkpoints.iter();
         let kept = kept.map(|&step| folder.checkpoint(&plan.name, step));
         for path in kept.chain([folder.latest(&plan.name)]) {
             each.state(&path, |note| Dragging::of(note).map(|drag| drag.key == key))?;
         }
-        each.summary::<DragRecord>(&folder.of_run(&plan.name, "summary.json"), |record| {
-            record.inputs == inputs
-        })?;
+        each.summary::<DragRecord<Scenario>>(
+            &folder.of_run(&plan.name, "summary.json"),
+            |record| record.inputs == *inputs,
+        )?;
     }
-    each.summary::<Summary>(&folder.summary(), |whole| whole.inputs == inputs)
+    each.summary::<Summary<Scenario>>(&folder.summary(), |whole| whole.inputs == *inputs)
 }
 
 /// Whether a state is one of this bed: by its recipe, or by the file that it was taken over from.
 fn is_bed(
     note: &StageState,
-    scenario: &Scenario,
+    scenario: &CheckedScenario,
     plan: &BedPlan,
     begins: Option<&str>,
 ) -> std::result::Result<bool, String> {
@@ -108,7 +99,11 @@ fn is_bed(
     })
 }
 
-fn refuse_other_scenario(folder: &Folder<'_>, scenario: &Scenario, ledger: &Ledger) -> Result<()> {
+fn refuse_other_scenario(
+    folder: &Folder<'_>,
+    scenario: &CheckedScenario,
+    ledger: &Ledger,
+) -> Result<()> {
     let path = folder.scenario();
     let text = folder.scenario_text(scenario);
     let known = ledger.expects(&path, text.as_bytes());
@@ -142,7 +137,7 @@ fn refuse_other_scenario(folder: &Folder<'_>, scenario: &Scenario, ledger: &Ledg
 }
 
 /// Whether the text of a folder's scenario says the same in other words: with another space or comment.
-fn same_scenario(folder: &Folder<'_>, text: &str, scenario: &Scenario) -> bool {
+fn same_scenario(folder: &Folder<'_>, text: &str, scenario: &CheckedScenario) -> bool {
     let place = folder.scenario().display().to_string();
     let read = crate::scenario::parse(text, &place, &[], folder.0);
     read.is_ok_and(|read| folder.inputs(&read) == folder.inputs(scenario))

@@ -16,7 +16,7 @@ use crate::json::json_text;
 use crate::manifest::Ledger;
 use crate::plug_flow::{self, PlugFlow};
 use crate::progress::Progress;
-use crate::scenario::Scenario;
+use crate::scenario::CheckedScenario;
 use crate::series::series_text;
 use crate::summary::{BedSummary, DragRecord, DragSummary};
 use bitgrain_sim::block_averaging::METHOD;
@@ -360,7 +360,7 @@ pub fn results(
 /// What `summary.json` of a drag's own folder holds.
 pub fn record(
     folder: &Folder<'_>,
-    scenario: &Scenario,
+    scenario: &CheckedScenario,
     bed: &BedSummary,
     run: &DragSummary,
 ) -> DragRecord {
@@ -375,7 +375,13 @@ pub fn record(
     }
 }
 
-fn tell(scenario: &Scenario, run: &DragSummary, how: &str, seconds: f64, progress: &Progress) {
+fn tell(
+    scenario: &CheckedScenario,
+    run: &DragSummary,
+    how: &str,
+    seconds: f64,
+    progress: &Progress,
+) {
     progress.line(&format!(
         "{}: Fr {}, drag {} +- {} {} ({how}, {seconds:.1} s)",
         run.name,

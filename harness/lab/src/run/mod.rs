@@ -32,7 +32,7 @@ use crate::bed::recipe::Recipe;
 use crate::folder::{DirectoryLock, Folder};
 use crate::manifest::Ledger;
 use crate::progress::Progress;
-use crate::scenario::{BedPlan, DragPlan, Scenario, UnitSystem};
+use crate::scenario::{BedPlan, CheckedScenario, DragPlan, UnitSystem};
 use crate::summary::{BedSummary, DragSummary, Summary};
 use beds::{below, pour_bare, settle_one};
 use bitgrain_sim::block_averaging::METHOD;
@@ -106,7 +106,7 @@ pub fn run_in(setting: Setting<'_>) -> Result<Option<Done>> {
         dragged.into_iter().collect::<Result<_>>()?;
     let (runs, timed): (Vec<_>, Vec<_>) = dragged.into_iter().unzip();
     stages.extend(timed);
-    let whole = runs.len() == scenario.runs().len();
+    let whole = runs.len() == scenario.drags().len();
     if whole {
         conclude(folder, ledger, scenario, beds, runs)?;
         (setting.write_report)(folder)?;
@@ -147,7 +147,7 @@ fn refuse_own_library(setting: Setting<'_>) -> Result<()> {
 /// # Errors
 /// [`Error::Input`] with a name that none of them has.
 fn wanted(setting: Setting<'_>) -> Result<Vec<DragPlan>> {
-    let (all, only) = (setting.scenario.runs(), setting.only);
+    let (all, only) = (setting.scenario.drags(), setting.only);
     if let Some(name) = only
         .iter()
         .find(|name| all.iter().all(|run| run.name != **name))
@@ -159,8 +159,8 @@ fn wanted(setting: Setting<'_>) -> Result<Vec<DragPlan>> {
         );
         return Err(Error::input("--only", problem));
     }
-    let wants = |run: &DragPlan| only.is_empty() || only.contains(&run.name);
-    Ok(all.into_iter().filter(wants).collect())
+    let wants = |run: &&DragPlan| only.is_empty() || only.contains(&run.name);
+    Ok(all.iter().filter(wants).cloned().collect())
 }
 
 /// The folder as this process's own.
@@ -196,9 +196,9 @@ pub fn beds(
     let height = |plan: &BedPlan| plan.center[2] as u64;
     // What lies below lids first: several lids lie on one bed.
     let lids = plans.iter().filter(|plan| plan.lid.is_some());
-    let wanted: Vec<BedPlan> = lids.map(|plan| below(scenario, plan)).collect();
-    let mut bare = scenario.bare_beds();
-    bare.retain(|bare| wanted.contains(bare));
+    let wanted: Vec<&BedPlan> = lids.map(|plan| below(scenario, plan)).collect();
+    let bare = scenario.bare_beds().iter();
+    let bare: Vec<&BedPlan> = bare.filter(|bare| wanted.contains(bare)).collect();
     let poured = side_by_side(
         threads,
         threads,
@@ -247,7 +247,7 @@ pub fn drag(
 pub fn conclude(
     folder: &Folder<'_>,
     ledger: &Ledger,
-    scenario: &Scenario,
+    scenario: &CheckedScenario,
     beds: Vec<BedSummary>,
     runs: Vec<DragSummary>,
 ) -> Result<String> {
@@ -268,7 +268,7 @@ fn tell_now(error: &Error, stages: usize, progress: &Progress) {
 /// All numbers of a run.
 pub fn whole_summary(
     folder: &Folder<'_>,
-    scenario: &Scenario,
+    scenario: &CheckedScenario,
     beds: Vec<BedSummary>,
     runs: Vec<DragSummary>,
 ) -> Summary {

@@ -4,14 +4,14 @@ use crate::bed::library::BedCache;
 use crate::folder::Folder;
 use crate::progress::Progress;
 use crate::run::SaveEvery;
-use crate::scenario::Scenario;
+use crate::scenario::CheckedScenario;
 use bitgrain_sim::error::Result;
 
 /// How a scenario is run; none of it changes a result.
 #[derive(Clone, Copy)]
 pub struct Setting<'a> {
     /// What is run.
-    pub scenario: &'a Scenario,
+    pub scenario: &'a CheckedScenario,
     /// The run directory.
     pub folder: &'a Folder<'a>,
     /// The settled beds that runs share.

@@ -5,7 +5,7 @@ use bitgrain_kernel::PARTS;
 use crate::drag::{Dragging, Means};
 use crate::flow::FlowMeans;
 use crate::plug_flow::{self, PlugFlow};
-use crate::scenario::{BedPlan, DragPlan, IntruderShape, Scenario};
+use crate::scenario::{BedPlan, CheckedScenario, DragPlan, IntruderShape};
 use crate::summary::{BedSummary, DragSummary, Flow, Rig};
 use bitgrain_sim::coarse_graining::disturbed_zone::disturbance;
 use bitgrain_sim::coarse_graining::{IntruderOutline, intruder_outline};
@@ -17,7 +17,12 @@ use bitgrain_sim::simulation::{Role, Simulation, hex};
 const EDGE: f64 = 2.0;
 
 /// What a settled bed that flows has besides.
-pub(super) fn rig(scenario: &Scenario, plan: &BedPlan, bed: &BedSummary, sim: &Simulation) -> Rig {
+pub(super) fn rig(
+    scenario: &CheckedScenario,
+    plan: &BedPlan,
+    bed: &BedSummary,
+    sim: &Simulation,
+) -> Rig {
     let lid: Vec<usize> = (0..sim.count())
         .filter(|&i| sim.role(i) == Role::Lid)
         .collect();
@@ -49,7 +54,7 @@ pub(super) fn rig(scenario: &Scenario, plan: &BedPlan, bed: &BedSummary, sim: &S
 }
 
 /// `h + (pi d/6)(rho_lid/rho)`, without h where the bed has no weight (Guillard 2014, section III A).
-fn effective_depth(scenario: &Scenario, rig: &Rig, depth: f64, bulk_density: f64) -> f64 {
+fn effective_depth(scenario: &CheckedScenario, rig: &Rig, depth: f64, bulk_density: f64) -> f64 {
     let own = if rig.pressure_gradient { depth } else { 0.0 };
     own + scenario.lid_depth(rig.lid_density, bulk_density)
 }
@@ -57,7 +62,7 @@ fn effective_depth(scenario: &Scenario, rig: &Rig, depth: f64, bulk_density: f64
 /// Forces over what they scale with: `rho g h~ D L` for the drag and the buoyancy for the lift, `rho`
 /// with the packing fraction of the run (Guillard 2014, eq. 2 and Fig. 8).
 fn flow(
-    scenario: &Scenario,
+    scenario: &CheckedScenario,
     plan: &DragPlan,
     bed: &BedSummary,
     means: &Means,
@@ -134,7 +139,7 @@ fn kappa(means: &Means, diameter: f64) -> Option<(f64, f64)> {
 }
 
 pub(super) fn summarise(
-    scenario: &Scenario,
+    scenario: &CheckedScenario,
     plan: &DragPlan,
     bed: &BedSummary,
     means: &Means,

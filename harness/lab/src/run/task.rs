@@ -1,7 +1,7 @@
 //! A drag with all that belongs to it.
 
 use crate::folder::Folder;
-use crate::scenario::{DragPlan, Scenario};
+use crate::scenario::{CheckedScenario, DragPlan};
 use crate::summary::BedSummary;
 
 /// One drag: where it lies and what it is.
@@ -10,7 +10,7 @@ pub struct DragTask<'a> {
     /// The run directory.
     pub folder: &'a Folder<'a>,
     /// The scenario.
-    pub scenario: &'a Scenario,
+    pub scenario: &'a CheckedScenario,
     /// The drag.
     pub plan: &'a DragPlan,
     /// Its settled bed.

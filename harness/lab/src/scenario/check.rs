@@ -34,7 +34,7 @@ impl Scenario {
     ///
     /// # Errors
     /// The key that is wrong, and what is wrong with it.
-    pub(crate) fn check(&self) -> Check {
+    pub(super) fn check_all(&self) -> Check {
         let plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
         if self.name.is_empty() || !self.name.chars().all(plain) {
             return refuse(
@@ -381,7 +381,7 @@ impl Scenario {
                 );
             }
         }
-        for run in self.runs() {
+        for run in self.plan_drags() {
             if run.motion.speed * self.drag.dt > least {
                 return refuse("drag.dt", "lets the intruder jump over a grain in one step");
             }

@@ -94,7 +94,7 @@ impl Scenario {
         if self.measure.fields.is_none() {
             return Ok(());
         }
-        let diameter = self.beds()[run.bed].diameter;
+        let diameter = self.plan_beds()[run.bed].diameter;
         if run.discard < diameter {
             return refuse(
                 "drag.discard",

@@ -100,8 +100,8 @@ impl Scenario {
     ///
     /// # Errors
     /// The key that is wrong, and what is wrong with it.
-    pub(crate) fn check_resolved(&self) -> Check {
-        self.check()?;
+    pub(super) fn check_written_out(&self) -> Check {
+        self.check_all()?;
         if self.intruder.shape == IntruderShape::Sphere && self.intruder.density.is_none() {
             return refuse("intruder.density", "is missing");
         }

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 mod check;
+mod checked;
 mod fields;
 mod guard;
 mod keys;
@@ -12,6 +13,7 @@ mod refusal;
 mod rig;
 pub mod source;
 
+pub use checked::{CheckedScenario, Refusal};
 pub use keys::{
     Bed, Drag, FieldsConfig, Gradient, History, Intruder, IntruderShape, Lid, Measure, OneOrMany,
     PouringOrder, Scenario, UnitSystem,
@@ -54,7 +56,7 @@ pub const SHIPPED: [(&str, &str); 6] = [
 ///
 /// # Errors
 /// [`Error::Input`] with line or key, what was expected and the nearest valid key.
-pub fn load(name: &str, sets: &[String]) -> Result<Scenario> {
+pub fn load(name: &str, sets: &[String]) -> Result<CheckedScenario> {
     if let Some((key, text)) = SHIPPED.iter().find(|(key, _)| *key == name) {
         return parse(text, &format!("{key} (shipped)"), sets, Path::new(""));
     }
@@ -99,7 +101,7 @@ fn unknown_name(name: &str) -> Error {
 ///
 /// # Errors
 /// As [`load`].
-pub fn parse(text: &str, place: &str, sets: &[String], folder: &Path) -> Result<Scenario> {
+pub fn parse(text: &str, place: &str, sets: &[String], folder: &Path) -> Result<CheckedScenario> {
     let from_file = |e: toml::de::Error| wrong_toml(place, text, &e);
     let alone = toml::from_str::<Scenario>(text);
     let mut table: toml::Table = toml::from_str(text).map_err(from_file)?;
@@ -135,10 +137,12 @@ pub fn parse(text: &str, place: &str, sets: &[String], folder: &Path) -> Result<
     if scenario.intruder.shape == IntruderShape::Sphere && scenario.intruder.density.is_none() {
         scenario.intruder.density = Some(1.0);
     }
-    scenario
-        .check()
-        .map_err(|(key, problem)| Error::input(format!("{place}: `{key}`"), problem))?;
-    Ok(scenario)
+    scenario.check().map_err(|wrong| refused(place, wrong))
+}
+
+/// What is wrong with the scenario of a file as an error.
+pub fn refused(place: &str, wrong: Refusal) -> Error {
+    Error::input(format!("{place}: `{}`", wrong.key), wrong.problem)
 }
 
 /// The defaults are the paper's, in reduced units: in SI units every one of them must be given.

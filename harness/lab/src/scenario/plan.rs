@@ -291,7 +291,7 @@ impl Scenario {
     }
 
     /// The beds to make, by diameter, height, lid and seed.
-    pub fn beds(&self) -> Vec<BedPlan> {
+    pub(super) fn plan_beds(&self) -> Vec<BedPlan> {
         let [x, y, _] = self.bed.size;
         let mut beds = Vec::new();
         for diameter in self.intruder.diameter.values() {
@@ -317,9 +317,11 @@ impl Scenario {
 
     /// The beds to pour, each once: those without a lid, and what lies below the lids of the others. A
     /// bed that only lies below lids is named after them.
-    pub fn bare_beds(&self) -> Vec<BedPlan> {
-        let (mut bare, covered): (Vec<BedPlan>, Vec<BedPlan>) =
-            self.beds().into_iter().partition(|plan| plan.lid.is_none());
+    pub(super) fn plan_bare_beds(&self) -> Vec<BedPlan> {
+        let (mut bare, covered): (Vec<BedPlan>, Vec<BedPlan>) = self
+            .plan_beds()
+            .into_iter()
+            .partition(|plan| plan.lid.is_none());
         for plan in covered {
             let below = plan.bare();
             let same = |other: &BedPlan| {
@@ -337,8 +339,8 @@ impl Scenario {
     }
 
     /// The drags to run, by bed and then speed.
-    pub fn runs(&self) -> Vec<DragPlan> {
-        let (beds, distances) = (self.beds(), self.drag.distance.values());
+    pub(super) fn plan_drags(&self) -> Vec<DragPlan> {
+        let (beds, distances) = (self.plan_beds(), self.drag.distance.values());
         let mut runs = Vec::new();
         for (bed, plan) in beds.iter().enumerate() {
             let speeds = self.speeds(plan.diameter);

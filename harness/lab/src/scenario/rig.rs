@@ -79,7 +79,7 @@ impl Scenario {
     fn check_cylinder(&self) -> Check {
         let ([x, _, _], d) = (self.bed.size, self.mean_diameter());
         let most = self.bed.diameters[1];
-        for plan in self.beds() {
+        for plan in self.plan_beds() {
             let lowest = plan.center[2] - 0.5 * plan.diameter;
             // Frozen centres lie below the base's height.
             let base = self.bed.base + 0.5 * most;
@@ -191,7 +191,7 @@ impl Scenario {
                 );
             }
         }
-        for plan in self.beds() {
+        for plan in self.plan_beds() {
             let surface = self.expected_surface(plan.diameter);
             // A grain of the bed's own density adds its own layer, and the bed may come out higher.
             let depth = (1.0 + HIGHER) * surface - plan.center[2] + d;

@@ -5,13 +5,16 @@
 use bitgrain_kernel::PARTS;
 
 use super::record::{BedSummary, DragRecord, DragSummary, Flow, Rig, Summary};
-use crate::scenario::{BedPlan, DragPlan, Scenario};
+use crate::scenario::{BedPlan, CheckedScenario, DragPlan, Scenario};
 use bitgrain_sim::block_averaging::Mean;
 use bitgrain_sim::coarse_graining::load::{self, Load, POINTS};
 use bitgrain_sim::units::Units;
 
 /// Nothing, or the key that is wrong and what is wrong with it.
-type Check = Result<(), (String, String)>;
+type Check = Result<(), Wrong>;
+
+/// The key that is wrong and what is wrong with it.
+type Wrong = (String, String);
 
 /// Largest relative difference at which two numbers are one: other programs may write fewer digits.
 const SAME: f64 = 1e-9;
@@ -29,20 +32,19 @@ fn refuse(key: impl Into<String>, problem: impl Into<String>) -> Check {
     Err((key.into(), problem.into()))
 }
 
-impl Summary {
-    /// Whether it can be the summary of a run of its own inputs.
+impl Summary<Scenario> {
+    /// The summary of a run of its own inputs, if it can be one.
     ///
     /// # Errors
     /// The key that is wrong, and what is wrong with it.
-    pub(super) fn check(&self) -> Check {
+    pub(super) fn checked(self) -> Result<Summary, Wrong> {
         check_head(&self.version, &self.standard_error_method)?;
-        check_inputs(&self.inputs, &self.units)?;
-        if self.scenario != self.inputs.name {
-            let problem = format!("is not `{}`, as the inputs say", self.inputs.name);
-            return refuse("scenario", problem);
+        let inputs = check_inputs(self.inputs, &self.units)?;
+        if self.scenario != inputs.name {
+            let problem = format!("is not `{}`, as the inputs say", inputs.name);
+            refuse("scenario", problem)?;
         }
-        let beds = self.inputs.beds();
-        let runs = self.inputs.runs();
+        let (beds, runs) = (inputs.beds(), inputs.drags());
         // Longer lists hold something twice, and need not be compared.
         for (key, given, planned) in [
             ("beds", self.beds.len(), beds.len()),
@@ -50,45 +52,64 @@ impl Summary {
         ] {
             if given == 0 || given > planned {
                 let problem = format!("holds {given}; the inputs plan {planned}");
-                return refuse(key, problem);
+                refuse(key, problem)?;
             }
         }
         for (k, bed) in self.beds.iter().enumerate() {
             let at = format!("beds[{k}]");
             if self.beds[..k].iter().any(|other| other.name == bed.name) {
-                return refuse(format!("{at}.name"), "is there twice");
+                refuse(format!("{at}.name"), "is there twice")?;
             }
-            check_bed(bed, &beds, &self.inputs, &at)?;
+            check_bed(bed, beds, &inputs, &at)?;
         }
         for (k, run) in self.runs.iter().enumerate() {
             let at = format!("runs[{k}]");
             if self.runs[..k].iter().any(|other| other.name == run.name) {
-                return refuse(format!("{at}.name"), "is there twice");
+                refuse(format!("{at}.name"), "is there twice")?;
             }
             let Some(bed) = self.beds.iter().find(|bed| bed.name == run.bed) else {
-                return refuse(format!("{at}.bed"), "is none of the beds in this file");
+                let problem = "is none of the beds in this file";
+                return Err((format!("{at}.bed"), problem.into()));
             };
-            check_run(run, bed, (&beds, &runs), &self.inputs, &at)?;
+            check_run(run, bed, (beds, runs), &inputs, &at)?;
         }
-        Ok(())
+        Ok(Summary {
+            version: self.version,
+            bits_version: self.bits_version,
+            scenario: self.scenario,
+            units: self.units,
+            inputs,
+            standard_error_method: self.standard_error_method,
+            beds: self.beds,
+            runs: self.runs,
+        })
     }
 }
 
-impl DragRecord {
-    /// Whether it can be the summary of a drag of its own inputs.
+impl DragRecord<Scenario> {
+    /// The summary of a drag of its own inputs, if it can be one.
     ///
     /// # Errors
     /// As [`Summary::check`].
-    pub(super) fn check(&self) -> Check {
+    pub(super) fn checked(self) -> Result<DragRecord, Wrong> {
         check_head(&self.version, &self.standard_error_method)?;
-        check_inputs(&self.inputs, &self.units)?;
-        let plans = (&self.inputs.beds()[..], &self.inputs.runs()[..]);
-        check_bed(&self.bed, plans.0, &self.inputs, "bed")?;
+        let inputs = check_inputs(self.inputs, &self.units)?;
+        let plans = (inputs.beds(), inputs.drags());
+        check_bed(&self.bed, plans.0, &inputs, "bed")?;
         if self.run.bed != self.bed.name {
             let problem = format!("is not `{}`, the bed in this file", self.bed.name);
-            return refuse("run.bed", problem);
+            return Err(("run.bed".into(), problem));
         }
-        check_run(&self.run, &self.bed, plans, &self.inputs, "run")
+        check_run(&self.run, &self.bed, plans, &inputs, "run")?;
+        Ok(DragRecord {
+            version: self.version,
+            bits_version: self.bits_version,
+            units: self.units,
+            inputs,
+            standard_error_method: self.standard_error_method,
+            bed: self.bed,
+            run: self.run,
+        })
     }
 }
 
@@ -102,14 +123,14 @@ fn check_head(version: &str, method: &str) -> Check {
     Ok(())
 }
 
-fn check_inputs(inputs: &Scenario, units: &Units) -> Check {
-    inputs
+fn check_inputs(inputs: Scenario, units: &Units) -> Result<CheckedScenario, Wrong> {
+    let inputs = inputs
         .check_resolved()
-        .map_err(|(key, problem)| (format!("inputs.{key}"), problem))?;
+        .map_err(|wrong| (format!("inputs.{}", wrong.key), wrong.problem))?;
     if *units != inputs.units() {
-        return refuse("units", "are not those of the inputs");
+        refuse("units", "are not those of the inputs")?;
     }
-    Ok(())
+    Ok(inputs)
 }
 
 /// A number that is not the one the inputs come to.
@@ -130,7 +151,7 @@ fn digest(key: String, text: &str, may_be_empty: bool) -> Check {
     refuse(key, format!("is no digest; expected {DIGITS} hex digits"))
 }
 
-fn check_bed(bed: &BedSummary, plans: &[BedPlan], inputs: &Scenario, at: &str) -> Check {
+fn check_bed(bed: &BedSummary, plans: &[BedPlan], inputs: &CheckedScenario, at: &str) -> Check {
     let Some(plan) = plans.iter().find(|plan| plan.name == bed.name) else {
         return refuse(format!("{at}.name"), "is no bed that the inputs plan");
     };
@@ -163,7 +184,7 @@ fn check_run(
     run: &DragSummary,
     bed: &BedSummary,
     (beds, runs): (&[BedPlan], &[DragPlan]),
-    inputs: &Scenario,
+    inputs: &CheckedScenario,
     at: &str,
 ) -> Check {
     let key = |name: &str| format!("{at}.{name}");

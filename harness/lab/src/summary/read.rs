@@ -6,6 +6,7 @@ use super::record::{DragRecord, Summary};
 use crate::folder::Folder;
 use crate::json;
 use crate::manifest::Vouched;
+use crate::scenario::Scenario;
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::files::read_text;
 
@@ -24,9 +25,8 @@ pub fn read_summary(path: &Path) -> Result<Summary> {
 /// [`Error::Input`] with the line or the key that is wrong, and what was expected.
 pub fn parse_summary(text: &str, path: &Path) -> Result<Summary> {
     let place = path.display().to_string();
-    let summary: Summary = json::parse(text, &place)?;
-    summary.check().map_err(|wrong| refused(&place, wrong))?;
-    Ok(summary)
+    let summary: Summary<Scenario> = json::parse(text, &place)?;
+    summary.checked().map_err(|wrong| refused(&place, wrong))
 }
 
 /// The same of the summary of one drag.
@@ -35,9 +35,8 @@ pub fn parse_summary(text: &str, path: &Path) -> Result<Summary> {
 /// As [`parse_summary`].
 pub fn parse_record(text: &str, path: &Path) -> Result<DragRecord> {
     let place = path.display().to_string();
-    let record: DragRecord = json::parse(text, &place)?;
-    record.check().map_err(|wrong| refused(&place, wrong))?;
-    Ok(record)
+    let record: DragRecord<Scenario> = json::parse(text, &place)?;
+    record.checked().map_err(|wrong| refused(&place, wrong))
 }
 
 fn refused(place: &str, (key, problem): (String, String)) -> Error {
@@ -85,7 +84,7 @@ pub fn read_folder(folder: &Folder, vouched: &Vouched) -> Result<(String, Summar
         return Err(Error::input(folder.0.display().to_string(), problem));
     };
     let (inputs, mut summary) = (first.inputs.clone(), first.whole());
-    let order = inputs.runs();
+    let order = inputs.drags();
     records.sort_by_key(|(_, record)| order.iter().position(|plan| plan.name == record.run.name));
     let mut text = String::new();
     for (own, record) in records {

@@ -1,7 +1,7 @@
 //! Everything measured, as it is written.
 
 use crate::plug_flow::PlugFlow;
-use crate::scenario::Scenario;
+use crate::scenario::CheckedScenario;
 use bitgrain_sim::block_averaging::Mean;
 use bitgrain_sim::coarse_graining::Load;
 use bitgrain_sim::energy_budget::EnergyRow;
@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 /// Everything measured, in the units the scenario names.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Summary {
+pub struct Summary<S = CheckedScenario> {
     /// Version of the program that wrote it.
     pub version: String,
     /// Version of the kernel's arithmetic.
@@ -21,7 +21,7 @@ pub struct Summary {
     /// Scalings of the numbers: quantity and unit.
     pub units: Units,
     /// Every input, defaults written out.
-    pub inputs: Scenario,
+    pub inputs: S,
     /// How the standard errors were found.
     pub standard_error_method: String,
     /// The settled beds, one for each depth asked for.
@@ -239,7 +239,7 @@ pub struct Flow {
 /// One drag with all that belongs to it: `summary.json` of its own folder.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct DragRecord {
+pub struct DragRecord<S = CheckedScenario> {
     /// Version of the program that wrote it.
     pub version: String,
     /// Version of the kernel's arithmetic.
@@ -247,7 +247,7 @@ pub struct DragRecord {
     /// Scalings of the numbers: quantity and unit.
     pub units: Units,
     /// Every input, defaults written out.
-    pub inputs: Scenario,
+    pub inputs: S,
     /// How the standard errors were found.
     pub standard_error_method: String,
     /// The settled bed it was dragged through.

@@ -57,11 +57,11 @@ pub(crate) fn check_ends(
 fn summary_text(past: &RunArchive<'_>) -> Result<String> {
     let plans = past.scenario.beds();
     let mut beds = Vec::with_capacity(plans.len());
-    for plan in &plans {
+    for plan in plans {
         beds.push(past.bed(plan)?);
     }
     let mut runs = Vec::new();
-    for plan in &past.runs {
+    for plan in past.scenario.drags() {
         let drag = past.drag(plan, &beds[plan.bed]);
         let (mut sim, dragging) = past.state(drag, plan.steps())?;
         runs.push(run::results(drag, &dragging, &mut sim)?.1);

@@ -28,13 +28,13 @@ pub(super) fn jobs(plan: &Plan, only: &Only) -> Vec<Job> {
     let mut jobs = Vec::new();
     for (member, Member { name, scenario }) in plan.members.iter().enumerate() {
         let beds = scenario.beds();
-        for plan in scenario.runs() {
+        for plan in scenario.drags() {
             let grains = scenario.grain_count(beds[plan.bed].diameter) as u64;
             jobs.push(Job {
                 member,
                 work: plan.steps().saturating_mul(grains),
                 wanted: only.wants(name, &plan.name),
-                plan,
+                plan: plan.clone(),
             });
         }
     }
