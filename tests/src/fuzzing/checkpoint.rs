@@ -8,8 +8,8 @@ use bitgrain::checkpoint::{bytes, parse};
 use bitgrain::drag::Dragging;
 use bitgrain::simulation::Simulation;
 
-use super::assert_finite;
 use super::bytes::Bytes;
+use super::finite::assert_finite;
 
 /// Steps of what was read.
 const STEPS: u64 = 4;

@@ -3,8 +3,8 @@
 use bitgrain::case::{self, BoxSpec, Case, GrainSpec, MotionSpec, ObstacleSpec};
 use bitgrain::law::RAYLEIGH_FRACTION_MAX;
 
-use super::assert_finite;
 use super::bytes::{Bytes, unit};
+use super::finite::assert_finite;
 
 /// Steps of one contact: enough for it to open, slide and close again.
 const CONTACT_STEPS: u8 = 200;

@@ -24,7 +24,7 @@ use super::drawn::{
     word,
 };
 use super::lent::Lent;
-use super::world::growing;
+use super::lent::growing;
 
 /// Most calls of one input.
 const CALLS: usize = 48;

@@ -1,8 +1,8 @@
 //! Everything that a world borrows, owned, with every slice as long as it happens to be.
 
 use bitgrain_kernel::{
-    CellList, Clock, Domain, Error as KernelError, Grains, Group, Obstacle, OuterList, PairList,
-    Real, Row, World,
+    CellList, Clock, Digest, Domain, Error as KernelError, Grains, Group, Obstacle, OuterList,
+    PairList, Real, Row, World, digest,
 };
 
 /// Storage of one list.
@@ -175,4 +175,26 @@ impl<R: Real> Lent<R> {
             clock: &mut self.clock,
         }
     }
+}
+
+/// Does something, with more room as often as a list proves full, which must leave everything as it was.
+pub(super) fn growing<R: Real>(
+    lent: &mut Lent<R>,
+    mut act: impl FnMut(&mut Lent<R>) -> Result<(), KernelError>,
+) -> Result<(), KernelError> {
+    loop {
+        let before = told(lent);
+        let done = act(lent);
+        match done {
+            Err(fault) if lent.grow(fault) => {
+                assert_eq!(told(lent), before, "{fault} changes something");
+            }
+            _ => return done,
+        }
+    }
+}
+
+/// What a full list must not change.
+pub(super) fn told<R: Real>(lent: &mut Lent<R>) -> (Digest, u64) {
+    (digest(&lent.world()), lent.clock.step)
 }

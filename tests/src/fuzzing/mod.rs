@@ -8,6 +8,7 @@ mod bytes;
 mod checkpoint;
 mod contact;
 mod drawn;
+mod finite;
 mod hostile;
 mod lent;
 mod manifest;
@@ -16,7 +17,6 @@ mod search;
 mod texts;
 mod world;
 
-use bitgrain::simulation::Simulation;
 
 pub use checkpoint::checkpoint;
 pub use contact::contact;
@@ -25,20 +25,3 @@ pub use records::{book, campaign, summary, table};
 pub use search::search;
 pub use texts::{assert_same_bits, case, lammps, scenario, series};
 pub use world::world;
-
-fn assert_finite(sim: &Simulation) {
-    let rows = [
-        &sim.position,
-        &sim.velocity,
-        &sim.spin,
-        &sim.force,
-        &sim.torque,
-    ];
-    for row in rows.into_iter().flatten() {
-        assert!(row.iter().all(|x| x.is_finite()), "{row:?}");
-    }
-    for body in &sim.obstacles {
-        let parts = [body.point, body.velocity, body.force, body.torque];
-        assert!(parts.iter().flatten().all(|x| x.is_finite()), "{body:?}");
-    }
-}

@@ -13,7 +13,7 @@ use bitgrain::scenario;
 use bitgrain::series::{Columns, parse_series, series_text};
 use bitgrain::units::Units;
 
-use super::assert_finite;
+use super::finite::assert_finite;
 
 /// Steps of a case.
 const CASE_STEPS: u64 = 20;

@@ -4,6 +4,7 @@
 //! they were, and with more room the run goes on to the digests of one that had room from the beginning.
 //! Unsound ones are in `hostile.rs`.
 
+use crate::fuzzing::lent::growing;
 use bitgrain_kernel::contact::{HertzHistory, HertzTsuji, Law};
 use bitgrain_kernel::phases::obstacle_forces;
 use bitgrain_kernel::phases::{
@@ -13,7 +14,7 @@ use bitgrain_kernel::phases::{MotionCheck, MotionPhase, integrate};
 use bitgrain_kernel::phases::{Sealed, seal};
 use bitgrain_kernel::phases::{begin, check_overlaps, drift, end, ensure_pair_list, finish};
 use bitgrain_kernel::{
-    Digest, Domain, Error as KernelError, Group, Obstacle, PARTS, Real, World, digest, resume,
+    Domain, Error as KernelError, Group, Obstacle, PARTS, Real, World, digest, resume,
     start, step,
 };
 
@@ -155,28 +156,6 @@ fn sizes<R: Real>(lent: &Lent<R>) -> Vec<[(u32, Option<u32>); 2]> {
     let rows = lent.position.iter().zip(&lent.velocity);
     rows.map(|(x, v)| [x[3].to_words(), v[3].to_words()])
         .collect()
-}
-
-/// Does something, with more room as often as a list proves full, which must leave everything as it was.
-pub(super) fn growing<R: Real>(
-    lent: &mut Lent<R>,
-    mut act: impl FnMut(&mut Lent<R>) -> Result<(), KernelError>,
-) -> Result<(), KernelError> {
-    loop {
-        let before = told(lent);
-        let done = act(lent);
-        match done {
-            Err(fault) if lent.grow(fault) => {
-                assert_eq!(told(lent), before, "{fault} changes something");
-            }
-            _ => return done,
-        }
-    }
-}
-
-/// What a full list must not change.
-fn told<R: Real>(lent: &mut Lent<R>) -> (Digest, u64) {
-    (digest(&lent.world()), lent.clock.step)
 }
 
 fn assert_same<R: Real>(one: &mut Lent<R>, other: &mut Lent<R>) {

@@ -20,6 +20,7 @@ mod figures;
 mod foreign;
 mod forged;
 mod formats;
+mod layers;
 mod memory;
 mod notices;
 mod packed;
