@@ -14,7 +14,7 @@ use bitgrain_lab::scenario;
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::export::OBSTACLE_TYPE;
 use bitgrain_sim::lammps::read_atoms;
-use bitgrain_sim::law::LawSpec;
+use bitgrain_sim::law::{HertzHistoryParameters, LawSpec};
 use bitgrain_sim::simulation::{Grain, Simulation, hex, sphere_mass};
 use bitgrain_sim::spatial_order::spatial_order;
 use bitgrain_sim::threads::on_threads;
@@ -63,13 +63,13 @@ pub struct Speed {
 /// The soft contact parameters of the shared beds: K_n = 2e5 and gamma_n / K_n^0.6 as Kumar 2018.
 pub fn soft_law() -> LawSpec {
     let gamma = 50000.0 * libm::pow(2e5 / 2e8, 0.6);
-    LawSpec::HertzHistory {
+    LawSpec::HertzHistory(HertzHistoryParameters {
         kn: 2e5,
         kt: 1.225 * 2e5,
         gamma_n: gamma,
         gamma_t: gamma,
         mu: 0.5,
-    }
+    })
 }
 
 /// Time step that goes with [`soft_law`].

@@ -14,7 +14,7 @@ use std::process::{Command, Output};
 use bitgrain::campaign::table::CampaignTable;
 use bitgrain::case::{self, Case, GrainSpec, ObstacleSpec};
 use bitgrain::checkpoint;
-use bitgrain::law::LawSpec;
+use bitgrain::law::{HertzHistoryParameters, LawSpec};
 use bitgrain::observer::Observer;
 use bitgrain::simulation::Simulation;
 use bitgrain_kernel::ContactForce;
@@ -125,13 +125,13 @@ pub fn open_case(
 }
 
 /// Kumar's law with about the stiffness and damping that Guillard's grains have under theirs.
-pub const GLASS: LawSpec = LawSpec::HertzHistory {
+pub const GLASS: LawSpec = LawSpec::HertzHistory(HertzHistoryParameters {
     kn: 4e6,
     kt: 4.5e6,
     gamma_n: 1e8,
     gamma_t: 1e8,
     mu: 0.5,
-};
+});
 
 /// A golden case by its file; `FILE:hertz_history` is the same under the other law, [`GLASS`].
 pub fn golden_case(name: &str) -> Case {
@@ -222,13 +222,13 @@ every = 100
 
 /// Coefficients of a `hertz_history` law: K_n, K_t, gamma_n, gamma_t and mu.
 pub fn hertz_history(law: &LawSpec) -> [f64; 5] {
-    let LawSpec::HertzHistory {
+    let LawSpec::HertzHistory(HertzHistoryParameters {
         kn,
         kt,
         gamma_n,
         gamma_t,
         mu,
-    } = *law
+    }) = *law
     else {
         panic!("Kumar's law, LAMMPS' gran/hertz/history");
     };

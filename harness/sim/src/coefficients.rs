@@ -1,7 +1,7 @@
 //! The coefficients of a contact law as the paper's table gives them.
 
-use crate::law::LawSpec;
-use crate::simulation::{AnyLaw, sphere_mass};
+use crate::grain::sphere_mass;
+use crate::law::{AnyLaw, LawSpec};
 
 /// One row of Guillard 2014, Table I: the coefficient, its unit in SI, and its values for two grains
 /// and for a grain at a cylinder or plane.
@@ -75,16 +75,17 @@ pub fn table_text(law: &LawSpec, diameter: f64, density: f64, si: bool) -> Optio
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::law::HertzTsujiParameters;
 
     /// Guillard 2014, Table I, unrounded.
     #[test]
     fn the_eight_coefficients_are_the_papers() {
-        let law = LawSpec::HertzTsuji {
+        let law = LawSpec::HertzTsuji(HertzTsujiParameters {
             young: 5e6,
             poisson: 0.45,
             restitution: 0.6,
             mu: 0.5,
-        };
+        });
         let rows = table_one(&law, 1.5e-3, 2500.0).unwrap();
         let paper = [
             (80940.0, 114_467.0),

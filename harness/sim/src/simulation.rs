@@ -1,18 +1,15 @@
 //! A simulation that owns its storage.
 
-mod grain;
+pub use crate::grain::{Grain, Role, hex, sphere_mass};
+pub use crate::law::AnyLaw;
 
-pub use grain::{Grain, Role, hex, sphere_mass};
-
-use bitgrain_kernel::contact::{HertzHistory, HertzTsuji};
 use bitgrain_kernel::{
     CellList, Clock, ContactForce, ContactHistory, Digest, Domain, Error as KernelError, Grains,
-    Group, Obstacle, OuterList, Row, TOUCHING, World, check_arithmetic, start_watched,
-    step_watched,
+    Group, Obstacle, OuterList, Row, TOUCHING, World, check_arithmetic,
 };
-use serde::{Deserialize, Serialize};
 
 use crate::crowd::deep_pair;
+use crate::law_work::{Steps, Watched};
 use crate::lists::{Grown, List, reserve};
 use crate::stepping::Stepping;
 use crate::threads::{cut, threads};
@@ -22,16 +19,6 @@ const PAIRS_MAX: usize = 256;
 
 /// And so many more: all pairs of a few hundred grains.
 const PAIRS_FREE: usize = 65_536;
-
-/// A contact law with its numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum AnyLaw {
-    /// Kumar 2018, eqs. 1 and 2.
-    HertzHistory(HertzHistory<f64>),
-    /// Guillard 2014, eq. A1.
-    HertzTsuji(HertzTsuji<f64>),
-}
 
 /// A world and everything it borrows, owned.
 #[derive(Clone, Debug)]
@@ -332,17 +319,23 @@ impl Simulation {
         &mut self,
         mut watch: impl FnMut(ContactForce<f64>),
     ) -> Result<(), KernelError> {
-        self.start_shown(&mut watch)
+        self.check_crowds()?;
+        self.shown(true, &mut watch)
     }
 
-    fn start_shown(
+    /// A start or a step, with more room as often as a list proves full.
+    fn shown(
         &mut self,
-        mut watch: &mut dyn FnMut(ContactForce<f64>),
+        starts: bool,
+        watch: &mut dyn FnMut(ContactForce<f64>),
     ) -> Result<(), KernelError> {
-        self.check_crowds()?;
-        self.grow_while_full(|sim| match sim.law {
-            AnyLaw::HertzHistory(law) => start_watched(&mut sim.world(), &law, &mut watch),
-            AnyLaw::HertzTsuji(law) => start_watched(&mut sim.world(), &law, &mut watch),
+        self.grow_while_full(|sim| {
+            let law = sim.law;
+            law.with(Watched {
+                world: sim.world(),
+                watch: &mut *watch,
+                starts,
+            })
         })
     }
 
@@ -354,17 +347,7 @@ impl Simulation {
         &mut self,
         mut watch: impl FnMut(ContactForce<f64>),
     ) -> Result<(), KernelError> {
-        self.step_shown(&mut watch)
-    }
-
-    fn step_shown(
-        &mut self,
-        mut watch: &mut dyn FnMut(ContactForce<f64>),
-    ) -> Result<(), KernelError> {
-        self.grow_while_full(|sim| match sim.law {
-            AnyLaw::HertzHistory(law) => step_watched(&mut sim.world(), &law, &mut watch),
-            AnyLaw::HertzTsuji(law) => step_watched(&mut sim.world(), &law, &mut watch),
-        })
+        self.shown(false, &mut watch)
     }
 
     /// Goes on from saved rows and histories; see [`bitgrain_kernel::resume`].
@@ -391,10 +374,11 @@ impl Simulation {
         let done = self.grow_while_full(|sim| {
             let law = sim.law;
             let mut world = sim.world();
-            let done = match law {
-                AnyLaw::HertzHistory(law) => stepping.steps(&mut world, &law, end),
-                AnyLaw::HertzTsuji(law) => stepping.steps(&mut world, &law, end),
-            };
+            let done = law.with(Steps {
+                world: &mut world,
+                stepping: &mut stepping,
+                end,
+            });
             (sim.skin, sim.reach) = (world.skin, world.reach);
             done
         });

@@ -1,19 +1,16 @@
-//! Steps over ranges of grains, one for each thread, with the machine's widest registers. The phases
-//! are the kernel's and any cut into ranges gives the bits of one range, so nothing here can change
-//! a result.
+//! Steps over ranges of grains, one for each thread, with the machine's widest instructions. The phases are the
+//! kernel's and any partition into ranges gives the bits of one range, so nothing here can change a result.
 
 use std::sync::OnceLock;
 use std::time::Instant;
 
 use bitgrain_kernel::contact::Law;
 use bitgrain_kernel::phases::{
-    After, CrossRangeForce, ExcessiveOverlap, GrainRange, GrainView, PairRange, accumulate,
-    cross_range, first_excessive_overlap,
+    After, CrossRangeForce, ExcessiveOverlap, GrainMotion, GrainRange, GrainView, MotionCheck,
+    MotionPhase, ObstacleContactRange, PairRange, Sealed, accumulate, begin, check_overlaps,
+    cross_range, drift, end, ensure_pair_list, finish, first_excessive_overlap, integrate,
+    obstacle_forces, seal,
 };
-use bitgrain_kernel::phases::{GrainMotion, MotionCheck, MotionPhase, integrate};
-use bitgrain_kernel::phases::{ObstacleContactRange, obstacle_forces};
-use bitgrain_kernel::phases::{Sealed, seal};
-use bitgrain_kernel::phases::{begin, check_overlaps, drift, end, ensure_pair_list, finish};
 use bitgrain_kernel::{Error as KernelError, Row, World, check_arithmetic};
 use prefetch_index::prefetch_index;
 
@@ -26,8 +23,8 @@ type Fallible<T> = std::result::Result<T, KernelError>;
 /// Fewest grains of a range: handing over less costs more than it saves.
 const RANGE_MIN: usize = 500;
 
-/// Grains of a range whose rows, 160 bytes each, are near enough by themselves: hints cost some
-/// twentieth of a step, and save a fifth of one where rows come from far.
+/// Grains of a range whose rows, 160 bytes each, are near enough by themselves: hints cost some twentieth of a step, and
+/// save a fifth of one if rows come from far.
 const NEAR: usize = 30_000;
 
 /// How a simulation steps: speed only, never a bit.
@@ -429,8 +426,7 @@ mod tests {
         (ended.err(), sim.step_count())
     }
 
-    /// The search comes when the fastest grain of any range needs it: a missed contact would end
-    /// with grains in each other or past each other.
+    /// A search comes when the fastest grain of any range needs it: else grains would end past each other.
     #[test]
     fn a_fast_grain_of_any_range_is_heard() {
         for fast in 2..=8 {

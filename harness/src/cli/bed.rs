@@ -51,10 +51,7 @@ fn disk(bed: &CachedBed) -> String {
 
 fn row(bed: &CachedBed, recipe: &Recipe) -> String {
     let [x, y, z] = recipe.size.map(short);
-    let stiffness = match recipe.law {
-        bitgrain_sim::law::LawSpec::HertzHistory { kn, .. } => kn,
-        bitgrain_sim::law::LawSpec::HertzTsuji { young, .. } => young,
-    };
+    let stiffness = recipe.law.parameters().stated_stiffness();
     format!(
         "{}  {:<6}  {:<18}  {:<4}  {:<6}  {:<4}  {:<8}  {:<4}  {}",
         bed.name,

@@ -1,7 +1,7 @@
 //! Bytes as choices and numbers.
 
 use bitgrain::case::MotionSpec;
-use bitgrain::law::LawSpec;
+use bitgrain::law::{HertzHistoryParameters, HertzTsujiParameters, LawSpec};
 
 /// Bytes as choices; beyond their end there are zeros.
 pub(super) struct Bytes<'a>(pub &'a [u8]);
@@ -53,20 +53,20 @@ impl Bytes<'_> {
 
     pub fn law(&mut self) -> LawSpec {
         if self.below(2) == 0 {
-            LawSpec::HertzHistory {
+            LawSpec::HertzHistory(HertzHistoryParameters {
                 kn: self.scale(2.0, 10.0),
                 kt: self.zero_or_scale(2.0, 10.0),
                 gamma_n: self.zero_or_scale(0.0, 6.0),
                 gamma_t: self.zero_or_scale(0.0, 6.0),
                 mu: self.zero_or_scale(-2.0, 2.0),
-            }
+            })
         } else {
-            LawSpec::HertzTsuji {
+            LawSpec::HertzTsuji(HertzTsujiParameters {
                 young: self.scale(3.0, 11.0),
                 poisson: self.between(-0.9, 0.5),
                 restitution: self.between(0.01, 1.0),
                 mu: self.zero_or_scale(-2.0, 2.0),
-            }
+            })
         }
     }
 

@@ -17,7 +17,6 @@ mod search;
 mod texts;
 mod world;
 
-
 pub use checkpoint::checkpoint;
 pub use contact::contact;
 pub use manifest::manifest;

@@ -14,8 +14,7 @@ use bitgrain_kernel::phases::{MotionCheck, MotionPhase, integrate};
 use bitgrain_kernel::phases::{Sealed, seal};
 use bitgrain_kernel::phases::{begin, check_overlaps, drift, end, ensure_pair_list, finish};
 use bitgrain_kernel::{
-    Domain, Error as KernelError, Group, Obstacle, PARTS, Real, World, digest, resume,
-    start, step,
+    Domain, Error as KernelError, Group, Obstacle, PARTS, Real, World, digest, resume, start, step,
 };
 
 use super::bytes::Bytes;

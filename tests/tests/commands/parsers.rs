@@ -9,7 +9,7 @@ use bitgrain::lammps::{
     Atom, DataFile, DumpFrame, data_text, dump_text, parse_atoms, parse_data, parse_dump,
     read_atoms,
 };
-use bitgrain::law::LawSpec;
+use bitgrain::law::{HertzHistoryParameters, HertzTsujiParameters, LawSpec};
 use bitgrain::scenario;
 use bitgrain::series::{Columns, SeriesRow, read_series, series_text};
 use bitgrain_tests::fuzzing::assert_same_bits;
@@ -192,19 +192,23 @@ fn law() -> impl Strategy<Value = LawSpec> {
     );
     let tsuji = (1e-3..1e9f64, -0.9..0.5f64, 1e-3..1.0f64, 0.0..2.0f64);
     prop_oneof![
-        history.prop_map(|(kn, kt, gamma_n, gamma_t, mu)| LawSpec::HertzHistory {
-            kn,
-            kt,
-            gamma_n,
-            gamma_t,
-            mu
-        }),
-        tsuji.prop_map(|(young, poisson, restitution, mu)| LawSpec::HertzTsuji {
-            young,
-            poisson,
-            restitution,
-            mu
-        }),
+        history.prop_map(|(kn, kt, gamma_n, gamma_t, mu)| LawSpec::HertzHistory(
+            HertzHistoryParameters {
+                kn,
+                kt,
+                gamma_n,
+                gamma_t,
+                mu
+            }
+        )),
+        tsuji.prop_map(|(young, poisson, restitution, mu)| LawSpec::HertzTsuji(
+            HertzTsujiParameters {
+                young,
+                poisson,
+                restitution,
+                mu
+            }
+        )),
     ]
 }
 

@@ -3,7 +3,7 @@
 use bitgrain::case::{GrainSpec, MotionSpec};
 use bitgrain::checkpoint;
 use bitgrain::energy_budget::{Audit, EnergyRow};
-use bitgrain::law::LawSpec;
+use bitgrain::law::{HertzHistoryParameters, HertzTsujiParameters, LawSpec};
 use bitgrain::simulation::Simulation;
 use bitgrain_tests::{floor, golden_case, open_case, output, settled_quick};
 
@@ -11,22 +11,22 @@ use bitgrain_tests::{floor, golden_case, open_case, output, settled_quick};
 const CLOSED: f64 = 1e-3;
 
 fn kumar(kn: f64, gamma: f64, mu: f64) -> LawSpec {
-    LawSpec::HertzHistory {
+    LawSpec::HertzHistory(HertzHistoryParameters {
         kn,
         kt: 1.225 * kn,
         gamma_n: gamma,
         gamma_t: gamma,
         mu,
-    }
+    })
 }
 
 fn guillard(young: f64, restitution: f64, mu: f64) -> LawSpec {
-    LawSpec::HertzTsuji {
+    LawSpec::HertzTsuji(HertzTsujiParameters {
         young,
         poisson: 0.3,
         restitution,
         mu,
-    }
+    })
 }
 
 fn ball(id: u32, position: [f64; 3], velocity: [f64; 3], spin: [f64; 3]) -> GrainSpec {

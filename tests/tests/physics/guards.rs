@@ -2,7 +2,7 @@
 
 use bitgrain::case::{BoxSpec, Case, GrainSpec, MotionSpec, ObstacleSpec};
 use bitgrain::error::Error;
-use bitgrain::law::{CONTACT_FRACTION_MAX, LawSpec};
+use bitgrain::law::{CONTACT_FRACTION_MAX, HertzHistoryParameters, HertzTsujiParameters, LawSpec};
 use bitgrain::observe::deepest_overlap;
 use bitgrain::{claims, scenario};
 use bitgrain_kernel::Error as KernelError;
@@ -11,23 +11,23 @@ use bitgrain_tests::{SMALL, floor, golden, open_case, output, settled_quick, tol
 const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
 
 fn kumar(gamma: f64) -> LawSpec {
-    LawSpec::HertzHistory {
+    LawSpec::HertzHistory(HertzHistoryParameters {
         kn: 2e5,
         kt: 2.45e5,
         gamma_n: gamma,
         gamma_t: gamma,
         mu: 0.5,
-    }
+    })
 }
 
 /// Of the stiffness of [`kumar`].
 fn guillard(restitution: f64) -> LawSpec {
-    LawSpec::HertzTsuji {
+    LawSpec::HertzTsuji(HertzTsujiParameters {
         young: 2e5 * 1.5 * 0.91,
         poisson: 0.3,
         restitution,
         mu: 0.5,
-    }
+    })
 }
 
 fn ball(id: u32, position: [f64; 3], velocity: [f64; 3]) -> GrainSpec {
@@ -327,13 +327,13 @@ fn a_grain_that_leaves_through_any_closed_edge_stops_the_run() {
 /// A ball that comes down beside a grain squeezes it out through the closed edge.
 fn squeezed() -> Case {
     let mut case = closed();
-    case.law = LawSpec::HertzHistory {
+    case.law = LawSpec::HertzHistory(HertzHistoryParameters {
         kn: 2e5,
         kt: 2.45e5,
         gamma_n: 792.0,
         gamma_t: 792.0,
         mu: 0.1,
-    };
+    });
     case.grains[0].position = [3.8, 2.0, 0.499];
     let down = ObstacleSpec::Sphere {
         center: [2.5, 2.0, 2.0],

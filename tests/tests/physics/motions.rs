@@ -2,19 +2,19 @@
 //! them, and the replay of the rig.
 
 use bitgrain::case::{BoxSpec, Case, GrainSpec, MotionSpec, ObstacleSpec};
-use bitgrain::law::LawSpec;
+use bitgrain::law::{HertzHistoryParameters, HertzTsujiParameters, LawSpec};
 use bitgrain::simulation::{AnyLaw, Simulation, sphere_mass};
 use bitgrain_tests::{GLASS, floor, golden, number, numbers, open_case, output, told};
 use serde_json::Value;
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
 
-const TSUJI: LawSpec = LawSpec::HertzTsuji {
+const TSUJI: LawSpec = LawSpec::HertzTsuji(HertzTsujiParameters {
     young: 5e6,
     poisson: 0.45,
     restitution: 0.6,
     mu: 0.5,
-};
+});
 
 /// Guillard's grains: diameter, density and gravity.
 const D: f64 = 1.5e-3;
@@ -90,13 +90,13 @@ fn a_lid_at_rest_presses_with_its_weight() {
 /// Diameter 1, density 1 and gravity 1, every number a short binary fraction, in a box that is
 /// periodic along x and y.
 fn fractions(grains: Vec<GrainSpec>) -> Case {
-    let law = LawSpec::HertzHistory {
+    let law = LawSpec::HertzHistory(HertzHistoryParameters {
         kn: 2e5,
         kt: 2.45e5,
         gamma_n: 792.0,
         gamma_t: 792.0,
         mu: 0.5,
-    };
+    });
     Case {
         bounds: Some(BoxSpec {
             lo: [0.0, 0.0, -1.0],

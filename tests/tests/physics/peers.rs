@@ -4,7 +4,7 @@
 //! evaluation. Trajectories agree to 1e-9: a few hundred steps of a collision amplify that rounding.
 
 use bitgrain::case::{BoxSpec, Case, GrainSpec, MotionSpec, ObstacleSpec};
-use bitgrain::law::LawSpec;
+use bitgrain::law::{HertzHistoryParameters, HertzTsujiParameters, LawSpec};
 use bitgrain::simulation::Simulation;
 use bitgrain_kernel::{Partner, vec3};
 use bitgrain_tests::{floor, golden, json, largest, number, numbers, open_case, triple};
@@ -31,13 +31,13 @@ fn grain(id: u32, diameter: f64, density: f64, row: &[f64], motion: MotionSpec) 
 
 fn history_law(params: &Value) -> LawSpec {
     let get = |key: &str| number(&params[key]);
-    LawSpec::HertzHistory {
+    LawSpec::HertzHistory(HertzHistoryParameters {
         kn: get("Kn"),
         kt: get("Kt"),
         gamma_n: get("gamma_n"),
         gamma_t: get("gamma_t"),
         mu: get("mu"),
-    }
+    })
 }
 
 /// Largest deviation of five quantities over a trajectory, each relative to its largest value in
@@ -182,12 +182,12 @@ fn liggghts_pair_and_wall_collisions() {
     let file = json("peers/liggghts_pairs.json.gz");
     let cases = file["cases"].as_array().expect("cases");
     assert_eq!(cases.len(), 20);
-    let law = LawSpec::HertzTsuji {
+    let law = LawSpec::HertzTsuji(HertzTsujiParameters {
         young: 5e6,
         poisson: 0.45,
         restitution: 0.6,
         mu: 0.5,
-    };
+    });
     for c in cases {
         let traj = trajectory(c);
         let count = traj[0].len();
@@ -256,13 +256,13 @@ fn lammps_wall_restitution() {
         let [kn, gamma, dt, v, e] = row[..5] else {
             panic!("five columns")
         };
-        let law = LawSpec::HertzHistory {
+        let law = LawSpec::HertzHistory(HertzHistoryParameters {
             kn,
             kt: 1.225 * kn,
             gamma_n: gamma,
             gamma_t: gamma,
             mu: 0.5,
-        };
+        });
         let start = [0.0, 0.0, 0.0, row[7], 0.0, 0.0, -v, 0.0, 0.0, 0.0];
         let ball = grain(1, 1.0, 1.0, &start, MotionSpec::Free);
         let case = open_case(law, dt, vec![ball], vec![floor()]);

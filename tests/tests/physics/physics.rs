@@ -1,37 +1,37 @@
 //! Closed forms and conservation laws.
 
 use bitgrain::case::{BoxSpec, GrainSpec, MotionSpec, ObstacleSpec};
-use bitgrain::law::LawSpec;
+use bitgrain::law::{HertzHistoryParameters, HertzTsujiParameters, LawSpec};
 use bitgrain::simulation::{AnyLaw, Simulation};
 use bitgrain_kernel::{ContactHistory, Shape};
 use bitgrain_tests::{floor, open_case};
 
 /// Guillard 2014's law, for grains of diameter 1.
-const TSUJI: LawSpec = LawSpec::HertzTsuji {
+const TSUJI: LawSpec = LawSpec::HertzTsuji(HertzTsujiParameters {
     young: 2e5,
     poisson: 0.45,
     restitution: 0.6,
     mu: 0.5,
-};
+});
 
 fn kumar(mu: f64) -> LawSpec {
-    LawSpec::HertzHistory {
+    LawSpec::HertzHistory(HertzHistoryParameters {
         kn: 2e8,
         kt: 2.45e8,
         gamma_n: 5e4,
         gamma_t: 5e4,
         mu,
-    }
+    })
 }
 
 fn soft(mu: f64, gamma: f64) -> LawSpec {
-    LawSpec::HertzHistory {
+    LawSpec::HertzHistory(HertzHistoryParameters {
         kn: 2e5,
         kt: 2.45e5,
         gamma_n: gamma,
         gamma_t: gamma,
         mu,
-    }
+    })
 }
 
 fn ball(id: u32, position: [f64; 3], velocity: [f64; 3]) -> GrainSpec {
@@ -310,7 +310,7 @@ fn a_cylinder_pushes_a_grain_as_a_plane_does() {
 /// radius and Y = E/(2(1 - nu^2)): a product of six roundings.
 #[test]
 fn a_cylinder_presses_as_hertz_on_a_plane() {
-    let LawSpec::HertzTsuji { young, poisson, .. } = TSUJI else {
+    let LawSpec::HertzTsuji(HertzTsujiParameters { young, poisson, .. }) = TSUJI else {
         panic!("it is this law");
     };
     for overlap in [1.0 / 4096.0, 1.0 / 512.0, 3.0 / 64.0] {

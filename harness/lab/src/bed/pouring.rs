@@ -59,7 +59,7 @@ impl Pouring {
     ) -> Result<Self> {
         let lid = plan.lid.as_ref().expect("only beds with a lid are covered");
         let mut sim = lid::covered(bare, scenario, plan, lid)?;
-        sim.law = quenching(scenario);
+        sim.law = scenario.quenching_law();
         let key = Recipe::new(scenario, plan).digest();
         Self::new(key, sim, Phase::Quench, link.into(), &plan.name)
     }
@@ -156,7 +156,7 @@ impl Pouring {
                 Phase::Rest | Phase::Settled => Phase::Settled,
             };
             self.sim.law = match next {
-                Phase::Quench => quenching(scenario),
+                Phase::Quench => scenario.quenching_law(),
                 _ => scenario.contact_law(),
             };
             self.enter(next);
@@ -186,10 +186,4 @@ impl Pouring {
         let link = self.course.chain.add(self.sim.step_count(), &digest);
         link.map_or(Ok(()), |link| observer.on_digest(link))
     }
-}
-
-pub(super) fn quenching(scenario: &CheckedScenario) -> bitgrain_sim::simulation::AnyLaw {
-    scenario
-        .law
-        .quenching(scenario.drag.dt, scenario.mean_diameter())
 }

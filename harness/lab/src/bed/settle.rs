@@ -233,19 +233,19 @@ mod tests {
 
     use super::*;
     use crate::bed::survey::Measures;
-    use bitgrain_sim::law::LawSpec;
+    use bitgrain_sim::law::{HertzTsujiParameters, LawSpec};
     use bitgrain_sim::simulation::Grain;
 
     const D: f64 = 1.5e-3;
 
     /// Grains at these places along x and z over a floor, which lose nothing in a contact.
     fn bouncing(places: &[[f64; 2]]) -> Simulation {
-        let law = LawSpec::HertzTsuji {
+        let law = LawSpec::HertzTsuji(HertzTsujiParameters {
             young: 5e6,
             poisson: 0.45,
             restitution: 1.0,
             mu: 0.5,
-        };
+        });
         let grain = |(k, &[x, z]): (usize, &[f64; 2])| Grain {
             id: k as u32 + 1,
             group: 0,

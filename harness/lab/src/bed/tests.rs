@@ -1,6 +1,5 @@
 //! Pouring in turn from inside, and states taken apart and put together again.
 
-use super::pouring::quenching;
 use super::settle::{fallen, rest, settle};
 use super::survey::energy_per_grain;
 use super::*;
@@ -101,7 +100,7 @@ fn the_cylinder_comes_into_a_bed_at_rest() {
     let mut whole = renumbered(&mut bed.sim).unwrap();
     assert!(in_order(&whole).eq(0..count), "numbered in spatial order");
     bed.sim = whole.clone();
-    bed.sim.law = quenching(&scenario);
+    bed.sim.law = scenario.quenching_law();
     for phase in [Phase::Quench, Phase::Rest] {
         bed.enter(phase);
         let goal = rest(&scenario, plan, phase == Phase::Quench);

@@ -5,7 +5,6 @@ use crate::scenario::{CheckedScenario, DragPlan};
 use crate::summary::{DragRecord, Flow};
 use bitgrain_sim::block_averaging::Mean;
 use bitgrain_sim::format::round10;
-use bitgrain_sim::law::LawSpec;
 
 /// Grains with so many contacts or more share the last of the columns of coordination numbers.
 pub const MOST_CONTACTS: usize = 12;
@@ -216,40 +215,20 @@ fn inputs(all: &mut Vec<Column>) {
 }
 
 fn law(all: &mut Vec<Column>) {
-    text(all, "law", |row| {
-        let word = match row.scenario.law {
-            LawSpec::HertzHistory { .. } => "hertz_history",
-            LawSpec::HertzTsuji { .. } => "hertz_tsuji",
-        };
-        Some(word.into())
-    });
-    for (name, place) in [
-        ("mu", 0),
-        ("kn", 1),
-        ("kt", 2),
-        ("gamma_n", 3),
-        ("gamma_t", 4),
+    text(all, "law", |row| Some(row.scenario.law.kind()));
+    // Columns have these names for ever; a key that a law lacks is empty.
+    for name in [
+        "mu",
+        "kn",
+        "kt",
+        "gamma_n",
+        "gamma_t",
+        "young",
+        "poisson",
+        "restitution",
     ] {
-        real(all, name, Unit::None, move |row| match row.scenario.law {
-            LawSpec::HertzHistory {
-                kn,
-                kt,
-                gamma_n,
-                gamma_t,
-                mu,
-            } => Some([mu, kn, kt, gamma_n, gamma_t][place]),
-            LawSpec::HertzTsuji { mu, .. } => (place == 0).then_some(mu),
-        });
-    }
-    for (name, place) in [("young", 0), ("poisson", 1), ("restitution", 2)] {
-        real(all, name, Unit::None, move |row| match row.scenario.law {
-            LawSpec::HertzHistory { .. } => None,
-            LawSpec::HertzTsuji {
-                young,
-                poisson,
-                restitution,
-                ..
-            } => Some([young, poisson, restitution][place]),
+        real(all, name, Unit::None, move |row| {
+            row.scenario.law.value(name)
         });
     }
 }

@@ -346,10 +346,7 @@ impl Maker<'_> {
                 .filter_map(|set| set.strip_prefix(key)?.strip_prefix('='));
             found.next().and_then(|text| text.parse::<f64>().ok())
         };
-        let own = match base.law {
-            bitgrain_sim::law::LawSpec::HertzHistory { kn, .. } => kn,
-            _ => f64::NAN,
-        };
+        let own = base.law.value("kn").unwrap_or(f64::NAN);
         let kn = value("law.kn").unwrap_or(own);
         let asked = value("law.gamma_n").or(value(DAMPING).map(|ratio| damping(ratio, kn)));
         let rules = grid.keep.as_ref().unwrap_or(&self.campaign.keep);

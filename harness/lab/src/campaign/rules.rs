@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::scenario::CheckedScenario;
-use bitgrain_sim::law::LawSpec;
+use bitgrain_sim::law::{HertzHistoryParameters, LawSpec};
 
 /// A combination that keeps the value it has in the base.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -42,13 +42,13 @@ pub fn followers(
     kn: f64,
     damping: Option<f64>,
 ) -> Vec<(&'static str, f64)> {
-    let LawSpec::HertzHistory {
+    let LawSpec::HertzHistory(HertzHistoryParameters {
         kn: kn_0,
         kt,
         gamma_n,
         gamma_t,
         ..
-    } = base.law
+    }) = base.law
     else {
         return Vec::new();
     };

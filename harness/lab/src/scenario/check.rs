@@ -5,7 +5,6 @@ use super::plan::STEPS_MAX;
 use super::refusal::{Check, positive, refuse};
 use super::{History, IntruderShape, OneOrMany, Scenario, UnitSystem};
 use bitgrain_sim::format::short;
-use bitgrain_sim::law::LawSpec;
 
 /// Fewest steps of an averaging window: ten for each block of the standard error.
 const AVERAGED_MIN: u64 = 80;
@@ -321,20 +320,14 @@ impl Scenario {
     /// A contact whose damping takes most of a velocity out in one step turns it round: with a dozen
     /// contacts a grain then gains energy.
     fn check_damping(&self) -> Check {
-        let LawSpec::HertzHistory {
-            gamma_n, gamma_t, ..
-        } = self.law
-        else {
-            return Ok(());
-        };
         let d = self.mean_diameter();
         // At an overlap of a twentieth of the diameter, effective radius a quarter of it.
         let width = (0.25 * d * 0.05 * d).sqrt();
-        for (key, gamma) in [("law.gamma_n", gamma_n), ("law.gamma_t", gamma_t)] {
+        for (key, gamma) in self.law.parameters().damping_rates() {
             let share = gamma * width * self.drag.dt;
             if share > DAMPED_MAX {
                 return refuse(
-                    key,
+                    &format!("law.{key}"),
                     format!(
                         "is {gamma}, which damps a contact by {share:.2} of its velocity in a step at \
                          an overlap of 0.05 d; expected at most {DAMPED_MAX}: lower it or shorten \

@@ -41,6 +41,7 @@ impl From<(String, String)> for Refusal {
 pub struct CheckedScenario {
     scenario: Scenario,
     law: AnyLaw,
+    quenching: AnyLaw,
     lattice: Domain<f64>,
     beds: Vec<BedPlan>,
     bare_beds: Vec<BedPlan>,
@@ -68,14 +69,20 @@ impl Scenario {
     }
 
     fn made(self) -> Result<CheckedScenario, Refusal> {
-        let law = self.law.build();
-        let law = law.map_err(|(key, problem)| (format!("law.{key}"), problem))?;
+        let of_law = |(key, problem)| Refusal {
+            key: format!("law.{key}"),
+            problem,
+        };
+        let law = self.law.build().map_err(of_law)?;
+        let quenching = self.law.quenching(self.drag.dt, self.mean_diameter());
+        let quenching = quenching.build().map_err(of_law)?;
         let [x, y, _] = self.bed.size;
         // Grains stand in layers as they are laid out: only the periods along x and y matter.
         let lattice = Domain::new([0.0; 3], [x, y, 1.0], [true, true, false]);
         let lattice = lattice.map_err(|e| ("bed.box".to_string(), e.to_string()))?;
         Ok(CheckedScenario {
             law,
+            quenching,
             lattice,
             beds: self.plan_beds(),
             bare_beds: self.plan_bare_beds(),
@@ -108,9 +115,7 @@ impl CheckedScenario {
 
     /// The law under which the last motion is taken out of a bed.
     pub fn quenching_law(&self) -> AnyLaw {
-        self.scenario
-            .law
-            .quenching(self.drag.dt, self.mean_diameter())
+        self.quenching
     }
 
     /// The box across which distances are taken as grains are laid out.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 use crate::series::Columns;
-use bitgrain_sim::law::LawSpec;
+use bitgrain_sim::law::{HertzHistoryParameters, LawSpec};
 use bitgrain_sim::motion::Moves;
 
 /// A whole experiment: a bed poured round an intruder, and the two moved past each other.
@@ -383,11 +383,11 @@ fn kumar_base() -> f64 {
     0.6
 }
 pub(super) fn kumar_law() -> LawSpec {
-    LawSpec::HertzHistory {
+    LawSpec::HertzHistory(HertzHistoryParameters {
         kn: 2e8,
         kt: 2.45e8,
         gamma_n: 5e4,
         gamma_t: 5e4,
         mu: 0.5,
-    }
+    })
 }

@@ -5,58 +5,40 @@ use bitgrain_kernel::contact::{Contact, Law, Reaction};
 use bitgrain_kernel::vec3::{Vec3, add, cross, dot, head, scale, sub};
 use bitgrain_kernel::{ContactForce, ContactHistory, Obstacle, Partner, Row, Shape};
 
+use crate::law::{AnyLaw, Springs, Sprung, WithLaw};
 use crate::observe::{length, offset};
-use crate::simulation::{AnyLaw, Simulation};
+use crate::simulation::Simulation;
 
-/// What a law stores, and the levers of its tangential force.
+/// What a law's springs store, and the levers of its tangential force.
 #[derive(Clone, Copy)]
-pub(super) struct Elastic {
-    kn: f64,
-    kt: f64,
-    /// Part of the overlap that a lever is shorter by than the radius.
-    short: f64,
-    /// Friction coefficient of a law whose spring and damper sit on the cap together.
-    joint_cap: Option<f64>,
-}
+pub(super) struct Elastic(Springs);
 
 impl Elastic {
     pub fn of(law: &AnyLaw) -> Self {
-        match law {
-            AnyLaw::HertzHistory(law) => Self {
-                kn: law.kn,
-                kt: law.kt,
-                short: 0.0,
-                joint_cap: Some(law.mu),
-            },
-            AnyLaw::HertzTsuji(law) => Self {
-                kn: law.kn,
-                kt: law.kt,
-                short: 0.5,
-                joint_cap: None,
-            },
-        }
+        Self(law.springs())
     }
 
     /// Normal force of the spring alone: `K_n sqrt(R delta) delta` by either law.
     pub fn normal_force(&self, at: &ElasticContact) -> f64 {
-        self.kn * at.root * at.overlap
+        self.0.kn * at.root * at.overlap
     }
 
     /// Its energy: `(2/5) K_n sqrt(R) delta^(5/2)`.
     pub fn normal_energy(&self, at: &ElasticContact) -> f64 {
-        0.4 * self.kn * at.root * (at.overlap * at.overlap)
+        0.4 * self.0.kn * at.root * (at.overlap * at.overlap)
     }
 
     /// Whether a damper of this contact is friction's, for it sits on the cap with its spring: a part in
     /// 1e9 is for the rounding of the capped force.
     pub fn damper_slides(&self, normal: f64, tangential: Vec3<f64>) -> bool {
-        self.joint_cap
+        self.0
+            .joint_cap
             .is_some_and(|mu| length(tangential) >= mu * normal.abs() * (1.0 - 1e-9))
     }
 
     /// Stiffness of the tangential spring: `K_t sqrt(R delta)` by either law.
     pub fn stiffness(&self, at: &ElasticContact) -> f64 {
-        self.kt * at.root
+        self.0.kt * at.root
     }
 }
 
@@ -113,7 +95,7 @@ impl ElasticContact {
         } else {
             radius * other / (radius + other)
         };
-        let arm = |radius: f64| radius - elastic.short * overlap;
+        let arm = |radius: f64| radius - elastic.0.short * overlap;
         Self {
             i,
             partner,
@@ -213,10 +195,7 @@ impl ElasticContact {
             },
         };
         let spring = scale(spring, 1.0 + 1e-9);
-        match sim.law {
-            AnyLaw::HertzHistory(law) => law.react(&contact, spring, 0.0),
-            AnyLaw::HertzTsuji(law) => law.react(&contact, spring, 0.0),
-        }
+        sim.law.with(React { contact, spring })
     }
 }
 
@@ -224,5 +203,19 @@ impl ElasticContact {
 pub(super) fn spring_of(bond: &ContactHistory<f64>) -> Vec3<f64> {
     match *bond {
         ContactHistory::Pair { spring, .. } | ContactHistory::Obstacle { spring, .. } => spring,
+    }
+}
+
+/// The force of one contact.
+struct React {
+    contact: Contact<f64>,
+    spring: Vec3<f64>,
+}
+
+impl WithLaw for React {
+    type Output = Reaction<f64>;
+
+    fn run<L: Law<f64> + Sprung>(self, law: &L) -> Reaction<f64> {
+        law.react(&self.contact, self.spring, 0.0)
     }
 }

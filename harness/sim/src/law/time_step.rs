@@ -1,9 +1,7 @@
-//! Contact laws as files name them, checked, and the time step they allow.
+//! The time step that a law allows: waves in the grains and collisions must be resolved.
 
-use bitgrain_kernel::contact::{HertzHistory, HertzTsuji};
-use serde::{Deserialize, Serialize};
-
-use crate::simulation::{AnyLaw, sphere_mass};
+use super::laws::LawSpec;
+use crate::grain::sphere_mass;
 
 /// Longest time step as a fraction of the Rayleigh time. Beyond a fifth, grains that are hit from
 /// several sides at once gain energy from the integrator.
@@ -19,131 +17,7 @@ pub const CONTACT_FRACTION_MAX: f64 = 0.1;
 /// `1/sqrt(1 - x^(5/2))` from 0 to 1 (Landau and Lifshitz, Theory of Elasticity, section 9).
 const HERTZ_DURATION: f64 = 2.943_275;
 
-/// A contact law with the parameters its paper gives.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
-pub enum LawSpec {
-    /// Kumar 2018, eqs. 1 and 2.
-    HertzHistory {
-        /// Normal stiffness `K_n` (pressure), positive.
-        kn: f64,
-        /// Tangential stiffness `K_t` (pressure), zero or more.
-        kt: f64,
-        /// Normal damping `gamma_n` (1 / (time length)), zero or more.
-        gamma_n: f64,
-        /// Tangential damping `gamma_t`, zero or more.
-        gamma_t: f64,
-        /// Friction coefficient, zero or more.
-        mu: f64,
-    },
-    /// Guillard 2014, eq. A1 and Table I.
-    HertzTsuji {
-        /// Young's modulus (pressure), positive.
-        young: f64,
-        /// Poisson's ratio, above -1 and at most 0.5.
-        poisson: f64,
-        /// Coefficient of restitution, above 0 and at most 1.
-        restitution: f64,
-        /// Friction coefficient, zero or more.
-        mu: f64,
-    },
-}
-
 impl LawSpec {
-    /// The law as the kernel computes it.
-    ///
-    /// # Errors
-    /// The key and what was expected of it.
-    pub fn build(&self) -> Result<AnyLaw, (&'static str, String)> {
-        match *self {
-            LawSpec::HertzHistory {
-                kn,
-                kt,
-                gamma_n,
-                gamma_t,
-                mu,
-            } => {
-                positive("kn", kn)?;
-                not_negative("kt", kt)?;
-                not_negative("gamma_n", gamma_n)?;
-                not_negative("gamma_t", gamma_t)?;
-                not_negative("mu", mu)?;
-                Ok(AnyLaw::HertzHistory(HertzHistory {
-                    kn,
-                    kt,
-                    gamma_n,
-                    gamma_t,
-                    mu,
-                }))
-            }
-            LawSpec::HertzTsuji {
-                young,
-                poisson,
-                restitution,
-                mu,
-            } => {
-                positive("young", young)?;
-                not_negative("mu", mu)?;
-                if !(poisson > -1.0 && poisson <= 0.5) {
-                    let problem = format!("is {poisson}; expected above -1 and at most 0.5");
-                    return Err(("poisson", problem));
-                }
-                if !(restitution > 0.0 && restitution <= 1.0) {
-                    let problem = format!("is {restitution}; expected above 0 and at most 1");
-                    return Err(("restitution", problem));
-                }
-                let law = HertzTsuji::new(young, poisson, restitution, mu);
-                Ok(AnyLaw::HertzTsuji(law))
-            }
-        }
-    }
-
-    /// The law with damping strong enough to take the last motion out of a bed that has fallen, in
-    /// steps of `dt`, grains of diameter `d`; the forces at rest are the law's own.
-    ///
-    /// `hertz_history`: `gamma = 2/(d dt)` where the law has less, which damps a contact of a
-    /// hundredth of `d` by a tenth in a step: stable with a dozen contacts. `hertz_tsuji`:
-    /// restitution 0.1, the same fraction of critical damping at every overlap.
-    ///
-    /// # Panics
-    /// Where [`LawSpec::build`] refuses the law.
-    pub fn quenching(&self, dt: f64, d: f64) -> AnyLaw {
-        let strong = 2.0 / (d * dt);
-        let more = |gamma: f64| if gamma > strong { gamma } else { strong };
-        let mut law = *self;
-        match &mut law {
-            LawSpec::HertzHistory {
-                gamma_n, gamma_t, ..
-            } => (*gamma_n, *gamma_t) = (more(*gamma_n), more(*gamma_t)),
-            LawSpec::HertzTsuji { restitution, .. } => {
-                *restitution = if *restitution < 0.1 {
-                    *restitution
-                } else {
-                    0.1
-                };
-            }
-        }
-        law.build()
-            .expect("a sound law stays sound with more damping")
-    }
-
-    /// Friction coefficient.
-    pub fn mu(&self) -> f64 {
-        match *self {
-            LawSpec::HertzHistory { mu, .. } | LawSpec::HertzTsuji { mu, .. } => mu,
-        }
-    }
-
-    /// Normal stiffness as a pressure: `F_n = K_n sqrt(R delta) delta`; NaN where [`LawSpec::build`]
-    /// refuses the law.
-    pub fn normal_stiffness(&self) -> f64 {
-        match self.build() {
-            Ok(AnyLaw::HertzHistory(law)) => law.kn,
-            Ok(AnyLaw::HertzTsuji(law)) => law.kn,
-            Err(_) => f64::NAN,
-        }
-    }
-
     /// Duration of an undamped collision of two equal grains that meet at this speed (positive): 2.943
     /// times the deepest overlap over the speed, with the overlap `(5 m v^2/(4 K_n sqrt(R)))^(2/5)`,
     /// effective mass and radius (Landau and Lifshitz, Theory of Elasticity, section 9).
@@ -187,28 +61,10 @@ impl LawSpec {
         Ok(())
     }
 
-    /// Rayleigh time of a grain: pi r sqrt(rho / G) / (0.1631 nu + 0.8766), with the shear modulus
-    /// and Poisson's ratio of the material (for `hertz_history` from Kumar 2018, eq. 3: the ratio
-    /// `K_t/K_n` gives nu, held to 0 .. 0.5, and the stiffer of `K_n` and `K_t` then gives G).
+    /// Rayleigh time of a grain: `pi r sqrt(rho / G) / (0.1631 nu + 0.8766)`, with the shear modulus
+    /// and Poisson's ratio of the material.
     pub fn rayleigh_time(&self, radius: f64, density: f64) -> f64 {
-        let (shear, poisson) = match *self {
-            LawSpec::HertzHistory { kn, kt, .. } => {
-                let ratio = kt / kn;
-                let poisson = ((3.0 - 2.0 * ratio) / (3.0 - ratio)).clamp(0.0, 0.5);
-                let poisson = if ratio >= 1.5 { 0.0 } else { poisson };
-                let (normal, tangential) =
-                    (0.75 * (1.0 - poisson) * kn, 0.25 * (2.0 - poisson) * kt);
-                let stiffer = if tangential > normal {
-                    tangential
-                } else {
-                    normal
-                };
-                (stiffer, poisson)
-            }
-            LawSpec::HertzTsuji { young, poisson, .. } => {
-                (young / (2.0 * (1.0 + poisson)), poisson)
-            }
-        };
+        let (shear, poisson) = self.parameters().moduli();
         let wave = 0.1631 * poisson + 0.8766;
         std::f64::consts::PI * radius * (density / shear).sqrt() / wave
     }
@@ -241,25 +97,10 @@ impl LawSpec {
     }
 }
 
-fn positive(key: &'static str, value: f64) -> Result<(), (&'static str, String)> {
-    if value > 0.0 && value.is_finite() {
-        Ok(())
-    } else {
-        Err((key, format!("is {value}; expected a positive number")))
-    }
-}
-
-fn not_negative(key: &'static str, value: f64) -> Result<(), (&'static str, String)> {
-    if value >= 0.0 && value.is_finite() {
-        Ok(())
-    } else {
-        Err((key, format!("is {value}; expected zero or more")))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::law::{HertzHistoryParameters, HertzTsujiParameters};
 
     /// The published material of Kumar 2018: E and nu of eq. 3 give back K_n and the wave speed.
     #[test]
@@ -268,19 +109,19 @@ mod tests {
         let shear = young / (2.0 * (1.0 + poisson));
         let kn = 4.0 * shear / (3.0 * (1.0 - poisson));
         let kt = 4.0 * shear / (2.0 - poisson);
-        let kumar = LawSpec::HertzHistory {
+        let kumar = LawSpec::HertzHistory(HertzHistoryParameters {
             kn,
             kt,
             gamma_n: 0.0,
             gamma_t: 0.0,
             mu: 0.5,
-        };
-        let guillard = LawSpec::HertzTsuji {
+        });
+        let guillard = LawSpec::HertzTsuji(HertzTsujiParameters {
             young,
             poisson,
             restitution: 0.5,
             mu: 0.5,
-        };
+        });
         let (a, b) = (
             kumar.rayleigh_time(0.5, 1.0),
             guillard.rayleigh_time(0.5, 1.0),
@@ -304,12 +145,12 @@ mod tests {
 
     #[test]
     fn a_time_step_is_held_to_a_tenth_of_a_collision() {
-        let law = LawSpec::HertzTsuji {
+        let law = LawSpec::HertzTsuji(HertzTsujiParameters {
             young: 5e6,
             poisson: 0.45,
             restitution: 0.6,
             mu: 0.5,
-        };
+        });
         let sizes = || [(1e-3, 2500.0), (7.5e-4, 2500.0)].into_iter();
         let limit = 0.1 * law.contact_duration(2.0, 7.5e-4, 2500.0);
         let check = |dt| law.check_contact_duration(dt, sizes(), (2.0, "a fall"));
@@ -322,13 +163,13 @@ mod tests {
 
     #[test]
     fn a_time_step_is_held_to_a_fifth_of_the_rayleigh_time() {
-        let law = LawSpec::HertzHistory {
+        let law = LawSpec::HertzHistory(HertzHistoryParameters {
             kn: 2e8,
             kt: 2.45e8,
             gamma_n: 5e4,
             gamma_t: 5e4,
             mu: 0.5,
-        };
+        });
         let limit = 0.2 * law.rayleigh_time(0.45, 1.0);
         let sizes = || [(0.5, 1.0), (0.45, 1.0)].into_iter();
         assert!(law.check_time_step(limit * 0.999, sizes()).is_ok());

@@ -1,0 +1,120 @@
+//! All contact laws: what a new one is added to.
+
+use bitgrain_kernel::contact::{HertzHistory, HertzTsuji, Law};
+use serde::{Deserialize, Serialize};
+
+use super::hertz_history::HertzHistoryParameters;
+use super::hertz_tsuji::HertzTsujiParameters;
+use super::parameters::{LawParameters, Springs, Sprung, Wrong};
+
+/// A contact law with the parameters its paper gives.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum LawSpec {
+    /// Kumar 2018, eqs. 1 and 2.
+    HertzHistory(HertzHistoryParameters),
+    /// Guillard 2014, eq. A1 and Table I.
+    HertzTsuji(HertzTsujiParameters),
+}
+
+/// A contact law with the numbers that it computes with.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum AnyLaw {
+    /// Kumar 2018, eqs. 1 and 2.
+    HertzHistory(HertzHistory<f64>),
+    /// Guillard 2014, eq. A1.
+    HertzTsuji(HertzTsuji<f64>),
+}
+
+/// Something to do with a law, whichever it is: it is compiled for each.
+pub trait WithLaw {
+    /// What it returns.
+    type Output;
+    /// Does it.
+    fn run<L: Law<f64> + Sprung>(self, law: &L) -> Self::Output;
+}
+
+impl LawSpec {
+    /// What is known of the law beside its forces.
+    pub fn parameters(&self) -> &dyn LawParameters {
+        match self {
+            LawSpec::HertzHistory(parameters) => parameters,
+            LawSpec::HertzTsuji(parameters) => parameters,
+        }
+    }
+
+    /// The law as it is computed.
+    ///
+    /// # Errors
+    /// The key and what was expected of it.
+    pub fn build(&self) -> Result<AnyLaw, Wrong> {
+        Ok(match self {
+            LawSpec::HertzHistory(parameters) => AnyLaw::HertzHistory(parameters.build()?),
+            LawSpec::HertzTsuji(parameters) => AnyLaw::HertzTsuji(parameters.build()?),
+        })
+    }
+
+    /// The law with damping strong enough to take the last motion out of a bed that has fallen, in steps of `dt`,
+    /// grains of diameter `d`; the forces at rest are the law's own.
+    #[must_use]
+    pub fn quenching(&self, dt: f64, d: f64) -> Self {
+        match self {
+            LawSpec::HertzHistory(parameters) => LawSpec::HertzHistory(parameters.quenching(dt, d)),
+            LawSpec::HertzTsuji(parameters) => LawSpec::HertzTsuji(parameters.quenching()),
+        }
+    }
+
+    /// Friction coefficient.
+    pub fn mu(&self) -> f64 {
+        self.value("mu").unwrap_or(0.0)
+    }
+
+    /// What files call the law.
+    pub fn kind(&self) -> String {
+        let kind = self.table().remove("kind");
+        kind.and_then(|kind| kind.as_str().map(str::to_owned))
+            .unwrap_or_default()
+    }
+
+    /// The number of a key, as files name it; `None` if the law has none of the name.
+    pub fn value(&self, key: &str) -> Option<f64> {
+        self.table().get(key)?.as_f64()
+    }
+
+    fn table(&self) -> serde_json::Map<String, serde_json::Value> {
+        match serde_json::to_value(self) {
+            Ok(serde_json::Value::Object(table)) => table,
+            _ => serde_json::Map::new(),
+        }
+    }
+
+    /// Normal stiffness as a pressure: `F_n = K_n sqrt(R delta) delta`; NaN if [`LawSpec::build`]
+    /// refuses the law.
+    pub fn normal_stiffness(&self) -> f64 {
+        self.build().map_or(f64::NAN, |law| law.springs().kn)
+    }
+}
+
+impl AnyLaw {
+    /// Does something with the law.
+    #[inline]
+    pub fn with<W: WithLaw>(&self, what: W) -> W::Output {
+        match self {
+            AnyLaw::HertzHistory(law) => what.run(law),
+            AnyLaw::HertzTsuji(law) => what.run(law),
+        }
+    }
+
+    /// The springs of its contacts.
+    pub fn springs(&self) -> Springs {
+        struct Of;
+        impl WithLaw for Of {
+            type Output = Springs;
+            fn run<L: Law<f64> + Sprung>(self, law: &L) -> Springs {
+                law.springs()
+            }
+        }
+        self.with(Of)
+    }
+}

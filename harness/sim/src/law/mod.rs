@@ -1,0 +1,15 @@
+//! Contact laws as files name them, with the time step that they allow.
+//!
+//! Each law has a file of its own; [`laws`] alone names them all.
+
+mod hertz_history;
+mod hertz_tsuji;
+pub mod laws;
+mod parameters;
+mod time_step;
+
+pub use hertz_history::HertzHistoryParameters;
+pub use hertz_tsuji::HertzTsujiParameters;
+pub use laws::{AnyLaw, LawSpec, WithLaw};
+pub use parameters::{LawParameters, Springs, Sprung, Wrong};
+pub use time_step::{CONTACT_FRACTION_MAX, RAYLEIGH_FRACTION_MAX};
