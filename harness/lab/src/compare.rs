@@ -50,7 +50,7 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 /// the same to the bit.
 ///
 /// ```
-/// # use bitgrain::{case, compare::first_difference};
+/// # use bitgrain_lab::{case, compare::first_difference};
 /// let text = r#"{"law": {"kind": "hertz_history", "kn": 2e5, "kt": 2.45e5, "gamma_n": 0,
 ///     "gamma_t": 0, "mu": 0.5}, "dt": 1e-4, "grains": [{"id": 3, "diameter": 1, "density": 1,
 ///     "position": [0, 0, 0]}]}"#;

@@ -75,17 +75,17 @@ impl Work {
                 Ok::<bool, Error>(found.is_none())
             };
             for plan in scenario.beds() {
-                if !absent(&plan)? {
+                if !absent(plan)? {
                     continue;
                 }
                 if plan.lid.is_some() {
-                    work.covered.push(bed::covering_steps(scenario, &plan));
+                    work.covered.push(bed::covering_steps(scenario, plan));
                 }
                 work.missing.push(plan.name.clone());
             }
             for plan in scenario.bare_beds() {
-                if absent(&plan)? {
-                    work.poured.push(bed::pouring_steps(scenario, &plan));
+                if absent(plan)? {
+                    work.poured.push(bed::pouring_steps(scenario, plan));
                 }
             }
         }
@@ -130,8 +130,8 @@ pub fn shipped(threads: usize) -> Result<Vec<Size>> {
             None => *speed.insert(trial(&scenario)?),
         };
         let (beds, runs) = (scenario.beds(), scenario.drags());
-        let grains = largest(&scenario, &beds);
-        let steps = Work::of(&scenario, &none)?.longest(&runs, threads);
+        let grains = largest(&scenario, beds);
+        let steps = Work::of(&scenario, &none)?.longest(runs, threads);
         sizes.push(Size {
             name,
             grains,
@@ -179,8 +179,8 @@ impl Lines {
 /// Grains, steps, memory, disk and time.
 fn cost(scenario: &CheckedScenario, work: &Work, threads: usize, speed: f64, out: &mut Lines) {
     let (beds, runs) = (scenario.beds(), scenario.drags());
-    let grains = largest(scenario, &beds);
-    let whole = work.longest(&runs, threads);
+    let grains = largest(scenario, beds);
+    let whole = work.longest(runs, threads);
     let drags: u64 = runs.iter().map(|run| run.steps()).sum();
     let beds_steps: u64 = work.poured.iter().chain(&work.covered).sum();
     let steps = beds_steps + drags;
@@ -219,7 +219,7 @@ fn cost(scenario: &CheckedScenario, work: &Work, threads: usize, speed: f64, out
     let sums = 3.0 * SUMS * points(scenario).iter().product::<f64>();
     let memory = (PER_GRAIN * grains as f64 + sums) * at_once as f64;
     out.add("memory", bytes(memory));
-    out.add("disk", bytes(disk(scenario, &runs, grains, beds.len())));
+    out.add("disk", bytes(disk(scenario, runs, grains, beds.len())));
     let million = 1e-6 * speed;
     out.add(
         "speed of this machine",
@@ -290,7 +290,7 @@ fn runs(scenario: &CheckedScenario, speed: f64, out: &mut Lines) {
             range(run.steps(), scenario.grain_count(plan.diameter), speed),
             short(run.motion.speed),
             short(run.froude),
-            short(inertial(scenario, &run, plan.diameter, depth)),
+            short(inertial(scenario, run, plan.diameter, depth)),
             short(contact),
             short(depth),
             short(depth / plan.diameter),

@@ -23,8 +23,8 @@ type Fallible<T> = std::result::Result<T, KernelError>;
 /// Fewest grains of a range: handing over less costs more than it saves.
 const RANGE_MIN: usize = 500;
 
-/// Grains of a range whose rows, 160 bytes each, are near enough by themselves: hints cost some twentieth of a step, and
-/// save a fifth of one if rows come from far.
+/// Grains of a range whose rows, 160 bytes each, are near enough by themselves: hints cost some twentieth of a step,
+/// and save a fifth of one if rows come from far.
 const NEAR: usize = 30_000;
 
 /// How a simulation steps: speed only, never a bit.

@@ -73,7 +73,7 @@ pub(crate) struct Block<R> {
 /// [`NormalForce`] in columns.
 struct Presses<R> {
     force: Column<R>,
-    root: Column<R>,
+    contact_radius: Column<R>,
     damping: Column<R>,
     lever_arm_i: Column<R>,
     lever_arm_j: Column<R>,
@@ -108,7 +108,7 @@ impl<R: Real> Block<R> {
             speed: column,
             press: Presses {
                 force: column,
-                root: column,
+                contact_radius: column,
                 damping: column,
                 lever_arm_i: column,
                 lever_arm_j: column,
@@ -207,7 +207,7 @@ impl<R: Real> Block<R> {
             });
             self.speed[k] = speed;
             self.press.force[k] = press.force;
-            self.press.root[k] = press.root;
+            self.press.contact_radius[k] = press.contact_radius;
             self.press.damping[k] = press.damping;
             self.press.lever_arm_i[k] = press.lever_arm_i;
             self.press.lever_arm_j[k] = press.lever_arm_j;
@@ -239,7 +239,7 @@ impl<R: Real> Block<R> {
         for k in 0..self.whole() {
             let press = NormalForce {
                 force: self.press.force[k],
-                root: self.press.root[k],
+                contact_radius: self.press.contact_radius[k],
                 damping: self.press.damping[k],
                 lever_arm_i: self.press.lever_arm_i[k],
                 lever_arm_j: self.press.lever_arm_j[k],

@@ -33,11 +33,11 @@ pub struct HertzHistory<R> {
 impl<R: Real> Law<R> for HertzHistory<R> {
     #[inline(always)]
     fn normal_force(&self, c: &NormalState<R>) -> NormalForce<R> {
-        let root = (c.radius_effective * c.overlap).sqrt();
+        let contact_radius = (c.radius_effective * c.overlap).sqrt();
         let damped = (c.mass_effective * self.gamma_n) * c.speed;
         NormalForce {
-            force: root * (self.kn * c.overlap - damped),
-            root,
+            force: contact_radius * (self.kn * c.overlap - damped),
+            contact_radius,
             damping: c.mass_effective * self.gamma_t,
             lever_arm_i: c.radius_i,
             lever_arm_j: c.radius_j,
@@ -54,7 +54,7 @@ impl<R: Real> Law<R> for HertzHistory<R> {
         // q = K_t s + m gamma_t v_t, so that F_t = -sqrt(R delta) q.
         let damp = scale(slide.velocity, press.damping);
         let q = add(scale(s, self.kt), damp);
-        let ft = press.root * dot(q, q).sqrt();
+        let ft = press.contact_radius * dot(q, q).sqrt();
         let cap = self.mu * magnitude(press.force);
         let slides = ft > cap;
         let f = if slides { cap / ft } else { R::ONE };
@@ -66,7 +66,11 @@ impl<R: Real> Law<R> for HertzHistory<R> {
         };
         let shrunk = scale(sub(scale(q, f), damp), per_kt);
         let hold = slides && slide.length2 == R::ZERO;
-        let g = if hold { R::ZERO } else { -(press.root * f) };
+        let g = if hold {
+            R::ZERO
+        } else {
+            -(press.contact_radius * f)
+        };
         TangentialForce {
             force: scale(q, g),
             spring: either(slides && !hold, shrunk, s),

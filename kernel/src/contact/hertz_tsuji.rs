@@ -53,12 +53,12 @@ impl<R: Real> HertzTsuji<R> {
 impl<R: Real> Law<R> for HertzTsuji<R> {
     #[inline(always)]
     fn normal_force(&self, c: &NormalState<R>) -> NormalForce<R> {
-        let root = (c.radius_effective * c.overlap).sqrt();
-        let damp = (c.mass_effective * root).sqrt();
+        let contact_radius = (c.radius_effective * c.overlap).sqrt();
+        let damp = (c.mass_effective * contact_radius).sqrt();
         let short = c.overlap * R::HALF;
         NormalForce {
-            force: (self.kn * root) * c.overlap - (self.cn * damp) * c.speed,
-            root,
+            force: (self.kn * contact_radius) * c.overlap - (self.cn * damp) * c.speed,
+            contact_radius,
             damping: self.ct * damp,
             lever_arm_i: c.radius_i - short,
             lever_arm_j: c.radius_j - short,
@@ -72,7 +72,7 @@ impl<R: Real> Law<R> for HertzTsuji<R> {
         slide: &TangentialState<R>,
     ) -> TangentialForce<R> {
         let s = slide.spring;
-        let kt = self.kt * press.root;
+        let kt = self.kt * press.contact_radius;
         let pull = kt * dot(s, s).sqrt();
         let cap = self.mu * magnitude(press.force);
         let slides = pull > cap;

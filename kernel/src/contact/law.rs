@@ -70,7 +70,7 @@ pub struct NormalForce<R> {
     /// Normal force on the grain; negative when it pulls.
     pub force: R,
     /// `sqrt(R delta)`, the radius of Hertz's contact (length).
-    pub root: R,
+    pub contact_radius: R,
     /// Tangential damping, in units of the law's own.
     pub damping: R,
     /// Lever of the tangential force about the grain's centre.

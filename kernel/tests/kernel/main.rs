@@ -8,6 +8,7 @@ mod common {
 
 mod canary;
 mod edits;
+mod examples;
 mod images;
 mod oracle;
 mod reference;

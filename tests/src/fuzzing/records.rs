@@ -119,7 +119,7 @@ fn told(read: Summary, text: &str) -> bool {
 fn said(evidence: &Evidence) {
     let _ = words(&evidence.analysis);
     let _ = analysis::text(&evidence.analysis);
-    let page = bitgrain::report::campaign_page(&evidence);
+    let page = bitgrain::report::campaign_page(evidence);
     assert!(!page.contains("<script>alert"), "what is read is no markup");
     let mut book = Book::shipped();
     evidence.record(&mut book);

@@ -26,7 +26,7 @@ fn digests(name: &str, scenario: &CheckedScenario, out: &mut String) {
     let text = blake3::hash(scenario.to_toml().as_bytes()).to_hex();
     let _ = writeln!(out, "{name} {}", &text[..32]);
     for plan in scenario.beds() {
-        let digest = Recipe::new(scenario, &plan).digest();
+        let digest = Recipe::new(scenario, plan).digest();
         let _ = writeln!(out, "{name}/{} {}", plan.name, &digest[..32]);
     }
 }

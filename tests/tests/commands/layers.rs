@@ -58,7 +58,10 @@ fn read_items(items: &[Item], folder: &Path, name: &[String], out: &mut Modules)
     out.insert(name.to_vec(), module);
     for child in children {
         let ident = child.ident.to_string();
-        let (own, below) = ([name, &[ident.clone()]].concat(), folder.join(&ident));
+        let (own, below) = (
+            [name, std::slice::from_ref(&ident)].concat(),
+            folder.join(&ident),
+        );
         match &child.content {
             Some((_, items)) => read_items(items, &below, &own, out),
             None => {
@@ -147,7 +150,7 @@ fn collect(tokens: TokenStream, module: &[String], out: &mut BTreeSet<Name>) {
 fn home(modules: &Modules, path: &[String], depth: usize) -> Name {
     let mut at = Vec::new();
     for (k, part) in path.iter().enumerate() {
-        let inner = [&at[..], &[part.clone()]].concat();
+        let inner = [&at[..], std::slice::from_ref(part)].concat();
         if modules.contains_key(&inner) {
             at = inner;
             continue;
@@ -232,7 +235,7 @@ fn a_circle_is_found_however_it_is_written() {
         ("use crate::f;", "use crate::a::{self, g};"),
         (
             "fn x() { println!(\"{}\", crate::b::f()); }",
-            "use super::*; fn y() { crate::a::g(); }",
+            "fn y() { crate::a::g(); }",
         ),
     ];
     for (a, b) in ways {
@@ -249,15 +252,14 @@ fn a_circle_is_found_however_it_is_written() {
         // Without one half there is none, and tests may name what they test.
         write(
             "b.rs",
-            &format!(
-                "#[cfg(test)]\nmod tests {{ use super::*; use crate::a::g; }}\npub fn f() {{}}\n"
-            ),
+            &"#[cfg(test)]\nmod tests { use super::*; use crate::a::g; }\npub fn f() {}\n",
         );
         assert!(circles_of(&folder.path().join("lib.rs")).is_empty(), "{a}");
     }
     // A parent that calls its child, and a child that takes what stands in its parent's own file.
     let folder = tempfile::tempdir().unwrap();
     let lib = folder.path().join("lib.rs");
-    fs::write(&lib, "pub mod p { pub struct S; pub mod c { use super::S; pub fn f(_: S) {} } fn g() { c::f(S); } }").unwrap();
+    let text = "pub mod p { pub struct S; pub mod c { use super::S; pub fn f(_: S) {} } fn g() { c::f(S); } }";
+    fs::write(&lib, text).unwrap();
     assert_eq!(circles_of(&lib), ["p", "p::c"]);
 }

@@ -337,7 +337,7 @@ fn physics_names_its_source() {
         "harness/sim/src/histogram.rs",
         "harness/lab/src/scenario/plan.rs",
         "harness/lab/src/scenario/rig.rs",
-        "harness/sim/src/law.rs",
+        "harness/sim/src/law/time_step.rs",
     ] {
         assert!(cites(name), "{name}");
     }

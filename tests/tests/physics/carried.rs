@@ -25,7 +25,7 @@ fn rig() -> CheckedScenario {
 /// The bare bed, and with a lid: with and without a pressure gradient.
 static BEDS: LazyLock<[Simulation; 3]> = LazyLock::new(|| {
     let scenario = rig();
-    let [with, without] = &scenario.beds()[..] else {
+    let [with, without] = scenario.beds() else {
         panic!("two beds are planned");
     };
     let bare = BedPlan {

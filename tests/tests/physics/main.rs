@@ -4,6 +4,7 @@ mod beds;
 mod carried;
 mod drag;
 mod energy;
+mod examples;
 mod fields;
 mod finds;
 mod flowing;

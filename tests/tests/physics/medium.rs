@@ -133,10 +133,7 @@ impl Observer for Until {
 #[ignore = "half a minute: `.ci/run long`"]
 fn a_piece_done_again_gives_the_same_links_and_sums() {
     let (scenario, links) = (shipped(), links());
-    let plan = scenario
-        .drags()
-        .into_iter()
-        .find(|plan| plan.name == PIECE.0);
+    let plan = scenario.drags().iter().find(|plan| plan.name == PIECE.0);
     let plan = plan.unwrap();
     let state = unpacked(&format!("guillard-medium/{}", PIECE.1));
     let (mut sim, note) = checkpoint::unpack(&state, PIECE.1).unwrap();
@@ -145,7 +142,7 @@ fn a_piece_done_again_gives_the_same_links_and_sums() {
     assert_eq!(dragging.fields.as_ref().unwrap().samples(), 0);
     let end = (dragging.step / LINKS + 1) * LINKS;
     dragging
-        .go_on(&mut sim, &plan, &Stage::silent(), &mut Until(end))
+        .go_on(&mut sim, plan, &Stage::silent(), &mut Until(end))
         .unwrap();
     assert_eq!(dragging.chain.end(), links[&(plan.name.clone(), end)]);
     let fields = dragging.fields.as_ref().unwrap();

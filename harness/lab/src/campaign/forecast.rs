@@ -140,14 +140,14 @@ fn pouring(
         return Ok(work);
     }
     for bed in scenario.beds() {
-        let recipe = Recipe::new(scenario, &bed);
+        let recipe = Recipe::new(scenario, bed);
         let digest = recipe.digest();
         if library.has(&recipe) || recipes.contains(&digest) {
             continue;
         }
         recipes.push(digest);
         let grains = scenario.grain_count(bed.diameter) as f64;
-        work.push(bed::pouring_steps(scenario, &bed) as f64 * grains / GRAIN_STEPS);
+        work.push(bed::pouring_steps(scenario, bed) as f64 * grains / GRAIN_STEPS);
     }
     Ok(work)
 }

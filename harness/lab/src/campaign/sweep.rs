@@ -241,8 +241,8 @@ impl Under<'_> {
             let scenario = self.scenario(member);
             let digests = scenario
                 .beds()
-                .into_iter()
-                .map(|bed| Recipe::new(scenario, &bed).digest());
+                .iter()
+                .map(|bed| Recipe::new(scenario, bed).digest());
             let digests: Vec<String> = digests.collect();
             let again = digests.iter().any(|digest| recipes.contains(digest));
             open[usize::from(again)].push(member);

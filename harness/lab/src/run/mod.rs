@@ -203,8 +203,8 @@ pub fn beds(
         threads,
         threads,
         bare.len(),
-        |k| height(&bare[k]),
-        |k| pour_bare(setting, ledger, &bare[k]),
+        |k| height(bare[k]),
+        |k| pour_bare(setting, ledger, bare[k]),
     )?;
     let mut stages: Vec<StagePerformance> = poured.into_iter().collect::<Result<_>>()?;
     let beds = side_by_side(

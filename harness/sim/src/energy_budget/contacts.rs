@@ -20,12 +20,12 @@ impl Elastic {
 
     /// Normal force of the spring alone: `K_n sqrt(R delta) delta` by either law.
     pub fn normal_force(&self, at: &ElasticContact) -> f64 {
-        self.0.kn * at.root * at.overlap
+        self.0.kn * at.contact_radius * at.overlap
     }
 
     /// Its energy: `(2/5) K_n sqrt(R) delta^(5/2)`.
     pub fn normal_energy(&self, at: &ElasticContact) -> f64 {
-        0.4 * self.0.kn * at.root * (at.overlap * at.overlap)
+        0.4 * self.0.kn * at.contact_radius * (at.overlap * at.overlap)
     }
 
     /// Whether a damper of this contact is friction's, for it sits on the cap with its spring: a part in
@@ -38,7 +38,7 @@ impl Elastic {
 
     /// Stiffness of the tangential spring: `K_t sqrt(R delta)` by either law.
     pub fn stiffness(&self, at: &ElasticContact) -> f64 {
-        self.0.kt * at.root
+        self.0.kt * at.contact_radius
     }
 }
 
@@ -51,7 +51,7 @@ pub(super) struct ElasticContact {
     pub normal: Vec3<f64>,
     pub overlap: f64,
     /// `sqrt(R delta)`.
-    root: f64,
+    contact_radius: f64,
     radii: [f64; 2],
     radius_effective: f64,
     /// Levers of the tangential force about the grain and its partner.
@@ -101,7 +101,7 @@ impl ElasticContact {
             partner,
             normal,
             overlap,
-            root: (radius_effective * overlap).sqrt(),
+            contact_radius: (radius_effective * overlap).sqrt(),
             radii: [radius, other],
             radius_effective,
             arms: [arm(radius), arm(other)],
