@@ -69,8 +69,8 @@ pub fn main() -> Result<(), Error> {
     for _ in 0..6000 {
         step(&mut world, &law)?;
     }
-    // A damped oscillator: e = exp(-pi beta / sqrt(1 - beta^2)) with beta = cn / (2 sqrt(kn m)). The force that does not
-    // pull lets go a little earlier.
+    // A damped oscillator: e = exp(-pi beta / sqrt(1 - beta^2)) with beta = cn / (2 sqrt(kn m)). A force that does
+    // not pull lets go a little earlier.
     let beta = law.cn / (2.0 * (law.kn * MASS).sqrt());
     let expected = (-std::f64::consts::PI * beta / (1.0 - beta * beta).sqrt()).exp();
     let restitution = world.grains.velocity[0][2];

@@ -11,10 +11,9 @@ use std::path::Path;
 use bitgrain_tests::root;
 use proc_macro2::{TokenStream, TokenTree};
 use quote::ToTokens;
-use syn::{Item, Meta, UseTree};
+use syn::Item;
 
-/// A module's name or a path, from the root of its crate.
-type Name = Vec<String>;
+use crate::sources::{Name, each_module, flatten};
 
 /// What a module's code names, and what its `use` items bind.
 #[derive(Default)]
@@ -29,83 +28,29 @@ type Modules = BTreeMap<Name, Module>;
 /// From modules to those that they use.
 type Uses = BTreeMap<Name, BTreeSet<Name>>;
 
-fn read(file: &Path, folder: &Path, name: &[String], out: &mut Modules) {
-    let text = fs::read_to_string(file).unwrap_or_else(|e| panic!("{}: {e}", file.display()));
-    let parsed = syn::parse_file(&text).unwrap_or_else(|e| panic!("{}: {e}", file.display()));
-    read_items(&parsed.items, folder, name, out);
-}
-
-fn read_items(items: &[Item], folder: &Path, name: &[String], out: &mut Modules) {
-    let mut module = Module::default();
-    let mut children = Vec::new();
-    for item in items.iter().filter(|item| !is_for_tests(item)) {
-        match item {
-            Item::Mod(child) => children.push(child),
-            Item::Use(used) => {
-                let mut leaves = Vec::new();
-                flatten(&used.tree, &[], &mut leaves);
-                for (path, binds) in leaves {
-                    let path = absolute(&path, name);
-                    module
-                        .bound
-                        .extend(binds.map(|bound| (bound, path.clone())));
-                    module.paths.insert(path);
-                }
-            }
-            other => collect(other.to_token_stream(), name, &mut module.paths),
-        }
-    }
-    out.insert(name.to_vec(), module);
-    for child in children {
-        let ident = child.ident.to_string();
-        let (own, below) = (
-            [name, std::slice::from_ref(&ident)].concat(),
-            folder.join(&ident),
-        );
-        match &child.content {
-            Some((_, items)) => read_items(items, &below, &own, out),
-            None => {
-                let flat = folder.join(format!("{ident}.rs"));
-                let file = match flat.exists() {
-                    true => flat,
-                    false => below.join("mod.rs"),
-                };
-                read(&file, &below, &own, out);
+/// The modules of the crate whose root is in `file`.
+fn modules(file: &Path) -> Modules {
+    let mut out = Modules::new();
+    each_module(file, &mut |name, items| {
+        let mut module = Module::default();
+        for item in items {
+            let Item::Use(used) = item else {
+                collect(item.to_token_stream(), name, &mut module.paths);
+                continue;
+            };
+            let mut leaves = Vec::new();
+            flatten(&used.tree, &[], &mut leaves);
+            for (path, binds) in leaves {
+                let path = absolute(&path, name);
+                module
+                    .bound
+                    .extend(binds.map(|bound| (bound, path.clone())));
+                module.paths.insert(path);
             }
         }
-    }
-}
-
-/// Whether it stands under `#[cfg(test)]`.
-fn is_for_tests(item: &Item) -> bool {
-    let attributes = match item {
-        Item::Const(i) => &i.attrs,
-        Item::Fn(i) => &i.attrs,
-        Item::Impl(i) => &i.attrs,
-        Item::Mod(i) => &i.attrs,
-        Item::Struct(i) => &i.attrs,
-        Item::Use(i) => &i.attrs,
-        _ => return false,
-    };
-    attributes.iter().any(|attribute| match &attribute.meta {
-        Meta::List(list) => list.path.is_ident("cfg") && list.tokens.to_string() == "test",
-        _ => false,
-    })
-}
-
-/// The paths of a `use` item with the names that they bind.
-fn flatten(tree: &UseTree, before: &[String], out: &mut Vec<(Name, Option<String>)>) {
-    let with = |part: &syn::Ident| [before, &[part.to_string()]].concat();
-    match tree {
-        UseTree::Path(path) => flatten(&path.tree, &with(&path.ident), out),
-        UseTree::Name(leaf) if leaf.ident == "self" => {
-            out.push((before.to_vec(), before.last().cloned()));
-        }
-        UseTree::Name(leaf) => out.push((with(&leaf.ident), Some(leaf.ident.to_string()))),
-        UseTree::Rename(leaf) => out.push((with(&leaf.ident), Some(leaf.rename.to_string()))),
-        UseTree::Glob(_) => out.push((before.to_vec(), None)),
-        UseTree::Group(group) => group.items.iter().for_each(|t| flatten(t, before, out)),
-    }
+        out.insert(name.to_vec(), module);
+    });
+    out
 }
 
 /// A path as it is from the root; what begins with none of the words may begin with a child of the module.
@@ -203,11 +148,8 @@ fn in_circles(uses: &Uses) -> Vec<String> {
     circular.map(|name| name.join("::")).collect()
 }
 
-fn circles_of(root_file: &Path) -> Vec<String> {
-    let mut modules = Modules::new();
-    let folder = root_file.parent().expect("a file has a folder");
-    read(root_file, folder, &[], &mut modules);
-    in_circles(&uses(&modules))
+fn circles_of(file: &Path) -> Vec<String> {
+    in_circles(&uses(&modules(file)))
 }
 
 #[test]
@@ -252,7 +194,7 @@ fn a_circle_is_found_however_it_is_written() {
         // Without one half there is none, and tests may name what they test.
         write(
             "b.rs",
-            &"#[cfg(test)]\nmod tests { use super::*; use crate::a::g; }\npub fn f() {}\n",
+            "#[cfg(test)]\nmod tests { use super::*; use crate::a::g; }\npub fn f() {}\n",
         );
         assert!(circles_of(&folder.path().join("lib.rs")).is_empty(), "{a}");
     }

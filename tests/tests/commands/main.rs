@@ -6,6 +6,7 @@ use bitgrain_tests::wee::Room;
 use bitgrain_tests::{copied, made_run};
 
 mod against;
+mod api;
 mod bisect;
 mod campaigns;
 mod channels;
@@ -27,6 +28,7 @@ mod packed;
 mod parsers;
 mod resume;
 mod safety;
+mod sources;
 mod sweep;
 mod tidy;
 mod verify;
