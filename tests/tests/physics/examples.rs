@@ -11,15 +11,15 @@ mod own_observable;
 fn examples_run() {
     from_arrays::main().unwrap();
     let short = [
-        "bed.grains=900",
+        "bed.grains=1300",
         "bed.settled=1e-2",
         "intruder.height=2.5",
         "drag.distance=1.5",
         "drag.discard=0.2",
-        "measure.every=10",
+        "measure.every=5",
     ];
     let rows = own_observable::carried(&short.map(String::from)).unwrap();
-    assert!(rows.windows(2).all(|pair| pair[1].0 == pair[0].0 + 10));
+    assert!(rows.windows(2).all(|pair| pair[1].0 == pair[0].0 + 5));
     let most = rows.iter().map(|row| row.1).max();
     assert!((1..100).contains(&most.unwrap()), "{most:?}");
 }
