@@ -1,6 +1,6 @@
 //! An owned simulation over the bitgrain kernel, and what is measured on it and kept of it.
 //!
-//! * [`simulation`]: grains and contacts in vectors; steps on any number of threads ([`threads`], [`stepping`]) and
+//! * [`simulation`]: grains and contacts in vectors ([`owned_world`], [`lists`]); steps on any number of threads ([`threads`], [`stepping`]) and
 //!   with any of the machine's instruction sets ([`isa`]), all with the same bits; [`spatial_order`] numbers grains in
 //!   space, [`random`] draws numbers that never change;
 //! * [`law`]: contact laws by name with their ranges, [`coefficients`] in the numbers of both papers;
@@ -32,11 +32,12 @@ pub mod isa;
 pub mod lammps;
 pub mod law;
 mod law_work;
-mod lists;
+pub mod lists;
 pub mod memory;
 pub mod motion;
 pub mod observe;
 pub mod observer;
+pub mod owned_world;
 pub mod random;
 pub mod simulation;
 mod skin;

@@ -3,14 +3,17 @@
 pub use crate::grain::{Grain, Role, hex, sphere_mass};
 pub use crate::law::AnyLaw;
 
+use std::ops::{Deref, DerefMut};
+
 use bitgrain_kernel::{
-    CellList, Clock, ContactForce, ContactHistory, Digest, Domain, Error as KernelError, Grains,
-    Group, Obstacle, OuterList, Row, TOUCHING, World, check_arithmetic,
+    Clock, ContactForce, ContactHistory, Digest, Domain, Error as KernelError, Group, Obstacle,
+    TOUCHING, check_arithmetic,
 };
 
 use crate::crowd::deep_pair;
 use crate::law_work::{Steps, Watched};
-use crate::lists::{Grown, List, reserve};
+use crate::lists::List;
+use crate::owned_world::OwnedWorld;
 use crate::stepping::Stepping;
 use crate::threads::{cut, threads};
 
@@ -25,44 +28,9 @@ const PAIRS_FREE: usize = 65_536;
 pub struct Simulation {
     /// The contact law.
     pub law: AnyLaw,
-    /// The box.
-    pub domain: Domain<f64>,
-    /// Time step.
-    pub dt: f64,
-    /// How far beyond touching pairs are listed (length): speed only, never a bit.
-    pub skin: f64,
-    /// How far beyond the skin pairs are candidates for the list (length): speed only, never a bit.
-    pub reach: f64,
-    /// Names of the grains, ascending.
-    pub id: Vec<u32>,
-    /// Group of each grain.
-    pub group: Vec<u8>,
-    /// The groups.
-    pub groups: Vec<Group<f64>>,
-    /// Positions and radii.
-    pub position: Vec<Row<f64>>,
-    /// Velocities and masses.
-    pub velocity: Vec<Row<f64>>,
-    /// Spins and inverse contact masses.
-    pub spin: Vec<Row<f64>>,
-    /// Contact forces of the last evaluation.
-    pub force: Vec<Row<f64>>,
-    /// Contact torques.
-    pub torque: Vec<Row<f64>>,
-    /// Crossings of the periodic axes.
-    pub image: Vec<[i32; 3]>,
-    /// Obstacles by number.
-    pub obstacles: Vec<Obstacle<f64>>,
     /// How it steps: speed only, never a bit.
     pub stepping: Stepping,
-    lists: [List; 2],
-    /// Where ranges of grains end, but for the last.
-    range_bounds: Vec<u32>,
-    candidate_row: Vec<u32>,
-    candidate: Vec<u32>,
-    cell_start: Vec<u32>,
-    cell_grain: Vec<u32>,
-    clock: Clock<f64>,
+    owned: OwnedWorld<f64>,
 }
 
 impl Simulation {
@@ -75,38 +43,28 @@ impl Simulation {
         grains: &[Grain],
         obstacles: Vec<Obstacle<f64>>,
     ) -> Self {
-        let n = grains.len();
         let row = |v: [f64; 3], w: f64| [v[0], v[1], v[2], w];
-        let mut sim = Self {
-            law,
-            domain,
-            dt,
-            skin: 0.0,
-            reach: 0.0,
+        let n = grains.len();
+        let mass = |g: &Grain| sphere_mass(g.diameter, g.density);
+        let position = |g: &Grain| row(g.position, 0.5 * g.diameter);
+        let velocity = |g: &Grain| row(g.velocity, mass(g));
+        let owned = OwnedWorld {
             id: grains.iter().map(|g| g.id).collect(),
             group: grains.iter().map(|g| g.group).collect(),
             groups,
-            position: grains
-                .iter()
-                .map(|g| row(g.position, 0.5 * g.diameter))
-                .collect(),
-            velocity: grains
-                .iter()
-                .map(|g| row(g.velocity, sphere_mass(g.diameter, g.density)))
-                .collect(),
+            position: grains.iter().map(position).collect(),
+            velocity: grains.iter().map(velocity).collect(),
             spin: grains.iter().map(|g| row(g.spin, 0.0)).collect(),
             force: vec![[0.0; 4]; n],
             torque: vec![[0.0; 4]; n],
             image: vec![[0; 3]; n],
             obstacles,
+            ..OwnedWorld::new(domain, dt)
+        };
+        let mut sim = Self {
+            law,
+            owned,
             stepping: Stepping::default(),
-            lists: [List::default(), List::default()],
-            range_bounds: Vec::new(),
-            candidate_row: Vec::new(),
-            candidate: Vec::new(),
-            cell_start: Vec::new(),
-            cell_grain: Vec::new(),
-            clock: Clock::default(),
         };
         sim.fit_storage();
         sim.choose_skin();
@@ -195,8 +153,9 @@ impl Simulation {
     /// never a bit. Contacts are forgotten: [`Simulation::resume`] or start again.
     pub fn lend(&mut self, entries: usize) {
         for list in &mut self.lists {
-            list.resize(entries, entries)
-                .expect("a caller asks for what there is");
+            *list = List::default();
+            let made = list.reserve(entries, entries);
+            made.expect("a caller asks for what there is");
         }
         self.candidate.resize(entries, 0);
         self.cell_start.resize(entries.max(2), 0);
@@ -205,55 +164,6 @@ impl Simulation {
         self.clock.step = step;
         self.stepping = self.stepping.clone();
         self.range_bounds.clear();
-    }
-
-    fn reserve(&mut self, pairs: usize, candidates: usize, touches: usize) -> Grown {
-        let candidates = self.candidate.len().max(candidates);
-        reserve(&mut self.candidate, candidates)?;
-        self.candidate.resize(candidates, 0);
-        for list in &mut self.lists {
-            let (p, t) = (
-                list.partner.len().max(pairs),
-                list.touch_grain.len().max(touches),
-            );
-            list.resize(p, t)?;
-        }
-        Ok(())
-    }
-
-    /// Lends everything as a world of the kernel.
-    pub fn world(&mut self) -> World<'_, f64> {
-        let [first, second] = &mut self.lists;
-        World {
-            domain: &self.domain,
-            dt: self.dt,
-            skin: self.skin,
-            reach: self.reach,
-            range_bounds: &self.range_bounds,
-            grains: Grains {
-                id: &self.id,
-                group: &self.group,
-                groups: &self.groups,
-                position: &mut self.position,
-                velocity: &mut self.velocity,
-                spin: &mut self.spin,
-                force: &mut self.force,
-                torque: &mut self.torque,
-                image: &mut self.image,
-            },
-            obstacles: &mut self.obstacles,
-            pairs: first.lend(),
-            spare: second.lend(),
-            candidates: OuterList {
-                row: &mut self.candidate_row,
-                partner: &mut self.candidate,
-            },
-            cells: CellList {
-                start: &mut self.cell_start,
-                grain: &mut self.cell_grain,
-            },
-            clock: &mut self.clock,
-        }
     }
 
     /// Runs `act`, enlarging the lists as often as it finds them full: capacity is never a result. Lists that would
@@ -456,5 +366,19 @@ impl Simulation {
         let v2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
         let w2 = w[0] * w[0] + w[1] * w[1] + w[2] * w[2];
         0.5 * v[3] * (v2 + 0.4 * r * r * w2)
+    }
+}
+
+impl Deref for Simulation {
+    type Target = OwnedWorld<f64>;
+
+    fn deref(&self) -> &OwnedWorld<f64> {
+        &self.owned
+    }
+}
+
+impl DerefMut for Simulation {
+    fn deref_mut(&mut self) -> &mut OwnedWorld<f64> {
+        &mut self.owned
     }
 }

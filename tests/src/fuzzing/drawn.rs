@@ -6,7 +6,8 @@ use bitgrain_kernel::{
 };
 
 use super::bytes::Bytes;
-use super::lent::{Lent, List};
+use super::lent::{Lent, add, reserve};
+use bitgrain::lists::List;
 
 /// Most entries of a slice.
 pub(super) const ENTRIES: u8 = 20;
@@ -171,7 +172,8 @@ pub(super) fn tame<R: Real>(bytes: &mut Bytes, lent: &mut Lent<R>) {
         let [u, v, w] = bytes.vector().map(R::from_f64);
         let group = (k % 7 == 6).into();
         let velocity = if group == 1 { [R::ZERO; 3] } else { [u, v, w] };
-        grains.add(
+        add(
+            &mut grains,
             group,
             [x, y, z, half],
             [velocity[0], velocity[1], velocity[2], R::ONE],
@@ -185,7 +187,7 @@ pub(super) fn tame<R: Real>(bytes: &mut Bytes, lent: &mut Lent<R>) {
     for list in &mut lent.lists {
         *list = List::default();
     }
-    lent.reserve(bytes.below(60), bytes.below(60), bytes.below(30));
+    reserve(lent, bytes.below(60), bytes.below(60), bytes.below(30));
 }
 
 pub(super) fn bond<R: Real>(bytes: &mut Bytes) -> ContactHistory<R> {

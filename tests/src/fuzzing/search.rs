@@ -1,6 +1,8 @@
 //! The neighbour search against all pairs: grains on the edges of cells and of the box, across periods, at
 //! equal places and just touching, which fly through each other without a force.
 
+use crate::fuzzing::lent::add;
+use crate::fuzzing::lent::reserve;
 use bitgrain_kernel::contact::HertzHistory;
 use bitgrain_kernel::phases::obstacle_forces;
 use bitgrain_kernel::phases::seal;
@@ -304,10 +306,16 @@ fn crowd(bytes: &mut Bytes) -> Option<Lent<f64>> {
         let velocity = if group == 1 { [0.0; 3] } else { velocity };
         let [x, y, z] = place;
         let [u, v, w] = velocity;
-        lent.add(group, [x, y, z, radius], [u, v, w, 1.0], [0.0; 3]);
+        add(
+            &mut lent,
+            group,
+            [x, y, z, radius],
+            [u, v, w, 1.0],
+            [0.0; 3],
+        );
     }
     let cells = 2 + bytes.below(100);
     lent.cell_start = vec![7; cells];
-    lent.reserve(bytes.below(60), bytes.below(60), bytes.below(20));
+    reserve(&mut lent, bytes.below(60), bytes.below(60), bytes.below(20));
     Some(lent)
 }

@@ -4,7 +4,10 @@
 //! they were, and with more room the run goes on to the digests of one that had room from the beginning.
 //! Unsound ones are in `hostile.rs`.
 
+use crate::fuzzing::lent::add;
 use crate::fuzzing::lent::growing;
+use crate::fuzzing::lent::reserve;
+use crate::fuzzing::lent::reserve_all;
 use bitgrain_kernel::contact::{HertzHistory, HertzTsuji, Law};
 use bitgrain_kernel::phases::obstacle_forces;
 use bitgrain_kernel::phases::{
@@ -88,7 +91,7 @@ fn under_a_law<R: Real>(bytes: &mut Bytes, is_hostile: bool) -> bool {
 /// Runs a world with what storage it was drawn, and its twin with ample storage and another skin.
 fn runs<R: Real, L: Law<R>>(bytes: &mut Bytes, lent: &mut Lent<R>, law: &L) -> bool {
     let mut twin = lent.clone();
-    twin.reserve_all();
+    reserve_all(&mut twin);
     let skin = lent.skin * R::from_f64([0.0, 0.5, 1.0, 4.0][bytes.below(4)]);
     if lent.skin >= R::ZERO && skin.is_finite() {
         twin.skin = skin;
@@ -299,10 +302,16 @@ fn bed<R: Real>(bytes: &mut Bytes) -> (Lent<R>, f64) {
             .vector()
             .map(|w| R::from_f64(w * spins * speed / radius));
         let mass = size * size * size * bytes.between(0.05, 1.0);
-        lent.add(group, rows(place, radius), rows(velocity, mass), spin);
+        add(
+            &mut lent,
+            group,
+            rows(place, radius),
+            rows(velocity, mass),
+            spin,
+        );
     }
     lent.cell_start = vec![9; 2 + bytes.below(60)];
-    lent.reserve(bytes.below(30), bytes.below(30), bytes.below(12));
+    reserve(&mut lent, bytes.below(30), bytes.below(30), bytes.below(12));
     let stiff = size / (dt * dt) * bytes.scale(-5.0, 0.0);
     (lent, stiff)
 }

@@ -87,7 +87,8 @@ fn a_word_that_is_unused_changes_no_mass() {
     let mut sim = started("full-list.json");
     let histories = sim.contact_histories();
     let masses: Vec<f64> = sim.velocity.iter().map(|v| v[3]).collect();
-    for row in sim.force.iter_mut().chain(&mut sim.torque) {
+    let world = &mut *sim;
+    for row in world.force.iter_mut().chain(&mut world.torque) {
         row[3] = 1e6;
     }
     sim.resume(&histories).expect("a sound state");

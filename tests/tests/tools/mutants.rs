@@ -325,7 +325,7 @@ impl Copy {
         // Always at one place: to cargo a package elsewhere is another, and is built beside the old.
         let folder = build.join("source");
         let _ = fs::remove_dir_all(&folder);
-        for part in ["src", "tests", "benches"] {
+        for part in ["src", "tests", "examples"] {
             let to = folder.join("kernel").join(part);
             copy_folder(&root.join("kernel").join(part), &to);
         }

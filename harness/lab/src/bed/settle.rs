@@ -221,7 +221,8 @@ fn halt_at_maxima(sim: &mut Simulation, bed: &str, observer: &mut impl Observer)
 /// Stops every grain where it is, with its contacts and forces.
 fn halt(sim: &mut Simulation) -> std::result::Result<(), KernelError> {
     let histories = sim.contact_histories();
-    for row in sim.velocity.iter_mut().chain(&mut sim.spin) {
+    let world = &mut **sim;
+    for row in world.velocity.iter_mut().chain(&mut world.spin) {
         *row = [0.0, 0.0, 0.0, row[3]];
     }
     sim.resume(&histories)

@@ -1,5 +1,5 @@
 //! The phases of a step one by one: contact block, picking of near pairs, sums, search, motion; on a
-//! lattice of 8,000 grains that all touch. `cargo bench -p bitgrain-kernel`.
+//! lattice of 8,000 grains that all touch. `cargo bench -p bitgrain-sim`.
 
 use std::hint::black_box;
 
@@ -10,8 +10,9 @@ use bitgrain_kernel::phases::{
 };
 use bitgrain_kernel::phases::{MotionPhase, integrate};
 use bitgrain_kernel::phases::{begin, ensure_pair_list_ahead};
-use bitgrain_kernel::{CellList, Clock, Domain, Grains, Group, OuterList, PairList, Row, World};
+use bitgrain_kernel::{Domain, Group, World};
 use bitgrain_kernel::{resume, start};
+use bitgrain_sim::owned_world::OwnedWorld;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use multiversion::multiversion;
 
@@ -30,124 +31,39 @@ const HISTORY: HertzHistory<f64> = HertzHistory {
     mu: 0.5,
 };
 
-/// All that a world borrows, as a host with an allocator owns it.
-struct Bed {
-    domain: Domain<f64>,
-    groups: [Group<f64>; 1],
-    id: Vec<u32>,
-    group: Vec<u8>,
-    rows: [Vec<Row<f64>>; 5],
-    image: Vec<[i32; 3]>,
-    lists: [List; 2],
-    row: Vec<u32>,
-    candidate: Vec<u32>,
-    start: Vec<u32>,
-    cell: Vec<u32>,
-    clock: Clock<f64>,
-}
-
-struct List {
-    words: [Vec<u32>; 4],
-    spring: [Vec<f64>; 3],
-    touch_spring: Vec<Row<f64>>,
-}
-
-impl List {
-    fn new() -> Self {
-        let words = || vec![0; ENTRIES];
-        let numbers = || vec![0.0; ENTRIES];
-        Self {
-            words: [words(), words(), words(), words()],
-            spring: [numbers(), numbers(), numbers()],
-            touch_spring: vec![[0.0; 4]; ENTRIES],
-        }
-    }
-
-    fn lend(&mut self) -> PairList<'_, f64> {
-        let [lower, partner, touch_grain, touch_obstacle] = &mut self.words;
-        PairList {
-            lower,
-            partner,
-            spring: self.spring.each_mut().map(|s| &mut s[..]),
-            touch_grain,
-            touch_obstacle,
-            touch_spring: &mut self.touch_spring,
-        }
-    }
-}
-
-impl Bed {
-    fn new() -> Self {
-        let length = SIDE as f64 * SPACING;
+/// The lattice, moving a little, not yet started.
+fn lattice(skin: f64, reach: f64) -> OwnedWorld<f64> {
+    let length = SIDE as f64 * SPACING;
+    let domain = Domain::new([0.0; 3], [length; 3], [true; 3]).expect("a box");
+    let mut bed = OwnedWorld::new(domain, 1e-4);
+    (bed.skin, bed.reach) = (skin, reach);
+    bed.groups.push(Group::free([0.0; 3]));
+    for k in 0..GRAINS {
         let place = |k: usize| (k as f64 + 0.5) * SPACING;
-        let position = |k: usize| {
-            let (x, y, z) = (k % SIDE, k / SIDE % SIDE, k / (SIDE * SIDE));
-            [place(x), place(y), place(z), 0.5]
-        };
+        let [x, y, z] = [k % SIDE, k / SIDE % SIDE, k / (SIDE * SIDE)].map(place);
         // Small motions that differ from grain to grain.
-        let wobble = |k: usize, w: f64| [0.01 * (k % 7) as f64, 0.01 * (k % 5) as f64, 0.0, w];
-        Self {
-            domain: Domain::new([0.0; 3], [length; 3], [true; 3]).expect("a box"),
-            groups: [Group::free([0.0; 3])],
-            id: (1..=GRAINS as u32).collect(),
-            group: vec![0; GRAINS],
-            rows: [
-                (0..GRAINS).map(position).collect(),
-                (0..GRAINS).map(|k| wobble(k, 0.5)).collect(),
-                (0..GRAINS).map(|k| wobble(k + 3, 0.0)).collect(),
-                vec![[0.0; 4]; GRAINS],
-                vec![[0.0; 4]; GRAINS],
-            ],
-            image: vec![[0; 3]; GRAINS],
-            lists: [List::new(), List::new()],
-            row: vec![0; GRAINS + 1],
-            candidate: vec![0; ENTRIES],
-            start: vec![0; 2 * GRAINS],
-            cell: vec![0; GRAINS],
-            clock: Clock::default(),
-        }
+        let wobble = |k: usize| [0.01 * (k % 7) as f64, 0.01 * (k % 5) as f64, 0.0];
+        let [u, v, w] = wobble(k);
+        bed.add(
+            k as u32 + 1,
+            0,
+            [x, y, z, 0.5],
+            [u, v, w, 0.5],
+            wobble(k + 3),
+        );
     }
-
-    fn world(&mut self, skin: f64, reach: f64) -> World<'_, f64> {
-        let [position, velocity, spin, force, torque] = &mut self.rows;
-        let [first, second] = &mut self.lists;
-        World {
-            domain: &self.domain,
-            dt: 1e-4,
-            skin,
-            reach,
-            range_bounds: &[],
-            grains: Grains {
-                id: &self.id,
-                group: &self.group,
-                groups: &self.groups,
-                position,
-                velocity,
-                spin,
-                force,
-                torque,
-                image: &mut self.image,
-            },
-            obstacles: &mut [],
-            pairs: first.lend(),
-            spare: second.lend(),
-            candidates: OuterList {
-                row: &mut self.row,
-                partner: &mut self.candidate,
-            },
-            cells: CellList {
-                start: &mut self.start,
-                grain: &mut self.cell,
-            },
-            clock: &mut self.clock,
-        }
-    }
+    bed.cell_start.resize(2 * GRAINS, 0);
+    bed.cell_grain.resize(GRAINS, 0);
+    bed.candidate_row.resize(GRAINS + 1, 0);
+    bed.reserve(ENTRIES, ENTRIES, ENTRIES)
+        .expect("room for a lattice");
+    bed
 }
 
 /// A started bed and how many pairs it lists, which all touch.
-fn started() -> (Bed, usize) {
-    let mut bed = Bed::new();
-    let mut world = bed.world(0.01, 0.1);
+fn started() -> (OwnedWorld<f64>, usize) {
+    let mut bed = lattice(0.01, 0.1);
+    let mut world = bed.world();
     start(&mut world, &HISTORY).expect("a sound lattice");
     let pairs = world.clock.listed();
     assert_eq!(pairs, 3 * GRAINS, "six neighbours each");
@@ -203,7 +119,7 @@ fn contact_block(c: &mut Criterion) {
     let (mut bed, pairs) = started();
     let mut group = c.benchmark_group("contact block, per contact");
     group.throughput(Throughput::Elements(pairs as u64));
-    let mut world = bed.world(0.01, 0.1);
+    let mut world = bed.world();
     group.bench_function("hertz_history", |b| {
         b.iter(|| sum_history(black_box(&mut world.pushing(0.0).0), &HISTORY, &[]));
     });
@@ -216,8 +132,8 @@ fn contact_block(c: &mut Criterion) {
 
 /// Near pairs picked from the candidates: without a skin every step does so.
 fn picking(c: &mut Criterion) {
-    let mut bed = Bed::new();
-    let mut world = bed.world(0.0, 0.5);
+    let mut bed = lattice(0.0, 0.5);
+    let mut world = bed.world();
     start(&mut world, &HISTORY).expect("a sound lattice");
     let candidates = world.candidates.row[GRAINS];
     let mut group = c.benchmark_group("picking, per candidate");
@@ -236,7 +152,7 @@ fn picking(c: &mut Criterion) {
 /// Forces of contacts that were evaluated before, given to their two grains.
 fn sums(c: &mut Criterion) {
     let (mut bed, pairs) = started();
-    let mut world = bed.world(0.01, 0.1);
+    let mut world = bed.world();
     let mut spills = vec![CrossRangeForce::default(); pairs];
     let mut springs = [vec![0.0; pairs], vec![0.0; pairs], vec![0.0; pairs]];
     let span = PairRange {
@@ -269,7 +185,7 @@ fn rebuild(c: &mut Criterion) {
     let (mut bed, _) = started();
     let mut group = c.benchmark_group("rebuild, per grain");
     group.throughput(Throughput::Elements(GRAINS as u64));
-    let mut world = bed.world(0.01, 0.1);
+    let mut world = bed.world();
     group.bench_function("search", |b| {
         b.iter(|| resume(black_box(&mut world), []).expect("a sound state"));
     });
@@ -281,7 +197,7 @@ fn motion(c: &mut Criterion) {
     let (mut bed, _) = started();
     let mut group = c.benchmark_group("motion, per grain");
     group.throughput(Throughput::Elements(GRAINS as u64));
-    let mut world = bed.world(0.01, 0.1);
+    let mut world = bed.world();
     group.bench_function("kick and drift", |b| {
         b.iter(|| move_all(black_box(&mut world)));
     });

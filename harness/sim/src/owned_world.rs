@@ -1,0 +1,155 @@
+//! A world of the kernel and everything that it borrows, owned.
+
+use bitgrain_kernel::{
+    CellList, Clock, Domain, Error as KernelError, Grains, Group, Obstacle, OuterList, Real, Row,
+    World,
+};
+
+use crate::lists::{Grown, List};
+
+/// A world and everything it borrows.
+#[derive(Clone, Debug)]
+pub struct OwnedWorld<R> {
+    /// The box.
+    pub domain: Domain<R>,
+    /// Time step.
+    pub dt: R,
+    /// How far beyond touching pairs are listed (length): speed only, never a bit.
+    pub skin: R,
+    /// How far beyond the skin pairs are candidates for the list (length): speed only, never a bit.
+    pub reach: R,
+    /// Names of the grains, ascending.
+    pub id: Vec<u32>,
+    /// Group of each grain.
+    pub group: Vec<u8>,
+    /// The groups.
+    pub groups: Vec<Group<R>>,
+    /// Positions and radii.
+    pub position: Vec<Row<R>>,
+    /// Velocities and masses.
+    pub velocity: Vec<Row<R>>,
+    /// Spins and inverse contact masses.
+    pub spin: Vec<Row<R>>,
+    /// Contact forces of the last evaluation.
+    pub force: Vec<Row<R>>,
+    /// Contact torques.
+    pub torque: Vec<Row<R>>,
+    /// Crossings of the periodic axes.
+    pub image: Vec<[i32; 3]>,
+    /// Obstacles by number.
+    pub obstacles: Vec<Obstacle<R>>,
+    /// The pair list, and storage for the next one.
+    pub lists: [List<R>; 2],
+    /// Ends of ranges of grains, but for the last: speed only.
+    pub range_bounds: Vec<u32>,
+    /// Where the candidates of each grain end.
+    pub candidate_row: Vec<u32>,
+    /// The candidates.
+    pub candidate: Vec<u32>,
+    /// Where the grains of each cell begin.
+    pub cell_start: Vec<u32>,
+    /// The grains by cells.
+    pub cell_grain: Vec<u32>,
+    /// Time, and how long the list holds.
+    pub clock: Clock<R>,
+}
+
+impl<R: Real> OwnedWorld<R> {
+    /// A world without grains and without storage for lists.
+    pub fn new(domain: Domain<R>, dt: R) -> Self {
+        Self {
+            domain,
+            dt,
+            skin: R::ZERO,
+            reach: R::ZERO,
+            id: Vec::new(),
+            group: Vec::new(),
+            groups: Vec::new(),
+            position: Vec::new(),
+            velocity: Vec::new(),
+            spin: Vec::new(),
+            force: Vec::new(),
+            torque: Vec::new(),
+            image: Vec::new(),
+            obstacles: Vec::new(),
+            lists: [List::default(), List::default()],
+            range_bounds: Vec::new(),
+            candidate_row: Vec::new(),
+            candidate: Vec::new(),
+            cell_start: Vec::new(),
+            cell_grain: Vec::new(),
+            clock: Clock::default(),
+        }
+    }
+
+    /// Adds a grain at rest in its forces; its radius is the fourth word of the position, its mass of the velocity.
+    pub fn add(&mut self, id: u32, group: u8, position: Row<R>, velocity: Row<R>, spin: [R; 3]) {
+        self.id.push(id);
+        self.group.push(group);
+        self.position.push(position);
+        self.velocity.push(velocity);
+        self.spin.push([spin[0], spin[1], spin[2], R::ZERO]);
+        self.force.push([R::ZERO; 4]);
+        self.torque.push([R::ZERO; 4]);
+        self.image.push([0; 3]);
+    }
+
+    /// Makes lists of at least so many entries.
+    ///
+    /// # Errors
+    /// If there is no memory for them; what is longer stays longer.
+    pub fn reserve(&mut self, pairs: usize, candidates: usize, touches: usize) -> Grown {
+        let more = candidates.saturating_sub(self.candidate.len());
+        self.candidate.try_reserve(more)?;
+        self.candidate.resize(self.candidate.len() + more, 0);
+        self.lists
+            .iter_mut()
+            .try_for_each(|list| list.reserve(pairs, touches))
+    }
+
+    /// Enlarges the list that a call found full; `false` of other errors and if there is no memory for it.
+    pub fn grow(&mut self, error: KernelError) -> bool {
+        let grown = match error {
+            KernelError::PairListFull { needed } => self.reserve(needed, 0, 0),
+            KernelError::OuterListFull { needed } => self.reserve(0, needed, 0),
+            KernelError::ObstacleContactsFull { needed } => self.reserve(0, 0, needed),
+            _ => return false,
+        };
+        grown.is_ok()
+    }
+
+    /// Lends everything as a world of the kernel.
+    pub fn world(&mut self) -> World<'_, R> {
+        let [first, second] = &mut self.lists;
+        World {
+            domain: &self.domain,
+            dt: self.dt,
+            skin: self.skin,
+            reach: self.reach,
+            range_bounds: &self.range_bounds,
+            grains: Grains {
+                id: &self.id,
+                group: &self.group,
+                groups: &self.groups,
+                position: &mut self.position,
+                velocity: &mut self.velocity,
+                spin: &mut self.spin,
+                force: &mut self.force,
+                torque: &mut self.torque,
+                image: &mut self.image,
+            },
+            obstacles: &mut self.obstacles,
+            pairs: first.lend(),
+            spare: second.lend(),
+            candidates: OuterList {
+                row: &mut self.candidate_row,
+                partner: &mut self.candidate,
+            },
+            cells: CellList {
+                start: &mut self.cell_start,
+                grain: &mut self.cell_grain,
+            },
+            clock: &mut self.clock,
+        }
+    }
+}
