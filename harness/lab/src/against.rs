@@ -133,7 +133,7 @@ pub fn check(
                         }
                     };
                     let difference = by_links(out, path, stage, found, Some(note.into()));
-                    tell(out, difference, progress, &mut say)
+                    report(out, difference, progress, &mut say)
                 }
             }
         }
@@ -149,7 +149,7 @@ pub fn check(
                 let (wanted, made) = (links(other, stage)?, links(out, stage)?);
                 if let Some(found) = first(&wanted, &made) {
                     let difference = by_steps(out, other, stage, found, program, &mut say)?;
-                    return tell(out, difference, progress, &mut say);
+                    return report(out, difference, progress, &mut say);
                 }
                 count += made.len();
             }
@@ -341,7 +341,7 @@ fn write(out: &Path, difference: &Difference) -> Result<PathBuf> {
 }
 
 /// Writes `difference.json`, says what is in it, and keeps the state to replay.
-fn tell(
+fn report(
     out: &Path,
     mut difference: Difference,
     progress: &Progress,

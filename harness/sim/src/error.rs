@@ -175,7 +175,7 @@ impl Error {
     }
 
     /// The message without the place at its beginning.
-    pub fn told_of(&self, place: &str) -> String {
+    pub fn describe_at(&self, place: &str) -> String {
         let text = self.to_string();
         let rest = text.strip_prefix(&format!("{place}: "));
         rest.map_or(text.clone(), String::from)

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::channels::print;
-use bitgrain_analysis::analysis::words;
+use bitgrain_analysis::analysis::describe;
 use bitgrain_analysis::claims::book::{Book, lines, table};
 use bitgrain_analysis::claims::evidence::{Evidence, record_direct};
 use bitgrain_analysis::report::campaign_page;
@@ -49,7 +49,7 @@ pub(super) struct Claims {
 /// Runs `bitgrain analyse`.
 pub(super) fn run(what: Analyse) -> Result<()> {
     let evidence = Evidence::read(&what.from, what.plugs)?;
-    print(&words(&evidence.analysis))?;
+    print(&describe(&evidence.analysis))?;
     let folder = CampaignFolder(&what.from);
     // Who names a file wants no others.
     let own = is_folder(&what.from) && what.out.is_none() && what.report.is_none();

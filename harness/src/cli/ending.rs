@@ -16,7 +16,7 @@ use bitgrain_sim::format::{number_with_error, short};
 ///
 /// # Errors
 /// Where the folder is not what the run left.
-pub(super) fn told(out: &Path, beds: &Path, executed: bool) -> Result<(String, Manifest)> {
+pub(super) fn describe(out: &Path, beds: &Path, executed: bool) -> Result<(String, Manifest)> {
     let vouched = Vouched::open(out, FolderKind::Run)?;
     let folder = Folder(out);
     let (_, summary) = read_folder(&folder, &vouched)?;

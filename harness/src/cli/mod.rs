@@ -328,7 +328,7 @@ fn run_scenario(run: Run, home: &Path) -> Result<()> {
             run.only.join(", ")
         ));
     };
-    let (text, manifest) = ending::told(&out, library.folder(), done.executed)?;
+    let (text, manifest) = ending::describe(&out, library.folder(), done.executed)?;
     print(&text)?;
     if let Some(against) = &against {
         let this = std::env::current_exe().map_err(Error::Output)?;

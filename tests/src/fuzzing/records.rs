@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::OnceLock;
 
-use bitgrain::analysis::{self, analyse, words};
+use bitgrain::analysis::{self, analyse, describe};
 use bitgrain::campaign::plan::Plan;
 use bitgrain::campaign::table::{CampaignTable, of_run};
 use bitgrain::campaign::{plan, written};
@@ -117,7 +117,7 @@ fn told(read: Summary, text: &str) -> bool {
 
 /// Findings in words and as JSON, the page, and a book with what was measured.
 fn said(evidence: &Evidence) {
-    let _ = words(&evidence.analysis);
+    let _ = describe(&evidence.analysis);
     let _ = analysis::text(&evidence.analysis);
     let page = bitgrain::report::campaign_page(evidence);
     assert!(!page.contains("<script>alert"), "what is read is no markup");

@@ -90,7 +90,7 @@ fn the_command_prints_the_book() {
     let (book, _) = book();
     let short = printed(PROGRAM, folder.path(), &["claims"], 0);
     for (line, claim) in short.lines().skip(1).zip(&book.claim) {
-        let begin = format!("{:<13} {} ", claim.verdict().words(), claim.id);
+        let begin = format!("{:<13} {} ", claim.verdict().text(), claim.id);
         assert!(line.starts_with(&begin), "{line}");
         assert!(line.contains(&claim.expected()), "{line}");
     }

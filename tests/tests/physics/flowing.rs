@@ -146,7 +146,7 @@ fn the_means_are_those_of_the_series() {
 fn the_statements_are_those_of_the_report() {
     let mut text = String::new();
     for s in claims::statements(&whole()) {
-        let verdict = s.verdict.words();
+        let verdict = s.verdict.text();
         text.push_str(&format!(
             "{}: {verdict}\n  paper: {}\n  here: {}\n  why: {}\n\n",
             s.subject, s.expected, s.measured, s.reason

@@ -3,7 +3,7 @@
 //!
 //! `golden/README.md` says how the files are made.
 
-use bitgrain::analysis::{self, words};
+use bitgrain::analysis::{self, describe};
 use bitgrain::campaign;
 use bitgrain::campaign::table::CampaignTable;
 use bitgrain::claims::evidence::Evidence;
@@ -152,7 +152,7 @@ fn tables_say_what_they_said() {
         settings.set_snapshot_path(golden(name));
         settings.set_prepend_module_to_snapshot(false);
         settings.set_omit_expression(true);
-        settings.bind(|| insta::assert_snapshot!("analysis", words(&evidence.analysis)));
+        settings.bind(|| insta::assert_snapshot!("analysis", describe(&evidence.analysis)));
     }
 }
 

@@ -13,7 +13,7 @@ fn value(v: &Value) -> String {
 }
 
 /// What was found, or `none:` and why.
-fn told<T>(finding: &Finding<T>, of: impl Fn(&T) -> String) -> String {
+fn describe_finding<T>(finding: &Finding<T>, of: impl Fn(&T) -> String) -> String {
     match finding {
         Finding::Found(found) => of(found),
         Finding::Refused(why) => format!("none: {why}"),
@@ -21,7 +21,7 @@ fn told<T>(finding: &Finding<T>, of: impl Fn(&T) -> String) -> String {
 }
 
 fn line(fit: &Finding<Fit>) -> String {
-    told(fit, |fit| format!("{}: {}", fit.model, fit.line()))
+    describe_finding(fit, |fit| format!("{}: {}", fit.model, fit.line()))
 }
 
 /// Grains in words.
@@ -46,7 +46,7 @@ pub(crate) fn intruder(curve: &Curve) -> String {
 }
 
 /// All of it, a line for each finding.
-pub fn words(analysis: &Analysis) -> String {
+pub fn describe(analysis: &Analysis) -> String {
     let counted = match analysis.plugs {
         true => "counted although",
         false => "left out because",
@@ -79,14 +79,14 @@ fn curves(analysis: &Analysis, lines: &mut Vec<String>) {
             Method::Plateau => "plateau",
             Method::Extrapolated => "extrapolated",
         };
-        let force = told(&own.force, value);
+        let force = describe_finding(&own.force, value);
         lines.push(format!(
             "  {}: {} runs",
             intruder(curve),
             curve.points.len()
         ));
         lines.push(format!("    yield force ({how} of {}): {force}", own.runs));
-        let flat = told(&speeds.flatness, |f| {
+        let flat = describe_finding(&speeds.flatness, |f| {
             let [slow, fast] = f.froude.map(short);
             format!("F({fast})/F({slow}) = {}", value(&f.ratio))
         });
@@ -94,7 +94,7 @@ fn curves(analysis: &Analysis, lines: &mut Vec<String>) {
         if let Some(first) = &speeds.first {
             lines.push(format!("    first regime: {}", line(first)));
         }
-        let all = told(&speeds.regimes, Regimes::words);
+        let all = describe_finding(&speeds.regimes, Regimes::text);
         lines.push(format!("    regimes: {all}"));
     }
 }
@@ -102,7 +102,7 @@ fn curves(analysis: &Analysis, lines: &mut Vec<String>) {
 fn pooled(pooled: &Pooled, lines: &mut Vec<String>) {
     let name = material(&pooled.material);
     lines.push(format!("\nall intruders over their yield force, {name}"));
-    let regimes = told(&pooled.regimes, Regimes::words);
+    let regimes = describe_finding(&pooled.regimes, Regimes::text);
     lines.push(format!("  regimes: {regimes}"));
     lines.push(format!(
         "  F/F_Y - 1 against Fr - 1 up to Fr = 5: {}",
@@ -141,10 +141,10 @@ fn scaling(scaling: &Scaling, lines: &mut Vec<String>) {
     };
     list("phi", "h", &scaling.phi);
     list("alpha", "D", &scaling.alpha);
-    let mean = told(&scaling.alpha_mean, value);
+    let mean = describe_finding(&scaling.alpha_mean, value);
     lines.push(format!("  alpha, mean over speeds: {mean}"));
     let both = |found: &Finding<Scaled>| {
-        told(found, |s| {
+        describe_finding(found, |s| {
             format!("{}; phi + alpha = {}", s.fit.line(), value(&s.sum))
         })
     };
@@ -162,11 +162,11 @@ fn scaling(scaling: &Scaling, lines: &mut Vec<String>) {
     };
     lines.push(format!(
         "  collapse of sizes: {}",
-        told(&scaling.by_size, spread)
+        describe_finding(&scaling.by_size, spread)
     ));
     lines.push(format!(
         "  collapse of depths: {}",
-        told(&scaling.by_depth, spread)
+        describe_finding(&scaling.by_depth, spread)
     ));
 }
 

@@ -20,7 +20,7 @@ mod yields;
 
 pub use analyse::{Analysis, analyse, text};
 pub use curves::{Curve, Material, Point};
-pub use describe::words;
+pub use describe::describe;
 pub(crate) use describe::{grains, intruder, material};
 pub use exponents::Scaled;
 pub(crate) use exponents::near;

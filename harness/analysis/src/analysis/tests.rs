@@ -217,7 +217,7 @@ fn what_the_table_cannot_carry_is_refused_in_words() {
         ..Made::default()
     };
     let found = analyse(&few.table(), false);
-    let text = words(&found);
+    let text = describe(&found);
     for sentence in [
         "no run is below Fr = 1",
         "takes two speeds below Fr = 1",

@@ -294,7 +294,7 @@ pub fn lines(book: &Book) -> String {
         };
         let paper = claim.expected();
         out.push(row([
-            verdict.words(),
+            verdict.text(),
             &claim.id,
             &paper,
             &ours,
@@ -326,7 +326,7 @@ pub fn table(book: &Book) -> String {
         counts[verdict as usize] += 1;
         lines.push(format!(
             "{:<13} {} ({})",
-            verdict.words(),
+            verdict.text(),
             claim.statement,
             claim.source
         ));
@@ -337,7 +337,7 @@ pub fn table(book: &Book) -> String {
             claim.expected()
         ));
         for measured in &claim.measured {
-            let word = claim.agreement(measured).words();
+            let word = claim.agreement(measured).text();
             lines.push(format!(
                 "{:<13} {}: {}, {word}; {}",
                 "",

@@ -91,7 +91,7 @@ pub struct Regimes {
 impl Regimes {
     /// Crossovers with their intervals in words, and whether fewer regimes would do. The numbers' own errors of
     /// the crossovers are not told: chi-square is not smooth in them.
-    pub fn words(&self) -> String {
+    pub fn text(&self) -> String {
         let end = |x: Option<f64>| x.map_or("open".to_string(), short);
         let one = |c: &Crossover| format!("{} ({} to {})", short(c.at), end(c.low), end(c.high));
         let needed = match self.needed {

@@ -5,7 +5,7 @@ use bitgrain_lab::summary::{DragSummary, Summary};
 use bitgrain_sim::format::short;
 
 /// Effective depth, gradient and seed of a run.
-pub(super) fn depth_words(summary: &Summary, run: &DragSummary) -> String {
+pub(super) fn depth_text(summary: &Summary, run: &DragSummary) -> String {
     let bed = summary.beds.iter().find(|bed| bed.name == run.bed);
     let (Some(flow), Some(rig)) = (&run.flow, bed.and_then(|bed| bed.rig.as_ref())) else {
         return String::new();

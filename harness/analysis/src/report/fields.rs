@@ -1,7 +1,7 @@
 //! The section of a page with maps of pressure and velocity, with a pressure gradient and without side by
 //! side (Guillard 2014, Figs. 9 and 13).
 
-use super::caption::depth_words;
+use super::caption::depth_text;
 use super::fieldmap::{Map, key, map, top};
 use super::text::escape;
 use crate::claims::{Group, same_depth};
@@ -165,7 +165,7 @@ fn figures(
             out.push_str(&format!(
                 "<figure>{svg}<figcaption><b>{}</b>{}: {name}.</figcaption></figure>\n",
                 escape(&run.name),
-                depth_words(summary, run)
+                depth_text(summary, run)
             ));
         }
     }

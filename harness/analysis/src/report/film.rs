@@ -1,7 +1,7 @@
 //! The drag as a moving picture: the grains round the intruder, coloured by speed, at one frame after the
 //! other.
 
-use super::caption::depth_words;
+use super::caption::depth_text;
 use super::flow::{GROUPS, coloured, group};
 use super::near_field::key;
 use super::player::{ROOM, State, figure};
@@ -103,7 +103,7 @@ fn played(
         Moves::Bed => "The bed moves to the right.",
     };
     let name = match run.flow {
-        Some(_) => format!("<b>{}</b>{}", escape(&run.name), depth_words(summary, run)),
+        Some(_) => format!("<b>{}</b>{}", escape(&run.name), depth_text(summary, run)),
         None => format!(
             "<b>{}</b>, Fr&nbsp;=&nbsp;{}",
             escape(&run.name),

@@ -1,6 +1,6 @@
 //! The page of beds that flow past their intruder.
 
-use super::caption::depth_words;
+use super::caption::depth_text;
 use super::drawings::Drawings;
 use super::page::{Top, assembled};
 use super::picture::BedPicture;
@@ -45,7 +45,7 @@ pub fn flowing_page(summary: &Summary, scenario_text: &str, drawings: &Drawings<
         name: &summary.scenario,
         kind: &format!("Drag and lift on a {} in a flowing bed", shape(summary)),
         style: STYLE,
-        lead: in_words(summary, &groups),
+        lead: lead_text(summary, &groups),
         remarks: before::remarks(summary),
         about: before::about(summary, drawings.closing),
     };
@@ -66,7 +66,7 @@ fn passages(summary: &Summary) -> impl Iterator<Item = (&DragSummary, &Flow)> + 
 }
 
 /// The main numbers as a paragraph.
-fn in_words(summary: &Summary, groups: &[Group]) -> String {
+fn lead_text(summary: &Summary, groups: &[Group]) -> String {
     let (units, inputs) = (&summary.units, &summary.inputs);
     let rigs = || summary.beds.iter().filter_map(|bed| bed.rig.as_ref());
     let flow = |of: fn(&Flow) -> f64| span(passages(summary).map(|(_, f)| of(f)), "");
@@ -179,7 +179,7 @@ fn bed_figures(summary: &Summary, pictures: &[BedPicture], first: &[usize]) -> S
         let caption = format!(
             "<b>{}</b>{}. Slice at y&nbsp;=&nbsp;{}&nbsp;{unit}; free surface at z&nbsp;=&nbsp;{}&nbsp;{unit}.",
             escape(name),
-            depth_words(summary, run),
+            depth_text(summary, run),
             short(picture.intruder.0[1]),
             short(picture.surface),
         );
@@ -209,7 +209,7 @@ fn force_figures(summary: &Summary, series: &[Vec<SeriesRow>]) -> String {
                  </figcaption></figure>\n",
                 escape(&run.name),
                 if lift { "lift" } else { "drag" },
-                depth_words(summary, run),
+                depth_text(summary, run),
                 super::plus_minus(mean),
             ));
         }

@@ -63,7 +63,7 @@ pub fn page(summary: &Summary, scenario_text: &str, drawings: &Drawings<'_>) -> 
         name: &summary.scenario,
         kind: "Drag of a sphere through a bed of grains",
         style: "",
-        lead: in_words(summary),
+        lead: lead_text(summary),
         remarks: before::remarks(summary),
         about: before::about(summary, drawings.closing),
     };
@@ -71,7 +71,7 @@ pub fn page(summary: &Summary, scenario_text: &str, drawings: &Drawings<'_>) -> 
 }
 
 /// The main numbers as a paragraph.
-fn in_words(summary: &Summary) -> String {
+fn lead_text(summary: &Summary) -> String {
     let units = &summary.units;
     let runs = &summary.runs;
     let bed = |f: fn(&BedSummary) -> f64, unit| span(summary.beds.iter().map(f), unit);

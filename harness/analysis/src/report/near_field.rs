@@ -1,7 +1,7 @@
 //! The section of a page with the pictures of the grains round the intruder: its words, its key and its
 //! captions.
 
-use super::caption::depth_words;
+use super::caption::depth_text;
 use super::flow::{
     FlowPicture, MOVING, NAMES, OUTLINE, RAMP, Seen, Window, drawing, seen, shows, window,
 };
@@ -119,7 +119,7 @@ fn caption(flow: &FlowPicture, window: &Window, run: &DragSummary, summary: &Sum
         format!("{} of {}", count(fast as u64), count(all().count() as u64))
     };
     let name = match run.flow {
-        Some(_) => format!("<b>{}</b>{}", escape(&run.name), depth_words(summary, run)),
+        Some(_) => format!("<b>{}</b>{}", escape(&run.name), depth_text(summary, run)),
         None => format!("<b>Fr = {}</b>{place}", short(flow.froude)),
     };
     format!(

@@ -62,11 +62,11 @@ pub(super) fn section(summary: &Summary, groups: &[Group]) -> String {
         let bars = bars(group);
         add(
             drag_chart(group, summary),
-            format!("{name}. {} {bars}", slope_words(group)),
+            format!("{name}. {} {bars}", slope_text(group)),
         );
         add(
             lift_chart(group),
-            format!("{name}. {} {bars}", plateau_words(group)),
+            format!("{name}. {} {bars}", plateau_text(group)),
         );
     }
     add(
@@ -98,7 +98,7 @@ fn bars(group: &Group) -> String {
     format!("Bars: {words}.")
 }
 
-fn slope_words(group: &Group) -> String {
+fn slope_text(group: &Group) -> String {
     let fit = drag_slope(group).map_or(String::new(), |fit| {
         format!(
             "Thick line: least squares through the origin, every point alike, with a slope \
@@ -138,7 +138,7 @@ fn drag_chart(group: &Group, summary: &Summary) -> Option<String> {
     )
 }
 
-fn plateau_words(group: &Group) -> String {
+fn plateau_text(group: &Group) -> String {
     match plateau(&group.with_gradient(true)) {
         Some(flat) => format!(
             "Thick line: the plateau of the deepest {} points, {}.",

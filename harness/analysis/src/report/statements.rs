@@ -31,8 +31,8 @@ pub(super) fn section(summary: &Summary) -> String {
 /// A verdict, in bold where there is one.
 pub(super) fn verdict_cell(verdict: Verdict) -> String {
     match verdict {
-        Verdict::NotResolved => verdict.words().to_owned(),
-        _ => format!("<b>{}</b>", verdict.words()),
+        Verdict::NotResolved => verdict.text().to_owned(),
+        _ => format!("<b>{}</b>", verdict.text()),
     }
 }
 

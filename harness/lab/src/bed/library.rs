@@ -75,7 +75,7 @@ impl BedCache {
                 path.display().to_string(),
                 format!(
                     "{}; `bitgrain bed remove {}` clears it away, and the next run pours it anew",
-                    other.told_of(&name),
+                    other.describe_at(&name),
                     &digest[..NAME]
                 ),
             )),

@@ -218,11 +218,11 @@ mod tests {
         // What one grain's density adds decides: pi d/6 over the packing fraction.
         let least = scenario.lid_depth(scenario.bed.density, bulk);
         assert!((least - std::f64::consts::PI * 1.5e-3 / 6.0 / 0.6).abs() < 1e-15);
-        let told_of = [
+        let describe_at = [
             (0.08, true, "already lies 0.08000 below"),
             (0.0, false, "gives 0.00131 or more"),
         ];
-        for (own, gradient, what) in told_of {
+        for (own, gradient, what) in describe_at {
             let light = plan(own + 0.99 * least, gradient);
             let told = lid_density(&scenario, &light, &bare(0.08))
                 .unwrap_err()

@@ -46,8 +46,8 @@ pub struct Recipe {
     /// Bound of the kinetic energy per grain, over its weight times the mean diameter.
     pub settled: f64,
     /// Whether it was stopped at maxima of the kinetic energy, where the scenario says.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub halting: Option<bool>,
+    #[serde(rename = "halting", default, skip_serializing_if = "Option::is_none")]
+    pub kinetic_damping: Option<bool>,
     /// Whether the grains were let fall all at once or in turn.
     #[serde(default, skip_serializing_if = "is_default")]
     pub order: PouringOrder,
@@ -102,7 +102,7 @@ impl Recipe {
             base: bed.base,
             floor: bed.floor,
             settled: bed.settled,
-            halting: bed.halting,
+            kinetic_damping: bed.kinetic_damping,
             order: bed.pouring,
             moves: scenario.drag.moves,
             intruder: RecipeIntruder {

@@ -44,7 +44,7 @@ pub struct Goal {
     /// Whether only grains that bear a load count: without weight, one that was squeezed out flies on.
     borne: bool,
     /// Whether all motion is stopped each time the kinetic energy begins to fall.
-    halting: bool,
+    kinetic_damping: bool,
     /// Fewest steps.
     least: u64,
     /// Steps of the fall, by which patience is measured.
@@ -65,7 +65,7 @@ pub fn rest(scenario: &CheckedScenario, plan: &BedPlan, quench: bool) -> Goal {
         carried: true,
         steady: (!sphere || plan.lid.is_some()).then_some(STEADY),
         borne: plan.lid.is_some_and(|lid| !lid.pressure_gradient),
-        halting: quench && halts(scenario, plan),
+        kinetic_damping: quench && is_damped(scenario, plan),
         least: 2 * LOOK,
         fall_steps: steps_of_fall(scenario, lattice_fall),
     }
@@ -73,10 +73,13 @@ pub fn rest(scenario: &CheckedScenario, plan: &BedPlan, quench: bool) -> Goal {
 
 /// Whether all motion is stopped at maxima of the kinetic energy. It hangs on what the recipe of the bed
 /// holds alone: the bare bed under a lid is one that other scenarios use without.
-fn halts(scenario: &CheckedScenario, plan: &BedPlan) -> bool {
+fn is_damped(scenario: &CheckedScenario, plan: &BedPlan) -> bool {
     let still =
         scenario.intruder.shape == IntruderShape::Sphere && scenario.drag.moves == Moves::Intruder;
-    scenario.bed.halting.unwrap_or(!still || plan.lid.is_some())
+    scenario
+        .bed
+        .kinetic_damping
+        .unwrap_or(!still || plan.lid.is_some())
 }
 
 fn steps_of_fall(scenario: &CheckedScenario, height: f64) -> u64 {
@@ -92,7 +95,7 @@ pub fn fallen(scenario: &CheckedScenario, height: f64) -> Goal {
         carried: false,
         steady: None,
         borne: false,
-        halting: false,
+        kinetic_damping: false,
         // Nothing can be settled before the highest grain has fallen.
         least: fall_steps,
         fall_steps,
@@ -118,7 +121,7 @@ pub fn settle(
             return Ok(false);
         }
         let sim = &mut bed.sim;
-        if goal.halting {
+        if goal.kinetic_damping {
             halt_at_maxima(sim, &plan.name, observer)?;
         } else {
             stride(sim, &plan.name, LOOK, observer, |_| Ok(()))?;

@@ -102,7 +102,7 @@ pub(super) fn drag_one(
     ledger.remove(&folder.partial_series(&plan.name))?;
     ledger.finish_stage(&plan.name, &summary.chain)?;
     files.saver.clear();
-    tell(scenario, &summary, how, performance.seconds, progress);
+    report(scenario, &summary, how, performance.seconds, progress);
     Ok((summary, performance))
 }
 
@@ -375,7 +375,7 @@ pub fn record(
     }
 }
 
-fn tell(
+fn report(
     scenario: &CheckedScenario,
     run: &DragSummary,
     how: &str,

@@ -99,7 +99,7 @@ pub fn run_in(setting: Setting<'_>) -> Result<Option<Done>> {
         |k| runs[k].steps(),
         |k| {
             let done = drag(setting, ledger, &runs[k], bed_of(&runs[k]));
-            done.inspect_err(|error| tell_now(error, runs.len(), progress))
+            done.inspect_err(|error| report_now(error, runs.len(), progress))
         },
     )?;
     let dragged: Vec<(DragSummary, StagePerformance)> =
@@ -259,7 +259,7 @@ pub fn conclude(
 }
 
 /// Tells of a stage that went wrong while others of several go on, which may take days.
-fn tell_now(error: &Error, stages: usize, progress: &Progress) {
+fn report_now(error: &Error, stages: usize, progress: &Progress) {
     if stages > 1 && !matches!(error, Error::Interrupted { .. }) {
         progress.warn(&format!("{error}; the others go on"));
     }

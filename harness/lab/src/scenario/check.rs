@@ -116,7 +116,7 @@ impl Scenario {
             );
         }
         if self.bed.file.is_some() {
-            return match (self.bed.fill_height, self.bed.halting) {
+            return match (self.bed.fill_height, self.bed.kinetic_damping) {
                 (Some(_), _) => refuse("bed.fill_height", "a bed from a file is as full as it is"),
                 (_, Some(_)) => refuse(
                     "bed.halting",

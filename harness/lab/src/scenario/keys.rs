@@ -97,8 +97,8 @@ pub struct Bed {
     /// Whether all motion is stopped, while the bed settles under more damping, each time the kinetic
     /// energy passes a maximum: high beds without friction breathe for long. Where it is not said: round a
     /// cylinder, under a lid and where the bed moves.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub halting: Option<bool>,
+    #[serde(rename = "halting", default, skip_serializing_if = "Option::is_none")]
+    pub kinetic_damping: Option<bool>,
 }
 
 /// One value or several.

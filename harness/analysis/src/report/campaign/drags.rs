@@ -130,7 +130,7 @@ fn together(shown: &Shown, pooled: &Pooled) -> String {
             if let Some([from, to]) = ends(&series) {
                 lines.push(traced(from, to, |x| regimes.value(x), true));
             }
-            words.push_str(&format!("Thick line: three regimes; {}.", regimes.words()));
+            words.push_str(&format!("Thick line: three regimes; {}.", regimes.text()));
         }
         Finding::Refused(why) => words.push_str(&format!("No regimes: {}.", escape(&why.0))),
     }

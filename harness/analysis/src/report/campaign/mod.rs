@@ -12,7 +12,7 @@ use shown::Shown;
 use super::page::{Top, assembled, remark, row};
 use super::sections::span;
 use super::text::{escape, exact};
-use crate::analysis::{Analysis, Curve, Point, Value, words};
+use crate::analysis::{Analysis, Curve, Point, Value, describe};
 use crate::claims::OVERLAP_MAX;
 use crate::claims::book::Book;
 use crate::claims::evidence::Evidence;
@@ -176,7 +176,7 @@ fn fits(analysis: &Analysis) -> String {
         "<section>\n<h2>Every fit</h2>\n<p>Numbers with standard errors, chi-square with its degrees of freedom and \
          the chance of one so large, or why there is no fit; <code>bitgrain analyse</code> writes covariances and \
          residuals too.</p>\n<pre tabindex=\"0\">{}</pre>\n</section>\n",
-        escape(&words(analysis))
+        escape(&describe(analysis))
     )
 }
 

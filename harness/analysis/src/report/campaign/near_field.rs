@@ -4,7 +4,7 @@ use super::super::scatter::{Line, Range};
 use super::super::text::escape;
 use super::drags::of;
 use super::figure::{Figure, Series, add, ends, section, straight, traced};
-use super::shown::{Shown, intruder, material, words_of};
+use super::shown::{Shown, intruder, material, text_of};
 use crate::analysis::{Around, Curve, Point, Value};
 use crate::fit::Fit;
 use bitgrain_lab::plug_flow::bounds;
@@ -77,8 +77,8 @@ fn angles(shown: &Shown, around: &Around) -> String {
         "<b>{}</b>, contact angle. Thick line: {}; upper one, where contacts begin: {}. Thin: the paper&rsquo;s law \
          for &mu;&nbsp;=&nbsp;0.5.",
         escape(&material(&around.material)),
-        words_of(&around.contacts.law),
-        words_of(&around.new_contacts.law)
+        text_of(&around.contacts.law),
+        text_of(&around.new_contacts.law)
     );
     Figure {
         title: &format!("Contact angle, {}", material(&around.material)),
@@ -106,7 +106,7 @@ fn kappas(shown: &Shown, around: &Around) -> String {
         "<b>{}</b>, normalised coordination number of the intruder. Thick line: {}. Thin: the paper&rsquo;s law for \
          &mu;&nbsp;=&nbsp;0.5.",
         escape(&material(&around.material)),
-        words_of(&around.kappa)
+        text_of(&around.kappa)
     );
     Figure {
         title: &format!(

@@ -75,7 +75,7 @@ pub(super) fn greek(text: &str) -> String {
 }
 
 /// A fit or why there is none, HTML.
-pub(super) fn words_of(found: &Finding<Fit>) -> String {
+pub(super) fn text_of(found: &Finding<Fit>) -> String {
     match found {
         Finding::Found(fit) => escape(&greek(&fit.line())),
         Finding::Refused(why) => format!("none, because {}", escape(&why.0)),

@@ -4,7 +4,7 @@ use super::super::scatter::{Line, Range};
 use super::super::text::escape;
 use super::drags::of;
 use super::figure::{Figure, Series, add, ends, section, straight};
-use super::shown::{Shown, grains, intruder, material, words_of};
+use super::shown::{Shown, grains, intruder, material, text_of};
 use crate::analysis::{Collapse, Curve, Exponent, Finding, Level, Scaling, Stiffness, Value, near};
 use crate::fit::Fit;
 use bitgrain_sim::format::short;
@@ -85,7 +85,7 @@ fn powers(all: &[Exponent], what: &str, points: impl Fn(&Exponent) -> Vec<(f64, 
             Some(straight(from, to, |x| a * libm::pow(x, p), false))
         };
         lines.extend(found.fit.found().and_then(line));
-        words.push(format!("at {}: {}", own.name, words_of(&found.fit)));
+        words.push(format!("at {}: {}", own.name, text_of(&found.fit)));
         series.push(own);
     }
     Powers {
