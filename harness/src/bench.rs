@@ -79,7 +79,7 @@ pub const SOFT_TIME_STEP: f64 = 1.5e-4;
 /// free under gravity 1), numbered in spatial order, not yet started.
 ///
 /// # Errors
-/// [`Error::Input`] where the file cannot be read, holds no free grain, an impossible box, or grains
+/// [`Error::Input`] if the file cannot be read, holds no free grain, an impossible box, or grains
 /// too small or light for [`SOFT_TIME_STEP`].
 pub fn read_bed(path: &Path) -> Result<Simulation> {
     let data = read_atoms(path)?;

@@ -119,7 +119,7 @@ impl<R: Real> Clock<R> {
         self.stage == Stage::Resting
     }
 
-    /// Whether the world is within a stretch that [`crate::step::begin`] began, between two of its steps.
+    /// Whether the world is within a stretch that [`crate::phases::begin`] began, between two of its steps.
     pub fn has_begun(&self) -> bool {
         self.stage == Stage::Going
     }

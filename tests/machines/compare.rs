@@ -42,7 +42,7 @@ pub fn first_difference(got: &str, expected: &str) -> Option<Difference> {
     None
 }
 
-/// The first 16 digits of the last line's digest; empty where the last line is none of a reference.
+/// The first 16 digits of the last line's digest; empty if the last line is none of a reference.
 pub fn last_digest(text: &str) -> String {
     let last = text.lines().next_back().unwrap_or_default();
     let word = last.split_whitespace().next_back().unwrap_or_default();

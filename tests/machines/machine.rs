@@ -27,7 +27,7 @@ pub struct Ended {
     pub errors: String,
 }
 
-/// The Debian packages that this machine lacks for a target; none where it can be tried.
+/// The Debian packages that this machine lacks for a target; none if it can be tried.
 pub fn missing(target: &Target) -> Vec<&'static str> {
     let path = env::var_os("PATH").unwrap_or_default();
     let lacks = |need: &Need| !is_here(need.0, &path);
@@ -46,7 +46,7 @@ fn is_here(name: &str, path: &OsString) -> bool {
         || !name.contains('/') && env::split_paths(path).any(|folder| folder.join(name).is_file())
 }
 
-/// What Debian's compiler says of itself; empty where there is none.
+/// What Debian's compiler says of itself; empty if there is none.
 pub fn cross_version() -> String {
     let out = Command::new(list::CROSS[0].0).arg("--version").output();
     let text = out.map(|out| out.stdout).unwrap_or_default();
@@ -242,7 +242,7 @@ fn reader(stream: Option<impl Read + Send + 'static>) -> thread::JoinHandle<Vec<
     })
 }
 
-/// Whether it succeeded; none where it had to be stopped.
+/// Whether it succeeded; none if it had to be stopped.
 fn wait(child: &mut Child, limit: Duration) -> std::io::Result<Option<bool>> {
     let begin = Instant::now();
     loop {

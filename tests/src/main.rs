@@ -1,4 +1,4 @@
-//! The `bitgrain` command, for the tests that run it as a user would. It keeps settled beds in `beds` where it
+//! The `bitgrain` command, for the tests that run it as a user would. It keeps settled beds in `beds` if it
 //! runs, not in the cache of who tests; unless a test names a cache.
 
 use std::path::Path;

@@ -35,7 +35,7 @@ use bitgrain_sim::simulation::Role;
 /// end. Nothing is drawn that the manifest does not vouch for.
 ///
 /// # Errors
-/// [`Error::Input`] where one of them is missing or not as it was written, [`Error::Write`].
+/// [`Error::Input`] if one of them is missing or not as it was written, [`Error::Write`].
 pub fn write_report(folder: &Folder<'_>) -> Result<()> {
     let vouched = &Vouched::open(folder.0, FolderKind::Run)?;
     let (_, whole) = read_folder(folder, vouched)?;
@@ -219,7 +219,7 @@ fn course(folder: &Folder<'_>, vouched: &Vouched, run: &DragSummary) -> Result<F
     Ok(FlowSeries { rows, profile })
 }
 
-/// The mean fields of a run; `None` where they were not asked for, or where the bed is at rest and no page shows them.
+/// The mean fields of a run; `None` if they were not asked for, or where the bed is at rest and no page shows them.
 fn map(
     folder: &Folder<'_>,
     vouched: &Vouched,
@@ -247,7 +247,7 @@ fn map(
     }))
 }
 
-/// The frames of a run; none where it was run without.
+/// The frames of a run; none if it was run without.
 fn frames_of(
     folder: &Folder<'_>,
     vouched: &Vouched,

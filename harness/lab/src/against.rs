@@ -88,7 +88,7 @@ struct Number {
 /// writes `difference.json`.
 ///
 /// # Errors
-/// [`Error::Parted`] where any link differs, after that was told; [`Error::Unverified`] where a link is not the run's.
+/// [`Error::Parted`] where any link differs, after that was told; [`Error::Unverified`] if a link is not the run's.
 pub fn check(
     out: &Path,
     reference: &Reference,
@@ -175,7 +175,7 @@ fn stages(folder: &Path) -> Result<Vec<String>> {
         .collect())
 }
 
-/// The links of a stage; none where it has no chain.
+/// The links of a stage; none if it has no chain.
 fn links(folder: &Path, stage: &str) -> Result<Vec<Link>> {
     Ok(chain_of(folder, stage)?.map_or(Vec::new(), |chain| chain.links))
 }

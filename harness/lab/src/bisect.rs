@@ -38,7 +38,7 @@ pub struct Side {
 pub struct Divergence {
     /// The stage.
     pub stage: String,
-    /// Its last step with equal states; none where they differ from the beginning.
+    /// Its last step with equal states; none if they differ from the beginning.
     pub equal: Option<u64>,
     /// Its first step with different ones.
     pub step: u64,
@@ -109,11 +109,11 @@ pub fn bisect(
     Ok(None)
 }
 
-/// The chain of digests of a stage, as the run's manifest vouches for it; `None` where there is none. A chain that is
+/// The chain of digests of a stage, as the run's manifest vouches for it; `None` if there is none. A chain that is
 /// another run's is no record of this one.
 ///
 /// # Errors
-/// Where it is not as it was written, or cannot be read.
+/// If it is not as it was written, or cannot be read.
 pub(crate) fn chain_of(root: &Path, stage: &str) -> Result<Option<Chain>> {
     let folder = Folder(root);
     let paths = [folder.bed_chain(stage), folder.chain(stage)];
@@ -144,7 +144,7 @@ pub(crate) fn chain_of(root: &Path, stage: &str) -> Result<Option<Chain>> {
 /// Runs a scenario with two programs, each into a folder of its own and with beds of its own.
 ///
 /// # Errors
-/// [`Error::Input`] where a program does not end well.
+/// [`Error::Input`] if a program does not end well.
 pub fn run_both(
     programs: [PathBuf; 2],
     scenario: &str,

@@ -15,7 +15,7 @@ pub struct Difference {
     pub body: String,
     /// Which number of it.
     pub component: &'static str,
-    /// The first state's number; NaN where it has none.
+    /// The first state's number; NaN if it has none.
     pub first: f64,
     /// The second state's.
     pub second: f64,
@@ -46,7 +46,7 @@ struct Number {
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
-/// The first difference of two states with equally many grains and obstacles; `None` where they are
+/// The first difference of two states with equally many grains and obstacles; `None` if they are
 /// the same to the bit.
 ///
 /// ```

@@ -102,7 +102,7 @@ struct Gauges {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Dragging {
-    /// Which run of which scenario this is: [`CheckedScenario::key`].
+    /// Which run of which scenario this is: `Scenario::key`.
     pub key: String,
     /// Steps done.
     pub step: u64,
@@ -129,7 +129,7 @@ impl Dragging {
     /// histories and forces evaluated anew at rest, as the scenario says.
     ///
     /// # Errors
-    /// [`Error::Run`] where the kernel refuses the motion.
+    /// [`Error::Run`] if the kernel refuses the motion.
     pub fn begin(sim: &mut Simulation, plan: &DragPlan, link: &str) -> Result<Self> {
         let points = plan.fields.map_or(0, |fields| fields.grid.points());
         room(
@@ -171,7 +171,7 @@ impl Dragging {
     /// state, and the drag can go on from both.
     ///
     /// # Errors
-    /// [`Error::Run`] where a step goes wrong, [`Error::Interrupted`], and what `observer` returns.
+    /// [`Error::Run`] if a step goes wrong, [`Error::Interrupted`], and what `observer` returns.
     pub fn go_on(
         &mut self,
         sim: &mut Simulation,
@@ -308,7 +308,7 @@ impl Dragging {
     /// Means over the window of a drag that has come to its end.
     ///
     /// # Errors
-    /// [`Error::Input`] where the window is too short for any.
+    /// [`Error::Input`] if the window is too short for any.
     pub fn means(&self, plan: &DragPlan, dt: f64) -> Result<Means> {
         let short = || Error::input(&plan.name, "has too few steps to average");
         let steps = self.step + 1 - plan.motion.window[0];

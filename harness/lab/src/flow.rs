@@ -349,7 +349,7 @@ impl FlowGauge {
         (0..sim.count()).map(place).collect()
     }
 
-    /// Means of the rows that lie wholly in the averaging window; `None` where there are fewer than two.
+    /// Means of the rows that lie wholly in the averaging window; `None` if there are fewer than two.
     pub fn means(&self, dt: f64) -> Option<FlowMeans> {
         let inside = |row: &&FlowRow| row.step - self.every + 1 >= self.first;
         let rows: Vec<&FlowRow> = self.rows.iter().filter(inside).collect();

@@ -55,7 +55,7 @@ impl DirectoryLock {
     /// marker, or refuses; before it nothing is written.
     ///
     /// # Errors
-    /// [`Error::Input`] where the folder is somebody else's, or another process is at work in it; what `settle`
+    /// [`Error::Input`] if the folder is somebody else's, or another process is at work in it; what `settle`
     /// returns; [`Error::Write`].
     pub(crate) fn take(
         folder: &Path,
@@ -254,7 +254,7 @@ impl Folder<'_> {
     /// The scenario of the run that this folder holds.
     ///
     /// # Errors
-    /// [`Error::Input`] where it holds none, a wrong one, or one of another arithmetic.
+    /// [`Error::Input`] if it holds none, a wrong one, or one of another arithmetic.
     pub fn saved_scenario(&self) -> Result<CheckedScenario> {
         let path = self.scenario();
         let place = || path.display().to_string();

@@ -348,7 +348,7 @@ pub(crate) fn side_by_side(jobs: &[u64], threads: usize) -> u64 {
     load.into_iter().max().unwrap_or(0)
 }
 
-/// Points of the fields along each axis; none where there are no fields.
+/// Points of the fields along each axis; none if there are no fields.
 fn points(scenario: &CheckedScenario) -> [f64; 3] {
     let grid = scenario.fields_grid();
     grid.map_or([0; 3], |grid| grid.counts).map(|n| n as f64)

@@ -43,9 +43,9 @@ pub struct NearFieldMeans {
     pub coordination: Option<Mean>,
     /// Share of these grains that have none.
     pub floating: Option<Mean>,
-    /// Free grains that go at [`ALONG`] of the intruder's speed or faster; none where the bed moves.
+    /// Free grains that go at [`ALONG`] of the intruder's speed or faster; none if the bed moves.
     pub moving: Option<Mean>,
-    /// Speed along x of the free grains above the intruder's top, over the intruder's; none where the bed
+    /// Speed along x of the free grains above the intruder's top, over the intruder's; none if the bed
     /// moves, or nothing is above.
     pub drift: Option<Mean>,
 }

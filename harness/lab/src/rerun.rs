@@ -77,7 +77,7 @@ impl<'a> RunArchive<'a> {
     /// What was measured of the settled bed of a drag.
     ///
     /// # Errors
-    /// Where its checkpoint cannot be read.
+    /// If its checkpoint cannot be read.
     pub fn bed_of(&self, run: &DragPlan) -> Result<BedSummary> {
         self.bed(&self.scenario.beds()[run.bed])
     }
@@ -85,7 +85,7 @@ impl<'a> RunArchive<'a> {
     /// What was measured of a settled bed.
     ///
     /// # Errors
-    /// Where its checkpoint cannot be read.
+    /// If its checkpoint cannot be read.
     pub fn bed(&self, plan: &BedPlan) -> Result<BedSummary> {
         let (mut sim, note) = checkpoint::read_noted(&self.folder.bed(&plan.name))?;
         surveyed(&self.scenario, plan, &mut sim, &note)
@@ -104,7 +104,7 @@ impl<'a> RunArchive<'a> {
     /// The state of a drag at a step: 0, or one of those that were kept.
     ///
     /// # Errors
-    /// Where the checkpoint cannot be read or is another drag's.
+    /// If the checkpoint cannot be read or is another drag's.
     pub fn state(&self, drag: DragTask<'_>, step: u64) -> Result<(Simulation, Dragging)> {
         if step == 0 {
             return run::begin(drag);

@@ -55,8 +55,8 @@ impl Piece<'_> {
 /// link of a stage.
 ///
 /// # Errors
-/// [`Error::Unverified`] where something does not hold or the run is not finished, after all was told;
-/// [`Error::Input`] where there is nothing to verify.
+/// [`Error::Unverified`] if something does not hold or the run is not finished, after all was told;
+/// [`Error::Input`] if there is nothing to verify.
 pub fn verify(
     past: &RunArchive<'_>,
     scope: &Scope,
@@ -177,7 +177,7 @@ pub(crate) fn execute(
 /// The pieces of a run that are asked for, without a choice at random.
 ///
 /// # Errors
-/// [`Error::Input`] where there are none.
+/// [`Error::Input`] if there are none.
 pub(crate) fn pieces<'a>(
     past: &'a RunArchive<'a>,
     manifest: Option<&Manifest>,

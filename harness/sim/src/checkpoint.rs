@@ -45,7 +45,7 @@ pub fn bytes(sim: &mut Simulation, recipe: &str) -> Result<Vec<u8>> {
 /// The bytes of a checkpoint of a state and a note.
 ///
 /// # Errors
-/// [`Error::Contract`] where the processor's modes were changed since the last step: what the note says may
+/// [`Error::Contract`] if the processor's modes were changed since the last step: what the note says may
 /// be wrong, and nothing of it is to be kept.
 pub fn pack(sim: &mut Simulation, note: &StageState) -> Result<Vec<u8>> {
     let step = sim.step_count();
@@ -134,7 +134,7 @@ fn arrays(sim: &mut Simulation, note: &StageState) -> Vec<Array> {
 /// Reads a state back, ready to step on, and proves it by its digest.
 ///
 /// # Errors
-/// [`Error::Damaged`] where the file was changed or cut off, [`Error::Input`] where it is missing or of
+/// [`Error::Damaged`] if the file was changed or cut off, [`Error::Input`] if it is missing or of
 /// another format or arithmetic.
 pub fn read(path: &Path) -> Result<Simulation> {
     Ok(read_noted(path)?.0)

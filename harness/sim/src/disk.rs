@@ -79,7 +79,7 @@ impl Kind {
     }
 }
 
-/// What a path stands for itself, links not followed; `None` where there is nothing.
+/// What a path stands for itself, links not followed; `None` if there is nothing.
 pub fn kind(path: &Path) -> Option<Kind> {
     match std::fs::symlink_metadata(path) {
         Ok(data) => Some(Kind::of(&data)),
@@ -119,7 +119,7 @@ pub fn size(path: &Path) -> u64 {
 /// Reads a whole file as it lies, a link followed.
 ///
 /// # Errors
-/// [`Error::Input`] where it cannot be read, is no regular file, or is larger than [`most`].
+/// [`Error::Input`] if it cannot be read, is no regular file, or is larger than [`most`].
 pub fn read(path: &Path) -> Result<Vec<u8>> {
     read_if_there(path)?.ok_or_else(|| {
         // In the system's own words.
@@ -155,7 +155,7 @@ pub fn read_if_there(path: &Path) -> Result<Option<Vec<u8>>> {
 /// it means where it fails.
 ///
 /// # Errors
-/// [`Error::Input`] where it gives more, cannot be read, or memory is short.
+/// [`Error::Input`] if it gives more, cannot be read, or memory is short.
 pub(crate) fn all_of(
     source: impl Read,
     about: u64,
@@ -198,10 +198,10 @@ pub(crate) fn all_of(
     Ok(bytes)
 }
 
-/// Names in a folder and what they stand for, by name; none where it is not there.
+/// Names in a folder and what they stand for, by name; none if it is not there.
 ///
 /// # Errors
-/// [`Error::Input`] where it cannot be read.
+/// [`Error::Input`] if it cannot be read.
 pub fn list(folder: &Path) -> Result<Vec<(String, Kind)>> {
     let items = match before(Call::List(folder)).and_then(|()| std::fs::read_dir(folder)) {
         Ok(items) => items,

@@ -22,7 +22,7 @@ pub fn bits() -> String {
 /// Reads a whole file, unpacking gzip where its first bytes say so.
 ///
 /// # Errors
-/// [`Error::Input`] where it cannot be read or unpacked, or is larger than [`crate::disk::most`]; [`Error::Memory`].
+/// [`Error::Input`] if it cannot be read or unpacked, or is larger than [`crate::disk::most`]; [`Error::Memory`].
 pub fn read_text(path: &Path) -> Result<String> {
     text_of(read(path)?, &path.display().to_string())
 }
@@ -31,7 +31,7 @@ pub fn read_text(path: &Path) -> Result<String> {
 /// is what errors call it.
 ///
 /// # Errors
-/// [`Error::Input`] where they cannot be unpacked, are too many, or are no text; [`Error::Memory`] where there is no
+/// [`Error::Input`] if they cannot be unpacked, are too many, or are no text; [`Error::Memory`] if there is no
 /// room for what is read from them.
 pub fn text_of(bytes: Vec<u8>, name: &str) -> Result<String> {
     let bytes = if bytes.starts_with(&[0x1f, 0x8b]) {

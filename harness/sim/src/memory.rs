@@ -8,7 +8,7 @@ pub const PER_GRAIN: f64 = 510.0;
 /// Asks for so many bytes at once and gives them back; what is then taken piece by piece is likely to be had.
 ///
 /// # Errors
-/// [`Error::Memory`] where the system does not lend them; `what` they are for.
+/// [`Error::Memory`] if the system does not lend them; `what` they are for.
 pub fn room(bytes: f64, what: &str) -> Result<()> {
     let mut trial: Vec<u8> = Vec::new();
     // A number that is too large becomes the largest, which nobody has.

@@ -312,7 +312,7 @@ impl Simulation {
     /// Ends the stretch that [`Simulation::hold`] began.
     ///
     /// # Errors
-    /// [`KernelError::Arithmetic`]; [`KernelError::NotStarted`] where a fault stopped the steps.
+    /// [`KernelError::Arithmetic`]; [`KernelError::NotStarted`] if a fault stopped the steps.
     pub fn release(&mut self) -> Result<(), KernelError> {
         let mut stepping = std::mem::take(&mut self.stepping);
         let ended = stepping.end(&mut self.world());

@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 /// The beds as a table with the disk they use.
 ///
 /// # Errors
-/// [`Error::Input`] where the library cannot be read.
+/// [`Error::Input`] if the library cannot be read.
 fn list(library: &BedCache) -> Result<String> {
     let beds = library.list()?;
     if beds.is_empty() {
@@ -86,7 +86,7 @@ fn lid(recipe: &Recipe) -> String {
 /// One bed: its recipe, what is measured on it, its files.
 ///
 /// # Errors
-/// [`Error::Input`] where there is no such bed, or it is damaged.
+/// [`Error::Input`] if there is no such bed, or it is damaged.
 fn show(library: &BedCache, name: &str) -> Result<String> {
     let bed = library.entry(name)?;
     let path = bed.checkpoint.display().to_string();

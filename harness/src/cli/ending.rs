@@ -15,7 +15,7 @@ use bitgrain_sim::format::{number_with_error, short};
 /// do next.
 ///
 /// # Errors
-/// Where the folder is not what the run left.
+/// If the folder is not what the run left.
 pub(super) fn describe(out: &Path, beds: &Path, executed: bool) -> Result<(String, Manifest)> {
     let vouched = Vouched::open(out, FolderKind::Run)?;
     let folder = Folder(out);

@@ -2,8 +2,8 @@
 //!
 //! The force on a grain is the sum from +0.0 over obstacles by ascending number, then over
 //! neighbours by ascending id. A half list walked with `i` and `j` ascending gives that order to
-//! both partners without a sort: grain `g` hears from the rows before its own, in order, and then
-//! walks its own row. The chain of orderings, so that no change breaks one link unseen:
+//! both partners without a sort: contributions of earlier rows were added before, in order, when the
+//! row of grain `g` is walked. The chain of orderings, so that no change breaks one link unseen:
 //!
 //! * pairs are listed by `i` and then `j`, ascending;
 //! * a block of them is evaluated at once but summed pair by pair; a pair that does not touch gives
@@ -309,7 +309,7 @@ pub fn accumulate<'s, R: Real, L: Law<R>>(
         });
         deep = deep.or_else(|| deepest(&block, lower, partner));
         done += BLOCK;
-        // Grains below that of the next pair have heard from all.
+        // Sums of the grains below that of the next pair are complete.
         let next = pairs
             .lower
             .get(done)

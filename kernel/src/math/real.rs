@@ -48,7 +48,7 @@ pub trait Real:
     fn is_finite(self) -> bool;
     /// Truncated towards zero, 0 for negative numbers and NaN; for the cells of the search only.
     fn to_index(self) -> usize;
-    /// The number's bits in words, the lowest first, for a digest; the second is `None` where one
+    /// The number's bits in words, the lowest first, for a digest; the second is `None` if one
     /// word holds them.
     fn to_words(self) -> (u32, Option<u32>);
 }

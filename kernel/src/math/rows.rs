@@ -66,7 +66,7 @@ pub(crate) fn sub_at<R: Real>(rows: &mut [Row<R>], place: usize, by: &Row<R>) {
     }
 }
 
-/// A slice from its beginning to `end`; empty where it is shorter.
+/// A slice from its beginning to `end`; empty if it is shorter.
 #[inline(always)]
 pub(crate) fn prefix<T>(slice: &[T], end: usize) -> &[T] {
     slice.get(..end).unwrap_or_default()
@@ -95,7 +95,7 @@ pub(crate) fn halves_mut<T>(slice: &mut [T], place: usize) -> (&mut [T], &mut [T
     slice.split_at_mut_checked(place).unwrap_or_default()
 }
 
-/// A slice from `begin` to `end`; empty where it is shorter.
+/// A slice from `begin` to `end`; empty if it is shorter.
 #[inline(always)]
 pub(crate) fn part<T>(slice: &[T], begin: usize, end: usize) -> &[T] {
     slice.get(begin..end).unwrap_or_default()

@@ -24,7 +24,7 @@ pub struct PairList<'a, R> {
     /// Place of the higher grain.
     pub partner: &'a mut [u32],
     /// Tangential spring of the pair, from the lower grain's side (length), component by component;
-    /// zero where the grains do not touch.
+    /// zero if the grains do not touch.
     pub spring: [&'a mut [R]; 3],
     /// Obstacle contacts: place of the grain.
     pub touch_grain: &'a mut [u32],
@@ -181,7 +181,7 @@ impl<R: Real> PairList<'_, R> {
         pairs.chain(touches)
     }
 
-    /// Puts a bond back into a list that was just built; `false` where the list has no such entry.
+    /// Puts a bond back into a list that was just built; `false` if the list has no such entry.
     pub(crate) fn restore(&mut self, bond: &ContactHistory<R>, listed: Listed) -> bool {
         let (ContactHistory::Pair { spring, .. } | ContactHistory::Obstacle { spring, .. }) = bond;
         if !spring.iter().all(|s| s.is_finite()) {

@@ -175,7 +175,7 @@ pub(super) fn read(table: &CampaignTable, plugs: bool) -> Read {
     }
 }
 
-/// A row; `None` where it has no drag.
+/// A row; `None` if it has no drag.
 fn point(table: &CampaignTable, row: usize) -> Option<Point> {
     let value = |column: &str| {
         let value = table.real(row, column)?;

@@ -60,7 +60,7 @@ pub struct Claim {
 pub struct Measured {
     /// Name of the scenario or campaign; `direct` for what is computed on the spot.
     pub by: String,
-    /// The number; none where the runs cannot carry it.
+    /// The number; none if the runs cannot carry it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub value: Option<f64>,
     /// Its standard error.

@@ -40,7 +40,7 @@ impl Evidence {
     /// a plug are left out unless `plugs`.
     ///
     /// # Errors
-    /// [`Error::Input`] where it is none of them.
+    /// [`Error::Input`] if it is none of them.
     pub fn read(from: &Path, plugs: bool) -> Result<Self> {
         if !disk::is_folder(from) {
             let text = read_text(from)?;

@@ -85,7 +85,7 @@ pub struct Plateau {
     pub error: f64,
     /// How many of the deepest points it is made of.
     pub points: usize,
-    /// Effective depth at which the lift has 90 % of it, on the lines between points; none where the
+    /// Effective depth at which the lift has 90 % of it, on the lines between points; none if the
     /// least depth has more already (Guillard 2014, Fig. 6).
     pub depth: Option<f64>,
 }

@@ -18,7 +18,7 @@ const NEAR: f64 = 0.05;
 /// Lift over buoyancy of the experiment below D/d = 5, as far as the text names it (Guillard 2014, Fig. 5).
 const EXPERIMENT: f64 = 60.0;
 
-/// The measurement of a claim of Guillard 2014; `None` where this paper has no such claim, or nothing here
+/// The measurement of a claim of Guillard 2014; `None` if this paper has no such claim, or nothing here
 /// measures it.
 pub fn measure(id: &str, summary: &Summary) -> Option<Found> {
     let rest = id.strip_prefix("guillard-")?;

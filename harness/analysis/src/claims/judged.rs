@@ -86,7 +86,7 @@ pub(super) fn verdict_of(verdicts: &[Verdict]) -> Verdict {
     }
 }
 
-/// The least; NaN where one is no number, which is worse than any.
+/// The least; NaN if one is no number, which is worse than any.
 pub(super) fn least(values: impl Iterator<Item = f64>) -> f64 {
     let less = |a: f64, x: f64| if x < a || x.is_nan() { x } else { a };
     values.fold(f64::INFINITY, less)

@@ -19,7 +19,7 @@ fn flat(of: &Of, which: impl Fn(f64) -> bool) -> Vec<(Value, String)> {
     .collect()
 }
 
-/// The measurement of a claim of Kumar 2018; `None` where this paper has no such claim.
+/// The measurement of a claim of Kumar 2018; `None` if this paper has no such claim.
 pub fn measure(id: &str, analysis: &Analysis) -> Option<Found> {
     let of = Of { analysis };
     let rest = id.strip_prefix("kumar-")?;

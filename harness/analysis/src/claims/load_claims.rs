@@ -14,7 +14,7 @@ const TOLD: f64 = 5.0;
 
 const NO_LOAD: &str = "no run has a load: measure.fields asks for them";
 
-/// The measurement of a claim about loads; `None` where this is none.
+/// The measurement of a claim about loads; `None` if this is none.
 pub(super) fn measure(id: &str, loads: &[PointLoad]) -> Option<Found> {
     let without = || loads.iter().filter(|l| !l.gradient);
     let all = |of: &dyn Fn(&PointLoad) -> Value| -> Found {

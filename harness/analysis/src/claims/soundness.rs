@@ -55,7 +55,7 @@ pub(super) fn statements(summary: &Summary) -> Vec<Statement> {
     ]
 }
 
-/// The least and the largest; NaN where one is no number.
+/// The least and the largest; NaN if one is no number.
 fn span(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
     if values.clone().any(f64::is_nan) {
         return (f64::NAN, f64::NAN);

@@ -27,9 +27,9 @@ pub enum First {
 pub struct Crossover {
     /// The best place.
     pub at: f64,
-    /// Least place of the interval of [`CONFIDENCE`]; none where it reaches the least x of the points.
+    /// Least place of the interval of [`CONFIDENCE`]; none if it reaches the least x of the points.
     pub low: Option<f64>,
-    /// Largest place; none where it reaches the largest x of the points.
+    /// Largest place; none if it reaches the largest x of the points.
     pub high: Option<f64>,
 }
 

@@ -76,7 +76,7 @@ pub struct Simpler {
 pub struct Regimes {
     /// The curve: a, (b, c), s, q, x1, x2.
     pub fit: Fit,
-    /// c of the first regime, fitted or given; none where that is flat.
+    /// c of the first regime, fitted or given; none if that is flat.
     pub exponent: Option<f64>,
     /// From the first regime to the line: x1.
     pub first: Crossover,
@@ -155,7 +155,7 @@ pub fn regime_fits(data: &[Datum], x1: f64, x2: f64) -> RegimeFits {
 #[derive(Clone, Copy)]
 struct Curve {
     joints: [f64; 2],
-    /// None where the first piece is flat.
+    /// None if the first piece is flat.
     exponent: Option<f64>,
     /// Whether the exponent is one of the fitted numbers.
     fitted: bool,

@@ -19,7 +19,7 @@ type Sums = [f64; 10];
 
 /// The sums for one exponent.
 pub(super) struct Table {
-    /// The exponent c; none where the first piece is flat.
+    /// The exponent c; none if the first piece is flat.
     exponent: Option<f64>,
     /// In ascending order.
     x: Vec<f64>,

@@ -65,7 +65,7 @@ fn reduced(points: &[Point], limit: usize) -> Vec<Point> {
 }
 
 /// Drag, or lift, against travel of one of `runs` runs, with the time along the top: thin the series, thick its
-/// average from the start, shaded the averaging window. `None` where there is nothing to draw.
+/// average from the start, shaded the averaging window. `None` if there is nothing to draw.
 pub(super) fn along_travel(
     run: &DragSummary,
     rows: &[SeriesRow],
@@ -112,7 +112,7 @@ pub(super) fn along_travel(
 
 /// Means of the drag with standard errors against Froude number, a marker shape for each of `beds`, hollow where the
 /// error did not converge; a cross is the mean from the start.
-/// `None` where there is nothing to draw.
+/// `None` if there is nothing to draw.
 pub(super) fn froude(runs: &[DragSummary], beds: &[&str], units: &Units) -> Option<String> {
     let good = |r: &&DragSummary| drawable(r.froude) && drawable(r.drag.mean);
     let runs: Vec<&DragSummary> = runs.iter().filter(good).collect();

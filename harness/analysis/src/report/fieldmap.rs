@@ -49,7 +49,7 @@ fn level(value: f64, most: f64) -> usize {
     (part.max(0.0) as usize).min(RAMP.len() - 1)
 }
 
-/// The top of a scale for some values: a round number that all but a few are below; `None` where there is nothing
+/// The top of a scale for some values: a round number that all but a few are below; `None` if there is nothing
 /// above zero.
 pub(super) fn top(values: impl Iterator<Item = f64>) -> Option<f64> {
     let mut all: Vec<f64> = values.filter(|x| x.is_finite()).collect();
@@ -69,7 +69,7 @@ pub(super) fn top(values: impl Iterator<Item = f64>) -> Option<f64> {
         .find(|round| *round >= top)
 }
 
-/// The map as SVG; `None` where it would have no extent.
+/// The map as SVG; `None` if it would have no extent.
 pub(super) fn map(map: &Map) -> Option<String> {
     let hole = map.hole;
     let d = 2.0 * hole.radius;

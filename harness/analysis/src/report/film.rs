@@ -30,7 +30,7 @@ pub struct Film {
     pub frames: Vec<Frame>,
 }
 
-/// The section of the page; empty where there is nothing to play.
+/// The section of the page; empty if there is nothing to play.
 pub(super) fn section(summary: &Summary, films: &[Film]) -> String {
     let share = ROOM / films.len().max(1);
     let mut figures = String::new();
@@ -63,7 +63,7 @@ fn thinned(frames: &[Frame], most: usize) -> Vec<&Frame> {
     frames.iter().step_by(apart).collect()
 }
 
-/// One film; `None` where there is nothing to step through.
+/// One film; `None` if there is nothing to step through.
 fn played(
     summary: &Summary,
     run: &DragSummary,

@@ -202,7 +202,7 @@ pub(super) fn coloured(
     );
 }
 
-/// One picture as SVG, or `None` where the window has no extent.
+/// One picture as SVG, or `None` if the window has no extent.
 pub(super) fn drawing(
     flow: &FlowPicture,
     window: Window,

@@ -82,7 +82,7 @@ fn kinds(bed: &BedPicture, y: f64) -> [Vec<Cut>; 4] {
     [free, frozen, lid, intruder]
 }
 
-/// The scale of a slice, to what is filled of the box; `None` where that has no extent.
+/// The scale of a slice, to what is filled of the box; `None` if that has no extent.
 fn scale(bed: &BedPicture, drawn: &[Vec<Cut>; 4]) -> Option<Scale> {
     let drawn = || drawn.iter().flatten();
     // The box may reach far above the bed, to where the grains fell from: draw what is filled.
@@ -96,7 +96,7 @@ fn scale(bed: &BedPicture, drawn: &[Vec<Cut>; 4]) -> Option<Scale> {
 /// Most planes that a bed can be stepped through at.
 const PLANES: usize = 40;
 
-/// The slice as a figure that can be stepped through along y, and how many circles that takes; `None` where there is
+/// The slice as a figure that can be stepped through along y, and how many circles that takes; `None` if there is
 /// nothing to step through, or no `room` for it.
 pub(super) fn stepped(
     bed: &BedPicture,
@@ -148,7 +148,7 @@ pub(super) fn stepped(
     Some((html, circles))
 }
 
-/// The slice as SVG, or `None` where the box has no extent. `index` keeps the names of clips and
+/// The slice as SVG, or `None` if the box has no extent. `index` keeps the names of clips and
 /// patterns of several pictures on a page apart.
 pub(super) fn slice(bed: &BedPicture, unit: &str, index: usize) -> Option<String> {
     let drawn = kinds(bed, bed.intruder.0[1]);

@@ -45,7 +45,7 @@ pub(super) struct Scale {
 }
 
 impl Scale {
-    /// `None` where the box has no extent.
+    /// `None` if the box has no extent.
     pub(super) fn new(lo: [f64; 2], hi: [f64; 2]) -> Option<Self> {
         let size = [hi[0] - lo[0], hi[1] - lo[1]];
         let up = axis(lo[1], hi[1], 5);

@@ -69,7 +69,7 @@ impl Range {
 }
 
 /// Draws lines and over them marks; what is no number is left out, and what is not above zero on an axis of
-/// ratios. `None` where no mark is left.
+/// ratios. `None` if no mark is left.
 pub(super) fn scatter(
     title: &str,
     labels: &[String; 2],

@@ -22,7 +22,7 @@ const HEADROOM: f64 = 20.0;
 /// intruder at rest, its forces evaluated with empty histories.
 ///
 /// # Errors
-/// [`Error::Input`] where the file has changed since, or grains and box do not fit together.
+/// [`Error::Input`] if the file has changed since, or grains and box do not fit together.
 pub fn bed(scenario: &CheckedScenario, path: &Path) -> Result<Simulation> {
     let name = path.display().to_string();
     let wrong = |what: String| Error::input(name.clone(), what);

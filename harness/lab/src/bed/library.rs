@@ -31,7 +31,7 @@ pub struct BedCache {
 pub struct CachedBed {
     /// Its name: the first digits of its recipe's digest.
     pub name: String,
-    /// Its recipe; `None` where that is missing or not one.
+    /// Its recipe; `None` if that is missing or not one.
     pub recipe: Option<Recipe>,
     /// Bytes of all its files.
     pub bytes: u64,
@@ -56,10 +56,10 @@ impl BedCache {
         self.folder.join(&digest[..NAME]).join(BED)
     }
 
-    /// The bytes of the checkpoint made from this recipe, or `None` where there is none.
+    /// The bytes of the checkpoint made from this recipe, or `None` if there is none.
     ///
     /// # Errors
-    /// [`Error::Input`] where the bed is there but cannot be read, is damaged or another's; the
+    /// [`Error::Input`] if the bed is there but cannot be read, is damaged or another's; the
     /// message says how to remove it.
     pub fn find(&self, recipe: &Recipe) -> Result<Option<Vec<u8>>> {
         let digest = recipe.digest();
@@ -100,7 +100,7 @@ impl BedCache {
     /// The beds, by name.
     ///
     /// # Errors
-    /// [`Error::Input`] where the folder cannot be read; a library that is not there is empty.
+    /// [`Error::Input`] if the folder cannot be read; a library that is not there is empty.
     pub fn list(&self) -> Result<Vec<CachedBed>> {
         let mut beds = Vec::new();
         for (name, kind) in disk::list(&self.folder)? {
@@ -130,7 +130,7 @@ impl BedCache {
     /// The one bed whose name begins so.
     ///
     /// # Errors
-    /// [`Error::Input`] where there is none or more than one.
+    /// [`Error::Input`] if there is none or more than one.
     pub fn entry(&self, begin: &str) -> Result<CachedBed> {
         if begin.is_empty() {
             return Err(Error::input(

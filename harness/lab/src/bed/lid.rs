@@ -23,7 +23,7 @@ const LIGHTEST: f64 = 1.0;
 /// Without a pressure gradient the lid alone presses, and there is no `h`.
 ///
 /// # Errors
-/// [`Error::Input`] where the bed is deep enough without one.
+/// [`Error::Input`] if the bed is deep enough without one.
 pub fn lid_density(scenario: &CheckedScenario, plan: &LidPlan, bare: &BedSummary) -> Result<f64> {
     if let Some(density) = plan.density {
         return Ok(density);
@@ -145,7 +145,7 @@ fn rest_height(sim: &Simulation, [x, y]: [f64; 2], radius: f64) -> f64 {
 /// Lays the lid of a plan on its bare bed and returns the state, not yet at rest.
 ///
 /// # Errors
-/// As [`lid_density`]; [`Error::Run`] where the kernel refuses the state.
+/// As [`lid_density`]; [`Error::Run`] if the kernel refuses the state.
 pub(super) fn covered(
     bare: &mut Simulation,
     scenario: &CheckedScenario,

@@ -24,7 +24,7 @@ impl Pouring {
     /// The grains of a bed as they are let fall; its lid is not yet on it.
     ///
     /// # Errors
-    /// [`bitgrain_sim::error::Error::Input`] and [`bitgrain_sim::error::Error::Run`] where they cannot be.
+    /// [`bitgrain_sim::error::Error::Input`] and [`bitgrain_sim::error::Error::Run`] if they cannot be.
     pub fn begin(scenario: &CheckedScenario, plan: &BedPlan) -> Result<Self> {
         let lowest = plan.center[2] - 0.5 * plan.diameter;
         let count = scenario.grain_count(plan.diameter);
@@ -50,7 +50,7 @@ impl Pouring {
     /// bed's chain.
     ///
     /// # Errors
-    /// [`bitgrain_sim::error::Error::Input`] where the bed is deep enough without, and as [`Pouring::begin`].
+    /// [`bitgrain_sim::error::Error::Input`] if the bed is deep enough without, and as [`Pouring::begin`].
     pub fn cover(
         bare: &mut Simulation,
         link: &str,

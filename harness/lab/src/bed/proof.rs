@@ -13,7 +13,7 @@ use bitgrain_sim::error::{Error, Result};
 /// the whole chain is found by `verify` alone, which pours the bed again.
 ///
 /// # Errors
-/// [`Error::Damaged`] where it is not whole or not the state of its chain, [`Error::Input`] where it is another
+/// [`Error::Damaged`] if it is not whole or not the state of its chain, [`Error::Input`] if it is another
 /// recipe's or another version's.
 pub fn prove(bytes: &[u8], name: &str, recipe: &Recipe) -> Result<()> {
     let (mut sim, note) = checkpoint::unpack(bytes, name)?;

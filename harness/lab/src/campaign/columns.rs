@@ -46,7 +46,7 @@ pub enum Cell {
 pub struct Column {
     /// Name in the table's head.
     pub name: String,
-    /// Unit, in the campaign's scaling; `""` where there is none.
+    /// Unit, in the campaign's scaling; `""` if there is none.
     pub unit: Unit,
     of: Box<dyn Fn(&Row<'_>) -> Cell>,
 }

@@ -63,7 +63,7 @@ impl CampaignFolder<'_> {
     /// What lies beside the table.
     ///
     /// # Errors
-    /// [`Error::Input`] where the campaign's file is not there, not as it was written, or is none.
+    /// [`Error::Input`] if the campaign's file is not there, not as it was written, or is none.
     pub fn beside(&self, vouched: &Vouched) -> Result<Beside> {
         let path = self.campaign();
         let text = vouched.text(&path)?;

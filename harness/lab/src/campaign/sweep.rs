@@ -74,7 +74,7 @@ struct Under<'a> {
 /// Runs a campaign into its folder, or what is left of it.
 ///
 /// # Errors
-/// Where its folder cannot be had or written to, or it is interrupted; runs that fail are told of in the
+/// If its folder cannot be had or written to, or it is interrupted; runs that fail are told of in the
 /// table and stop nothing.
 pub fn sweep(what: &Sweep<'_>) -> Result<Outcome> {
     let jobs = jobs(what.plan, what.only);

@@ -153,7 +153,7 @@ impl CampaignTable {
         Ok(Self { units, names, rows })
     }
 
-    /// What the numbers of a column are counted in; `""` where that is not said.
+    /// What the numbers of a column are counted in; `""` if that is not said.
     pub fn unit(&self, column: &str) -> String {
         let has = |kind: &&String| kind.split(' ').any(|word| word == column);
         let kind = self.units.iter().find(has).map_or("", |kind| kind);
@@ -219,7 +219,7 @@ impl CampaignTable {
         self.rows.is_empty()
     }
 
-    /// The words of a cell; `""` where there is none, or no such column.
+    /// The words of a cell; `""` if there is none, or no such column.
     pub fn text(&self, row: usize, column: &str) -> &str {
         let place = self.names.iter().position(|name| name == column);
         place
@@ -227,7 +227,7 @@ impl CampaignTable {
             .map_or("", |word| word)
     }
 
-    /// The number of a cell; `None` where there is none.
+    /// The number of a cell; `None` if there is none.
     pub fn real(&self, row: usize, column: &str) -> Option<f64> {
         bitgrain_sim::files::finite(self.text(row, column))
     }

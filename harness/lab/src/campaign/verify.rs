@@ -22,7 +22,7 @@ use bitgrain_sim::files::read_text;
 /// [`crate::verify::verify`].
 ///
 /// # Errors
-/// [`Error::Unverified`] where something does not hold or is not finished, after all was told; [`Error::Input`]
+/// [`Error::Unverified`] if something does not hold or is not finished, after all was told; [`Error::Input`]
 /// where there is nothing to verify.
 pub fn verify(
     folder: &CampaignFolder<'_>,

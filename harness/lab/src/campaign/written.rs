@@ -13,7 +13,7 @@ use bitgrain_sim::error::{Error, Result};
 /// file of an imported bed is the copy that a member in this folder has.
 ///
 /// # Errors
-/// [`Error::Input`] where it is no campaign's, or names its base.
+/// [`Error::Input`] if it is no campaign's, or names its base.
 pub fn parse(text: &str, place: &str, folder: &Path) -> Result<Plan> {
     let mut campaign: Campaign = parse_campaign(text, place)?;
     let Base::Written(base) = &mut campaign.base else {

@@ -32,7 +32,7 @@ impl FolderAudit {
 /// Compares a folder with its manifest, and that with the stages that are planned.
 ///
 /// # Errors
-/// Where the folder or a file in it cannot be read.
+/// If the folder or a file in it cannot be read.
 pub fn audit(root: &Path, manifest: &Manifest, planned: &[String]) -> Result<FolderAudit> {
     let mut found = FolderAudit::default();
     for name in planned {

@@ -46,7 +46,7 @@ impl Ledger {
     /// compared. Nothing is written.
     ///
     /// # Errors
-    /// [`Error::Input`] where it is of something else, or it or a file in it cannot be read. A damaged one counts
+    /// [`Error::Input`] if it is of something else, or it or a file in it cannot be read. A damaged one counts
     /// as none, and is returned beside as what to warn of; so is one that is missing where there are results.
     pub fn open(root: &Path, of: FolderKind, stages: &[String]) -> Result<(Self, Option<Error>)> {
         let (old, damage) = match Manifest::of(root) {
@@ -114,7 +114,7 @@ impl Ledger {
         self.known().entries.contains_key(&self.name(path))
     }
 
-    /// Whether these would be the bytes of a file that is listed; `None` where it is not.
+    /// Whether these would be the bytes of a file that is listed; `None` if it is not.
     pub fn expects(&self, path: &Path, bytes: &[u8]) -> Option<bool> {
         let known = self.known();
         known
@@ -147,7 +147,7 @@ impl Ledger {
     /// Writes a file of results, unless it is there with these bytes.
     ///
     /// # Errors
-    /// [`Error::Write`]; [`Error::Unverified`] where it was listed with other bytes and is of a kind that always
+    /// [`Error::Write`]; [`Error::Unverified`] if it was listed with other bytes and is of a kind that always
     /// comes out the same: then somebody changed the manifest or what it was made from.
     pub fn write(&self, path: &Path, bytes: &[u8]) -> Result<()> {
         let name = self.name(path);

@@ -220,10 +220,10 @@ impl Manifest {
         Ok(read)
     }
 
-    /// The manifest of a folder; `None` where it has none.
+    /// The manifest of a folder; `None` if it has none.
     ///
     /// # Errors
-    /// [`Error::Manifest`] where it is not whole, [`Error::Input`] where it cannot be read.
+    /// [`Error::Manifest`] if it is not whole, [`Error::Input`] if it cannot be read.
     pub fn of(root: &Path) -> Result<Option<Self>> {
         let path = root.join(NAME);
         let place = path.display().to_string();

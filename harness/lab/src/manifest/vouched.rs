@@ -18,7 +18,7 @@ impl Vouched {
     /// The folder of a run or campaign.
     ///
     /// # Errors
-    /// [`Error::Input`] where it has no manifest or one of something else, [`Error::Manifest`] where that is
+    /// [`Error::Input`] if it has no manifest or one of something else, [`Error::Manifest`] if that is
     /// damaged.
     pub fn open(root: &Path, of: FolderKind) -> Result<Self> {
         let place = root.display().to_string();
@@ -52,7 +52,7 @@ impl Vouched {
     /// The bytes of a file.
     ///
     /// # Errors
-    /// [`Error::Input`] where it is missing, not in the manifest, not as that says, or cannot be read.
+    /// [`Error::Input`] if it is missing, not in the manifest, not as that says, or cannot be read.
     pub fn read(&self, path: &Path) -> Result<Vec<u8>> {
         let name = relative(&self.root, path).unwrap_or_default();
         let departed = match self

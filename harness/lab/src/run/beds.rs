@@ -227,7 +227,7 @@ fn fetch_bed(
 /// from a file.
 ///
 /// # Errors
-/// Where the file is no such bed, or the bed below the lid cannot be read.
+/// If the file is no such bed, or the bed below the lid cannot be read.
 pub fn begin_bed(
     folder: &Folder<'_>,
     scenario: &CheckedScenario,

@@ -20,7 +20,7 @@ use bitgrain_sim::error::{Error, Result};
 /// bed is copied into it, so that the folder stands alone.
 ///
 /// # Errors
-/// [`Error::Input`] where it is somebody else's, holds another scenario's results, or another run is at work in
+/// [`Error::Input`] if it is somebody else's, holds another scenario's results, or another run is at work in
 /// it; [`Error::Write`].
 pub fn claim(folder: &Folder<'_>, scenario: &CheckedScenario) -> Result<DirectoryLock> {
     let claim = DirectoryLock::take(folder.0, &RUN, &stages(scenario), |ledger| {
@@ -149,7 +149,7 @@ struct Looking<'a> {
 }
 
 impl Looking<'_> {
-    /// The bytes of a file that is to be looked at; `None` where it is vouched for, or is not there.
+    /// The bytes of a file that is to be looked at; `None` if it is vouched for, or is not there.
     fn bytes(&self, path: &Path) -> Result<Option<Vec<u8>>> {
         if self.ledger.vouches(path) {
             return Ok(None);

@@ -109,7 +109,7 @@ pub(super) fn drag_one(
 /// A settled bed whose drag begins.
 ///
 /// # Errors
-/// Where the bed cannot be read or its drag not begun.
+/// If the bed cannot be read or its drag not begun.
 pub fn begin(drag: DragTask<'_>) -> Result<(Simulation, Dragging)> {
     let path = drag.folder.bed(&drag.bed.name);
     let (mut sim, note) = checkpoint::read_noted(&path)?;
@@ -118,7 +118,7 @@ pub fn begin(drag: DragTask<'_>) -> Result<(Simulation, Dragging)> {
 }
 
 /// The drag as its furthest sound checkpoint has it, but for those that come after a file which is missing or
-/// not as it was written; `None` where there is none. Damaged ones are told and passed over.
+/// not as it was written; `None` if there is none. Damaged ones are told and passed over.
 fn take_up(
     drag: DragTask<'_>,
     ledger: &Ledger,
@@ -165,7 +165,7 @@ fn take_up(
 /// A state of a drag.
 ///
 /// # Errors
-/// [`Error::Damaged`], and [`Error::Input`] where it is another drag's or another version's.
+/// [`Error::Damaged`], and [`Error::Input`] if it is another drag's or another version's.
 pub fn read(drag: DragTask<'_>, path: &Path) -> Result<(Simulation, Dragging)> {
     let (sim, note) = checkpoint::read_noted(path)?;
     let place = path.display().to_string();
@@ -310,7 +310,7 @@ impl Observer for Files<'_> {
 /// The tables of a drag that has come to its end, by file, and its numbers.
 ///
 /// # Errors
-/// [`Error::Input`] where the window is too short for a mean.
+/// [`Error::Input`] if the window is too short for a mean.
 pub fn results(
     drag: DragTask<'_>,
     dragging: &Dragging,

@@ -54,7 +54,7 @@ impl Frames {
         }
     }
 
-    /// The text of their file at a checkpoint that is kept, and none are left; `None` where there are none.
+    /// The text of their file at a checkpoint that is kept, and none are left; `None` if there are none.
     pub fn take(&mut self) -> Option<String> {
         let rows = std::mem::take(&mut self.rows);
         let whole = std::mem::replace(&mut self.whole, self.wanted);

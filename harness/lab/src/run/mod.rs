@@ -223,7 +223,7 @@ pub fn beds(
 /// One drag through a settled bed, or what is left of it.
 ///
 /// # Errors
-/// Where it goes wrong or is interrupted.
+/// If it goes wrong or is interrupted.
 pub fn drag(
     setting: Setting<'_>,
     ledger: &Ledger,

@@ -183,7 +183,7 @@ const DEEPEST: usize = 8;
 /// Changes a key of a scenario, as `key.subkey=value` says.
 ///
 /// # Errors
-/// [`Error::Input`] where it is no such pair.
+/// [`Error::Input`] if it is no such pair.
 pub(crate) fn apply(table: &mut toml::Table, set: &str) -> Result<()> {
     let place = || format!("--set {set}");
     let Some((key, text)) = set.split_once('=') else {

@@ -19,7 +19,7 @@ pub(crate) const SAME: f64 = 1e-9;
 /// and refuses those that it contradicts. Returns where the file is.
 ///
 /// # Errors
-/// [`Error::Input`] where the file cannot be read, is no bed, or is not what the scenario says.
+/// [`Error::Input`] if the file cannot be read, is no bed, or is not what the scenario says.
 pub(super) fn fill_in(table: &mut Table, place: &str, folder: &Path) -> Result<Option<PathBuf>> {
     let Some(Value::String(file)) = table.get("bed").and_then(|bed| bed.get("file")) else {
         return Ok(None);

@@ -13,7 +13,7 @@ use bitgrain_sim::files::read_text;
 /// Reads `summary.json` of a run directory.
 ///
 /// # Errors
-/// [`Error::Input`] where it is missing or no sound summary.
+/// [`Error::Input`] if it is missing or no sound summary.
 pub fn read_summary(path: &Path) -> Result<Summary> {
     parse_summary(&read_text(path)?, path)
 }
@@ -50,7 +50,7 @@ fn refused(place: &str, (key, problem): (String, String)) -> Error {
 /// end those of the drags that have.
 ///
 /// # Errors
-/// [`Error::Input`] where there is none, or one is not sound or not as it was written.
+/// [`Error::Input`] if there is none, or one is not sound or not as it was written.
 pub fn read_folder(folder: &Folder, vouched: &Vouched) -> Result<(String, Summary)> {
     let whole = folder.summary();
     if vouched.lists(&whole) {

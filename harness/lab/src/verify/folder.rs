@@ -64,7 +64,7 @@ impl Problems {
 /// does not hold.
 ///
 /// # Errors
-/// Where a folder cannot be read, and what `say` returns.
+/// If a folder cannot be read, and what `say` returns.
 pub(crate) fn check_manifest(
     root: &Path,
     planned: &[String],

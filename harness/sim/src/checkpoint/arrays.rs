@@ -81,7 +81,7 @@ impl Arrays<'_> {
         })
     }
 
-    /// The bytes of an array; none where there is no such array.
+    /// The bytes of an array; none if there is no such array.
     fn bytes(&self, name: &str) -> std::result::Result<Vec<u8>, String> {
         match self.file.names().contains(&name) {
             true => Ok(self.words::<1>(name, Dtype::U8)?.into_flattened()),

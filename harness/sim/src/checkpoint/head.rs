@@ -9,11 +9,11 @@ use serde::{Deserialize, Serialize};
 pub struct StageState {
     /// Digest of the recipe a bed was poured by; empty for other states.
     pub recipe: String,
-    /// The last link of the chain of digests up to this state; empty where there is none.
+    /// The last link of the chain of digests up to this state; empty if there is none.
     pub link: String,
     /// The stage under way, as JSON: its accumulators, series and chain so far; empty for a bare state.
     pub course: String,
-    /// The sums of its fields, little-endian words; empty where there are none.
+    /// The sums of its fields, little-endian words; empty if there are none.
     pub fields: Vec<u8>,
     /// Frames that no file holds yet; empty in a checkpoint that is kept.
     pub frames: String,

@@ -116,7 +116,7 @@ impl CoarseGraining {
         words.flat_map(|x| x.to_le_bytes()).collect()
     }
 
-    /// Takes the sums up again from such an array; `None` where it is of another length.
+    /// Takes the sums up again from such an array; `None` if it is of another length.
     #[must_use]
     pub fn with_array(mut self, bytes: &[u8]) -> Option<Self> {
         let (words, rest) = bytes.as_chunks::<8>();

@@ -110,7 +110,7 @@ impl LoadSums {
         }
     }
 
-    /// Mean stresses on a cylinder of this diameter and length; `None` where a part of the window has no
+    /// Mean stresses on a cylinder of this diameter and length; `None` if a part of the window has no
     /// sample.
     pub fn load(&self, diameter: f64, length: f64) -> Option<Load> {
         if self.samples.contains(&0) {

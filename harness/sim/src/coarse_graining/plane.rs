@@ -163,7 +163,7 @@ impl Fields {
     }
 
     /// Norm of the shear rate, `sqrt(2 e:e)` with e the symmetric gradient of the velocity in the plane, at
-    /// each point; `None` where a gradient cannot be told.
+    /// each point; `None` if a gradient cannot be told.
     pub fn shear_rates(&self) -> Vec<Option<f64>> {
         let [nx, _, nz] = self.grid.counts;
         let all = (0..nz).flat_map(|kz| (0..nx).map(move |kx| (kx, kz)));

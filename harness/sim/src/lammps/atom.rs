@@ -13,11 +13,11 @@ pub struct Atom {
     pub density: f64,
     /// Position (length).
     pub position: [f64; 3],
-    /// Crossings of the periodic axes so far, zero where the file gives none.
+    /// Crossings of the periodic axes so far, zero if the file gives none.
     pub image: [i32; 3],
-    /// Velocity, zero where the file gives none.
+    /// Velocity, zero if the file gives none.
     pub velocity: [f64; 3],
-    /// Spin, zero where the file gives none.
+    /// Spin, zero if the file gives none.
     pub spin: [f64; 3],
 }
 

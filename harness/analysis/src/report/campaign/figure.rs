@@ -45,7 +45,7 @@ pub(super) fn add(
     }
 }
 
-/// The least and largest x of some series; `None` where a line has no room between them.
+/// The least and largest x of some series; `None` if a line has no room between them.
 pub(super) fn ends(series: &[Series]) -> Option<[f64; 2]> {
     let all = || series.iter().flat_map(|s| s.points.iter().map(|p| p.0));
     let from = all().fold(f64::INFINITY, f64::min);
