@@ -1,12 +1,23 @@
 //! What to know before the numbers of a run are believed: told when it ends, and at the top of its report.
 
-use crate::claims::{FAR_FIELD_LEAST, overlap_remark};
+use crate::claims::FAR_FIELD_LEAST;
 use bitgrain_lab::plug_flow::PlugFlow;
 use bitgrain_lab::summary::{BedSummary, DragSummary, Flow, Summary};
 use bitgrain_sim::format::short;
 
+/// Deepest overlap over the mean diameter up to which grains are hard enough: at a twentieth the contact
+/// of two equal grains is 0.45 of their radius wide, and Hertz's law takes it for narrow (Johnson, Contact
+/// Mechanics, section 4.2).
+pub const OVERLAP_MAX: f64 = 0.05;
+
 /// Packing fraction above which equal spheres are no random packing (random close packing).
 const CLOSE: f64 = 0.64;
+
+/// Largest part of the drag that may be carried by nothing that is measured.
+const BALANCE: f64 = 0.01;
+
+/// Standard errors of the difference of a window's halves up to which they are alike.
+const HALVES: f64 = 3.0;
 
 /// Something that speaks against numbers, as plain text; keys of a scenario stand between backticks.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -24,6 +35,20 @@ fn remark(title: impl Into<String>, words: String) -> Remark {
     }
 }
 
+/// What to beware of where the deepest overlap of a run, over the mean diameter, is beyond
+/// [`OVERLAP_MAX`]; nothing where it is not. What is no number is beyond.
+pub fn overlap_remark(deepest: f64) -> Option<String> {
+    if deepest <= OVERLAP_MAX {
+        return None;
+    }
+    Some(format!(
+        "The deepest overlap is {} of the mean diameter, beyond {OVERLAP_MAX}: grains are too soft for \
+         Hertz's law, which takes contacts for narrow, and forces may depend on the stiffness. Stiffer \
+         grains, with a shorter time step, or a slower drag lower it.",
+        short(deepest)
+    ))
+}
+
 /// All that speaks against the numbers of a run.
 pub fn remarks(summary: &Summary) -> Vec<Remark> {
     let runs = &summary.runs;
@@ -31,6 +56,8 @@ pub fn remarks(summary: &Summary) -> Vec<Remark> {
     let mut out: Vec<Remark> = part(summary).into_iter().collect();
     out.extend(summary.beds.iter().filter_map(unrest));
     out.extend(slips(runs));
+    out.extend(balance(runs));
+    out.extend(drifts(runs));
     out.extend(crystal(summary));
     out.extend(floating(runs));
     out.extend(open_errors(runs));
@@ -93,6 +120,35 @@ fn slips(runs: &[DragSummary]) -> Option<Remark> {
              and lid carry more."
         );
         remark("The bed slips", words)
+    })
+}
+
+/// Runs in which what the bed is held by is not what the intruder takes out.
+fn balance(runs: &[DragSummary]) -> Option<Remark> {
+    let missing = |f: &Flow| (f.carried_by_base + f.carried_by_lid - 1.0 - f.inertia).abs();
+    let open = flow_names(runs, |f| missing(f) > BALANCE || missing(f).is_nan());
+    (!open.is_empty()).then(|| {
+        let words = format!(
+            "In {open} more than {BALANCE} of the drag is carried neither by base and lid nor by the bed's momentum."
+        );
+        remark("Forces do not balance", words)
+    })
+}
+
+/// Runs whose halves have other mean drags than chance gives.
+fn drifts(runs: &[DragSummary]) -> Option<Remark> {
+    let apart = |run: &DragSummary, f: &Flow| {
+        // The error of a difference of halves is twice that of the mean.
+        let [a, b] = f.drag_halves;
+        (a - b).abs() > HALVES * 2.0 * run.drag.standard_error
+    };
+    let open = names(runs, |run| run.flow.as_ref().is_some_and(|f| apart(run, f)));
+    (!open.is_empty()).then(|| {
+        let words = format!(
+            "The mean drags of the two halves of the window of {open} differ by more than {HALVES} standard errors \
+             of their difference: the state is not steady. A longer `drag.discard` and `drag.distance` mend it."
+        );
+        remark("The drag still changes", words)
     })
 }
 

@@ -330,7 +330,6 @@ fn physics_names_its_source() {
         "harness/lab/src/bed/lid.rs",
         "harness/analysis/src/claims/fits.rs",
         "harness/analysis/src/claims/points.rs",
-        "harness/analysis/src/claims/statements.rs",
         "harness/sim/src/coefficients.rs",
         "harness/lab/src/flow.rs",
         "harness/sim/src/observe.rs",

@@ -141,24 +141,6 @@ fn the_means_are_those_of_the_series() {
     }
 }
 
-/// What the runs say beside the paper, as the report has it: numbers, verdicts and reasons.
-#[test]
-fn the_statements_are_those_of_the_report() {
-    let mut text = String::new();
-    for s in claims::statements(&whole()) {
-        let verdict = s.verdict.text();
-        text.push_str(&format!(
-            "{}: {verdict}\n  paper: {}\n  here: {}\n  why: {}\n\n",
-            s.subject, s.expected, s.measured, s.reason
-        ));
-    }
-    let mut settings = insta::Settings::clone_current();
-    settings.set_snapshot_path(golden("guillard-small"));
-    settings.set_prepend_module_to_snapshot(false);
-    settings.set_omit_expression(true);
-    settings.bind(|| insta::assert_snapshot!("statements", text));
-}
-
 /// What must hold of any such run before its numbers mean anything.
 #[test]
 fn the_bed_follows_its_base_and_base_and_lid_carry_the_drag() {

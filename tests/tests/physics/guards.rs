@@ -4,7 +4,7 @@ use bitgrain::case::{BoxSpec, Case, GrainSpec, MotionSpec, ObstacleSpec};
 use bitgrain::error::Error;
 use bitgrain::law::{CONTACT_FRACTION_MAX, HertzHistoryParameters, HertzTsujiParameters, LawSpec};
 use bitgrain::observe::deepest_overlap;
-use bitgrain::{claims, scenario};
+use bitgrain::{remarks, scenario};
 use bitgrain_kernel::Error as KernelError;
 use bitgrain_tests::{SMALL, floor, golden, open_case, output, settled_quick, told};
 
@@ -275,10 +275,10 @@ fn a_fast_drag_through_soft_grains_is_remarked_on() {
     };
     let (slow, fast) = (deepest(0.5), deepest(8.0));
     assert!(
-        slow > 0.005 && claims::overlap_remark(slow).is_none(),
+        slow > 0.005 && remarks::overlap_remark(slow).is_none(),
         "{slow}"
     );
-    assert!(claims::overlap_remark(fast).is_some(), "{fast}");
+    assert!(remarks::overlap_remark(fast).is_some(), "{fast}");
 }
 
 /// A closed box of 4 by 4 by 4 with a grain in its middle.

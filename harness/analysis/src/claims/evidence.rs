@@ -9,6 +9,7 @@ use bitgrain_lab::campaign::folder::{Beside, CAMPAIGN, CampaignFolder};
 use bitgrain_lab::campaign::table::{CampaignTable, of_run};
 use bitgrain_lab::folder::{Folder, is_of};
 use bitgrain_lab::manifest::{FolderKind, Vouched};
+use bitgrain_lab::scenario::IntruderShape;
 use bitgrain_lab::scenario::source::hash;
 use bitgrain_lab::summary::{Summary, parse_summary, read_folder};
 use bitgrain_sim::disk;
@@ -154,4 +155,24 @@ fn name_of_folder(file: &Path) -> Result<String> {
 pub fn record_direct(book: &mut Book) {
     let found = restitution::measure();
     book.record("kumar-restitution", Measured::new(DIRECT, "", found));
+}
+
+/// The book with what a run says of the claims about flowing beds: nothing of a sphere, of which they do not speak.
+pub fn book_of_run(summary: &Summary) -> Book {
+    let mut book = Book::shipped();
+    for claim in &mut book.claim {
+        claim
+            .measured
+            .retain(|measured| measured.by != summary.scenario);
+    }
+    if summary.inputs.intruder.shape == IntruderShape::Sphere {
+        return book;
+    }
+    let ids: Vec<String> = book.claim.iter().map(|claim| claim.id.clone()).collect();
+    for id in ids.iter().filter(|id| id.starts_with("guillard-")) {
+        if let Some(found) = guillard::measure(id, summary) {
+            book.record(id, Measured::new(&summary.scenario, "", found));
+        }
+    }
+    book
 }

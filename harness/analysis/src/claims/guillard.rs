@@ -1,11 +1,11 @@
 //! What the runs of flowing beds say of each claim of Guillard 2014.
 
 use super::fits::{drag_slope, plateau, same_depth};
-use super::judged::{FAR_FIELD_LEAST, TRAVEL_LEAST, least};
 use super::kumar_curves::{Found, farthest};
 use super::load::loads;
 use super::load_claims::measure as measure_loads;
 use super::points::{DEEP, SEEDS};
+use super::points::{FAR_FIELD_LEAST, TRAVEL_LEAST, least};
 use super::points::{Group, Point, Spread, Way, groups};
 use crate::analysis::Value;
 use bitgrain_lab::scenario::IntruderShape;

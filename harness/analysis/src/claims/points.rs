@@ -4,6 +4,17 @@ use bitgrain_lab::scenario::LidPlan;
 use bitgrain_lab::summary::{DragSummary, Flow, Rig, Summary};
 use bitgrain_sim::block_averaging::Mean;
 
+/// Least speed of the far grains over the speed asked for in a bed that follows its base.
+pub const FAR_FIELD_LEAST: f64 = 0.95;
+/// Least travel of a window in grain diameters: of the paper's 40 cylinder diameters, 132 grain diameters
+/// at D/d = 3.3, a little less than half (Guillard 2014, section III A).
+pub const TRAVEL_LEAST: f64 = 60.0;
+/// The least; NaN if one is no number, which is worse than any.
+pub(super) fn least(values: impl Iterator<Item = f64>) -> f64 {
+    let less = |a: f64, x: f64| if x < a || x.is_nan() { x } else { a };
+    values.fold(f64::INFINITY, less)
+}
+
 /// Effective depth over D from which a lift counts as saturated without a plateau to tell it.
 pub(super) const DEEP: f64 = 16.0;
 /// Fewest seeds of every point whose lift is told.

@@ -21,18 +21,3 @@ impl Verdict {
         }
     }
 }
-
-/// One statement of the paper against the runs.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Statement {
-    /// What it is about, in a few words.
-    pub subject: String,
-    /// What the paper says, or what a sound run must show.
-    pub expected: String,
-    /// What these runs measured, with errors.
-    pub measured: String,
-    /// Whether the two agree.
-    pub verdict: Verdict,
-    /// Why, in a sentence.
-    pub reason: String,
-}

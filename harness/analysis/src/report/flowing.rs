@@ -1,14 +1,16 @@
 //! The page of beds that flow past their intruder.
 
 use super::caption::depth_text;
+use super::claims;
 use super::drawings::Drawings;
 use super::page::{Top, assembled};
 use super::picture::BedPicture;
 use super::sections::{bed_figure, numbers, repeat, span};
 use super::text::{escape, typeset};
 use super::{before, chart, course, fields, film, near_field};
-use super::{inputs, loads, player, rig_table, scaling, statements};
-use crate::claims::{self, Group, Verdict, drag_slope};
+use super::{inputs, loads, player, rig_table, scaling};
+use crate::claims::book::Book;
+use crate::claims::{Group, Verdict, drag_slope, evidence, groups};
 use bitgrain_lab::scenario::IntruderShape;
 use bitgrain_lab::series::SeriesRow;
 use bitgrain_lab::summary::{DragSummary, Flow, Summary};
@@ -17,7 +19,8 @@ use bitgrain_sim::motion::Moves;
 
 /// One self-contained HTML page of beds that flow.
 pub fn flowing_page(summary: &Summary, scenario_text: &str, drawings: &Drawings<'_>) -> String {
-    let groups = claims::groups(summary);
+    let groups = groups(summary);
+    let book = evidence::book_of_run(summary);
     // One run of each point stands for its seeds where grains are drawn.
     let first: Vec<usize> = groups
         .iter()
@@ -25,7 +28,7 @@ pub fn flowing_page(summary: &Summary, scenario_text: &str, drawings: &Drawings<
         .collect();
     let mut out = String::new();
     out.push_str(&scaling::section(summary, &groups));
-    out.push_str(&statements::section(summary));
+    out.push_str(&claims::section(&book, &summary.scenario));
     out.push_str(&force_figures(summary, drawings.series));
     out.push_str(&film::section(summary, drawings.films));
     out.push_str(&bed_figures(summary, drawings.beds, &first));
@@ -45,7 +48,7 @@ pub fn flowing_page(summary: &Summary, scenario_text: &str, drawings: &Drawings<
         name: &summary.scenario,
         kind: &format!("Drag and lift on a {} in a flowing bed", shape(summary)),
         style: STYLE,
-        lead: lead_text(summary, &groups),
+        lead: lead_text(summary, &groups, &book),
         remarks: before::remarks(summary),
         about: before::about(summary, drawings.closing),
     };
@@ -66,7 +69,7 @@ fn passages(summary: &Summary) -> impl Iterator<Item = (&DragSummary, &Flow)> + 
 }
 
 /// The main numbers as a paragraph.
-fn lead_text(summary: &Summary, groups: &[Group]) -> String {
+fn lead_text(summary: &Summary, groups: &[Group], book: &Book) -> String {
     let (units, inputs) = (&summary.units, &summary.inputs);
     let rigs = || summary.beds.iter().filter_map(|bed| bed.rig.as_ref());
     let flow = |of: fn(&Flow) -> f64| span(passages(summary).map(|(_, f)| of(f)), "");
@@ -127,16 +130,15 @@ fn lead_text(summary: &Summary, groups: &[Group]) -> String {
         " Far from it the bed moves past at {} of the speed asked for.",
         flow(|f| f.far_field)
     ));
-    let found = claims::statements(summary);
-    let of = |verdict: Verdict| found.iter().filter(|s| s.verdict == verdict).count();
-    format!(
-        "<p class=\"lead\">{text} Of {} statements about it, {} agree, {} disagree and {} are \
-         not resolved.</p>\n",
-        found.len(),
-        of(Verdict::Agrees),
-        of(Verdict::Disagrees),
-        of(Verdict::NotResolved)
-    )
+    let [agree, disagree, open] = [Verdict::Agrees, Verdict::Disagrees, Verdict::NotResolved]
+        .map(|verdict| claims::count(book, &summary.scenario, verdict));
+    let said = match agree + disagree + open {
+        0 => String::new(),
+        all => format!(
+            " Of {all} statements about it, {agree} agree, {disagree} disagree and {open} are not resolved."
+        ),
+    };
+    format!("<p class=\"lead\">{text}{said}</p>\n")
 }
 
 fn several(n: usize, one: &str, many: &str) -> String {

@@ -8,6 +8,7 @@ mod before;
 mod campaign;
 mod caption;
 mod chart;
+mod claims;
 mod course;
 mod drawings;
 mod fieldmap;
@@ -27,7 +28,6 @@ mod scale;
 mod scaling;
 mod scatter;
 mod sections;
-mod statements;
 mod table;
 mod text;
 

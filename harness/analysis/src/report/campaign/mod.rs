@@ -1,6 +1,5 @@
 //! The page of a campaign: what its runs say together, in charts, and every fit and number.
 
-mod claims;
 mod drags;
 mod figure;
 mod near_field;
@@ -9,13 +8,14 @@ mod yields;
 
 use shown::Shown;
 
+use super::claims;
 use super::page::{Top, assembled, remark, row};
 use super::sections::span;
 use super::text::{escape, exact};
 use crate::analysis::{Analysis, Curve, Point, Value, describe};
-use crate::claims::OVERLAP_MAX;
 use crate::claims::book::Book;
 use crate::claims::evidence::Evidence;
+use crate::remarks::OVERLAP_MAX;
 use bitgrain_sim::files::bits;
 use bitgrain_sim::format::{number_with_error, short};
 

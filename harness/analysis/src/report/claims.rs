@@ -1,25 +1,29 @@
-//! The table of what the papers say and what the campaign measured of it.
+//! The table of what the papers say and what a run or a campaign measured of it.
 
-use super::super::statements::verdict_cell;
-use super::super::text::escape;
+use super::text::escape;
 use crate::claims::Verdict;
 use crate::claims::book::{Book, Claim, Measured};
 
-/// A row for each claim that was measured by this campaign.
+/// The claims that the run or campaign of this name measured.
+fn own<'a>(book: &'a Book, by: &str) -> Vec<(&'a Claim, &'a Measured)> {
+    let measured = |claim: &'a Claim| Some((claim, claim.measured.iter().find(|m| m.by == by)?));
+    book.claim.iter().filter_map(measured).collect()
+}
+
+/// How many of them have this verdict.
+pub(super) fn count(book: &Book, by: &str, verdict: Verdict) -> usize {
+    let own = own(book, by).into_iter();
+    own.filter(|(claim, m)| claim.agreement(m) == verdict)
+        .count()
+}
+
+/// A row for each claim that was measured by the run or campaign of this name.
 pub(super) fn section(book: &Book, by: &str) -> String {
-    let measured = |claim: &'_ Claim| claim.measured.iter().find(|m| m.by == by).cloned();
-    let own: Vec<(&Claim, Measured)> = book
-        .claim
-        .iter()
-        .filter_map(|claim| Some((claim, measured(claim)?)))
-        .collect();
+    let own = own(book, by);
     if own.is_empty() {
         return String::new();
     }
-    let count = |wanted: Verdict| {
-        let all = own.iter().filter(|(claim, m)| claim.agreement(m) == wanted);
-        all.count()
-    };
+    let count = |wanted| count(book, by, wanted);
     let rows: String = own.iter().map(|(claim, m)| row(claim, m)).collect();
     format!(
         "<section>\n<h2>Beside the paper</h2>\n<p>{} statements agree, {} disagree, {} are not resolved by \
@@ -47,4 +51,12 @@ fn row(claim: &Claim, measured: &Measured) -> String {
         escape(&measured.number()),
         escape(&measured.note)
     )
+}
+
+/// A verdict, in bold if there is one.
+fn verdict_cell(verdict: Verdict) -> String {
+    match verdict {
+        Verdict::NotResolved => verdict.text().to_owned(),
+        _ => format!("<b>{}</b>", verdict.text()),
+    }
 }
