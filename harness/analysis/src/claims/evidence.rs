@@ -157,7 +157,8 @@ pub fn record_direct(book: &mut Book) {
     book.record("kumar-restitution", Measured::new(DIRECT, "", found));
 }
 
-/// The book with what a run says of the claims about flowing beds: nothing of a sphere, of which they do not speak.
+/// The book with the numbers that a run gives for claims about flowing beds: none of a sphere, of which they do not
+/// speak.
 pub fn book_of_run(summary: &Summary) -> Book {
     let mut book = Book::shipped();
     for claim in &mut book.claim {
@@ -170,8 +171,8 @@ pub fn book_of_run(summary: &Summary) -> Book {
     }
     let ids: Vec<String> = book.claim.iter().map(|claim| claim.id.clone()).collect();
     for id in ids.iter().filter(|id| id.starts_with("guillard-")) {
-        if let Some(found) = guillard::measure(id, summary) {
-            book.record(id, Measured::new(&summary.scenario, "", found));
+        if let Some(Ok(found)) = guillard::measure(id, summary) {
+            book.record(id, Measured::new(&summary.scenario, "", Ok(found)));
         }
     }
     book

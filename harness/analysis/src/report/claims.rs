@@ -17,8 +17,8 @@ pub(super) fn count(book: &Book, by: &str, verdict: Verdict) -> usize {
         .count()
 }
 
-/// A row for each claim that was measured by the run or campaign of this name.
-pub(super) fn section(book: &Book, by: &str) -> String {
+/// A row for each claim that was measured by the run or campaign of this name; `note` is added to what is said of them.
+pub(super) fn section(book: &Book, by: &str, note: &str) -> String {
     let own = own(book, by);
     if own.is_empty() {
         return String::new();
@@ -29,7 +29,7 @@ pub(super) fn section(book: &Book, by: &str) -> String {
         "<section>\n<h2>Beside the paper</h2>\n<p>{} statements agree, {} disagree, {} are not resolved by \
          these runs. A number agrees if it lies within the tolerance and its standard error is no larger than that, \
          and disagrees if it lies outside by more than two standard errors; a bound is kept by a standard error, \
-         or broken by two.</p>\n<div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"Statements\">\
+         or broken by two.{note}</p>\n<div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"Statements\">\
          <table class=\"statements\">\n<thead><tr><th scope=\"col\">Statement</th><th scope=\"col\">Verdict</th>\
          <th scope=\"col\">Paper</th><th scope=\"col\">Here</th><th scope=\"col\">From</th></tr></thead>\n\
          <tbody>\n{rows}</tbody>\n</table></div>\n</section>\n",
@@ -58,5 +58,35 @@ fn verdict_cell(verdict: Verdict) -> String {
     match verdict {
         Verdict::NotResolved => verdict.text().to_owned(),
         _ => format!("<b>{}</b>", verdict.text()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::claims::evidence::book_of_run;
+    use crate::claims::synthetic::{self, Asked};
+
+    /// A run has a row for each claim that it gives a number for, and no other.
+    #[test]
+    fn a_run_shows_the_claims_that_it_gives_numbers_for() {
+        let run = synthetic::summary(&Asked::default());
+        let book = book_of_run(&run);
+        let page = section(&book, &run.scenario, " A note.");
+        let rows = page.matches("<tr><th scope=\"row\">").count();
+        let verdicts = [Verdict::Agrees, Verdict::Disagrees, Verdict::NotResolved];
+        let counted = verdicts.map(|verdict| count(&book, &run.scenario, verdict));
+        assert_eq!(rows, counted.iter().sum::<usize>());
+        assert!((4..20).contains(&rows) && counted[0] >= 3, "{counted:?}");
+        assert!(page.contains("A note.") && page.contains("hydrostatic pressure"));
+        // C_d is made to be the paper's 10; half of it is not.
+        let asked = Asked {
+            drag_coefficient: 5.0,
+            ..Asked::default()
+        };
+        let other = synthetic::summary(&asked);
+        let agrees = count(&book_of_run(&other), &other.scenario, Verdict::Agrees);
+        assert!(agrees < counted[0], "{agrees}");
+        assert_eq!(section(&Book::shipped(), "nobody", ""), "");
     }
 }

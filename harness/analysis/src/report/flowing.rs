@@ -28,7 +28,11 @@ pub fn flowing_page(summary: &Summary, scenario_text: &str, drawings: &Drawings<
         .collect();
     let mut out = String::new();
     out.push_str(&scaling::section(summary, &groups));
-    out.push_str(&claims::section(&book, &summary.scenario));
+    out.push_str(&claims::section(
+        &book,
+        &summary.scenario,
+        " Statements for which these runs give no number are left out: <code>bitgrain claims FOLDER</code> says why.",
+    ));
     out.push_str(&force_figures(summary, drawings.series));
     out.push_str(&film::section(summary, drawings.films));
     out.push_str(&bed_figures(summary, drawings.beds, &first));

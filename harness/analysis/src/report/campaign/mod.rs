@@ -32,7 +32,7 @@ pub fn campaign_page(evidence: &Evidence) -> String {
     };
     let mut out = String::new();
     out.push_str(&drags::figures(shown));
-    out.push_str(&claims::section(shown.book, shown.name));
+    out.push_str(&claims::section(shown.book, shown.name, ""));
     out.push_str(&near_field::figures(shown));
     out.push_str(&yields::figures(shown));
     out.push_str(&near_field::drifts(shown));
