@@ -132,8 +132,8 @@ const MUTANTS: &[Mutant] = &[
         to: "spring: grown,",
         target: UNIT,
         red: &[
-            "law::tests::springs_lie_in_the_tangent_plane_hertz_history",
-            "law::tests::springs_lie_in_the_tangent_plane_hertz_tsuji",
+            "contact::law::tests::springs_lie_in_the_tangent_plane_hertz_history",
+            "contact::law::tests::springs_lie_in_the_tangent_plane_hertz_tsuji",
         ],
     },
     Mutant {
@@ -142,7 +142,7 @@ const MUTANTS: &[Mutant] = &[
         from: "let slides = ft > cap;",
         to: "let slides = ft > cap + R::MAX;",
         target: UNIT,
-        red: &["law::tests::friction_is_capped_hertz_history"],
+        red: &["contact::law::tests::friction_is_capped_hertz_history"],
     },
     Mutant {
         name: "cap not applied: hertz_tsuji",
@@ -150,7 +150,7 @@ const MUTANTS: &[Mutant] = &[
         from: "let slides = pull > cap;",
         to: "let slides = pull > cap + R::MAX;",
         target: UNIT,
-        red: &["law::tests::friction_is_capped_hertz_tsuji"],
+        red: &["contact::law::tests::friction_is_capped_hertz_tsuji"],
     },
     Mutant {
         name: "damping puts energy in",
@@ -158,7 +158,7 @@ const MUTANTS: &[Mutant] = &[
         from: "* c.overlap - (self.cn * damp) * c.speed",
         to: "* c.overlap + (self.cn * damp) * c.speed",
         target: UNIT,
-        red: &["law::tests::damping_takes_energy_out_hertz_tsuji"],
+        red: &["contact::law::tests::damping_takes_energy_out_hertz_tsuji"],
     },
     Mutant {
         name: "lost history: a pair's spring at a rebuild",
