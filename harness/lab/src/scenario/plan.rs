@@ -120,14 +120,24 @@ fn evenly(steps: u64, count: u64) -> Vec<u64> {
     chosen
 }
 
+/// The key of a run of these inputs.
+fn key_of(run: &str, inputs: &str) -> String {
+    let text = format!("{run}\n{inputs}");
+    bitgrain_sim::simulation::hex(blake3::hash(text.as_bytes()).as_bytes())
+}
+
 impl Scenario {
     /// Digest of everything that shapes a run of this scenario, wherever the file of its bed lies.
     pub fn key(&self, run: &str) -> String {
+        key_of(run, &self.key_inputs())
+    }
+
+    /// The inputs that a key is made of, as text.
+    fn key_inputs(&self) -> String {
         let mut inputs = self.clone();
         // Its content has a digest among the inputs.
         inputs.bed.file = inputs.bed.file.map(|_| String::new());
-        let text = format!("{run}\n{}", inputs.to_toml());
-        bitgrain_sim::simulation::hex(blake3::hash(text.as_bytes()).as_bytes())
+        inputs.to_toml()
     }
 
     /// The resolved scenario as TOML, every default written out.
@@ -341,6 +351,7 @@ impl Scenario {
     /// The drags to run, by bed and then speed.
     pub(super) fn plan_drags(&self) -> Vec<DragPlan> {
         let (beds, distances) = (self.plan_beds(), self.drag.distance.values());
+        let inputs = self.key_inputs();
         let mut runs = Vec::new();
         for (bed, plan) in beds.iter().enumerate() {
             let speeds = self.speeds(plan.diameter);
@@ -369,7 +380,7 @@ impl Scenario {
                     false => motion,
                 };
                 runs.push(DragPlan {
-                    key: self.key(&name),
+                    key: key_of(&name, &inputs),
                     name,
                     bed,
                     motion,

@@ -78,6 +78,10 @@ impl LawParameters for HertzHistoryParameters {
         (stiffer, poisson)
     }
 
+    fn mu(&self) -> f64 {
+        self.mu
+    }
+
     fn stated_stiffness(&self) -> f64 {
         self.kn
     }

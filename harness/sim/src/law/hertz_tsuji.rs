@@ -64,6 +64,10 @@ impl LawParameters for HertzTsujiParameters {
         (self.young / (2.0 * (1.0 + self.poisson)), self.poisson)
     }
 
+    fn mu(&self) -> f64 {
+        self.mu
+    }
+
     fn stated_stiffness(&self) -> f64 {
         self.young
     }

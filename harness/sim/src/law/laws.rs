@@ -67,7 +67,7 @@ impl LawSpec {
 
     /// Friction coefficient.
     pub fn mu(&self) -> f64 {
-        self.value("mu").unwrap_or(0.0)
+        self.parameters().mu()
     }
 
     /// What files call the law.

@@ -5,6 +5,9 @@ pub type Wrong = (&'static str, String);
 
 /// The parameters of a law as files give them.
 pub trait LawParameters {
+    /// Friction coefficient.
+    fn mu(&self) -> f64;
+
     /// Shear modulus and Poisson's ratio of the material, for the speed of waves in it.
     fn moduli(&self) -> (f64, f64);
 
