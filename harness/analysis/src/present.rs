@@ -10,7 +10,7 @@ use crate::report::{
     PictureGrain,
 };
 use bitgrain_lab::bed::library::BedCache;
-use bitgrain_lab::flow::{parse_flow, parse_profile};
+use bitgrain_lab::flow::{FLOW, PROFILE};
 use bitgrain_lab::folder::Folder;
 use bitgrain_lab::frames::{self, Frame, Slice};
 use bitgrain_lab::manifest::{FolderKind, Vouched};
@@ -213,9 +213,9 @@ fn course(folder: &Folder<'_>, vouched: &Vouched, run: &DragSummary) -> Result<F
         }
     };
     let (path, text) = read("flow.csv")?;
-    let rows = parse_flow(&text).map_err(damaged(path))?;
+    let rows = FLOW.parse(&text).map_err(damaged(path))?;
     let (path, text) = read("profile.csv")?;
-    let profile = parse_profile(&text).map_err(damaged(path))?;
+    let profile = PROFILE.parse(&text).map_err(damaged(path))?;
     Ok(FlowSeries { rows, profile })
 }
 

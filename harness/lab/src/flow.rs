@@ -8,11 +8,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use bitgrain_sim::files::bits;
-use bitgrain_sim::files::finite;
 use bitgrain_sim::motion::{Motion, Moves};
 use bitgrain_sim::observe::{INTRUDER, packing_fraction, pressure_at};
 use bitgrain_sim::simulation::{Role, Simulation};
+use bitgrain_sim::table::{Cell, Table, column};
 
 /// Travel between rows, in mean diameters.
 const EVERY: f64 = 0.5;
@@ -50,76 +49,30 @@ pub struct FlowRow {
     pub floating: u64,
 }
 
-/// Column names of a flow series, in order.
-pub const FLOW_COLUMNS: &str =
-    "step,distance,drag,lift,base,lid,far_field,momentum,pressure,packing,lid_height,floating";
+/// A flow series.
+pub const FLOW: Table<FlowRow> = Table(&[
+    column("step", |r| Cell::Whole(&mut r.step)),
+    column("distance", |r| Cell::Real(&mut r.distance)),
+    column("drag", |r| Cell::Real(&mut r.drag)),
+    column("lift", |r| Cell::Real(&mut r.lift)),
+    column("base", |r| Cell::Real(&mut r.base)),
+    column("lid", |r| Cell::Real(&mut r.lid)),
+    column("far_field", |r| Cell::Real(&mut r.far_field)),
+    column("momentum", |r| Cell::Real(&mut r.momentum)),
+    column("pressure", |r| Cell::Real(&mut r.pressure)),
+    column("packing", |r| Cell::Real(&mut r.packing)),
+    column("lid_height", |r| Cell::Real(&mut r.lid_height)),
+    column("floating", |r| Cell::Whole(&mut r.floating)),
+]);
 
 /// The text of a flow series: a line of units, the column names, the rows.
 pub fn flow_text(units: &bitgrain_sim::units::Units, rows: &[FlowRow]) -> String {
-    let mut out = format!(
-        "# units: distance, lid_height {}; drag, lift, base, lid {}; momentum force times time; \
-         pressure force over length^2; {}\n{FLOW_COLUMNS}\n",
-        units.length,
-        units.force,
-        bits()
+    let comment = format!(
+        "units: distance, lid_height {}; drag, lift, base, lid {}; momentum force times time; \
+         pressure force over length^2",
+        units.length, units.force
     );
-    for r in rows {
-        out.push_str(&format!(
-            "{},{},{},{},{},{},{},{},{},{},{},{}\n",
-            r.step,
-            r.distance,
-            r.drag,
-            r.lift,
-            r.base,
-            r.lid,
-            r.far_field,
-            r.momentum,
-            r.pressure,
-            r.packing,
-            r.lid_height,
-            r.floating
-        ));
-    }
-    out
-}
-
-/// Reads the rows of a flow series.
-///
-/// # Errors
-/// The line that is not a row of finite numbers, counted from 1.
-pub fn parse_flow(text: &str) -> Result<Vec<FlowRow>, usize> {
-    let mut rows = Vec::new();
-    for (k, line) in text.lines().enumerate() {
-        if line.starts_with('#') || line == FLOW_COLUMNS {
-            continue;
-        }
-        rows.push(parse_row(line).ok_or(k + 1)?);
-    }
-    Ok(rows)
-}
-
-fn parse_row(line: &str) -> Option<FlowRow> {
-    let mut words = line.split(',');
-    let step = words.next()?.parse().ok()?;
-    let mut real = || finite(words.next()?);
-    let [distance, drag, lift, base, lid, far_field] =
-        [real()?, real()?, real()?, real()?, real()?, real()?];
-    let [momentum, pressure, packing, lid_height] = [real()?, real()?, real()?, real()?];
-    let floating = words.next()?.parse().ok()?;
-    words.next().is_none().then_some(FlowRow {
-        step,
-        distance,
-        drag,
-        lift,
-        base,
-        lid,
-        far_field,
-        momentum,
-        pressure,
-        packing,
-        lid_height,
-        floating,
-    })
+    FLOW.text(&comment, rows)
 }
 
 /// Mean speed of the far grains by height.
@@ -152,30 +105,18 @@ impl Profile {
         .collect()
     }
 
-    /// `z_low,z_high,far_field`: the mean over the window's rows, every grain of every row alike.
+    /// Its file, [`PROFILE`]: the mean over the window's rows, every grain of every row alike.
     pub fn text(&self) -> String {
-        let mut out = format!("# {}\nz_low,z_high,far_field\n", bits());
-        for (low, high, speed) in self.speeds() {
-            out.push_str(&format!("{low},{high},{speed}\n"));
-        }
-        out
+        PROFILE.text("", &self.speeds())
     }
 }
 
-/// Reads the layers of a profile: lower and upper height, mean speed over the speed asked for.
-///
-/// # Errors
-/// The line that is not a row, counted from 1.
-pub fn parse_profile(text: &str) -> Result<Vec<(f64, f64, f64)>, usize> {
-    let row = |line: &str| {
-        let mut words = line.split(',').map(finite);
-        let row = (words.next()??, words.next()??, words.next()??);
-        words.next().is_none().then_some(row)
-    };
-    let lines = text.lines().enumerate();
-    let rows = lines.filter(|(_, line)| !line.starts_with('#')).skip(1);
-    rows.map(|(k, line)| row(line).ok_or(k + 1)).collect()
-}
+/// Layers of a profile: lower and upper height, mean speed over the speed asked for.
+pub const PROFILE: Table<(f64, f64, f64)> = Table(&[
+    column("z_low", |r| Cell::Real(&mut r.0)),
+    column("z_high", |r| Cell::Real(&mut r.1)),
+    column("far_field", |r| Cell::Real(&mut r.2)),
+]);
 
 /// Means of the rows that lie wholly in the averaging window.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -420,9 +361,9 @@ mod tests {
         };
         profile.add(0.6, 0.25);
         profile.add(0.7, 0.75);
-        let layers = parse_profile(&profile.text()).unwrap();
+        let layers = PROFILE.parse(&profile.text()).unwrap();
         assert_eq!(layers, [(0.5, 1.0, 0.5)]);
-        assert_eq!(parse_profile("z_low,z_high,far_field\n1,2\n"), Err(2));
+        assert_eq!(PROFILE.parse("z_low,z_high,far_field\n1,2\n"), Err(2));
         let row = FlowRow {
             step: 3,
             drag: 0.1,
@@ -431,12 +372,11 @@ mod tests {
         };
         let units = crate::scenario::load("quick", &[]).unwrap().units();
         let text = flow_text(&units, &[row, row]);
-        assert_eq!(parse_flow(&text).unwrap(), [row, row]);
+        assert_eq!(FLOW.parse(&text).unwrap(), [row, row]);
         let good = text.lines().last().unwrap();
         for bad in [
             "1,2,x",
-            "",
-            FLOW_COLUMNS.split_once(',').unwrap().1,
+            FLOW.head().split_once(',').unwrap().1,
             &good[..good.len() - 2],
             &format!("{good},1"),
             &good.replacen("0.1", "NaN", 1),
@@ -446,14 +386,14 @@ mod tests {
         ] {
             assert_ne!(bad, good);
             assert_eq!(
-                parse_flow(&format!("{text}{bad}\n{good}\n")),
+                FLOW.parse(&format!("{text}{bad}\n{good}\n")),
                 Err(5),
                 "{bad}"
             );
         }
-        assert_eq!(parse_profile("z_low,z_high,far_field\n1,2,NaN\n"), Err(2));
+        assert_eq!(PROFILE.parse("z_low,z_high,far_field\n1,2,NaN\n"), Err(2));
         assert_eq!(
-            parse_profile("z_low,z_high,far_field\n1,2,3\n1,2,3,4\n"),
+            PROFILE.parse("z_low,z_high,far_field\n1,2,3\n1,2,3,4\n"),
             Err(3)
         );
     }

@@ -3,21 +3,17 @@
 
 use bitgrain_kernel::Shape;
 
-use bitgrain_sim::files::bits;
-use bitgrain_sim::files::finite;
 use bitgrain_sim::motion::{Motion, Moves};
 use bitgrain_sim::observe::INTRUDER;
 use bitgrain_sim::simulation::{Role, Simulation};
-
-/// Columns of the table: lengths over the mean grain diameter, from the intruder's centre; speeds over the
-/// speed V of the drag, relative to the base.
-pub const COLUMNS: &str = "step,travel,x,z,radius,u,w,speed,role";
+use bitgrain_sim::table::{Cell, Table, column};
 
 /// Reach of a frame round the intruder's centre, over its diameter, and its bounds in mean diameters.
 const REACH: (f64, [f64; 2]) = (3.5, [6.0, 12.0]);
 
-/// What the plane cuts of one grain.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// What the plane cuts of one grain: lengths over the mean grain diameter, from the intruder's centre; speeds
+/// over the speed V of the drag, relative to the base.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Slice {
     /// Along the drag.
     pub x: f64,
@@ -34,6 +30,26 @@ pub struct Slice {
     /// Whether the grain is free, of the base or of the lid.
     pub role: Role,
 }
+
+/// A row of the table.
+#[derive(Clone, Copy, Debug, Default)]
+struct Row {
+    step: u64,
+    travel: f64,
+    cut: Slice,
+}
+
+const FRAMES: Table<Row> = Table(&[
+    column("step", |r| Cell::Whole(&mut r.step)),
+    column("travel", |r| Cell::Thousandths(&mut r.travel)),
+    column("x", |r| Cell::Thousandths(&mut r.cut.x)),
+    column("z", |r| Cell::Thousandths(&mut r.cut.z)),
+    column("radius", |r| Cell::Thousandths(&mut r.cut.radius)),
+    column("u", |r| Cell::Thousandths(&mut r.cut.u)),
+    column("w", |r| Cell::Thousandths(&mut r.cut.w)),
+    column("speed", |r| Cell::Thousandths(&mut r.cut.speed)),
+    column("role", |r| Cell::Word(&mut r.cut.role)),
+]);
 
 /// The cuts at one step.
 #[derive(Clone, Debug, PartialEq)]
@@ -104,18 +120,20 @@ pub fn rows(sim: &Simulation, motion: &Motion, step: u64) -> String {
         let [u, v, w, _] = sim.velocity[i];
         let [u, v, w] = [u - frame, v, w].map(|v| v / motion.speed);
         let speed = (u * u + v * v + w * w).sqrt();
-        let role = match sim.role(i) {
-            Role::Free => "free",
-            Role::Base => "base",
-            Role::Lid => "lid",
-        };
+        let role = sim.role(i);
         // A grain at the edge of the box is seen at both.
         for x in [x, x - size[0] / d, x + size[0] / d] {
             if x.abs() < half + radius && z.abs() < reach + radius {
-                out.push_str(&format!(
-                    "{step},{travel:.3},{x:.3},{z:.3},{radius:.3},{u:.3},{w:.3},{speed:.3},\
-                     {role}\n"
-                ));
+                let cut = Slice {
+                    x,
+                    z,
+                    radius,
+                    u,
+                    w,
+                    speed,
+                    role,
+                };
+                out += &FRAMES.line(&Row { step, travel, cut });
             }
         }
     }
@@ -124,11 +142,9 @@ pub fn rows(sim: &Simulation, motion: &Motion, step: u64) -> String {
 
 /// A table of rows, with its head.
 pub fn text(rows: &str) -> String {
-    format!(
-        "# lengths over the mean grain diameter, from the intruder's centre; speeds over V, relative to the \
-         base; {}\n{COLUMNS}\n{rows}",
-        bits()
-    )
+    let comment = "lengths over the mean grain diameter, from the intruder's centre; speeds over V, relative to \
+                   the base";
+    FRAMES.text(comment, &[]) + rows
 }
 
 /// Reads a table of frames.
@@ -136,32 +152,8 @@ pub fn text(rows: &str) -> String {
 /// # Errors
 /// The line that is not a row, counted from 1.
 pub fn parse(text: &str) -> Result<Vec<Frame>, usize> {
-    let row = |line: &str| {
-        let words: Vec<&str> = line.split(',').collect();
-        let [step, travel, x, z, radius, u, w, speed, role] = words[..] else {
-            return None;
-        };
-        let role = match role {
-            "free" => Role::Free,
-            "base" => Role::Base,
-            "lid" => Role::Lid,
-            _ => return None,
-        };
-        let cut = Slice {
-            x: finite(x)?,
-            z: finite(z)?,
-            radius: finite(radius)?,
-            u: finite(u)?,
-            w: finite(w)?,
-            speed: finite(speed)?,
-            role,
-        };
-        Some((step.parse::<u64>().ok()?, finite(travel)?, cut))
-    };
     let mut frames: Vec<Frame> = Vec::new();
-    let lines = text.lines().enumerate();
-    for (k, line) in lines.filter(|(_, line)| !line.starts_with('#')).skip(1) {
-        let (step, travel, cut) = row(line).ok_or(k + 1)?;
+    for Row { step, travel, cut } in FRAMES.parse(text)? {
         match frames.last_mut().filter(|frame| frame.step == step) {
             Some(frame) => frame.cuts.push(cut),
             None => frames.push(Frame {

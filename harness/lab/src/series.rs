@@ -1,12 +1,12 @@
 //! Force series: what was measured as the intruder moved, as rows of a CSV file.
 
-use bitgrain_sim::files::finite;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
 use bitgrain_sim::error::{Error, Result};
-use bitgrain_sim::files::{bits, read_text};
+use bitgrain_sim::files::read_text;
+use bitgrain_sim::table::{Cell, Table, column, optional};
 use bitgrain_sim::units::Units;
 
 /// One row of a force series.
@@ -33,24 +33,24 @@ pub struct SeriesRow {
     pub coordination: Option<f64>,
 }
 
-/// Column names of a series file, in order.
-pub const SERIES_COLUMNS: [&str; 15] = [
-    "step",
-    "time",
-    "distance",
-    "drag",
-    "lift",
-    "side",
-    "drag_mean",
-    "lift_mean",
-    "side_mean",
-    "torque_x",
-    "torque_y",
-    "torque_z",
-    "contacts",
-    "angle",
-    "coordination",
-];
+/// A force series; torque and what is known of contacts may be left out.
+pub const SERIES: Table<SeriesRow> = Table(&[
+    column("step", |r| Cell::Whole(&mut r.step)),
+    column("time", |r| Cell::Real(&mut r.time)),
+    column("distance", |r| Cell::Real(&mut r.distance)),
+    column("drag", |r| Cell::Real(&mut r.force[0])),
+    column("lift", |r| Cell::Real(&mut r.force[1])),
+    column("side", |r| Cell::Real(&mut r.force[2])),
+    column("drag_mean", |r| Cell::Real(&mut r.force_mean[0])),
+    column("lift_mean", |r| Cell::Real(&mut r.force_mean[1])),
+    column("side_mean", |r| Cell::Real(&mut r.force_mean[2])),
+    optional("torque_x", |r| Cell::Real(&mut r.torque[0])),
+    optional("torque_y", |r| Cell::Real(&mut r.torque[1])),
+    optional("torque_z", |r| Cell::Real(&mut r.torque[2])),
+    optional("contacts", |r| Cell::Count(&mut r.contacts)),
+    optional("angle", |r| Cell::Optional(&mut r.angle)),
+    optional("coordination", |r| Cell::Optional(&mut r.coordination)),
+]);
 
 /// Which of the columns that may be left out a series file has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,80 +69,21 @@ impl Columns {
     };
 }
 
-/// The text of a series file: a line of units, the column names, the rows; shortest decimals that
-/// read back to the same bits, nothing where there is none. Torque and the three columns about
+/// The text of a series file: a line of units, the column names, the rows. Torque and the three columns about
 /// contacts are there as `asked`.
 pub fn series_text(units: &Units, asked: Columns, rows: &[SeriesRow]) -> String {
-    let wanted = |name: &str| match name {
-        "torque_x" | "torque_y" | "torque_z" => asked.torque,
-        "contacts" | "angle" | "coordination" => asked.contacts,
-        _ => true,
-    };
-    let columns: Vec<&str> = SERIES_COLUMNS
-        .into_iter()
-        .filter(|name| wanted(name))
-        .collect();
-    let mut out = format!(
-        "# units: time {}; distance {}; drag, lift, side {}; torque {}; angle rad; {}\n{}\n",
-        units.time,
-        units.length,
-        units.force,
-        units.torque,
-        bits(),
-        columns.join(",")
+    let comment = format!(
+        "units: time {}; distance {}; drag, lift, side {}; torque {}; angle rad",
+        units.time, units.length, units.force, units.torque
     );
-    for row in rows {
-        let mut row = *row;
-        let words = columns.iter().map(|name| match *name {
-            "step" => row.step.to_string(),
-            "contacts" => row.contacts.to_string(),
-            "angle" => row.angle.map_or(String::new(), |x| x.to_string()),
-            "coordination" => row.coordination.map_or(String::new(), |x| x.to_string()),
-            _ => row.real(name).map_or(String::new(), |x| x.to_string()),
-        });
-        out.push_str(&words.collect::<Vec<String>>().join(","));
-        out.push('\n');
+    let mut left_out = Vec::new();
+    if !asked.torque {
+        left_out.extend(["torque_x", "torque_y", "torque_z"]);
     }
-    out
-}
-
-impl SeriesRow {
-    /// The number of a column that holds a real number.
-    fn real(&mut self, column: &str) -> Option<&mut f64> {
-        Some(match column {
-            "time" => &mut self.time,
-            "distance" => &mut self.distance,
-            "drag" => &mut self.force[0],
-            "lift" => &mut self.force[1],
-            "side" => &mut self.force[2],
-            "drag_mean" => &mut self.force_mean[0],
-            "lift_mean" => &mut self.force_mean[1],
-            "side_mean" => &mut self.force_mean[2],
-            "torque_x" => &mut self.torque[0],
-            "torque_y" => &mut self.torque[1],
-            "torque_z" => &mut self.torque[2],
-            _ => return None,
-        })
+    if !asked.contacts {
+        left_out.extend(["contacts", "angle", "coordination"]);
     }
-
-    fn parse(columns: &[&str], line: &str) -> Option<Self> {
-        let words: Vec<&str> = line.split(',').collect();
-        if words.len() != columns.len() {
-            return None;
-        }
-        let mut row = Self::default();
-        for (name, word) in columns.iter().zip(words) {
-            match *name {
-                "step" => row.step = word.parse().ok()?,
-                "contacts" => row.contacts = word.parse().ok()?,
-                "angle" | "coordination" if word.is_empty() => {}
-                "angle" => row.angle = Some(finite(word)?),
-                "coordination" => row.coordination = Some(finite(word)?),
-                _ => *row.real(name)? = finite(word)?,
-            }
-        }
-        Some(row)
-    }
+    SERIES.text_without(&left_out, &comment, rows)
 }
 
 /// Reads a series file, plain or gzip; columns that it leaves out are zero.
@@ -159,24 +100,12 @@ pub fn read_series(path: &Path) -> Result<Vec<SeriesRow>> {
 /// # Errors
 /// As [`read_series`].
 pub fn parse_series(text: &str, name: &str) -> Result<Vec<SeriesRow>> {
-    let mut columns: Vec<&str> = Vec::new();
-    let mut rows = Vec::new();
-    for (k, line) in text.lines().enumerate() {
-        if line.starts_with('#') {
-            continue;
-        }
-        if columns.is_empty() {
-            columns = line.split(',').collect();
-            continue;
-        }
-        let row = SeriesRow::parse(&columns, line).ok_or_else(|| {
-            let place = format!("{name}:{}", k + 1);
-            let problem = format!("expected {} numbers; is the file cut off?", columns.len());
-            Error::input(place, problem)
-        })?;
-        rows.push(row);
-    }
-    Ok(rows)
+    SERIES.parse(text).map_err(|line| {
+        let head = text.lines().find(|line| !line.starts_with('#'));
+        let columns = head.map_or(0, |head| head.split(',').count());
+        let problem = format!("expected {columns} numbers; is the file cut off?");
+        Error::input(format!("{name}:{line}"), problem)
+    })
 }
 
 #[cfg(test)]
@@ -208,10 +137,11 @@ mod tests {
         let path = folder.path().join("series.csv");
         std::fs::write(&path, series_text(&units, Columns::ALL, &[row, row])).unwrap();
         assert_eq!(read_series(&path).unwrap(), [row, row]);
-        std::fs::write(&path, "step,time\n1,2\n3\n").unwrap();
+        let text = series_text(&units, Columns::ALL, &[row]);
+        std::fs::write(&path, format!("{text}3\n")).unwrap();
         let error = read_series(&path).unwrap_err().to_string();
-        assert!(error.contains("series.csv:3"), "{error}");
-        let error = parse_series("step,time\n1,nan\n", "text").unwrap_err();
-        assert!(error.to_string().contains("text:2"), "{error}");
+        assert!(error.contains("series.csv:4"), "{error}");
+        let error = parse_series(&text.replace("0.1,", "nan,"), "text").unwrap_err();
+        assert!(error.to_string().contains("text:3"), "{error}");
     }
 }

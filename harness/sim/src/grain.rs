@@ -1,5 +1,7 @@
 //! Grains as they are put into a simulation, and small words about them.
 
+use crate::table::Word;
+
 /// One grain as it is put into a simulation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grain {
@@ -20,14 +22,31 @@ pub struct Grain {
 }
 
 /// What a grain does in a bed, as its group says.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Role {
     /// It moves as it is pushed.
+    #[default]
     Free,
     /// It is held or carried, whatever pushes it.
     Base,
     /// It is carried along x and y and moves as it is pushed along z.
     Lid,
+}
+
+impl Word for Role {
+    fn word(&self) -> &'static str {
+        match self {
+            Self::Free => "free",
+            Self::Base => "base",
+            Self::Lid => "lid",
+        }
+    }
+
+    fn take(&mut self, word: &str) -> Option<()> {
+        let known = [Self::Free, Self::Base, Self::Lid];
+        *self = known.into_iter().find(|role| role.word() == word)?;
+        Some(())
+    }
 }
 
 /// Mass of a sphere: density times pi/6 times the diameter cubed.

@@ -3,10 +3,31 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::files::bits;
+use crate::table::{Cell, Table, column};
 
 /// Bins of the contact angle between 0 and pi: five degrees each.
 pub const ANGLE_BINS: usize = 36;
+
+/// A bin of contact angles, as a table has it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AngleBin {
+    /// From this angle (radians).
+    pub low: f64,
+    /// To this one.
+    pub high: f64,
+    /// Contacts of all of the window's samples together.
+    pub contacts: u64,
+    /// Contacts that began in the window.
+    pub new: u64,
+}
+
+/// Contact angles.
+pub const ANGLES: Table<AngleBin> = Table(&[
+    column("angle_low", |r| Cell::Real(&mut r.low)),
+    column("angle_high", |r| Cell::Real(&mut r.high)),
+    column("contacts", |r| Cell::Whole(&mut r.contacts)),
+    column("new_contacts", |r| Cell::Whole(&mut r.new)),
+]);
 
 /// Contact angles counted.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -43,15 +64,17 @@ impl Angles {
         self.new[bin(angle)] += 1;
     }
 
-    /// `angle_low`, `angle_high` (radians), `contacts` (all of the window's samples together),
-    /// `new_contacts` (all that began in it).
+    /// Their file: [`ANGLES`].
     pub fn text(&self) -> String {
-        let mut out = format!("# {}\nangle_low,angle_high,contacts,new_contacts\n", bits());
         let edge = |k: usize| k as f64 * (std::f64::consts::PI / ANGLE_BINS as f64);
-        for (k, (count, new)) in self.bins.iter().zip(&self.new).enumerate() {
-            out.push_str(&format!("{},{},{count},{new}\n", edge(k), edge(k + 1)));
-        }
-        out
+        let counts = self.bins.iter().zip(&self.new).enumerate();
+        let bin = |(k, (&contacts, &new))| AngleBin {
+            low: edge(k),
+            high: edge(k + 1),
+            contacts,
+            new,
+        };
+        ANGLES.text("", &counts.map(bin).collect::<Vec<AngleBin>>())
     }
 }
 
@@ -60,6 +83,12 @@ fn bin(angle: f64) -> usize {
     let bin = (angle * (ANGLE_BINS as f64 / std::f64::consts::PI)) as usize;
     bin.min(ANGLE_BINS - 1)
 }
+
+/// Contacts of a grain, and the number of grains that have so many in all of the window's samples together.
+pub const COORDINATION: Table<(u64, u64)> = Table(&[
+    column("contacts", |r| Cell::Whole(&mut r.0)),
+    column("grains", |r| Cell::Whole(&mut r.1)),
+]);
 
 /// Coordination numbers counted.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -87,13 +116,10 @@ impl Coordination {
         self.grains.iter().map(|&n| n as f64 / all as f64).collect()
     }
 
-    /// `contacts` and the number of `grains` that have so many (all of the window's samples together).
+    /// Their file: [`COORDINATION`].
     pub fn text(&self) -> String {
-        let mut out = format!("# {}\ncontacts,grains\n", bits());
-        for (contacts, grains) in self.grains.iter().enumerate() {
-            out.push_str(&format!("{contacts},{grains}\n"));
-        }
-        out
+        let rows = (0..).zip(self.grains.iter().copied());
+        COORDINATION.text("", &rows.collect::<Vec<(u64, u64)>>())
     }
 }
 

@@ -8,7 +8,8 @@
 //!   [`coarse_graining`] averages velocity and stress in space, [`histogram`] counts, [`block_averaging`] gives means
 //!   their errors, in a [`motion`] and in [`units`];
 //! * keeping: [`checkpoint`], [`chain`] (digests), [`lammps`] and [`export`] (LAMMPS and VTK files);
-//! * below all: [`error`], [`disk`] (every call to the file system), [`files`], [`memory`], [`mod@format`].
+//! * below all: [`error`], [`disk`] (every call to the file system), [`files`], [`table`] (CSV), [`memory`],
+//!   [`mod@format`].
 //!
 //! Everything that a step executes is compiled in this crate, as one unit.
 
@@ -43,5 +44,6 @@ pub mod simulation;
 mod skin;
 pub mod spatial_order;
 pub mod stepping;
+pub mod table;
 pub mod threads;
 pub mod units;

@@ -6,8 +6,8 @@ use bitgrain::case;
 use bitgrain::chain::Chain;
 use bitgrain::coarse_graining::grid::Grid;
 use bitgrain::coarse_graining::read::plane;
-use bitgrain::energy_budget::{energy_text, parse_energy};
-use bitgrain::flow::{flow_text, parse_flow, parse_profile};
+use bitgrain::energy_budget::{ENERGY, energy_text};
+use bitgrain::flow::{FLOW, PROFILE, flow_text};
 use bitgrain::lammps::{Atom, DataFile, data_text, dump_text, parse_atoms, parse_data, parse_dump};
 use bitgrain::scenario;
 use bitgrain::series::{Columns, parse_series, series_text};
@@ -73,8 +73,8 @@ pub fn series(data: &[u8]) -> bool {
         return false;
     };
     let mut sound = false;
-    if let Ok(rows) = parse_flow(text) {
-        let again = parse_flow(&flow_text(&units(), &rows));
+    if let Ok(rows) = FLOW.parse(text) {
+        let again = FLOW.parse(&flow_text(&units(), &rows));
         let again = again.expect("a flow series reads back");
         assert_same_rows(&again, &rows);
         sound |= !rows.is_empty();
@@ -85,8 +85,8 @@ pub fn series(data: &[u8]) -> bool {
         assert_same_rows(&again, &rows);
         sound |= !rows.is_empty();
     }
-    if let Ok(rows) = parse_energy(text) {
-        let again = parse_energy(&energy_text(&units(), &rows));
+    if let Ok(rows) = ENERGY.parse(text) {
+        let again = ENERGY.parse(&energy_text(&units(), &rows));
         let again = again.expect("an energy series reads back");
         assert_same_rows(&again, &rows);
         sound |= !rows.is_empty();
@@ -96,7 +96,7 @@ pub fn series(data: &[u8]) -> bool {
         assert_eq!(again, chain);
         sound = true;
     }
-    if let Ok(layers) = parse_profile(text) {
+    if let Ok(layers) = PROFILE.parse(text) {
         let finite = |&(low, high, speed): &(f64, f64, f64)| {
             [low, high, speed].iter().all(|x| x.is_finite())
         };

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::Path;
 
 use bitgrain::case::{self, BoxSpec, Case, GrainSpec, MotionSpec, ObstacleSpec};
-use bitgrain::flow::{FlowRow, flow_text, parse_flow};
+use bitgrain::flow::{FLOW, FlowRow, flow_text};
 use bitgrain::lammps::{
     Atom, DataFile, DumpFrame, data_text, dump_text, parse_atoms, parse_data, parse_dump,
     read_atoms,
@@ -381,7 +381,7 @@ proptest! {
     #[test]
     fn flows(rows in prop::collection::vec(flow_row(), 0..10)) {
         let units = scenario::load("guillard-small", &[]).unwrap().units();
-        let back = parse_flow(&flow_text(&units, &rows)).unwrap();
+        let back = FLOW.parse(&flow_text(&units, &rows)).unwrap();
         prop_assert_eq!(format!("{back:?}"), format!("{rows:?}"));
     }
 

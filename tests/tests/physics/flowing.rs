@@ -5,7 +5,7 @@
 
 use bitgrain::claims;
 use bitgrain::drag::drag;
-use bitgrain::flow::{FlowRow, flow_text, parse_flow, parse_profile};
+use bitgrain::flow::{FLOW, FlowRow, PROFILE, flow_text};
 use bitgrain::scenario::{self, CheckedScenario};
 use bitgrain::series::{SeriesRow, read_series, series_text};
 use bitgrain::summary::{DragSummary, Flow, Summary, read_summary};
@@ -122,7 +122,7 @@ fn the_means_are_those_of_the_series() {
         }
         let area = flow.pressure * run.diameter * whole.inputs.bed.size[1];
         assert!(same(flow.drag_coefficient, run.drag.mean / area));
-        let rows = parse_flow(&text(flows)).unwrap();
+        let rows = FLOW.parse(&text(flows)).unwrap();
         let window: Vec<&FlowRow> = rows.iter().filter(|row| row.step > from + 3_749).collect();
         let over = |of: fn(&FlowRow) -> f64| {
             window.iter().map(|row| of(row)).sum::<f64>() / window.len() as f64
@@ -135,7 +135,7 @@ fn the_means_are_those_of_the_series() {
         ));
         let most = window.iter().map(|row| row.floating).max();
         assert_eq!(most, Some(flow.floating));
-        let layers = parse_profile(&text(profile)).unwrap();
+        let layers = PROFILE.parse(&text(profile)).unwrap();
         let slowest = layers.iter().filter(|(_, _, v)| *v == flow.far_field_least);
         assert_eq!(slowest.count(), 1, "of the layers inside the bed");
     }

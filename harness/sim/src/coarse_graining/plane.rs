@@ -7,9 +7,10 @@ use super::sums::{NUMBERS, Sums};
 const THINNEST: f64 = 0.01;
 
 /// What is known at a point.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Flag {
     /// Its fields.
+    #[default]
     Whole,
     /// The same, but the intruder, or what is below the floor, fills a part of the averaging window: there the
     /// stress is too low.

@@ -2,11 +2,7 @@
 
 use super::grid::Grid;
 use super::plane::{FieldPoint, Fields, Flag};
-use super::text::PLANE_COLUMNS;
-use crate::files::finite;
-
-/// Columns that hold what cannot be made of others: up to the last stress.
-const OWN: usize = 17;
+use super::text::{PLANE, PlaneRow};
 
 /// The fields of a table with a row for each point of this grid's plane.
 ///
@@ -23,46 +19,39 @@ pub fn plane(text: &str, grid: Grid) -> Result<Fields, usize> {
         flags: Vec::with_capacity(grid.points()),
         points: Vec::with_capacity(grid.points()),
     };
-    let mut last = 0;
-    for (k, line) in text.lines().enumerate() {
-        last = k + 1;
-        if line.starts_with('#') || line == PLANE_COLUMNS {
-            continue;
-        }
-        let place = fields.points.len();
-        let ([x, z], flag, point) = row(line).ok_or(k + 1)?;
-        let (kx, kz) = (place % grid.counts[0], place / grid.counts[0]);
+    let rows = PLANE.parse(text)?;
+    // Rows are the last lines of the file.
+    let line = |k: usize| text.lines().count() + k + 1 - rows.len();
+    for (k, row) in rows.iter().enumerate() {
+        let (kx, kz) = (k % grid.counts[0], k / grid.counts[0]);
         // Another grid has its points elsewhere.
-        if place == grid.points() || [x, z] != [grid.at(0, kx), grid.at(2, kz)].map(|p| p as f32) {
-            return Err(k + 1);
+        let place = [grid.at(0, kx), grid.at(2, kz)].map(|p| Some(p as f32));
+        if k == grid.points() || row.place.map(|p| p.map(|p| p as f32)) != place {
+            return Err(line(k));
         }
-        fields.flags.push(flag);
-        fields.points.push(point);
+        fields.flags.push(row.flag);
+        fields.points.push(point(row).ok_or_else(|| line(k))?);
     }
-    match fields.points.len() == grid.points() {
+    match rows.len() == grid.points() {
         true => Ok(fields),
-        false => Err(last + 1),
+        false => Err(line(rows.len())),
     }
 }
 
-fn row(line: &str) -> Option<([f32; 2], Flag, FieldPoint)> {
-    let cells: Vec<&str> = line.split(',').collect();
-    if cells.len() != PLANE_COLUMNS.split(',').count() {
-        return None;
+/// What a row says of its point; `None` if a number is missing.
+fn point(row: &PlaneRow) -> Option<FieldPoint> {
+    if row.flag == Flag::Empty {
+        return Some(FieldPoint {
+            packing_fraction: 0.0,
+            velocity: [0.0; 3],
+            stress: [[0.0; 3]; 3],
+        });
     }
-    let place = [finite(cells[0])? as f32, finite(cells[1])? as f32];
-    let flag = Flag::of(cells[2].parse().ok()?)?;
-    let mut numbers = [0.0; OWN];
-    if flag != Flag::Empty {
-        for (number, cell) in numbers.iter_mut().zip(&cells).skip(3) {
-            *number = finite(cell)?;
-        }
-    }
-    let s = &numbers[8..];
-    let point = FieldPoint {
-        packing_fraction: numbers[3],
-        velocity: [numbers[4], numbers[5], numbers[6]],
-        stress: [[s[0], s[1], s[2]], [s[3], s[4], s[5]], [s[6], s[7], s[8]]],
-    };
-    Some((place, flag, point))
+    let three = |v: [Option<f64>; 3]| Some([v[0]?, v[1]?, v[2]?]);
+    let [x, y, z] = row.stress.map(three);
+    Some(FieldPoint {
+        packing_fraction: row.packing_fraction?,
+        velocity: three(row.velocity)?,
+        stress: [x?, y?, z?],
+    })
 }

@@ -8,16 +8,97 @@ use base64::engine::general_purpose::STANDARD;
 use super::load::{Load, theta};
 use super::plane::{Fields, Flag, inertial_number};
 use crate::files::bits;
+use crate::table::{Cell, Table, Word, column};
 use crate::units::Units;
 
-/// Column names of the plane's table, in order.
-pub const PLANE_COLUMNS: &str = "x,z,flag,packing_fraction,velocity_x,velocity_y,velocity_z,far_velocity_x,\
-    stress_xx,stress_xy,stress_xz,stress_yx,stress_yy,stress_yz,stress_zx,stress_zy,stress_zz,pressure,\
-    shear_stress,shear_rate,inertial_number";
+/// A point of a plane, as a table has it: nothing stands where nothing is known.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct PlaneRow {
+    /// Along x from the intruder's centre, and height above the floor.
+    pub place: [Option<f64>; 2],
+    /// What is known there.
+    pub flag: Flag,
+    /// Packing fraction.
+    pub packing_fraction: Option<f64>,
+    /// Velocity in the intruder's frame.
+    pub velocity: [Option<f64>; 3],
+    /// Along x, in the frame of the far grains.
+    pub far_velocity_x: Option<f64>,
+    /// Stress, compression positive.
+    pub stress: [[Option<f64>; 3]; 3],
+    /// Pressure.
+    pub pressure: Option<f64>,
+    /// Shear stress.
+    pub shear_stress: Option<f64>,
+    /// Shear rate.
+    pub shear_rate: Option<f64>,
+    /// Inertial number.
+    pub inertial_number: Option<f64>,
+}
 
-/// Column names of the load's table.
-pub const LOAD_COLUMNS: &str =
-    "theta,normal_stress,normal_stress_error,tangential_stress,tangential_stress_error";
+/// Fields on a plane.
+pub const PLANE: Table<PlaneRow> = Table(&[
+    column("x", |r| Cell::Single(&mut r.place[0])),
+    column("z", |r| Cell::Single(&mut r.place[1])),
+    column("flag", |r| Cell::Word(&mut r.flag)),
+    column("packing_fraction", |r| {
+        Cell::Single(&mut r.packing_fraction)
+    }),
+    column("velocity_x", |r| Cell::Single(&mut r.velocity[0])),
+    column("velocity_y", |r| Cell::Single(&mut r.velocity[1])),
+    column("velocity_z", |r| Cell::Single(&mut r.velocity[2])),
+    column("far_velocity_x", |r| Cell::Single(&mut r.far_velocity_x)),
+    column("stress_xx", |r| Cell::Single(&mut r.stress[0][0])),
+    column("stress_xy", |r| Cell::Single(&mut r.stress[0][1])),
+    column("stress_xz", |r| Cell::Single(&mut r.stress[0][2])),
+    column("stress_yx", |r| Cell::Single(&mut r.stress[1][0])),
+    column("stress_yy", |r| Cell::Single(&mut r.stress[1][1])),
+    column("stress_yz", |r| Cell::Single(&mut r.stress[1][2])),
+    column("stress_zx", |r| Cell::Single(&mut r.stress[2][0])),
+    column("stress_zy", |r| Cell::Single(&mut r.stress[2][1])),
+    column("stress_zz", |r| Cell::Single(&mut r.stress[2][2])),
+    column("pressure", |r| Cell::Single(&mut r.pressure)),
+    column("shear_stress", |r| Cell::Single(&mut r.shear_stress)),
+    column("shear_rate", |r| Cell::Single(&mut r.shear_rate)),
+    column("inertial_number", |r| Cell::Single(&mut r.inertial_number)),
+]);
+
+impl Word for Flag {
+    fn word(&self) -> &'static str {
+        ["0", "1", "2"][usize::from(self.number())]
+    }
+
+    fn take(&mut self, word: &str) -> Option<()> {
+        *self = Flag::of(word.parse().ok()?)?;
+        Some(())
+    }
+}
+
+/// Mean stresses on a cylinder at an angle, with the errors of the means.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LoadRow {
+    /// Angle from the front (radians).
+    pub theta: f64,
+    /// Normal stress, compression positive.
+    pub normal: f64,
+    /// Its standard error.
+    pub normal_error: f64,
+    /// Tangential stress, along growing theta.
+    pub tangential: f64,
+    /// Its standard error.
+    pub tangential_error: f64,
+}
+
+/// The load round a cylinder.
+pub const LOAD: Table<LoadRow> = Table(&[
+    column("theta", |r| Cell::Real(&mut r.theta)),
+    column("normal_stress", |r| Cell::Real(&mut r.normal)),
+    column("normal_stress_error", |r| Cell::Real(&mut r.normal_error)),
+    column("tangential_stress", |r| Cell::Real(&mut r.tangential)),
+    column("tangential_stress_error", |r| {
+        Cell::Real(&mut r.tangential_error)
+    }),
+]);
 
 /// What fields are written with.
 #[derive(Clone, Copy, Debug)]
@@ -125,71 +206,58 @@ fn array(name: &str, kind: &str, components: usize, bytes: &[u8]) -> String {
 /// The table of a plane: a line of units, the column names, a row for each point; a cell is empty where
 /// nothing is known.
 pub fn plane_text(fields: &Fields, scales: Scales) -> String {
-    let mut out = format!(
-        "# x from the intruder's centre, z from the floor, in {}; velocities in the intruder's frame, \
+    let comment = format!(
+        "x from the intruder's centre, z from the floor, in {}; velocities in the intruder's frame, \
          far_velocity_x in that of the far grains, in {}; stresses in {} over length^2, compression positive; \
-         flag 0 whole, 1 window cut by the intruder or the floor, 2 no data; {}\n{PLANE_COLUMNS}\n",
-        scales.units.length,
-        scales.units.speed,
-        scales.units.force,
-        bits()
+         flag 0 whole, 1 window cut by the intruder or the floor, 2 no data",
+        scales.units.length, scales.units.speed, scales.units.force
     );
     let rates = fields.shear_rates();
     let nx = fields.grid.counts[0];
-    for (k, (point, flag)) in fields.points.iter().zip(&fields.flags).enumerate() {
-        let place = [fields.grid.at(0, k % nx), fields.grid.at(2, k / nx)];
-        out.push_str(&format!(
-            "{},{},{}",
-            place[0] as f32,
-            place[1] as f32,
-            flag.number()
-        ));
-        if *flag == Flag::Empty {
-            out.push_str(",,,,,,,,,,,,,,,,,,\n");
-            continue;
+    let row = |(k, (point, &flag)): (usize, (&super::FieldPoint, &Flag))| {
+        let place = [fields.grid.at(0, k % nx), fields.grid.at(2, k / nx)].map(Some);
+        if flag == Flag::Empty {
+            return PlaneRow {
+                place,
+                flag,
+                ..PlaneRow::default()
+            };
         }
-        let mut cell = |x: Option<f64>| match x {
-            Some(x) => out.push_str(&format!(",{}", x as f32)),
-            None => out.push(','),
-        };
-        cell(Some(point.packing_fraction));
-        point.velocity.into_iter().for_each(|v| cell(Some(v)));
-        cell(Some(point.velocity[0] - scales.far));
-        point
-            .stress
-            .as_flattened()
-            .iter()
-            .for_each(|s| cell(Some(*s)));
-        cell(Some(point.pressure()));
-        cell(Some(point.shear_stress()));
-        cell(rates[k]);
-        let number = rates[k]
-            .and_then(|r| inertial_number(r, scales.diameter, scales.density, point.pressure()));
-        cell(number);
-        out.push('\n');
-    }
-    out
+        let number =
+            |rate| inertial_number(rate, scales.diameter, scales.density, point.pressure());
+        PlaneRow {
+            place,
+            flag,
+            packing_fraction: Some(point.packing_fraction),
+            velocity: point.velocity.map(Some),
+            far_velocity_x: Some(point.velocity[0] - scales.far),
+            stress: point.stress.map(|row| row.map(Some)),
+            pressure: Some(point.pressure()),
+            shear_stress: Some(point.shear_stress()),
+            shear_rate: rates[k],
+            inertial_number: rates[k].and_then(number),
+        }
+    };
+    let points = fields.points.iter().zip(&fields.flags).enumerate();
+    PLANE.text(&comment, &points.map(row).collect::<Vec<PlaneRow>>())
 }
 
 /// The table of a load: a line of units, the column names, a row for each angle.
 pub fn load_text(load: &Load, units: &Units) -> String {
-    let mut out = format!(
-        "# theta in radians, 0 at the front, 0 to pi/2 in the bottom front quarter; stresses in {} over length^2, \
-         normal ones positive in compression, tangential ones along growing theta; {}\n{LOAD_COLUMNS}\n",
-        units.force,
-        bits()
+    let comment = format!(
+        "theta in radians, 0 at the front, 0 to pi/2 in the bottom front quarter; stresses in {} over length^2, \
+         normal ones positive in compression, tangential ones along growing theta",
+        units.force
     );
-    for m in 0..load.normal.len() {
-        out.push_str(&format!(
-            "{},{},{},{},{}\n",
-            theta(m),
-            load.normal[m],
-            load.normal_error[m],
-            load.tangential[m],
-            load.tangential_error[m]
-        ));
-    }
-    out
+    let row = |m: usize| LoadRow {
+        theta: theta(m),
+        normal: load.normal[m],
+        normal_error: load.normal_error[m],
+        tangential: load.tangential[m],
+        tangential_error: load.tangential_error[m],
+    };
+    let rows: Vec<LoadRow> = (0..load.normal.len()).map(row).collect();
+    LOAD.text(&comment, &rows)
 }
 
 #[cfg(test)]
@@ -242,7 +310,7 @@ mod tests {
                 assert_eq!(a, b);
             }
         }
-        let columns = PLANE_COLUMNS.split(',').count();
+        let columns = PLANE.head().split(',').count();
         for line in text.lines().skip(1) {
             assert_eq!(line.split(',').count(), columns, "{line}");
         }
@@ -265,7 +333,6 @@ mod tests {
             )
         };
         for bad in [
-            "",
             "1,2",
             &lines[2].replacen("0.5", "NaN", 1),
             &lines[2].replacen(",0,", ",3,", 1),

@@ -35,7 +35,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::simulation::Simulation;
 use contacts::{Elastic, ElasticContact, Velocities, spring_of};
-pub use table::{ENERGY_COLUMNS, EnergyRow, energy_text, parse_energy};
+pub use table::{ENERGY, EnergyRow, energy_text};
 
 /// Energies of a state.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

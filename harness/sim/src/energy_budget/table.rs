@@ -2,8 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::files::bits;
-use crate::files::finite;
+use crate::table::{Cell, Table, column};
 use crate::units::Units;
 
 /// The account of a simulation's energy at one step: state, and sums since the account began.
@@ -54,86 +53,33 @@ impl EnergyRow {
             0.0
         }
     }
-
-    /// The numbers in the order of the columns, without the step.
-    fn numbers(&self) -> [f64; 14] {
-        [
-            self.kinetic,
-            self.normal,
-            self.tangential,
-            self.gravitational,
-            self.obstacles,
-            self.carriers,
-            self.normal_damping,
-            self.tangential_damping,
-            self.sliding,
-            self.stiffening,
-            self.projection,
-            self.erased,
-            self.work,
-            self.residual,
-        ]
-    }
 }
 
-/// Column names of an energy series, in order.
-pub const ENERGY_COLUMNS: &str = "step,kinetic,normal,tangential,gravitational,obstacles,carriers,\
-    normal_damping,tangential_damping,sliding,stiffening,projection,erased,work,residual";
+/// An energy series.
+pub const ENERGY: Table<EnergyRow> = Table(&[
+    column("step", |r| Cell::Whole(&mut r.step)),
+    column("kinetic", |r| Cell::Real(&mut r.kinetic)),
+    column("normal", |r| Cell::Real(&mut r.normal)),
+    column("tangential", |r| Cell::Real(&mut r.tangential)),
+    column("gravitational", |r| Cell::Real(&mut r.gravitational)),
+    column("obstacles", |r| Cell::Real(&mut r.obstacles)),
+    column("carriers", |r| Cell::Real(&mut r.carriers)),
+    column("normal_damping", |r| Cell::Real(&mut r.normal_damping)),
+    column("tangential_damping", |r| {
+        Cell::Real(&mut r.tangential_damping)
+    }),
+    column("sliding", |r| Cell::Real(&mut r.sliding)),
+    column("stiffening", |r| Cell::Real(&mut r.stiffening)),
+    column("projection", |r| Cell::Real(&mut r.projection)),
+    column("erased", |r| Cell::Real(&mut r.erased)),
+    column("work", |r| Cell::Real(&mut r.work)),
+    column("residual", |r| Cell::Real(&mut r.residual)),
+]);
 
 /// The text of an energy series: a line of units, the column names, the rows.
 pub fn energy_text(units: &Units, rows: &[EnergyRow]) -> String {
-    let mut out = format!(
-        "# units: all energies {}, since the first step; {}\n{ENERGY_COLUMNS}\n",
-        units.energy,
-        bits()
-    );
-    for row in rows {
-        out.push_str(&row.step.to_string());
-        for number in row.numbers() {
-            out.push_str(&format!(",{number}"));
-        }
-        out.push('\n');
-    }
-    out
-}
-
-/// Reads the rows of an energy series.
-///
-/// # Errors
-/// The line that is not a row of finite numbers, counted from 1.
-pub fn parse_energy(text: &str) -> Result<Vec<EnergyRow>, usize> {
-    let mut rows = Vec::new();
-    for (k, line) in text.lines().enumerate() {
-        if line.starts_with('#') || line == ENERGY_COLUMNS {
-            continue;
-        }
-        rows.push(parse_row(line).ok_or(k + 1)?);
-    }
-    Ok(rows)
-}
-
-fn parse_row(line: &str) -> Option<EnergyRow> {
-    let mut words = line.split(',');
-    let step = words.next()?.parse().ok()?;
-    let mut real = || finite(words.next()?);
-    let row = EnergyRow {
-        step,
-        kinetic: real()?,
-        normal: real()?,
-        tangential: real()?,
-        gravitational: real()?,
-        obstacles: real()?,
-        carriers: real()?,
-        normal_damping: real()?,
-        tangential_damping: real()?,
-        sliding: real()?,
-        stiffening: real()?,
-        projection: real()?,
-        erased: real()?,
-        work: real()?,
-        residual: real()?,
-    };
-    words.next().is_none().then_some(row)
+    let comment = format!("units: all energies {}, since the first step", units.energy);
+    ENERGY.text(&comment, rows)
 }
 
 #[cfg(test)]
@@ -153,20 +99,19 @@ mod tests {
         };
         let units = crate::units::Units::reduced();
         let text = energy_text(&units, &[row, row]);
-        assert_eq!(parse_energy(&text), Ok(vec![row, row]));
+        assert_eq!(ENERGY.parse(&text), Ok(vec![row, row]));
         assert_eq!(row.closure(), -1.25e-7);
         assert_eq!(EnergyRow::default().closure(), 0.0);
         let good = text.lines().last().unwrap();
         for bad in [
             "1,2,x",
-            "",
             good.rsplit_once(',').unwrap().0,
             &format!("{good},1"),
             &good.replacen("0.1", "NaN", 1),
             &good.replacen("25", "-25", 1),
         ] {
             assert_ne!(bad, good);
-            assert_eq!(parse_energy(&format!("{text}{bad}\n")), Err(5), "{bad}");
+            assert_eq!(ENERGY.parse(&format!("{text}{bad}\n")), Err(5), "{bad}");
         }
     }
 }
