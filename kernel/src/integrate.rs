@@ -8,7 +8,7 @@ use crate::math::rows::Row;
 use crate::math::rows::{halves_mut, min, part, part_mut, plus, split_at, times};
 use crate::math::vec3::{Vec3, dot, head};
 use crate::state::domain::Domain;
-use crate::state::grains::Group;
+use crate::state::grains::{Grains, Group};
 
 /// What a pass of motion reads and writes for a range of grains; ranges share nothing that is
 /// written.
@@ -38,6 +38,24 @@ pub struct GrainMotion<'a, R> {
 }
 
 impl<'a, R: Real> GrainMotion<'a, R> {
+    /// All grains.
+    #[inline(always)]
+    pub(crate) fn of_all(g: &'a mut Grains<'_, R>, domain: &'a Domain<R>, dt: R) -> Self {
+        Self {
+            domain,
+            dt,
+            id: g.id,
+            group: g.group,
+            groups: g.groups,
+            position: g.position,
+            image: g.image,
+            force: g.force,
+            torque: g.torque,
+            velocity: g.velocity,
+            spin: g.spin,
+        }
+    }
+
     /// The first `grains` grains of the range, and the others.
     pub fn split(self, grains: usize) -> (Self, Self) {
         let id = split_at(self.id, grains);

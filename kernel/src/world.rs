@@ -179,20 +179,7 @@ impl<R: Real> World<'_, R> {
     /// What the passes of motion read and write, for all grains.
     #[inline(always)]
     pub fn grain_motion(&mut self) -> GrainMotion<'_, R> {
-        let g = &mut self.grains;
-        GrainMotion {
-            domain: self.domain,
-            dt: self.dt,
-            id: g.id,
-            group: g.group,
-            groups: g.groups,
-            position: g.position,
-            image: g.image,
-            force: g.force,
-            torque: g.torque,
-            velocity: g.velocity,
-            spin: g.spin,
-        }
+        GrainMotion::of_all(&mut self.grains, self.domain, self.dt)
     }
 
     /// All grains and the pairs within ranges of them, and the obstacle contacts; `dt` is the time by
@@ -200,7 +187,7 @@ impl<R: Real> World<'_, R> {
     #[inline(always)]
     pub fn pushing(&mut self, dt: R) -> (GrainRange<'_, R>, ObstacleContactRange<'_, R>) {
         let listed = self.clock.listed;
-        let (g, pairs) = (&mut self.grains, &mut self.pairs);
+        let pairs = &mut self.pairs;
         let touch = ObstacleContactRange {
             grain: prefix(pairs.touch_grain, listed.touches),
             obstacle: front_mut(pairs.touch_obstacle, listed.touches),
@@ -213,22 +200,9 @@ impl<R: Real> World<'_, R> {
             partner: prefix(pairs.partner, listed.inner),
             spring: [x, y, z].map(|s| front_mut(s, listed.inner)),
         };
-        let grains = GrainMotion {
-            domain: self.domain,
-            dt: self.dt,
-            id: g.id,
-            group: g.group,
-            groups: g.groups,
-            position: g.position,
-            image: g.image,
-            force: g.force,
-            torque: g.torque,
-            velocity: g.velocity,
-            spin: g.spin,
-        };
         let part = GrainRange {
             first: 0,
-            grains,
+            grains: GrainMotion::of_all(&mut self.grains, self.domain, self.dt),
             pairs: span,
             dt,
         };

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use bitgrain::campaign::table::CampaignTable;
-use bitgrain::case::{self, Case, GrainSpec, ObstacleSpec};
+use bitgrain::case::{self, Case, GrainSpec, MotionSpec, ObstacleSpec};
 use bitgrain::checkpoint;
 use bitgrain::law::{HertzHistoryParameters, LawSpec};
 use bitgrain::observer::Observer;
@@ -141,6 +141,19 @@ pub fn golden_case(name: &str) -> Case {
         case.law = GLASS;
     }
     case
+}
+
+/// A free grain of diameter 1 and density 1 that does not spin.
+pub fn ball(id: u32, position: [f64; 3], velocity: [f64; 3]) -> GrainSpec {
+    GrainSpec {
+        id,
+        diameter: 1.0,
+        density: 1.0,
+        position,
+        velocity,
+        spin: [0.0; 3],
+        motion: MotionSpec::Free,
+    }
 }
 
 /// A resting wall at z = 0 with the grains above it.

@@ -1,12 +1,12 @@
 //! Guards: what is refused before a run, what stops one, and that each of them fires.
 
-use bitgrain::case::{BoxSpec, Case, GrainSpec, MotionSpec, ObstacleSpec};
+use bitgrain::case::{BoxSpec, Case, ObstacleSpec};
 use bitgrain::error::Error;
 use bitgrain::law::{CONTACT_FRACTION_MAX, HertzHistoryParameters, HertzTsujiParameters, LawSpec};
 use bitgrain::observe::deepest_overlap;
 use bitgrain::{remarks, scenario};
 use bitgrain_kernel::Error as KernelError;
-use bitgrain_tests::{SMALL, floor, golden, open_case, output, settled_quick, told};
+use bitgrain_tests::{SMALL, ball, floor, golden, open_case, output, settled_quick, told};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
 
@@ -28,18 +28,6 @@ fn guillard(restitution: f64) -> LawSpec {
         restitution,
         mu: 0.5,
     })
-}
-
-fn ball(id: u32, position: [f64; 3], velocity: [f64; 3]) -> GrainSpec {
-    GrainSpec {
-        id,
-        diameter: 1.0,
-        density: 1.0,
-        position,
-        velocity,
-        spin: [0.0; 3],
-        motion: MotionSpec::Free,
-    }
 }
 
 /// Two grains that meet at this speed after `gap`: how long they touch, and their restitution.

@@ -1,10 +1,10 @@
 //! Closed forms and conservation laws.
 
-use bitgrain::case::{BoxSpec, GrainSpec, MotionSpec, ObstacleSpec};
+use bitgrain::case::{BoxSpec, ObstacleSpec};
 use bitgrain::law::{HertzHistoryParameters, HertzTsujiParameters, LawSpec};
 use bitgrain::simulation::{AnyLaw, Simulation};
 use bitgrain_kernel::{ContactHistory, Shape};
-use bitgrain_tests::{floor, open_case};
+use bitgrain_tests::{ball, floor, open_case};
 
 /// Guillard 2014's law, for grains of diameter 1.
 const TSUJI: LawSpec = LawSpec::HertzTsuji(HertzTsujiParameters {
@@ -32,18 +32,6 @@ fn soft(mu: f64, gamma: f64) -> LawSpec {
         gamma_t: gamma,
         mu,
     })
-}
-
-fn ball(id: u32, position: [f64; 3], velocity: [f64; 3]) -> GrainSpec {
-    GrainSpec {
-        id,
-        diameter: 1.0,
-        density: 1.0,
-        position,
-        velocity,
-        spin: [0.0; 3],
-        motion: MotionSpec::Free,
-    }
 }
 
 /// Speed after over speed before of a ball of diameter 1 on a flat wall (Kumar 2018, Fig. 2).

@@ -172,7 +172,7 @@ pub(super) fn run_table(runs: &[DragSummary], units: &Units) -> String {
     });
     let note = "drag over the weight of the bed above the intruder's lowest point";
     if !flows {
-        t.row("PlugFlow ratio", "", note, |r| brief(r.plug_ratio));
+        t.row("Plug ratio", "", note, |r| brief(r.plug_ratio));
     }
     let note = "at any row, over the mean diameter";
     t.row("Deepest overlap", "", note, |r| brief(r.overlap_max));

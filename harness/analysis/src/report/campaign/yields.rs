@@ -71,6 +71,21 @@ struct Powers {
     words: String,
 }
 
+impl Powers {
+    /// Their figure, as HTML.
+    fn figure(&self, shown: &Shown, title: &str, label: &str, caption: &str) -> String {
+        Figure {
+            title,
+            labels: [label, &shown.label("yield force F_Y", "drag")],
+            ranges: [Range::Ratios; 2],
+            series: &self.series,
+            lines: &self.lines,
+            caption,
+        }
+        .html()
+    }
+}
+
 /// The powers found, where two or more of `points` are there to see; `what` the forces have in common.
 fn powers(all: &[Exponent], what: &str, points: impl Fn(&Exponent) -> Vec<(f64, Value)>) -> Powers {
     let (mut series, mut lines, mut words) = (Vec::new(), Vec::new(), Vec::new());
@@ -111,18 +126,8 @@ fn sizes(shown: &Shown, own: &Scaling) -> String {
         short(own.brought_by),
         found.words
     );
-    Figure {
-        title: &format!("Yield force against size, {}", material(&own.material)),
-        labels: [
-            &shown.label("D + d", "diameter"),
-            &shown.label("yield force F_Y", "drag"),
-        ],
-        ranges: [Range::Ratios; 2],
-        series: &found.series,
-        lines: &found.lines,
-        caption: &caption,
-    }
-    .html()
+    let title = format!("Yield force against size, {}", material(&own.material));
+    found.figure(shown, &title, &shown.label("D + d", "diameter"), &caption)
 }
 
 fn depths(shown: &Shown, own: &Scaling) -> String {
@@ -143,18 +148,8 @@ fn depths(shown: &Shown, own: &Scaling) -> String {
         escape(&material(&own.material)),
         found.words
     );
-    Figure {
-        title: &format!("Yield force against depth, {}", material(&own.material)),
-        labels: [
-            &shown.label("depth h", "depth"),
-            &shown.label("yield force F_Y", "drag"),
-        ],
-        ranges: [Range::Ratios; 2],
-        series: &found.series,
-        lines: &found.lines,
-        caption: &caption,
-    }
-    .html()
+    let title = format!("Yield force against depth, {}", material(&own.material));
+    found.figure(shown, &title, &shown.label("depth h", "depth"), &caption)
 }
 
 /// Drags over (D + d)^phi h^alpha.
