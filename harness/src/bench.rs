@@ -210,7 +210,7 @@ pub fn bench(what: &Timing<'_>, progress: &Progress) -> Result<Speed> {
             .map_err(|fault| Error::run(&name, sim.step_count() + 1, fault))
     };
     on_threads(threads, || stepped(&mut sim, WARM_UP))??;
-    let ((before, ..), renewals) = (sim.search_counts(), sim.renewals());
+    let ((before, ..), renewals) = (sim.list_counts(), sim.prunes());
     let mut sims: Vec<Simulation> = (1..copies).map(|_| sim.clone()).collect();
     sims.push(sim);
     let stage = progress.stage("stepping", steps);
@@ -242,7 +242,7 @@ pub fn bench(what: &Timing<'_>, progress: &Progress) -> Result<Speed> {
     stage.finish();
     let sim = &mut sims[0];
     let digest = sim.digest().map_err(|f| Error::run(&name, steps, f))?;
-    let (grains, (searches, listed, _)) = (sim.count(), sim.search_counts());
+    let (grains, (searches, listed, _)) = (sim.count(), sim.list_counts());
     Ok(Speed {
         bed: name,
         grains,
@@ -255,7 +255,7 @@ pub fn bench(what: &Timing<'_>, progress: &Progress) -> Result<Speed> {
         contacts_per_grain: sim.contact_histories().len() as f64 / grains as f64,
         listed_pairs_per_grain: listed as f64 / grains as f64,
         rebuilds: searches - before,
-        renewals: sim.renewals() - renewals,
+        renewals: sim.prunes() - renewals,
         skin: sim.skin,
         bytes_per_grain: sim.bytes() as f64 / grains as f64,
         peak_bytes_per_grain: peak_bytes().map(|peak| peak / (copies * grains) as f64),

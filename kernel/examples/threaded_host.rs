@@ -40,15 +40,15 @@ fn step_on_threads(world: &mut World<'_, f64>, law: &impl Law<f64>) -> Result<()
     ensure_pair_list(world)?;
 
     let dt = world.dt;
-    let (mut all, mut touching) = world.pushing(dt);
+    let (mut all, mut touching) = world.force_ranges(dt);
     let hit = obstacle_forces(&mut all, &mut touching, law, |_| {});
     // Pairs of two ranges are evaluated once; each range then adds its own share of them, in the written order.
-    let (view, pairs) = world.across();
+    let (view, pairs) = world.cross_range_pairs();
     let mut between = vec![CrossRangeForce::default(); pairs.len()];
     let deep = cross_range(view, pairs, law, &mut between);
 
     let middle = world.range_bounds[0] as usize;
-    let (all, _) = world.pushing(dt);
+    let (all, _) = world.force_ranges(dt);
     let (left, right) = all.split(middle);
     let sums = thread::scope(|scope| {
         let threads = [left, right].map(|mut range| {

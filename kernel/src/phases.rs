@@ -14,7 +14,7 @@ use crate::fp_environment::check_arithmetic;
 use crate::math::real::Real;
 use crate::math::rows::get_or_default;
 use crate::math::vec3::dot;
-use crate::neighbors::cell_list::{Found, Scene, keep_touches, search};
+use crate::neighbors::cell_list::{Found, Scene, keep_obstacle_contacts, search};
 use crate::neighbors::prune::{Pruning, prune};
 use crate::world::{Stage, World};
 
@@ -130,7 +130,7 @@ pub(crate) fn refresh_if_old<R: Real>(
     travel: R,
     range_bounds: &[u32],
 ) -> Result<(), Error> {
-    if travel > world.clock.budget || world.clock.cut != mark(range_bounds) {
+    if travel > world.clock.budget || world.clock.partition_mark != mark(range_bounds) {
         refresh_pair_list(world, travel, range_bounds)?;
     }
     Ok(())
@@ -171,7 +171,7 @@ pub(crate) fn refresh_pair_list<R: Real>(
     let skin = if need > world.skin { need } else { world.skin };
     let mut found = None;
     if world.clock.far < skin {
-        found = Some(rebuild_outer_list(world, skin + world.reach)?);
+        found = Some(rebuild_outer_list(world, skin + world.outer_skin)?);
     }
     let picking = Pruning {
         domain: world.domain,
@@ -185,12 +185,12 @@ pub(crate) fn refresh_pair_list<R: Real>(
     // Whatever is full, the lists are still what they were: nothing above wrote to them.
     clock.listed = prune(&picking, &mut world.pairs, &mut world.spare, old)?;
     if let Some(found) = found {
-        keep_touches(&mut world.pairs, &world.spare, found.touches);
-        clock.listed.touches = found.touches;
+        keep_obstacle_contacts(&mut world.pairs, &world.spare, found.obstacle_contacts);
+        clock.listed.obstacle_contacts = found.obstacle_contacts;
         clock.far = found.far;
     }
-    clock.cut = mark(range_bounds);
-    clock.renewals += 1;
+    clock.partition_mark = mark(range_bounds);
+    clock.prunes += 1;
     clock.budget = skin * R::HALF;
     Ok(())
 }
@@ -213,9 +213,9 @@ fn rebuild_outer_list<R: Real>(world: &mut World<'_, R>, far: R) -> Result<Found
         &world.pairs,
         &mut world.spare,
         &mut world.cells,
-        clock.listed.touches,
+        clock.listed.obstacle_contacts,
     )?;
-    clock.searches += 1;
+    clock.outer_list_rebuilds += 1;
     clock.slack = found.slack;
     clock.rounding = found.rounding;
     Ok(found)

@@ -106,7 +106,7 @@ pub fn start_watched<R: Real, L: Law<R>>(
 /// here gives the bits of the run that was saved.
 ///
 /// # Errors
-/// As [`start`]; [`Error::BadContactHistory`] for a bond that is not finite or joins bodies that are not near
+/// As [`start`]; [`Error::BadContactHistory`] for a history that is not finite or joins bodies that are not near
 /// each other.
 #[inline]
 pub fn resume<R: Real>(
@@ -123,8 +123,8 @@ pub fn resume<R: Real>(
     {
         row[3] = R::ZERO;
     }
-    for bond in histories {
-        if !world.pairs.restore(&bond, world.clock.listed) {
+    for history in histories {
+        if !world.pairs.restore(&history, world.clock.listed) {
             return Err(Error::BadContactHistory);
         }
     }
@@ -160,7 +160,7 @@ fn list_first<R: Real>(world: &mut World<'_, R>, has_moved: bool) -> Result<(), 
     for (w, ((v, x), group)) in g.spin.iter_mut().zip(rows) {
         world.clock.radius_min = smaller(world.clock.radius_min, x[3]);
         let group = g.groups.get(usize::from(*group));
-        let heavy = group.is_some_and(|group| group.heavy);
+        let heavy = group.is_some_and(|group| group.infinite_mass);
         w[3] = if heavy { R::ZERO } else { R::ONE / v[3] };
     }
     world.clock.far = -R::ONE;
@@ -176,7 +176,7 @@ fn push_and_sum<R: Real, L: Law<R>>(
     dt: R,
     mut watch: impl FnMut(ContactForce<R>),
 ) -> Result<(), Error> {
-    let (mut part, mut touch) = world.pushing(dt);
+    let (mut part, mut touch) = world.force_ranges(dt);
     let hit = obstacle_forces(&mut part, &mut touch, law, &mut watch);
     let none = core::iter::empty();
     let (deep, _) = accumulate(

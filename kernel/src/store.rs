@@ -33,7 +33,7 @@ pub struct Store<
     domain: Domain<R>,
     dt: R,
     skin: R,
-    reach: R,
+    outer_skin: R,
     id: Vec<u32, GRAINS>,
     group: Vec<u8, GRAINS>,
     groups: Vec<Group<R>, BODIES>,
@@ -57,9 +57,9 @@ struct List<R, const PAIRS: usize, const OBSTACLE_CONTACTS: usize> {
     lower: [u32; PAIRS],
     partner: [u32; PAIRS],
     spring: [[R; PAIRS]; 3],
-    touch_grain: [u32; OBSTACLE_CONTACTS],
-    touch_obstacle: [u32; OBSTACLE_CONTACTS],
-    touch_spring: [Row<R>; OBSTACLE_CONTACTS],
+    obstacle_contact_grain: [u32; OBSTACLE_CONTACTS],
+    obstacle_contact_obstacle: [u32; OBSTACLE_CONTACTS],
+    obstacle_contact_spring: [Row<R>; OBSTACLE_CONTACTS],
 }
 
 impl<R: Real, const PAIRS: usize, const OBSTACLE_CONTACTS: usize>
@@ -69,9 +69,9 @@ impl<R: Real, const PAIRS: usize, const OBSTACLE_CONTACTS: usize>
         lower: [0; PAIRS],
         partner: [0; PAIRS],
         spring: [[R::ZERO; PAIRS]; 3],
-        touch_grain: [0; OBSTACLE_CONTACTS],
-        touch_obstacle: [0; OBSTACLE_CONTACTS],
-        touch_spring: [[R::ZERO; 4]; OBSTACLE_CONTACTS],
+        obstacle_contact_grain: [0; OBSTACLE_CONTACTS],
+        obstacle_contact_obstacle: [0; OBSTACLE_CONTACTS],
+        obstacle_contact_spring: [[R::ZERO; 4]; OBSTACLE_CONTACTS],
     };
 
     fn lend(&mut self) -> PairList<'_, R> {
@@ -79,9 +79,9 @@ impl<R: Real, const PAIRS: usize, const OBSTACLE_CONTACTS: usize>
             lower: &mut self.lower,
             partner: &mut self.partner,
             spring: self.spring.each_mut().map(|s| &mut s[..]),
-            touch_grain: &mut self.touch_grain,
-            touch_obstacle: &mut self.touch_obstacle,
-            touch_spring: &mut self.touch_spring,
+            obstacle_contact_grain: &mut self.obstacle_contact_grain,
+            obstacle_contact_obstacle: &mut self.obstacle_contact_obstacle,
+            obstacle_contact_spring: &mut self.obstacle_contact_spring,
         }
     }
 }
@@ -103,7 +103,7 @@ impl<
             domain: Domain::VACANT,
             dt: R::ZERO,
             skin: R::ZERO,
-            reach: R::ZERO,
+            outer_skin: R::ZERO,
             id: Vec::new(),
             group: Vec::new(),
             groups: Vec::new(),
@@ -133,7 +133,7 @@ impl<
     /// Makes this an empty world at step 0, whatever it was.
     pub fn clear(&mut self, domain: Domain<R>, dt: R, skin: R) {
         (self.domain, self.dt) = (domain, dt);
-        (self.skin, self.reach) = (skin, R::ZERO);
+        (self.skin, self.outer_skin) = (skin, R::ZERO);
         self.id.clear();
         self.group.clear();
         self.groups.clear();
@@ -154,8 +154,8 @@ impl<
 
     /// How far beyond the skin pairs are candidates from now on (length; 0 at first): speed only, never
     /// a bit. Candidates are stored in `PAIRS` entries too.
-    pub fn set_reach(&mut self, reach: R) {
-        self.reach = reach;
+    pub fn set_outer_skin(&mut self, outer_skin: R) {
+        self.outer_skin = outer_skin;
     }
 
     /// Adds a group and returns its number.
@@ -222,7 +222,7 @@ impl<
             domain: &self.domain,
             dt: self.dt,
             skin: self.skin,
-            reach: self.reach,
+            outer_skin: self.outer_skin,
             range_bounds: &[],
             grains: Grains {
                 id: &self.id,

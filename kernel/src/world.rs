@@ -22,11 +22,11 @@ const RESOLVED: f64 = 16.0;
 pub struct Clock<R> {
     /// Steps done; time is `step * dt`.
     pub step: u64,
-    pub(crate) searches: u64,
-    pub(crate) renewals: u64,
+    pub(crate) outer_list_rebuilds: u64,
+    pub(crate) prunes: u64,
     pub(crate) listed: Listed,
     /// What the range_bounds were when the pairs were listed.
-    pub(crate) cut: u64,
+    pub(crate) partition_mark: u64,
     /// The smallest grain radius: what an obstacle may move in one step.
     pub(crate) radius_min: R,
     /// Travel of the fastest body that the pair list still allows (length); below zero it is too old.
@@ -64,15 +64,15 @@ impl<R: Real> Clock<R> {
     /// Before the first step.
     pub(crate) const ZERO: Self = Self {
         step: 0,
-        searches: 0,
-        renewals: 0,
+        outer_list_rebuilds: 0,
+        prunes: 0,
         listed: Listed {
             inner: 0,
             pairs: 0,
             touching: 0,
-            touches: 0,
+            obstacle_contacts: 0,
         },
-        cut: 0,
+        partition_mark: 0,
         radius_min: R::ZERO,
         budget: R::ZERO,
         far: R::ZERO,
@@ -84,13 +84,13 @@ impl<R: Real> Clock<R> {
     };
 
     /// Searches done.
-    pub fn searches(&self) -> u64 {
-        self.searches
+    pub fn outer_list_rebuilds(&self) -> u64 {
+        self.outer_list_rebuilds
     }
 
     /// Times that pairs were picked from the candidates of a search.
-    pub fn renewals(&self) -> u64 {
-        self.renewals
+    pub fn prunes(&self) -> u64 {
+        self.prunes
     }
 
     /// Grain pairs listed.
@@ -109,8 +109,8 @@ impl<R: Real> Clock<R> {
     }
 
     /// Obstacle contacts listed.
-    pub fn touches(&self) -> usize {
-        self.listed.touches
+    pub fn obstacle_contacts(&self) -> usize {
+        self.listed.obstacle_contacts
     }
 
     /// Whether the world is between two stretches of steps: not after a fault, and not where a full list
@@ -147,7 +147,7 @@ pub struct World<'a, R> {
     pub skin: R,
     /// How far beyond the skin a pair is a candidate for the list (length, zero or more): a matter of
     /// speed only.
-    pub reach: R,
+    pub outer_skin: R,
     /// Where ranges of grains end, but for the last: places that ascend, none for one range. The list
     /// keeps pairs of two ranges apart, so that ranges share nothing: a matter of speed only.
     pub range_bounds: &'a [u32],
@@ -185,17 +185,17 @@ impl<R: Real> World<'_, R> {
     /// All grains and the pairs within ranges of them, and the obstacle contacts; `dt` is the time by
     /// which springs advance.
     #[inline(always)]
-    pub fn pushing(&mut self, dt: R) -> (GrainRange<'_, R>, ObstacleContactRange<'_, R>) {
+    pub fn force_ranges(&mut self, dt: R) -> (GrainRange<'_, R>, ObstacleContactRange<'_, R>) {
         let listed = self.clock.listed;
         let pairs = &mut self.pairs;
         let touch = ObstacleContactRange {
-            grain: prefix(pairs.touch_grain, listed.touches),
-            obstacle: front_mut(pairs.touch_obstacle, listed.touches),
-            spring: front_mut(pairs.touch_spring, listed.touches),
+            grain: prefix(pairs.obstacle_contact_grain, listed.obstacle_contacts),
+            obstacle: front_mut(pairs.obstacle_contact_obstacle, listed.obstacle_contacts),
+            spring: front_mut(pairs.obstacle_contact_spring, listed.obstacle_contacts),
             obstacles: self.obstacles,
         };
         let [x, y, z] = &mut pairs.spring;
-        let span = PairRange {
+        let range = PairRange {
             lower: prefix(pairs.lower, listed.inner),
             partner: prefix(pairs.partner, listed.inner),
             spring: [x, y, z].map(|s| front_mut(s, listed.inner)),
@@ -203,7 +203,7 @@ impl<R: Real> World<'_, R> {
         let part = GrainRange {
             first: 0,
             grains: GrainMotion::of_all(&mut self.grains, self.domain, self.dt),
-            pairs: span,
+            pairs: range,
             dt,
         };
         (part, touch)
@@ -211,24 +211,24 @@ impl<R: Real> World<'_, R> {
 
     /// The pairs of two ranges, and the rows they read.
     #[inline(always)]
-    pub fn across(&mut self) -> (GrainView<'_, R>, PairRange<'_, R>) {
+    pub fn cross_range_pairs(&mut self) -> (GrainView<'_, R>, PairRange<'_, R>) {
         let Listed { inner, pairs, .. } = self.clock.listed;
         let list = &mut self.pairs;
         let [x, y, z] = &mut list.spring;
-        let span = PairRange {
+        let range = PairRange {
             lower: split_at(prefix(list.lower, pairs), inner).1,
             partner: split_at(prefix(list.partner, pairs), inner).1,
             spring: [x, y, z].map(|s| halves_mut(front_mut(s, pairs), inner).1),
         };
         let g = &self.grains;
-        let sight = GrainView {
+        let view = GrainView {
             domain: self.domain,
             position: g.position,
             velocity: g.velocity,
             spin: g.spin,
             dt: self.dt,
         };
-        (sight, span)
+        (view, range)
     }
 
     /// Checks that the lent slices fit together: what a step relies on.
@@ -238,7 +238,7 @@ impl<R: Real> World<'_, R> {
         let lists = self.pairs.is_whole()
             && self.spare.is_whole()
             && self.pairs.partner.len() >= self.spare.partner.len()
-            && self.pairs.touch_grain.len() >= self.spare.touch_grain.len()
+            && self.pairs.obstacle_contact_grain.len() >= self.spare.obstacle_contact_grain.len()
             && self.pairs.holds(self.clock.listed)
             && self.candidates.row.len() == n + 1;
         let cells = self.cells.start.len() >= 2 && self.cells.grain.len() >= n;
@@ -257,7 +257,7 @@ impl<R: Real> World<'_, R> {
         if !(self.dt > R::ZERO
             && self.dt.is_finite()
             && self.skin >= R::ZERO
-            && self.reach >= R::ZERO)
+            && self.outer_skin >= R::ZERO)
         {
             return Err(Error::BadTimeStep);
         }

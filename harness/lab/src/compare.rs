@@ -130,8 +130,8 @@ fn numbers(sim: &mut Simulation) -> Vec<Number> {
     for i in 0..n {
         put(2, &grain(sim.id[i]), &AXES, &sim.spin[i]);
     }
-    for bond in sim.contact_histories() {
-        let (body, spring) = match bond {
+    for history in sim.contact_histories() {
+        let (body, spring) = match history {
             ContactHistory::Pair { i, j, spring } => {
                 let [i, j] = [i, j].map(|place| sim.id[place as usize]);
                 (format!("grains {i} and {j}"), spring)

@@ -58,17 +58,17 @@ impl Piece<'_> {
 /// [`Error::Unverified`] if something does not hold or the run is not finished, after all was told;
 /// [`Error::Input`] if there is nothing to verify.
 pub fn verify(
-    past: &RunArchive<'_>,
+    archive: &RunArchive<'_>,
     scope: &Scope,
     expect: &[String],
     threads: usize,
     progress: &Progress,
     mut say: impl FnMut(&str) -> Result<()>,
 ) -> Result<()> {
-    let root = past.folder.0;
-    let stages = run::stages(&past.scenario);
+    let root = archive.folder.0;
+    let stages = run::stages(&archive.scenario);
     let (manifest, mut problems) = check_manifest(root, &stages, expect, &mut say)?;
-    let jobs = pieces(past, manifest.as_ref(), scope)?;
+    let jobs = pieces(archive, manifest.as_ref(), scope)?;
     let done = execute(&sampled(jobs, scope), threads, progress, &mut say)?;
     let (links, count) = (done.links, done.pieces);
     if done.wrong > 0 {
@@ -76,7 +76,7 @@ pub fn verify(
         problems.add(Cause::Changed, problem);
     } else {
         if scope.is_all() {
-            problems.take("", check_ends(past, manifest.as_ref(), &mut say)?);
+            problems.take("", check_ends(archive, manifest.as_ref(), &mut say)?);
         }
         let asked = if scope.is_all() { "" } else { "the " };
         let those = if scope.is_all() { "" } else { " asked for" };
@@ -104,7 +104,7 @@ pub(crate) struct Executed {
 /// A piece of a run, and what tells it from those of other runs.
 #[derive(Clone, Copy)]
 pub(crate) struct Job<'a> {
-    past: &'a RunArchive<'a>,
+    archive: &'a RunArchive<'a>,
     piece: Piece<'a>,
     pub(crate) label: &'a str,
 }
@@ -145,11 +145,11 @@ pub(crate) fn execute(
     say: &mut impl FnMut(&str) -> Result<()>,
 ) -> Result<Executed> {
     let length = |k: usize| match jobs[k].piece {
-        Piece::Bed(plan) => crate::bed::pouring_steps(&jobs[k].past.scenario, plan),
+        Piece::Bed(plan) => crate::bed::pouring_steps(&jobs[k].archive.scenario, plan),
         Piece::Drag(_, from, to) => to - from,
     };
     let found = side_by_side(threads, threads, jobs.len(), length, |k| {
-        again(jobs[k].past, jobs[k].piece, progress)
+        again(jobs[k].archive, jobs[k].piece, progress)
     })?;
     let mut done = Executed {
         pieces: jobs.len(),
@@ -179,30 +179,30 @@ pub(crate) fn execute(
 /// # Errors
 /// [`Error::Input`] if there are none.
 pub(crate) fn pieces<'a>(
-    past: &'a RunArchive<'a>,
+    archive: &'a RunArchive<'a>,
     manifest: Option<&Manifest>,
     scope: &Scope,
 ) -> Result<Vec<Job<'a>>> {
     for segment in &scope.segments {
-        past.part(&segment.stage)?;
+        archive.part(&segment.stage)?;
     }
     // Of what has come to its end nothing may be missing, by what the manifest says or the folder shows.
     let whole = manifest.is_some_and(|manifest| manifest.finished)
-        || disk::is_there(&past.folder.summary());
+        || disk::is_there(&archive.folder.summary());
     let mut pieces = Vec::new();
-    for part in past.parts() {
+    for part in archive.parts() {
         let ended = whole || manifest.is_some_and(|manifest| manifest.has_finished(part.name()));
         match part {
             RunPart::Bed(plan) => {
-                if ended || disk::is_there(&past.folder.bed(&plan.name)) {
+                if ended || disk::is_there(&archive.folder.bed(&plan.name)) {
                     pieces.push(Piece::Bed(plan));
                 }
             }
             RunPart::Drag(plan) => {
                 let mut from = 0;
                 let ended =
-                    ended || disk::is_there(&past.folder.of_run(&plan.name, "summary.json"));
-                let kept = |n: u64| disk::is_there(&past.folder.checkpoint(&plan.name, n));
+                    ended || disk::is_there(&archive.folder.of_run(&plan.name, "summary.json"));
+                let kept = |n: u64| disk::is_there(&archive.folder.checkpoint(&plan.name, n));
                 let there = |n: &&u64| ended || kept(**n);
                 for &to in plan.checkpoints.iter().filter(there) {
                     pieces.push(Piece::Drag(plan, from, to));
@@ -215,28 +215,28 @@ pub(crate) fn pieces<'a>(
         pieces.retain(|piece| scope.segments.iter().any(|segment| piece.is_in(segment)));
     }
     if pieces.is_empty() {
-        let place = past.folder.0.display().to_string();
+        let place = archive.folder.0.display().to_string();
         let problem = "holds no kept checkpoint of what was asked for: nothing can be verified yet";
         return Err(Error::input(place, problem));
     }
     let job = |piece| Job {
-        past,
+        archive,
         piece,
         label: "",
     };
     Ok(pieces.into_iter().map(job).collect())
 }
 
-fn again(past: &RunArchive<'_>, piece: Piece<'_>, progress: &Progress) -> Result<Finding> {
+fn again(archive: &RunArchive<'_>, piece: Piece<'_>, progress: &Progress) -> Result<Finding> {
     match piece {
-        Piece::Bed(plan) => bed_again(past, plan, progress),
-        Piece::Drag(plan, from, to) => drag_again(past, plan, [from, to], progress),
+        Piece::Bed(plan) => bed_again(archive, plan, progress),
+        Piece::Drag(plan, from, to) => drag_again(archive, plan, [from, to], progress),
     }
 }
 
 /// Pours a bed again, or takes it over again.
-fn bed_again(past: &RunArchive<'_>, plan: &BedPlan, progress: &Progress) -> Result<Finding> {
-    let path = past.folder.bed(&plan.name);
+fn bed_again(archive: &RunArchive<'_>, plan: &BedPlan, progress: &Progress) -> Result<Finding> {
+    let path = archive.folder.bed(&plan.name);
     let bytes = disk::read(&path)?;
     let name = path.display().to_string();
     let (settled, note) = checkpoint::unpack(&bytes, &name)?;
@@ -244,24 +244,24 @@ fn bed_again(past: &RunArchive<'_>, plan: &BedPlan, progress: &Progress) -> Resu
         place: name,
         problem,
     })?;
-    let chain = past.folder.bed_chain(&plan.name);
+    let chain = archive.folder.bed_chain(&plan.name);
     let text = disk::read(&chain).unwrap_or_default();
-    let (data, bytes_of_data) = run::data_file(past.folder, &past.scenario, plan, &settled)?;
+    let (data, bytes_of_data) = run::data_file(archive.folder, &archive.scenario, plan, &settled)?;
     // A bed below a lid is for nobody else.
     let exported =
-        !past.scenario.beds().contains(plan) || disk::read(&data).ok() == Some(bytes_of_data);
+        !archive.scenario.beds().contains(plan) || disk::read(&data).ok() == Some(bytes_of_data);
     let written = text == course.chain().text().into_bytes() && exported;
     let mut check = Check::new(&course.chain().links, u64::MAX);
     let first = course.chain().links.first().map_or(0, |link| link.step);
     let steps = [first, settled.step_count()];
-    let mut bed = run::begin_bed(past.folder, &past.scenario, plan)?;
+    let mut bed = run::begin_bed(archive.folder, &archive.scenario, plan)?;
     // Its first link was made as it began.
     check.on_digest(&bed.course.chain().links[0])?;
     let mut stage = progress.stage(&plan.name, settled.step_count());
-    let settled = bed.go_on(&past.scenario, plan, &mut stage, &mut check)?;
+    let settled = bed.go_on(&archive.scenario, plan, &mut stage, &mut check)?;
     let note = bed.course.note();
     let same = settled && checkpoint::pack(&mut bed.sim, &note)? == bytes && written;
-    let more = match past.scenario.source {
+    let more = match archive.scenario.source {
         Some(_) => " (taken over again)",
         None => "",
     };
@@ -270,18 +270,18 @@ fn bed_again(past: &RunArchive<'_>, plan: &BedPlan, progress: &Progress) -> Resu
 
 /// Drags again from one kept state to the next.
 fn drag_again(
-    past: &RunArchive<'_>,
+    archive: &RunArchive<'_>,
     plan: &DragPlan,
     steps: [u64; 2],
     progress: &Progress,
 ) -> Result<Finding> {
     let [from, to] = steps;
-    let bed = past.bed_of(plan)?;
-    let drag = past.drag(plan, &bed);
-    let path = past.folder.checkpoint(&plan.name, to);
+    let bed = archive.bed_of(plan)?;
+    let drag = archive.drag(plan, &bed);
+    let path = archive.folder.checkpoint(&plan.name, to);
     let bytes = disk::read(&path)?;
     let (_, recorded) = run::read(drag, &path)?;
-    let (mut sim, mut dragging) = past.state(drag, from)?;
+    let (mut sim, mut dragging) = archive.state(drag, from)?;
     let mut check = Check::new(&recorded.chain.links, to);
     check.drag = Some(drag);
     let earlier = plan.checkpoints.iter().rev().find(|n| **n < to);
@@ -307,7 +307,7 @@ fn drag_again(
     stage.resume(from);
     dragging.go_on(&mut sim, plan, &stage, &mut check)?;
     // There may be none: they are there to look at, and not all runs have them.
-    let film = past.folder.frames(&plan.name, to);
+    let film = archive.folder.frames(&plan.name, to);
     if disk::is_there(&film) && disk::read(&film)? != frames::text(&check.frames).into_bytes() {
         let problem = format!("{} is not as it was written", film.display());
         check.broken.get_or_insert(problem);
@@ -317,7 +317,7 @@ fn drag_again(
     let mut more = String::new();
     if same && check.broken.is_none() && to == plan.steps() {
         let (tables, summary) = run::results(drag, &dragging, &mut sim)?;
-        let place = past.folder.of_run(&plan.name, "summary.json");
+        let place = archive.folder.of_run(&plan.name, "summary.json");
         let summary = crate::json::json_text(
             &place,
             &run::record(drag.folder, drag.scenario, drag.bed, &summary),
@@ -325,7 +325,7 @@ fn drag_again(
         let tables = tables.into_iter().chain([("summary.json", summary)]);
         let wrong: Vec<&str> = tables
             .filter(|(file, text)| {
-                let written = disk::read(&past.folder.of_run(&plan.name, file));
+                let written = disk::read(&archive.folder.of_run(&plan.name, file));
                 written.ok().as_deref() != Some(text.as_bytes())
             })
             .map(|(file, _)| file)

@@ -36,7 +36,7 @@ fn lattice(skin: f64, reach: f64) -> OwnedWorld<f64> {
     let length = SIDE as f64 * SPACING;
     let domain = Domain::new([0.0; 3], [length; 3], [true; 3]).expect("a box");
     let mut bed = OwnedWorld::new(domain, 1e-4);
-    (bed.skin, bed.reach) = (skin, reach);
+    (bed.skin, bed.outer_skin) = (skin, reach);
     bed.groups.push(Group::free([0.0; 3]));
     for k in 0..GRAINS {
         let place = |k: usize| (k as f64 + 0.5) * SPACING;
@@ -121,11 +121,11 @@ fn contact_block(c: &mut Criterion) {
     group.throughput(Throughput::Elements(pairs as u64));
     let mut world = bed.world();
     group.bench_function("hertz_history", |b| {
-        b.iter(|| sum_history(black_box(&mut world.pushing(0.0).0), &HISTORY, &[]));
+        b.iter(|| sum_history(black_box(&mut world.force_ranges(0.0).0), &HISTORY, &[]));
     });
     let tsuji = HertzTsuji::new(2e5, 0.3, 0.6, 0.5);
     group.bench_function("hertz_tsuji", |b| {
-        b.iter(|| sum_tsuji(black_box(&mut world.pushing(0.0).0), &tsuji, &[]));
+        b.iter(|| sum_tsuji(black_box(&mut world.force_ranges(0.0).0), &tsuji, &[]));
     });
     group.finish();
 }
@@ -138,14 +138,14 @@ fn picking(c: &mut Criterion) {
     let candidates = world.candidates.row[GRAINS];
     let mut group = c.benchmark_group("picking, per candidate");
     group.throughput(Throughput::Elements(u64::from(candidates)));
-    let before = world.clock.searches();
+    let before = world.clock.outer_list_rebuilds();
     let sealed = seal(&world.grain_motion(), 0);
     begin(&mut world, sealed).expect("a world at rest");
     group.bench_function("near pairs", |b| {
         b.iter(|| ensure_pair_list_ahead(black_box(&mut world)).expect("room enough"));
     });
-    assert_eq!(world.clock.searches(), before, "candidates held");
-    assert!(world.clock.renewals() > 1, "and pairs were picked");
+    assert_eq!(world.clock.outer_list_rebuilds(), before, "candidates held");
+    assert!(world.clock.prunes() > 1, "and pairs were picked");
     group.finish();
 }
 
@@ -172,7 +172,7 @@ fn sums(c: &mut Criterion) {
     group.throughput(Throughput::Elements(pairs as u64));
     group.bench_function("spills to both grains", |b| {
         b.iter(|| {
-            let (mut part, _) = world.pushing(0.0);
+            let (mut part, _) = world.force_ranges(0.0);
             part.pairs = part.pairs.split(0).0;
             sum_history(black_box(&mut part), &HISTORY, &spills);
         });

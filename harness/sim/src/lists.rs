@@ -22,11 +22,11 @@ pub struct List<R> {
     /// Springs of pairs, by components.
     pub spring: [Vec<R>; 3],
     /// Places of grains near obstacles.
-    pub touch_grain: Vec<u32>,
+    pub obstacle_contact_grain: Vec<u32>,
     /// The obstacles.
-    pub touch_obstacle: Vec<u32>,
+    pub obstacle_contact_obstacle: Vec<u32>,
     /// Springs on obstacles.
-    pub touch_spring: Vec<Row<R>>,
+    pub obstacle_contact_spring: Vec<Row<R>>,
 }
 
 /// Makes a list at least so long.
@@ -49,9 +49,9 @@ impl<R: Real> List<R> {
         for component in &mut self.spring {
             lengthen(component, pairs, R::ZERO)?;
         }
-        lengthen(&mut self.touch_grain, touches, 0)?;
-        lengthen(&mut self.touch_obstacle, touches, 0)?;
-        lengthen(&mut self.touch_spring, touches, [R::ZERO; 4])
+        lengthen(&mut self.obstacle_contact_grain, touches, 0)?;
+        lengthen(&mut self.obstacle_contact_obstacle, touches, 0)?;
+        lengthen(&mut self.obstacle_contact_spring, touches, [R::ZERO; 4])
     }
 
     /// Lends it to the kernel.
@@ -60,17 +60,19 @@ impl<R: Real> List<R> {
             lower: &mut self.lower,
             partner: &mut self.partner,
             spring: self.spring.each_mut().map(|s| &mut s[..]),
-            touch_grain: &mut self.touch_grain,
-            touch_obstacle: &mut self.touch_obstacle,
-            touch_spring: &mut self.touch_spring,
+            obstacle_contact_grain: &mut self.obstacle_contact_grain,
+            obstacle_contact_obstacle: &mut self.obstacle_contact_obstacle,
+            obstacle_contact_spring: &mut self.obstacle_contact_spring,
         }
     }
 
     /// Bytes that it holds.
     pub fn bytes(&self) -> usize {
         let springs: usize = self.spring.iter().map(Vec::capacity).sum();
-        4 * (self.lower.capacity() + self.partner.capacity() + 2 * self.touch_grain.capacity())
+        4 * (self.lower.capacity()
+            + self.partner.capacity()
+            + 2 * self.obstacle_contact_grain.capacity())
             + size_of::<R>() * springs
-            + size_of::<Row<R>>() * self.touch_spring.capacity()
+            + size_of::<Row<R>>() * self.obstacle_contact_spring.capacity()
     }
 }

@@ -17,7 +17,7 @@ pub struct OwnedWorld<R> {
     /// How far beyond touching pairs are listed (length): speed only, never a bit.
     pub skin: R,
     /// How far beyond the skin pairs are candidates for the list (length): speed only, never a bit.
-    pub reach: R,
+    pub outer_skin: R,
     /// Names of the grains, ascending.
     pub id: Vec<u32>,
     /// Group of each grain.
@@ -61,7 +61,7 @@ impl<R: Real> OwnedWorld<R> {
             domain,
             dt,
             skin: R::ZERO,
-            reach: R::ZERO,
+            outer_skin: R::ZERO,
             id: Vec::new(),
             group: Vec::new(),
             groups: Vec::new(),
@@ -125,7 +125,7 @@ impl<R: Real> OwnedWorld<R> {
             domain: &self.domain,
             dt: self.dt,
             skin: self.skin,
-            reach: self.reach,
+            outer_skin: self.outer_skin,
             range_bounds: &self.range_bounds,
             grains: Grains {
                 id: &self.id,

@@ -76,7 +76,7 @@ impl Simulation {
         let radii = self.position.iter().map(|x| x[3]).sum::<f64>();
         let diameter = 2.0 * radii / self.count().max(1) as f64;
         self.skin = 0.006 * diameter;
-        self.reach = 0.1 * diameter;
+        self.outer_skin = 0.1 * diameter;
     }
 
     /// Fits the lists and cells to the number of grains, after grains were added or read.
@@ -114,17 +114,17 @@ impl Simulation {
     }
 
     /// Searches done, pairs listed and obstacle contacts listed: for timings, never for results.
-    pub fn search_counts(&self) -> (u64, usize, usize) {
+    pub fn list_counts(&self) -> (u64, usize, usize) {
         (
-            self.clock.searches(),
+            self.clock.outer_list_rebuilds(),
             self.clock.listed(),
-            self.clock.touches(),
+            self.clock.obstacle_contacts(),
         )
     }
 
     /// Times that pairs were picked from the candidates of a search.
-    pub fn renewals(&self) -> u64 {
-        self.clock.renewals()
+    pub fn prunes(&self) -> u64 {
+        self.clock.prunes()
     }
 
     /// Bytes that the simulation holds.
@@ -138,8 +138,11 @@ impl Simulation {
     /// Places of the grains that touch an obstacle, ascending.
     pub fn touching(&self, obstacle: u32) -> impl Iterator<Item = u32> {
         let list = &self.lists[0];
-        let listed = list.touch_grain.iter().zip(&list.touch_obstacle);
-        let touching = listed.take(self.clock.touches());
+        let listed = list
+            .obstacle_contact_grain
+            .iter()
+            .zip(&list.obstacle_contact_obstacle);
+        let touching = listed.take(self.clock.obstacle_contacts());
         let touching = touching.filter(move |&(_, &word)| word == (obstacle | TOUCHING));
         touching.map(|(&grain, _)| grain)
     }
@@ -202,7 +205,7 @@ impl Simulation {
     fn check_crowds(&self) -> Result<(), KernelError> {
         let light = |i: usize| {
             let group = self.groups.get(usize::from(self.group[i]));
-            group.is_some_and(|group| !group.heavy)
+            group.is_some_and(|group| !group.infinite_mass)
         };
         match deep_pair(&self.position, light) {
             Some((i, j)) => Err(KernelError::OverlapTooDeep {
@@ -289,7 +292,7 @@ impl Simulation {
                 stepping: &mut stepping,
                 end,
             });
-            (sim.skin, sim.reach) = (world.skin, world.reach);
+            (sim.skin, sim.outer_skin) = (world.skin, world.outer_skin);
             done
         });
         self.stepping = stepping;

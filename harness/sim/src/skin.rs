@@ -23,7 +23,7 @@ fn change(wider: bool) -> f64 {
 /// Skins are kept within these parts of a grain's radius.
 const SKINS: [f64; 2] = [1e-4, 0.4];
 /// So are reaches.
-const REACHES: [f64; 2] = [0.02, 1.0];
+const OUTER_SKINS: [f64; 2] = [0.02, 1.0];
 
 /// What is known of the costs.
 #[derive(Clone, Copy, Debug, Default)]
@@ -37,8 +37,8 @@ pub(crate) struct Skin {
 /// The lists at a moment: what a renewal changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Lists {
-    searches: u64,
-    renewals: u64,
+    outer_list_rebuilds: u64,
+    prunes: u64,
     listed: usize,
     touching: usize,
 }
@@ -46,8 +46,8 @@ pub(crate) struct Lists {
 impl Lists {
     pub fn of(world: &World<'_, f64>) -> Self {
         Self {
-            searches: world.clock.searches(),
-            renewals: world.clock.renewals(),
+            outer_list_rebuilds: world.clock.outer_list_rebuilds(),
+            prunes: world.clock.prunes(),
             listed: world.clock.listed(),
             touching: world.clock.listed_touching(),
         }
@@ -64,15 +64,15 @@ impl Skin {
     /// skin and reach for the next one.
     pub fn learn(&mut self, world: &mut World<'_, f64>, before: Lists, began: Instant) {
         let now = Lists::of(world);
-        if now.renewals == before.renewals {
+        if now.prunes == before.prunes {
             return;
         }
         let renewing = began.elapsed();
-        if now.searches > before.searches {
+        if now.outer_list_rebuilds > before.outer_list_rebuilds {
             // Candidates grow with about the reach, and so does what picking looks at in vain.
             let vain = self.picking.mul_f64(0.5);
             if !self.picking.is_zero() {
-                world.reach *= change(renewing > vain);
+                world.outer_skin *= change(renewing > vain);
             }
             self.picking = Duration::ZERO;
         } else {
@@ -88,7 +88,9 @@ impl Skin {
         }
         let radius = world.grains.position.first().map_or(0.0, |x| x[3]);
         world.skin = world.skin.clamp(SKINS[0] * radius, SKINS[1] * radius);
-        world.reach = world.reach.clamp(REACHES[0] * radius, REACHES[1] * radius);
+        world.outer_skin = world
+            .outer_skin
+            .clamp(OUTER_SKINS[0] * radius, OUTER_SKINS[1] * radius);
         self.since = Some(Instant::now());
     }
 }

@@ -40,7 +40,7 @@ pub struct Stepping {
     /// Whether the owner began the stretch that is under way, and will end it.
     held: bool,
     /// What pairs of two ranges give.
-    spills: Vec<CrossRangeForce<f64>>,
+    cross_forces: Vec<CrossRangeForce<f64>>,
 }
 
 /// A copy has the knobs; what is fitted to a pair list stays with that list.
@@ -63,7 +63,7 @@ impl Default for Stepping {
             tunes: true,
             skin: Skin::default(),
             held: false,
-            spills: Vec::new(),
+            cross_forces: Vec::new(),
         }
     }
 }
@@ -179,27 +179,27 @@ impl Stepping {
         last: bool,
     ) -> Fallible<MotionCheck<f64>> {
         let (with, range_bounds, modes) = (self.registers, world.range_bounds, Modes::of(world));
-        let (part, touch) = world.pushing(world.dt);
+        let (part, touch) = world.force_ranges(world.dt);
         let hit = with.run(Touch(part, touch, law));
 
         let count = world.clock.listed_across();
-        if self.spills.len() < count {
-            self.spills
+        if self.cross_forces.len() < count {
+            self.cross_forces
                 .resize(count + count / 8, CrossRangeForce::default());
         }
-        let spills = &mut self.spills[..count];
+        let cross_forces = &mut self.cross_forces[..count];
         let mut deep = None;
         if count > 0 {
-            let (sight, pairs) = world.across();
-            let sending = Sending(sight, pairs, spills);
+            let (view, pairs) = world.cross_range_pairs();
+            let sending = Sending(view, pairs, cross_forces);
             deep = share(sending, range_bounds.len() + 1, &|s| {
                 modes.after(with.run(Across(s, law)))
             });
         }
 
-        let spills = &*spills;
-        let (part, _) = world.pushing(world.dt);
-        let work = |part| modes.after(with.run(Sum(part, law, spills, last)));
+        let cross_forces = &*cross_forces;
+        let (part, _) = world.force_ranges(world.dt);
+        let work = |part| modes.after(with.run(Sum(part, law, cross_forces, last)));
         let join = |(a, p): (ExcessiveOverlap, MotionCheck<f64>), (b, q)| {
             (first_excessive_overlap(a, b), p.and(q))
         };
@@ -342,8 +342,8 @@ impl<L: Law<f64>> Kernel for Across<'_, L> {
 
     #[inline(always)]
     fn run(self) -> ExcessiveOverlap {
-        let Across(Sending(sight, pairs, out), law) = self;
-        cross_range(sight, pairs, law, out)
+        let Across(Sending(view, pairs, out), law) = self;
+        cross_range(view, pairs, law, out)
     }
 }
 
@@ -361,11 +361,11 @@ impl<L: Law<f64>> Kernel for Sum<'_, L> {
 
     #[inline(always)]
     fn run(self) -> Self::Output {
-        let Sum(mut part, law, spills, last) = self;
+        let Sum(mut part, law, cross_forces, last) = self;
         let grains = part.first..part.first + part.grains.position.len();
-        let place = |i: usize| spills.partition_point(|one| (one.i as usize) < i);
-        let own = &spills[place(grains.start)..place(grains.end)];
-        let lower = spills[..place(grains.start)].iter();
+        let place = |i: usize| cross_forces.partition_point(|one| (one.i as usize) < i);
+        let own = &cross_forces[place(grains.start)..place(grains.end)];
+        let lower = cross_forces[..place(grains.start)].iter();
         let lower = lower.filter(|one| grains.contains(&(one.j as usize)));
         let after = if last {
             After::Rest

@@ -89,8 +89,8 @@ pub(super) fn run_verify(what: Verify) -> Result<()> {
         return campaign::verify::verify(&folder, &scope, expect, threads, &progress, say);
     }
     let folder = Folder(&what.folder);
-    let past = RunArchive::open(&folder)?;
-    verify(&past, &scope, &what.expect, threads, &progress, say)
+    let archive = RunArchive::open(&folder)?;
+    verify(&archive, &scope, &what.expect, threads, &progress, say)
 }
 
 /// Runs `bitgrain bisect`.

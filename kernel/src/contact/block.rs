@@ -6,7 +6,9 @@
 //! the next one lies in columns that stay in the nearest cache. Nothing here branches on the data:
 //! a pair that does not touch is evaluated too and gives +0.0, which changes no sum.
 
-use crate::contact::law::{Law, NormalForce, NormalState, TangentialState, roll, slide};
+use crate::contact::law::{
+    Law, NormalForce, NormalState, TangentialState, surface_spin, tangential_state,
+};
 use crate::math::real::{Real, smaller};
 use crate::math::rows::Row;
 use crate::math::rows::{copy, front_mut, less, min, prefix};
@@ -58,7 +60,7 @@ pub(crate) struct Block<R> {
     normal: Columns<R>,
     overlap: Column<R>,
     speed: Column<R>,
-    press: Presses<R>,
+    normal_force: NormalForces<R>,
     sliding: Columns<R>,
     length2: Column<R>,
     /// Tangential springs, advanced and then left.
@@ -71,7 +73,7 @@ pub(crate) struct Block<R> {
 }
 
 /// [`NormalForce`] in columns.
-struct Presses<R> {
+struct NormalForces<R> {
     force: Column<R>,
     contact_radius: Column<R>,
     damping: Column<R>,
@@ -106,7 +108,7 @@ impl<R: Real> Block<R> {
             normal: columns,
             overlap: column,
             speed: column,
-            press: Presses {
+            normal_force: NormalForces {
                 force: column,
                 contact_radius: column,
                 damping: column,
@@ -176,7 +178,7 @@ impl<R: Real> Block<R> {
     pub fn evaluate<L: Law<R>>(&mut self, domain: &Domain<R>, law: &L, dt: R) {
         self.meet(domain);
         self.normal_force(law);
-        self.slide(dt);
+        self.advance_springs(dt);
         self.tangential_force(law);
         self.push();
     }
@@ -197,7 +199,7 @@ impl<R: Real> Block<R> {
         for k in 0..self.whole() {
             let (ri, rj) = (self.radius[0][k], self.radius[1][k]);
             let speed = dot(head(self.relative[k]), taken(&self.normal, k));
-            let press = law.normal_force(&NormalState {
+            let normal_force = law.normal_force(&NormalState {
                 overlap: self.overlap[k],
                 speed,
                 radius_i: ri,
@@ -206,54 +208,54 @@ impl<R: Real> Block<R> {
                 mass_effective: R::ONE / (self.spin[0][k][3] + self.spin[1][k][3]),
             });
             self.speed[k] = speed;
-            self.press.force[k] = press.force;
-            self.press.contact_radius[k] = press.contact_radius;
-            self.press.damping[k] = press.damping;
-            self.press.lever_arm_i[k] = press.lever_arm_i;
-            self.press.lever_arm_j[k] = press.lever_arm_j;
+            self.normal_force.force[k] = normal_force.force;
+            self.normal_force.contact_radius[k] = normal_force.contact_radius;
+            self.normal_force.damping[k] = normal_force.damping;
+            self.normal_force.lever_arm_i[k] = normal_force.lever_arm_i;
+            self.normal_force.lever_arm_j[k] = normal_force.lever_arm_j;
         }
     }
 
     #[inline(always)]
-    fn slide(&mut self, dt: R) {
+    fn advance_springs(&mut self, dt: R) {
         for k in 0..self.whole() {
             let (wi, wj) = (self.spin[0][k], self.spin[1][k]);
-            let turn = roll(
+            let turn = surface_spin(
                 head(wi),
-                self.press.lever_arm_i[k],
+                self.normal_force.lever_arm_i[k],
                 head(wj),
-                self.press.lever_arm_j[k],
+                self.normal_force.lever_arm_j[k],
             );
             let normal = taken(&self.normal, k);
             let velocity = head(self.relative[k]);
             let spring = taken(&self.spring, k);
-            let slide = slide(normal, velocity, self.speed[k], turn, spring, dt);
-            put(&mut self.sliding, k, slide.velocity);
-            put(&mut self.spring, k, slide.spring);
-            self.length2[k] = slide.length2;
+            let state = tangential_state(normal, velocity, self.speed[k], turn, spring, dt);
+            put(&mut self.sliding, k, state.velocity);
+            put(&mut self.spring, k, state.spring);
+            self.length2[k] = state.length2;
         }
     }
 
     #[inline(always)]
     fn tangential_force<L: Law<R>>(&mut self, law: &L) {
         for k in 0..self.whole() {
-            let press = NormalForce {
-                force: self.press.force[k],
-                contact_radius: self.press.contact_radius[k],
-                damping: self.press.damping[k],
-                lever_arm_i: self.press.lever_arm_i[k],
-                lever_arm_j: self.press.lever_arm_j[k],
+            let normal_force = NormalForce {
+                force: self.normal_force.force[k],
+                contact_radius: self.normal_force.contact_radius[k],
+                damping: self.normal_force.damping[k],
+                lever_arm_i: self.normal_force.lever_arm_i[k],
+                lever_arm_j: self.normal_force.lever_arm_j[k],
             };
-            let slide = TangentialState {
+            let state = TangentialState {
                 velocity: taken(&self.sliding, k),
                 spring: taken(&self.spring, k),
                 length2: self.length2[k],
             };
-            let shear = law.tangential_force(&press, &slide);
-            put(&mut self.tangential, k, shear.force);
+            let tangential_force = law.tangential_force(&normal_force, &state);
+            put(&mut self.tangential, k, tangential_force.force);
             // Only the law's own overlap opens or erases a history.
             let touches = self.overlap[k] > R::ZERO;
-            let left = either(touches, shear.spring, [R::ZERO; 3]);
+            let left = either(touches, tangential_force.spring, [R::ZERO; 3]);
             put(&mut self.spring, k, left);
         }
     }
@@ -263,7 +265,7 @@ impl<R: Real> Block<R> {
         for k in 0..self.whole() {
             let (normal, tangential) = (taken(&self.normal, k), taken(&self.tangential, k));
             let touches = self.overlap[k] > R::ZERO;
-            let force = add(scale(normal, self.press.force[k]), tangential);
+            let force = add(scale(normal, self.normal_force.force[k]), tangential);
             let force = either(touches, force, [R::ZERO; 3]);
             let couple = either(touches, cross(normal, tangential), [R::ZERO; 3]);
             self.force[k] = [force[0], force[1], force[2], R::ZERO];
@@ -276,7 +278,11 @@ impl<R: Real> Block<R> {
     #[inline(always)]
     pub fn shares(&self) -> impl Iterator<Item = (&Row<R>, &Row<R>, R, R)> {
         let rows = prefix(&self.force, self.count).iter().zip(&self.couple);
-        let arms = self.press.lever_arm_i.iter().zip(&self.press.lever_arm_j);
+        let arms = self
+            .normal_force
+            .lever_arm_i
+            .iter()
+            .zip(&self.normal_force.lever_arm_j);
         rows.zip(arms)
             .map(|((force, couple), (lever_arm_i, lever_arm_j))| {
                 (force, couple, *lever_arm_i, *lever_arm_j)
@@ -323,7 +329,7 @@ impl<R: Real> Block<R> {
                     k,
                     self.overlap[k],
                     taken(&self.normal, k),
-                    self.press.force[k],
+                    self.normal_force.force[k],
                     taken(&self.tangential, k),
                 );
             }

@@ -47,15 +47,15 @@ impl<R: Real> Law<R> for HertzHistory<R> {
     #[inline(always)]
     fn tangential_force(
         &self,
-        press: &NormalForce<R>,
-        slide: &TangentialState<R>,
+        normal_force: &NormalForce<R>,
+        state: &TangentialState<R>,
     ) -> TangentialForce<R> {
-        let s = slide.spring;
+        let s = state.spring;
         // q = K_t s + m gamma_t v_t, so that F_t = -sqrt(R delta) q.
-        let damp = scale(slide.velocity, press.damping);
+        let damp = scale(state.velocity, normal_force.damping);
         let q = add(scale(s, self.kt), damp);
-        let ft = press.contact_radius * dot(q, q).sqrt();
-        let cap = self.mu * magnitude(press.force);
+        let ft = normal_force.contact_radius * dot(q, q).sqrt();
+        let cap = self.mu * magnitude(normal_force.force);
         let slides = ft > cap;
         let f = if slides { cap / ft } else { R::ONE };
 
@@ -65,11 +65,11 @@ impl<R: Real> Law<R> for HertzHistory<R> {
             R::ZERO
         };
         let shrunk = scale(sub(scale(q, f), damp), per_kt);
-        let hold = slides && slide.length2 == R::ZERO;
+        let hold = slides && state.length2 == R::ZERO;
         let g = if hold {
             R::ZERO
         } else {
-            -(press.contact_radius * f)
+            -(normal_force.contact_radius * f)
         };
         TangentialForce {
             force: scale(q, g),

@@ -68,19 +68,23 @@ impl<R: Real> Law<R> for HertzTsuji<R> {
     #[inline(always)]
     fn tangential_force(
         &self,
-        press: &NormalForce<R>,
-        slide: &TangentialState<R>,
+        normal_force: &NormalForce<R>,
+        state: &TangentialState<R>,
     ) -> TangentialForce<R> {
-        let s = slide.spring;
-        let kt = self.kt * press.contact_radius;
+        let s = state.spring;
+        let kt = self.kt * normal_force.contact_radius;
         let pull = kt * dot(s, s).sqrt();
-        let cap = self.mu * magnitude(press.force);
+        let cap = self.mu * magnitude(normal_force.force);
         let slides = pull > cap;
         let f = if slides { cap / pull } else { R::ONE };
-        let gamma_t = if slides { R::ZERO } else { press.damping };
+        let gamma_t = if slides {
+            R::ZERO
+        } else {
+            normal_force.damping
+        };
 
         let left = scale(s, f);
-        let resisted = add(scale(left, kt), scale(slide.velocity, gamma_t));
+        let resisted = add(scale(left, kt), scale(state.velocity, gamma_t));
         TangentialForce {
             force: scale(resisted, -R::ONE),
             spring: left,

@@ -1,7 +1,7 @@
 //! Contact laws: from how two bodies touch to the force between them.
 //!
 //! A law is two pure functions of one contact, the same for grain on grain and grain on obstacle, with
-//! no branch on the data: how hard the bodies press each other, and how they resist being slid. What
+//! no branch on the data: how hard the bodies normal_force each other, and how they resist being slid. What
 //! comes before, between and after is the same for every law and stands here once. A block of
 //! contacts is evaluated in lanes, function by function: short chains of operations keep a processor
 //! busy where one long chain has it wait. A new law is one new file in this folder.
@@ -64,7 +64,7 @@ pub struct NormalState<R> {
     pub mass_effective: R,
 }
 
-/// How hard two bodies press each other, and what their sliding needs to know of it.
+/// The normal force of a contact, and what its tangential part needs to know of it.
 #[derive(Clone, Copy, Debug)]
 pub struct NormalForce<R> {
     /// Normal force on the grain; negative when it pulls.
@@ -90,7 +90,7 @@ pub struct TangentialState<R> {
     pub length2: R,
 }
 
-/// How two bodies resist being slid.
+/// The tangential force of a contact.
 #[derive(Clone, Copy, Debug)]
 pub struct TangentialForce<R> {
     /// Tangential force on the grain.
@@ -102,13 +102,13 @@ pub struct TangentialForce<R> {
 /// A contact law. Where `overlap <= 0` its results are unspecified and the caller discards them.
 pub trait Law<R: Real>: Copy + Send + Sync {
     /// Along the normal.
-    fn normal_force(&self, squeeze: &NormalState<R>) -> NormalForce<R>;
+    fn normal_force(&self, contact: &NormalState<R>) -> NormalForce<R>;
 
     /// In the tangent plane.
     fn tangential_force(
         &self,
-        press: &NormalForce<R>,
-        slide: &TangentialState<R>,
+        normal: &NormalForce<R>,
+        state: &TangentialState<R>,
     ) -> TangentialForce<R>;
 
     /// The force of one contact, with its tangential `spring` advanced over `dt`: the definition that
@@ -118,7 +118,7 @@ pub trait Law<R: Real>: Copy + Send + Sync {
     #[inline(always)]
     fn react(&self, c: &Contact<R>, spring: Vec3<R>, dt: R) -> Reaction<R> {
         let speed = dot(c.velocity, c.normal);
-        let press = self.normal_force(&NormalState {
+        let normal_force = self.normal_force(&NormalState {
             overlap: c.overlap,
             speed,
             radius_i: c.radius_i,
@@ -126,22 +126,27 @@ pub trait Law<R: Real>: Copy + Send + Sync {
             radius_effective: c.radius_effective,
             mass_effective: c.mass_effective,
         });
-        let turn = roll(c.spin_i, press.lever_arm_i, c.spin_j, press.lever_arm_j);
-        let slide = slide(c.normal, c.velocity, speed, turn, spring, dt);
-        let shear = self.tangential_force(&press, &slide);
+        let turn = surface_spin(
+            c.spin_i,
+            normal_force.lever_arm_i,
+            c.spin_j,
+            normal_force.lever_arm_j,
+        );
+        let state = tangential_state(c.normal, c.velocity, speed, turn, spring, dt);
+        let tangential_force = self.tangential_force(&normal_force, &state);
         Reaction {
-            normal: press.force,
-            tangential: shear.force,
-            spring: shear.spring,
-            lever_arm_i: press.lever_arm_i,
-            lever_arm_j: press.lever_arm_j,
+            normal: normal_force.force,
+            tangential: tangential_force.force,
+            spring: tangential_force.spring,
+            lever_arm_i: normal_force.lever_arm_i,
+            lever_arm_j: normal_force.lever_arm_j,
         }
     }
 }
 
 /// `w_i a_i + w_j a_j`: what the spins add to the sliding, before it is crossed with the normal.
 #[inline(always)]
-pub(crate) fn roll<R: Real>(
+pub(crate) fn surface_spin<R: Real>(
     spin_i: Vec3<R>,
     lever_arm_i: R,
     spin_j: Vec3<R>,
@@ -153,7 +158,7 @@ pub(crate) fn roll<R: Real>(
 /// The sliding `v_t = (v - n v_n) + n x turn`, and the spring `s + v_t dt` projected by
 /// `s - n (s . n)`.
 #[inline(always)]
-pub(crate) fn slide<R: Real>(
+pub(crate) fn tangential_state<R: Real>(
     normal: Vec3<R>,
     velocity: Vec3<R>,
     speed: R,

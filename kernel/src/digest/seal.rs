@@ -134,7 +134,7 @@ pub(crate) fn whole<R: Real>(world: &World<'_, R>, grains: Sealed) -> u64 {
     }
     for group in world.grains.groups {
         rest.flags(group.integrates);
-        rest.flags([group.spins, group.heavy, false]);
+        rest.flags([group.spins, group.infinite_mass, false]);
         rest.vector(group.gravity);
     }
     for body in world.obstacles.iter() {

@@ -68,8 +68,8 @@ pub fn digest<R: Real>(world: &World<'_, R>) -> Digest {
     let velocities = hash(|h| g.velocity.iter().for_each(|v| numbers(h, v)));
     let spins = hash(|h| g.spin.iter().for_each(|w| numbers(h, &head(*w))));
     let histories = hash(|h| {
-        for bond in world.contact_histories() {
-            match bond {
+        for history in world.contact_histories() {
+            match history {
                 ContactHistory::Pair { i, j, spring } => spring_of(h, 0, id(i), id(j), spring),
                 ContactHistory::Obstacle {
                     i,

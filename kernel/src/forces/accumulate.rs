@@ -177,17 +177,17 @@ pub fn first_excessive_overlap(a: ExcessiveOverlap, b: ExcessiveOverlap) -> Exce
 /// few for are lost.
 #[inline(always)]
 pub fn cross_range<R: Real, L: Law<R>>(
-    sight: GrainView<'_, R>,
+    view: GrainView<'_, R>,
     mut pairs: PairRange<'_, R>,
     law: &L,
     out: &mut [CrossRangeForce<R>],
 ) -> ExcessiveOverlap {
-    let (law, domain) = (*law, *sight.domain);
+    let (law, domain) = (*law, *view.domain);
     let bodies = Bodies {
         first: 0,
-        position: sight.position,
-        velocity: sight.velocity,
-        spin: sight.spin,
+        position: view.position,
+        velocity: view.velocity,
+        spin: view.spin,
     };
     let mut block = Block::new();
     let mut deep = None;
@@ -195,7 +195,7 @@ pub fn cross_range<R: Real, L: Law<R>>(
     let mut done = 0;
     while done < pairs.len() {
         let (lower, partner) = take(&mut block, bodies, &mut pairs, done);
-        block.evaluate(&domain, &law, sight.dt);
+        block.evaluate(&domain, &law, view.dt);
         keep(&block, &mut pairs, done);
         let shares = lower.iter().zip(partner).zip(block.shares());
         for (((i, j), (force, couple, lever_arm_i, lever_arm_j)), out) in shares.zip(&mut out) {

@@ -34,7 +34,7 @@ pub struct OuterList<'a> {
 /// What a search found.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Found<R> {
-    pub touches: usize,
+    pub obstacle_contacts: usize,
     /// How far beyond touching every pair is a candidate, less rounding.
     pub far: R,
     /// Margin for the rounding of coordinates and distances.
@@ -132,7 +132,7 @@ pub(crate) struct Scene<'a, R> {
 }
 
 /// Finds every pair and every obstacle contact closer than touching by up to `scene.far`. The obstacle
-/// contacts are left in the spare list, with the springs that the old list of `old_touches` of them holds.
+/// contacts are left in the spare list, with the springs that the old list of `old_obstacle_contacts` of them holds.
 ///
 /// Margins: coordinates, separations and travels are each rounded by at most a few units in the
 /// last place of the largest coordinate, and 64 such units are added.
@@ -142,7 +142,7 @@ pub(crate) fn search<R: Real>(
     pairs: &PairList<'_, R>,
     spare: &mut PairList<'_, R>,
     cells: &mut CellList<'_>,
-    old_touches: usize,
+    old_obstacle_contacts: usize,
 ) -> Result<Found<R>, Error> {
     let (domain, grains, obstacles) = (scene.domain, scene.grains, scene.obstacles);
     let position = &*grains.position;
@@ -172,11 +172,11 @@ pub(crate) fn search<R: Real>(
     let grid = Grid::new(domain, position, width, room);
     sort_into_cells(&grid, position, cells);
 
-    let touches = list_touches(domain, grains, obstacles, spare, far)?;
+    let obstacle_contacts = list_obstacle_contacts(domain, grains, obstacles, spare, far)?;
     list_candidates(scene, &grid, cells, candidates, far)?;
-    take_touch_springs(pairs, old_touches, spare, touches);
+    take_obstacle_contact_springs(pairs, old_obstacle_contacts, spare, obstacle_contacts);
     Ok(Found {
-        touches,
+        obstacle_contacts,
         far: scene.far,
         slack,
         rounding: extent * (R::EPSILON + R::EPSILON),
@@ -184,22 +184,22 @@ pub(crate) fn search<R: Real>(
 }
 
 /// Puts the obstacle contacts of a search in the place of the old ones.
-pub(crate) fn keep_touches<R: Real>(
+pub(crate) fn keep_obstacle_contacts<R: Real>(
     pairs: &mut PairList<'_, R>,
     spare: &PairList<'_, R>,
     touches: usize,
 ) {
     copy(
-        front_mut(pairs.touch_grain, touches),
-        prefix(spare.touch_grain, touches),
+        front_mut(pairs.obstacle_contact_grain, touches),
+        prefix(spare.obstacle_contact_grain, touches),
     );
     copy(
-        front_mut(pairs.touch_obstacle, touches),
-        prefix(spare.touch_obstacle, touches),
+        front_mut(pairs.obstacle_contact_obstacle, touches),
+        prefix(spare.obstacle_contact_obstacle, touches),
     );
     copy(
-        front_mut(pairs.touch_spring, touches),
-        prefix(spare.touch_spring, touches),
+        front_mut(pairs.obstacle_contact_spring, touches),
+        prefix(spare.obstacle_contact_spring, touches),
     );
 }
 
@@ -290,7 +290,7 @@ fn has_infinite_mass<R: Real>(grains: &Grains<'_, R>, i: usize) -> bool {
     let group = grains
         .groups
         .get(usize::from(get_or_default(grains.group, i)));
-    group.is_some_and(|group| group.heavy)
+    group.is_some_and(|group| group.infinite_mass)
 }
 
 /// Shell's sort with Ciura's gaps: rows are short, and it cannot panic.
@@ -309,14 +309,14 @@ fn sort(words: &mut [u32]) {
     }
 }
 
-fn list_touches<R: Real>(
+fn list_obstacle_contacts<R: Real>(
     domain: &Domain<R>,
     grains: &Grains<'_, R>,
     obstacles: &[Obstacle<R>],
     spare: &mut PairList<'_, R>,
     skin: R,
 ) -> Result<usize, Error> {
-    let capacity = spare.touch_grain.len();
+    let capacity = spare.obstacle_contact_grain.len();
     let mut touches = 0;
     for (i, x) in grains.position.iter().enumerate() {
         let heavy = has_infinite_mass(grains, i);
@@ -328,8 +328,8 @@ fn list_touches<R: Real>(
             // A distance whose square is too large for a number may be any.
             let is_far = meeting.overlap.is_finite() && meeting.overlap < -skin;
             if !is_far {
-                set(spare.touch_grain, touches, i as u32);
-                set(spare.touch_obstacle, touches, k as u32);
+                set(spare.obstacle_contact_grain, touches, i as u32);
+                set(spare.obstacle_contact_obstacle, touches, k as u32);
                 touches += 1;
             }
         }
@@ -340,41 +340,41 @@ fn list_touches<R: Real>(
     Ok(touches)
 }
 
-fn take_touch_springs<R: Real>(
+fn take_obstacle_contact_springs<R: Real>(
     old: &PairList<'_, R>,
-    old_touches: usize,
+    old_obstacle_contacts: usize,
     new: &mut PairList<'_, R>,
     touches: usize,
 ) {
     let mut from = 0;
     for t in 0..touches {
         let key = (
-            get_or_default(new.touch_grain, t),
-            get_or_default(new.touch_obstacle, t),
+            get_or_default(new.obstacle_contact_grain, t),
+            get_or_default(new.obstacle_contact_obstacle, t),
         );
         let old_key = |f: usize| {
             (
-                get_or_default(old.touch_grain, f),
-                get_or_default(old.touch_obstacle, f) & PLACE,
+                get_or_default(old.obstacle_contact_grain, f),
+                get_or_default(old.obstacle_contact_obstacle, f) & PLACE,
             )
         };
-        while from < old_touches && old_key(from) < key {
+        while from < old_obstacle_contacts && old_key(from) < key {
             from += 1;
         }
-        let same = from < old_touches && old_key(from) == key;
+        let same = from < old_obstacle_contacts && old_key(from) == key;
         if same {
             set(
-                new.touch_obstacle,
+                new.obstacle_contact_obstacle,
                 t,
-                get_or_default(old.touch_obstacle, from),
+                get_or_default(old.obstacle_contact_obstacle, from),
             );
         }
         let spring = if same {
-            get_or_default(old.touch_spring, from)
+            get_or_default(old.obstacle_contact_spring, from)
         } else {
             [R::ZERO; 4]
         };
-        set(new.touch_spring, t, spring);
+        set(new.obstacle_contact_spring, t, spring);
     }
 }
 

@@ -27,11 +27,11 @@ pub struct PairList<'a, R> {
     /// zero if the grains do not touch.
     pub spring: [&'a mut [R]; 3],
     /// Obstacle contacts: place of the grain.
-    pub touch_grain: &'a mut [u32],
+    pub obstacle_contact_grain: &'a mut [u32],
     /// Number of the obstacle, with [`TOUCHING`].
-    pub touch_obstacle: &'a mut [u32],
+    pub obstacle_contact_obstacle: &'a mut [u32],
     /// Tangential spring from the grain's side; last word unused.
-    pub touch_spring: &'a mut [Row<R>],
+    pub obstacle_contact_spring: &'a mut [Row<R>],
 }
 
 /// How many entries of a list are in use.
@@ -44,7 +44,7 @@ pub(crate) struct Listed {
     /// Pairs that touched when they were listed; for timings only.
     pub touching: usize,
     /// Obstacle contacts.
-    pub touches: usize,
+    pub obstacle_contacts: usize,
 }
 
 /// One touching contact as the list holds it; places, not ids.
@@ -111,14 +111,15 @@ impl<R: Real> PairList<'_, R> {
     pub(crate) fn is_whole(&self) -> bool {
         self.partner.len() == self.lower.len()
             && self.spring.iter().all(|s| s.len() == self.lower.len())
-            && self.touch_grain.len() == self.touch_obstacle.len()
-            && self.touch_grain.len() == self.touch_spring.len()
+            && self.obstacle_contact_grain.len() == self.obstacle_contact_obstacle.len()
+            && self.obstacle_contact_grain.len() == self.obstacle_contact_spring.len()
             && self.partner.len() < TOUCHING as usize
     }
 
     /// Whether the list has room for what is said to be in it.
     pub(crate) fn holds(&self, listed: Listed) -> bool {
-        self.partner.len() >= listed.pairs && self.touch_grain.len() >= listed.touches
+        self.partner.len() >= listed.pairs
+            && self.obstacle_contact_grain.len() >= listed.obstacle_contacts
     }
 
     /// The listed pairs by lower grain and partner.
@@ -171,23 +172,26 @@ impl<R: Real> PairList<'_, R> {
             j,
             spring: self.spring_of(p),
         });
-        let touches = (0..listed.touches.min(self.touch_grain.len()))
-            .filter(|&t| get_or_default(self.touch_obstacle, t) & TOUCHING != 0)
+        let touches = (0..listed
+            .obstacle_contacts
+            .min(self.obstacle_contact_grain.len()))
+            .filter(|&t| get_or_default(self.obstacle_contact_obstacle, t) & TOUCHING != 0)
             .map(|t| ContactHistory::Obstacle {
-                i: get_or_default(self.touch_grain, t),
-                obstacle: get_or_default(self.touch_obstacle, t) & PLACE,
-                spring: head(get_or_default(self.touch_spring, t)),
+                i: get_or_default(self.obstacle_contact_grain, t),
+                obstacle: get_or_default(self.obstacle_contact_obstacle, t) & PLACE,
+                spring: head(get_or_default(self.obstacle_contact_spring, t)),
             });
         pairs.chain(touches)
     }
 
-    /// Puts a bond back into a list that was just built; `false` if the list has no such entry.
-    pub(crate) fn restore(&mut self, bond: &ContactHistory<R>, listed: Listed) -> bool {
-        let (ContactHistory::Pair { spring, .. } | ContactHistory::Obstacle { spring, .. }) = bond;
+    /// Puts a history back into a list that was just built; `false` if the list has no such entry.
+    pub(crate) fn restore(&mut self, history: &ContactHistory<R>, listed: Listed) -> bool {
+        let (ContactHistory::Pair { spring, .. } | ContactHistory::Obstacle { spring, .. }) =
+            history;
         if !spring.iter().all(|s| s.is_finite()) {
             return false;
         }
-        match *bond {
+        match *history {
             ContactHistory::Pair { i, j, spring } => {
                 let found = self.find(0..listed.inner, (i, j));
                 let found = found.or_else(|| self.find(listed.inner..listed.pairs, (i, j)));
@@ -201,10 +205,10 @@ impl<R: Real> PairList<'_, R> {
                 obstacle,
                 spring: [x, y, z],
             } => {
-                let grains = prefix(self.touch_grain, listed.touches).iter();
+                let grains = prefix(self.obstacle_contact_grain, listed.obstacle_contacts).iter();
                 let mut entries = grains
-                    .zip(&mut *self.touch_obstacle)
-                    .zip(&mut *self.touch_spring);
+                    .zip(&mut *self.obstacle_contact_obstacle)
+                    .zip(&mut *self.obstacle_contact_spring);
                 let found =
                     entries.find(|((grain, word), _)| (**grain, **word & PLACE) == (i, obstacle));
                 let Some(((_, word), row)) = found else {

@@ -13,7 +13,8 @@ pub struct Group<R> {
     /// Whether they answer torques.
     pub spins: bool,
     /// Whether they count as infinitely heavy in a contact. Two such grains never push each other.
-    pub heavy: bool,
+    #[cfg_attr(feature = "serde", serde(rename = "heavy"))]
+    pub infinite_mass: bool,
     /// Acceleration of gravity on these grains (length / time^2).
     pub gravity: [R; 3],
 }
@@ -24,7 +25,7 @@ impl<R: Real> Group<R> {
         Self {
             integrates: [true; 3],
             spins: true,
-            heavy: false,
+            infinite_mass: false,
             gravity,
         }
     }
@@ -34,7 +35,7 @@ impl<R: Real> Group<R> {
         Self {
             integrates: [false; 3],
             spins: false,
-            heavy: true,
+            infinite_mass: true,
             gravity: [R::ZERO; 3],
         }
     }
@@ -42,7 +43,7 @@ impl<R: Real> Group<R> {
     /// Grains carried at the velocity in their rows, without spin, with their own mass in a contact.
     pub fn prescribed_velocity() -> Self {
         Self {
-            heavy: false,
+            infinite_mass: false,
             ..Self::frozen()
         }
     }
@@ -52,7 +53,7 @@ impl<R: Real> Group<R> {
         Self {
             integrates: [false, false, true],
             spins: true,
-            heavy: false,
+            infinite_mass: false,
             gravity,
         }
     }

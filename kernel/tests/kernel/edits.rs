@@ -174,7 +174,7 @@ fn another_table_or_box_is_found() {
     let wide = Domain::new([0.0; 3], [13.0, 8.0, 8.0], [true, true, false]).unwrap();
     let closed = Domain::new([0.0; 3], [12.0, 8.0, 8.0], [true; 3]).unwrap();
     let heavy = Group {
-        heavy: true,
+        infinite_mass: true,
         ..Group::prescribed_velocity()
     };
     let light = Group::free([0.0, 0.0, -0.5]);
@@ -201,7 +201,7 @@ fn what_may_change_between_two_steps_is_not_held_against_a_run() {
     let mut store = row::<f64>(0.03);
     steps(&mut store.world(), 5).unwrap();
     store.set_skin(0.2);
-    store.set_reach(0.1);
+    store.set_outer_skin(0.1);
     let mut world = store.world();
     world.clock.step = 1_000_000;
     world.obstacles[1].velocity = [-4.0, 0.5, 0.0];

@@ -61,7 +61,7 @@ impl<L: Law<f64>> Slow<L> {
     }
 
     fn heavy(&self, i: usize) -> bool {
-        self.group[i].heavy
+        self.group[i].infinite_mass
     }
 
     fn inverse_mass(&self, i: usize) -> f64 {

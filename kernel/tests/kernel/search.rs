@@ -89,8 +89,13 @@ fn listed_pairs(world: &World<'_, f64>) -> Listed {
 }
 
 fn listed_touches(world: &World<'_, f64>) -> Listed {
-    let touches = 0..world.clock.touches();
-    let pair = |t: usize| (world.pairs.touch_grain[t], world.pairs.touch_obstacle[t]);
+    let touches = 0..world.clock.obstacle_contacts();
+    let pair = |t: usize| {
+        (
+            world.pairs.obstacle_contact_grain[t],
+            world.pairs.obstacle_contact_obstacle[t],
+        )
+    };
     touches
         .map(pair)
         .map(|(i, k)| (i as usize, k as usize))
@@ -101,7 +106,7 @@ fn listed_touches(world: &World<'_, f64>) -> Listed {
 /// listed; 1e-9 is far above the list's own margin at coordinates of a thousand, some 1e-11.
 fn compare_with_all(world: &World<'_, f64>, skin: f64) -> Result<(), TestCaseError> {
     let g = &world.grains;
-    let heavy = |i: usize| g.groups[g.group[i] as usize].heavy;
+    let heavy = |i: usize| g.groups[g.group[i] as usize].infinite_mass;
     let (pairs, touches) = (listed_pairs(world), listed_touches(world));
     for j in 0..g.count() {
         for i in 0..j {
@@ -256,7 +261,10 @@ fn rebuild(seed: &[f64], units: &Units, law: impl Law<f64>) -> Result<(), TestCa
             stretched[kind as usize] += u32::from(spring != [0; 3]);
         }
     }
-    let searches = (often.clock.searches(), seldom.clock.searches());
+    let searches = (
+        often.clock.outer_list_rebuilds(),
+        seldom.clock.outer_list_rebuilds(),
+    );
     prop_assume!(searches.0 > 50, "stopped early");
     prop_assert!(searches.0 > 10 * searches.1, "{:?} searches", searches);
     prop_assume!(stretched[0] > 100, "few springs between grains");

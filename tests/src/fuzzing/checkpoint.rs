@@ -166,7 +166,7 @@ fn alter(sim: &mut Simulation, from: &mut Bytes) {
             };
             match from.below(4) {
                 0 => group.gravity[word % 3] = number,
-                1 => group.heavy ^= true,
+                1 => group.infinite_mass ^= true,
                 2 => group.spins ^= true,
                 _ => group.integrates[word % 3] ^= true,
             }

@@ -28,7 +28,7 @@ pub fn contact(data: &[u8]) -> bool {
     };
     let mut twin = sim.clone();
     let wider = [0.0, 0.3, 3.0][bytes.below(3)];
-    (twin.skin, twin.reach) = (twin.skin * wider, twin.reach * wider);
+    (twin.skin, twin.outer_skin) = (twin.skin * wider, twin.outer_skin * wider);
     twin.start().expect("the same start with another skin");
     let steps = 1 + bytes.byte() % CONTACT_STEPS;
     for step in 0..steps {

@@ -70,7 +70,7 @@ pub(super) fn group<R: Real>(bytes: &mut Bytes) -> Group<R> {
     Group {
         integrates,
         spins,
-        heavy,
+        infinite_mass: heavy,
         gravity: vector(bytes),
     }
 }
@@ -101,9 +101,9 @@ pub(super) fn list<R: Real>(bytes: &mut Bytes) -> List<R> {
         lower: many(bytes, pairs, word),
         partner: many(bytes, pairs, word),
         spring: [0; 3].map(|_| many(bytes, pairs, number)),
-        touch_grain: many(bytes, touches, word),
-        touch_obstacle: many(bytes, touches, word),
-        touch_spring: many(bytes, touches, row),
+        obstacle_contact_grain: many(bytes, touches, word),
+        obstacle_contact_obstacle: many(bytes, touches, word),
+        obstacle_contact_spring: many(bytes, touches, row),
     }
 }
 
@@ -124,7 +124,7 @@ pub(super) fn spills<R: Real>(bytes: &mut Bytes) -> Vec<CrossRangeForce<R>> {
 pub(super) fn lent<R: Real>(bytes: &mut Bytes) -> Lent<R> {
     let n = bytes.below(ENTRIES);
     let mut lent = Lent::new(domain(bytes), number(bytes));
-    (lent.skin, lent.reach) = (number(bytes), number(bytes));
+    (lent.skin, lent.outer_skin) = (number(bytes), number(bytes));
     let mut id = 0u32;
     lent.id = many(bytes, n, |bytes| {
         id = if bytes.below(32) == 0 {
@@ -160,7 +160,7 @@ pub(super) fn tame<R: Real>(bytes: &mut Bytes, lent: &mut Lent<R>) {
     let half = R::HALF;
     lent.domain =
         Domain::new([R::ZERO; 3], [R::from_f64(8.0); 3], [true, true, false]).expect("a box");
-    (lent.dt, lent.skin, lent.reach) = (R::from_f64(0.015625), half, half);
+    (lent.dt, lent.skin, lent.outer_skin) = (R::from_f64(0.015625), half, half);
     lent.groups = vec![Group::free([R::ZERO, R::ZERO, -R::ONE]), Group::frozen()];
     lent.obstacles.truncate(1);
     lent.obstacles

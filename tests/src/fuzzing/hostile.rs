@@ -135,7 +135,7 @@ fn pushed<R: Real, L: Law<R>>(bytes: &mut Bytes, lent: &mut Lent<R>, law: &L) {
     let after = [After::Stay, After::Rest, After::FinishAndBegin][bytes.below(3)];
     let (lower, own) = (spills(bytes), spills(bytes));
     let mut world = lent.world();
-    let (mut part, mut touch) = world.pushing(dt);
+    let (mut part, mut touch) = world.force_ranges(dt);
     obstacle_forces(&mut part, &mut touch, law, |_| {});
     accumulate(
         &mut part,
@@ -147,7 +147,7 @@ fn pushed<R: Real, L: Law<R>>(bytes: &mut Bytes, lent: &mut Lent<R>, law: &L) {
         after,
     );
     let mut out = spills(bytes);
-    let (sight, mut across) = world.across();
+    let (sight, mut across) = world.cross_range_pairs();
     if bytes.below(2) == 0 {
         let (left, right) = across.split(bytes.below(ENTRIES));
         cross_range(sight, right, law, &mut out);
@@ -160,7 +160,7 @@ fn pushed<R: Real, L: Law<R>>(bytes: &mut Bytes, lent: &mut Lent<R>, law: &L) {
 fn in_parts<R: Real, L: Law<R>>(bytes: &mut Bytes, lent: &mut Lent<R>, law: &L) {
     let dt = number(bytes);
     let mut world = lent.world();
-    let (mut part, _) = world.pushing(dt);
+    let (mut part, _) = world.force_ranges(dt);
     if bytes.below(4) == 0 {
         part.first = [usize::MAX, 1, usize::from(bytes.byte())][bytes.below(3)];
     }
@@ -290,7 +290,7 @@ fn stored<R: Real, L: Law<R>>(bytes: &mut Bytes, domain: Domain<R>, law: &L) -> 
                 ));
             }
             6 => store.set_skin(number(bytes)),
-            7 => store.set_reach(number(bytes)),
+            7 => store.set_outer_skin(number(bytes)),
             8 => either_way(start(&mut store.world(), law)),
             _ => stepped |= step(&mut store.world(), law).is_ok(),
         }

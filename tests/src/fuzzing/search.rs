@@ -98,7 +98,7 @@ fn fly(lent: &mut Lent<f64>, before: bool, met: &mut Met) -> Result<(), KernelEr
     met.clear();
     let mut world = lent.world();
     let mut spills = vec![Default::default(); world.clock.listed_across()];
-    let (sight, across) = world.across();
+    let (sight, across) = world.cross_range_pairs();
     let pairs: Met = across
         .lower
         .iter()
@@ -106,7 +106,7 @@ fn fly(lent: &mut Lent<f64>, before: bool, met: &mut Met) -> Result<(), KernelEr
         .zip(across.partner.iter().copied())
         .collect();
     cross_range(sight, across, &NOTHING, &mut spills);
-    let (mut part, mut touch) = world.pushing(world.dt);
+    let (mut part, mut touch) = world.force_ranges(world.dt);
     obstacle_forces(&mut part, &mut touch, &NOTHING, |one| met.push(named(one)));
     accumulate(
         &mut part,
@@ -178,7 +178,7 @@ fn gap_to(world: &World<'_, f64>, i: u32, k: usize) -> f64 {
 /// is far above that at coordinates of some hundred.
 fn compare(world: &World<'_, f64>, met: &Met) {
     let (g, n) = (&world.grains, world.grains.count() as u32);
-    let heavy = |i: u32| g.groups[usize::from(g.group[i as usize])].heavy;
+    let heavy = |i: u32| g.groups[usize::from(g.group[i as usize])].infinite_mass;
     let listed: Met = (0..world.clock.listed())
         .map(|p| (world.pairs.lower[p], world.pairs.partner[p]))
         .collect();
@@ -191,11 +191,11 @@ fn compare(world: &World<'_, f64>, met: &Met) {
         across.is_sorted_by(|a, b| a < b),
         "pairs of two ranges ascend"
     );
-    let touches: Met = (0..world.clock.touches())
+    let touches: Met = (0..world.clock.obstacle_contacts())
         .map(|t| {
             (
-                world.pairs.touch_grain[t],
-                world.pairs.touch_obstacle[t] & !TOUCHING,
+                world.pairs.obstacle_contact_grain[t],
+                world.pairs.obstacle_contact_obstacle[t] & !TOUCHING,
             )
         })
         .collect();
@@ -255,7 +255,7 @@ fn crowd(bytes: &mut Bytes) -> Option<Lent<f64>> {
     };
     let mut lent = Lent::new(domain, 0.125);
     lent.skin = [0.0, 0.01, 0.3, 2.0][bytes.below(4)] * bytes.between(0.0, 1.0);
-    lent.reach = [0.0, 0.1, 1.0, 1e3][bytes.below(4)] * bytes.between(0.0, 1.0);
+    lent.outer_skin = [0.0, 0.1, 1.0, 1e3][bytes.below(4)] * bytes.between(0.0, 1.0);
     lent.groups = vec![
         Group::free([0.0; 3]),
         Group::frozen(),
@@ -280,7 +280,7 @@ fn crowd(bytes: &mut Bytes) -> Option<Lent<f64>> {
     for _ in 0..bytes.byte() % GRAINS {
         let radius = 0.5 * [1.0, 1.0, 0.125, 0.7][bytes.below(4)];
         // The search's cells are as wide as the widest pair and the distance that it looks beyond.
-        let width = 1.0 + lent.skin + lent.reach;
+        let width = 1.0 + lent.skin + lent.outer_skin;
         let mut place = [0, 1, 2].map(|a| {
             let (kind, along, ulps) = (bytes.below(6), bytes.between(0.0, 1.0), bytes.below(5));
             let cells = (length[a] / width).floor().max(1.0);

@@ -194,15 +194,15 @@ fn in_ranges<R: Real, L: Law<R>>(lent: &mut Lent<R>, law: &L) -> Result<(), Kern
     growing(lent, |lent| ensure_pair_list(&mut lent.world()))?;
     let range_bounds = lent.range_bounds.clone();
     let mut world = lent.world();
-    let (mut part, mut touch) = world.pushing(world.dt);
+    let (mut part, mut touch) = world.force_ranges(world.dt);
     let hit = obstacle_forces(&mut part, &mut touch, law, |_| {});
     let mut spills = vec![CrossRangeForce::default(); world.clock.listed_across()];
-    let (sight, across) = world.across();
+    let (sight, across) = world.cross_range_pairs();
     let (left, right) = across.split(spills.len() / 2);
     let (out, others) = spills.split_at_mut(left.len());
     let deep = cross_range(sight, left, law, out);
     let mut deep = first_excessive_overlap(deep, cross_range(sight, right, law, others));
-    let (mut part, _) = world.pushing(world.dt);
+    let (mut part, _) = world.force_ranges(world.dt);
     let mut passed = MotionCheck::NONE;
     for end in range_bounds.into_iter().chain([u32::MAX]) {
         let first = part.first;
@@ -259,7 +259,7 @@ fn bed<R: Real>(bytes: &mut Bytes) -> (Lent<R>, f64) {
         .unwrap_or_else(Domain::open);
     let mut lent = Lent::new(domain, R::from_f64(dt));
     lent.skin = R::from_f64(size * [0.0, 0.01, 0.2, 1.0][bytes.below(4)]);
-    lent.reach = R::from_f64(size * [0.0, 0.01, 0.2, 1.0][bytes.below(4)]);
+    lent.outer_skin = R::from_f64(size * [0.0, 0.01, 0.2, 1.0][bytes.below(4)]);
     let gravity = [0.0, 0.0, -bytes.zero_or_scale(-3.0, 2.0)].map(R::from_f64);
     lent.groups = vec![
         Group::free(gravity),

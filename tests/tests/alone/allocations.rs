@@ -18,12 +18,12 @@ fn asked(threads: usize, steps: u64) -> usize {
     on_threads(threads, || {
         // Lists and outboxes reach their sizes.
         sim.steps(3000).unwrap();
-        let renewals = sim.renewals();
+        let renewals = sim.prunes();
         let region = Region::new(COUNTED);
         sim.steps(steps).unwrap();
         let change = region.change();
         assert!(
-            steps < 100 || sim.renewals() > renewals,
+            steps < 100 || sim.prunes() > renewals,
             "lists were renewed too"
         );
         change.allocations + change.reallocations

@@ -51,7 +51,10 @@ fn a_bed_survives_a_data_file_and_a_dump() {
         assert_eq!((atom.id, atom.position), (sim.id[i], [x, y, z]));
         assert_eq!((0.5 * atom.diameter, atom.density), (radius, 1.0));
         assert_eq!(sphere_mass(atom.diameter, atom.density), sim.velocity[i][3]);
-        assert_eq!(atom.kind == 3, sim.groups[sim.group[i] as usize].heavy);
+        assert_eq!(
+            atom.kind == 3,
+            sim.groups[sim.group[i] as usize].infinite_mass
+        );
     }
     let ball = data.atoms.last().unwrap();
     assert_eq!((ball.kind, ball.id, ball.density), (2, 201, 2500.0));

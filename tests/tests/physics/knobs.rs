@@ -67,7 +67,7 @@ fn the_rig_has_every_contact_of_a_rig() {
 fn skins_and_search_schedules_change_nothing() {
     for name in CASES {
         let mut ends = Vec::new();
-        let unit = begin(name).reach;
+        let unit = begin(name).outer_skin;
         for (skin, reach) in [
             (0.0, 0.0),
             (0.0, 1.0),
@@ -79,10 +79,10 @@ fn skins_and_search_schedules_change_nothing() {
         ] {
             let mut sim = begin(name);
             sim.stepping.tunes = false;
-            (sim.skin, sim.reach) = (skin * unit, reach * unit);
+            (sim.skin, sim.outer_skin) = (skin * unit, reach * unit);
             sim.start().unwrap();
             sim.steps(1500).unwrap();
-            ends.push((sim.digest(), sim.search_counts().0, sim.renewals()));
+            ends.push((sim.digest(), sim.list_counts().0, sim.prunes()));
         }
         assert!(
             ends.iter().all(|(digest, ..)| *digest == ends[0].0),

@@ -80,7 +80,7 @@ impl Way {
         sim.stepping.range_min = 1;
         let histories = sim.contact_histories();
         sim.skin *= self.skin;
-        sim.reach *= self.skin;
+        sim.outer_skin *= self.skin;
         sim.lend(self.room * sim.count());
         sim.resume(&histories).expect("the state is sound");
     }

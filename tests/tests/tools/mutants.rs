@@ -96,7 +96,7 @@ const MUTANTS: &[Mutant] = &[
     Mutant {
         name: "a list cut elsewhere counts as cut here",
         file: "phases.rs",
-        from: "travel > world.clock.budget || world.clock.cut != mark(range_bounds)",
+        from: "travel > world.clock.budget || world.clock.partition_mark != mark(range_bounds)",
         to: "travel > world.clock.budget",
         target: "sums",
         red: &["any_cut_into_ranges_gives_the_same_steps"],
@@ -174,7 +174,7 @@ const MUTANTS: &[Mutant] = &[
     Mutant {
         name: "lost history: an obstacle's spring at a rebuild",
         file: "neighbors/cell_list.rs",
-        from: "get_or_default(old.touch_spring, from)",
+        from: "get_or_default(old.obstacle_contact_spring, from)",
         to: "[R::ZERO; 4]",
         target: "search",
         red: &[
@@ -185,8 +185,8 @@ const MUTANTS: &[Mutant] = &[
     Mutant {
         name: "kept history: who parted remembers",
         file: "contact/block.rs",
-        from: "either(touches, shear.spring, [R::ZERO; 3])",
-        to: "either(touches, shear.spring, slide.spring)",
+        from: "either(touches, tangential_force.spring, [R::ZERO; 3])",
+        to: "either(touches, tangential_force.spring, state.spring)",
         target: "images",
         red: &["a_contact_that_parted_begins_anew"],
     },

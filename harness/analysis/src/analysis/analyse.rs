@@ -1,9 +1,9 @@
 //! All that a table says.
 
 use super::{curves, near_field, scaling, speeds, stiffness, yields};
-use crate::analysis::Around;
 use crate::analysis::Curve;
 use crate::analysis::Material;
+use crate::analysis::NearField;
 use crate::analysis::Pooled;
 use crate::analysis::Scaling;
 use crate::analysis::Speeds;
@@ -32,7 +32,8 @@ pub struct Analysis {
     /// Regimes of all curves of a material together, each over its yield force.
     pub pooled: Vec<Pooled>,
     /// Contact angle, coordination, grains without contacts, by material.
-    pub around: Vec<Around>,
+    #[serde(rename = "around")]
+    pub near_field: Vec<NearField>,
     /// The yield force of each curve.
     pub yields: Vec<Yield>,
     /// How yield and drag scale with size and depth, by material.
@@ -60,9 +61,9 @@ pub fn analyse(table: &CampaignTable, plugs: bool) -> Analysis {
         .iter()
         .map(|m| speeds::pooled(*m, &of(m)))
         .collect();
-    let around = materials
+    let near_field = materials
         .iter()
-        .map(|m| near_field::around(*m, &of(m)))
+        .map(|m| near_field::near_field(*m, &of(m)))
         .collect();
     Analysis {
         rows: table.len(),
@@ -71,7 +72,7 @@ pub fn analyse(table: &CampaignTable, plugs: bool) -> Analysis {
         plugs,
         speeds: curves.iter().map(speeds::speeds).collect(),
         pooled,
-        around,
+        near_field,
         scaling,
         stiffness: stiffness::stiffness(&curves, &yields),
         curves,

@@ -1,7 +1,7 @@
 //! The analysis in words and numbers, for a terminal.
 
 use super::{
-    Analysis, Around, Collapse, Curve, Exponent, Finding, Material, Method, Pooled, Scaled,
+    Analysis, Collapse, Curve, Exponent, Finding, Material, Method, NearField, Pooled, Scaled,
     Scaling, Stiffness, Value,
 };
 use crate::fit::Fit;
@@ -57,7 +57,10 @@ pub fn describe(analysis: &Analysis) -> String {
     )];
     curves(analysis, &mut lines);
     analysis.pooled.iter().for_each(|p| pooled(p, &mut lines));
-    analysis.around.iter().for_each(|a| around(a, &mut lines));
+    analysis
+        .near_field
+        .iter()
+        .for_each(|a| near_field(a, &mut lines));
     analysis.scaling.iter().for_each(|s| scaling(s, &mut lines));
     analysis
         .stiffness
@@ -111,18 +114,21 @@ fn pooled(pooled: &Pooled, lines: &mut Vec<String>) {
     lines.push(format!("  F/F_Y above Fr = 5: {}", line(&pooled.third)));
 }
 
-fn around(around: &Around, lines: &mut Vec<String>) {
+fn near_field(near_field: &NearField, lines: &mut Vec<String>) {
     lines.push(format!(
         "\nround the intruder, {}",
-        material(&around.material)
+        material(&near_field.material)
     ));
-    lines.push(format!("  contact angle: {}", line(&around.contacts.law)));
+    lines.push(format!(
+        "  contact angle: {}",
+        line(&near_field.contacts.law)
+    ));
     lines.push(format!(
         "  where contacts begin: {}",
-        line(&around.new_contacts.law)
+        line(&near_field.new_contacts.law)
     ));
-    lines.push(format!("  kappa: {}", line(&around.kappa)));
-    for f in &around.floating {
+    lines.push(format!("  kappa: {}", line(&near_field.kappa)));
+    for f in &near_field.floating {
         lines.push(format!(
             "  grains without contacts, D = {}, h = {}: {} at the lowest speed, {} at the highest",
             short(f.diameter),

@@ -25,7 +25,7 @@ pub(crate) use describe::{grains, intruder, material};
 pub use exponents::Scaled;
 pub(crate) use exponents::near;
 pub use finding::Finding;
-pub use near_field::{Around, Contacts, Floating, Offset};
+pub use near_field::{Contacts, Floating, NearField, Offset};
 pub use scaling::{AtSpeed, Collapse, Exponent, Scaling, Spread};
 pub use speeds::{Flatness, Pooled, Speeds};
 pub use stiffness::{Level, Stiffness};

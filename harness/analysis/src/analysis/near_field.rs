@@ -49,7 +49,7 @@ pub struct Floating {
 /// What goes on in one material.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Around {
+pub struct NearField {
     /// The grains.
     pub material: Material,
     /// Angle over all contacts.
@@ -121,10 +121,10 @@ fn contacts(curves: &[(&Curve, &Yield)], of: Reading) -> Contacts {
 }
 
 /// All readings of one material.
-pub(super) fn around(material: Material, curves: &[(&Curve, &Yield)]) -> Around {
+pub(super) fn near_field(material: Material, curves: &[(&Curve, &Yield)]) -> NearField {
     let (kappas, diameters) = data(curves, |p| p.kappa);
     let kappa = line(&kappas);
-    Around {
+    NearField {
         material,
         contacts: contacts(curves, |p| p.angle),
         new_contacts: contacts(curves, |p| p.new_angle),

@@ -185,22 +185,27 @@ fn known_regimes_and_laws_are_found() {
         "{regimes:?}"
     );
     near(rough.second.found().unwrap(), "p", 1.0);
-    for around in &found.around {
-        let law = around.contacts.law.found().unwrap();
+    for near_field in &found.near_field {
+        let law = near_field.contacts.law.found().unwrap();
         near(law, "Y1", -0.15);
         near(law, "Y2", 0.38);
         near(law, "Y3", 2.45);
-        let line = around.kappa.found().unwrap();
+        let line = near_field.kappa.found().unwrap();
         near(line, "a", 0.887);
         near(line, "b", 0.185);
-        for offset in around.contacts.offsets.iter().chain(&around.kappa_offsets) {
+        for offset in near_field
+            .contacts
+            .offsets
+            .iter()
+            .chain(&near_field.kappa_offsets)
+        {
             assert!(
                 offset.residual.value.abs() < 4.0 * offset.residual.error,
                 "{offset:?}"
             );
         }
         assert!(
-            around
+            near_field
                 .floating
                 .iter()
                 .all(|f| f.fastest.value > f.slowest.value && f.falls == 0)

@@ -24,7 +24,7 @@ pub fn measure(id: &str, analysis: &Analysis) -> Option<Found> {
     let of = Of { analysis };
     let rest = id.strip_prefix("kumar-")?;
     speeds(rest, &of)
-        .or_else(|| around(rest, &of))
+        .or_else(|| near_field(rest, &of))
         .or_else(|| yields(rest, &of))
         .or_else(|| exponents(rest, &of))
         .or_else(|| collapses(rest, &of))
@@ -157,18 +157,18 @@ fn quadratic(of: &Of) -> Vec<(Value, String)> {
     .collect()
 }
 
-fn around(id: &str, of: &Of) -> Option<Found> {
+fn near_field(id: &str, of: &Of) -> Option<Found> {
     let of_angle = |name: &'static str| -> Found {
-        let fit = found(&of.around(MU)?.contacts.law)?;
+        let fit = found(&of.near_field(MU)?.contacts.law)?;
         Ok((parameter(fit, name)?, fit.line()))
     };
     let of_kappa = |name: &'static str| -> Found {
-        let fit = found(&of.around(MU)?.kappa)?;
+        let fit = found(&of.near_field(MU)?.kappa)?;
         Ok((parameter(fit, name)?, fit.line()))
     };
     Some(match id {
         "angle-one" => (|| {
-            let fit = found(&of.around(MU)?.contacts.law)?;
+            let fit = found(&of.near_field(MU)?.contacts.law)?;
             let (y1, y3) = (parameter(fit, "Y1")?, parameter(fit, "Y3")?);
             let pi = std::f64::consts::PI;
             let slope = -pi / (y3.value * y3.value);
@@ -180,11 +180,11 @@ fn around(id: &str, of: &Of) -> Option<Found> {
             ))
         })(),
         "angle-ten" => (|| {
-            let fit = found(&of.around(MU)?.contacts.at_ten)?;
+            let fit = found(&of.near_field(MU)?.contacts.at_ten)?;
             Ok((parameter(fit, "a")?, fit.line()))
         })(),
         "angle-exponent" => of_angle("Y2"),
-        "angle-size" => of.around(MU).and_then(|a| {
+        "angle-size" => of.near_field(MU).and_then(|a| {
             let offset = |o: &crate::analysis::Offset| {
                 (
                     Value::new(o.residual.value.abs(), o.residual.error),
@@ -197,20 +197,20 @@ fn around(id: &str, of: &Of) -> Option<Found> {
         "kappa-intercept" => of_kappa("a"),
         "kappa-slope" => of_kappa("b"),
         "kappa-size" => (|| {
-            let around = of.around(MU)?;
-            let fit = found(&around.kappa)?;
+            let near_field = of.near_field(MU)?;
+            let fit = found(&near_field.kappa)?;
             let five = parameter(fit, "a")?.value + 5.0 * parameter(fit, "b")?.value;
             let offset = |o: &crate::analysis::Offset| {
                 let residual = Value::new(o.residual.value.abs(), o.residual.error).divided(five);
                 (residual, format!("D = {}", o.diameter))
             };
             farthest(
-                around.kappa_offsets.iter().map(offset).collect(),
+                near_field.kappa_offsets.iter().map(offset).collect(),
                 0.0,
                 "no line was found",
             )
         })(),
-        "floating" => of.around(MU).and_then(|a| {
+        "floating" => of.near_field(MU).and_then(|a| {
             let ratio = |f: &crate::analysis::Floating| {
                 let note = format!("D = {}, h = {}", f.diameter, f.depth_asked);
                 (f.fastest.over(f.slowest), note)

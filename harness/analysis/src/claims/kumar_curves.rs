@@ -1,6 +1,6 @@
 //! What claims on Kumar 2018 are measured from: the curves of one material, and numbers found on them.
 
-use crate::analysis::{Analysis, Around, Curve, Finding, Pooled, Scaling, Speeds, Value, Yield};
+use crate::analysis::{Analysis, Curve, Finding, NearField, Pooled, Scaling, Speeds, Value, Yield};
 use crate::fit::Fit;
 
 /// A number with what it rests on, or why there is none.
@@ -77,8 +77,8 @@ impl<'a> Of<'a> {
         self.most(&self.analysis.pooled, mu, |p| (p.material, p.runs))
     }
 
-    pub(super) fn around(&self, mu: f64) -> Result<&'a Around, String> {
-        self.most(&self.analysis.around, mu, |a| {
+    pub(super) fn near_field(&self, mu: f64) -> Result<&'a NearField, String> {
+        self.most(&self.analysis.near_field, mu, |a| {
             (a.material, a.floating.len())
         })
     }

@@ -1,4 +1,4 @@
-//! Where the joints of a curve of three pieces lie best, and where else they may lie.
+//! Where the breakpoints of a curve of three pieces lie best, and where else they may lie.
 
 use super::offset_power::{EXPONENTS, exponents as ratios};
 use serde::{Deserialize, Serialize};
@@ -33,10 +33,10 @@ pub struct Crossover {
     pub high: Option<f64>,
 }
 
-/// Places of a joint on the first grid, in equal ratios.
+/// Places of a breakpoint on the first grid, in equal ratios.
 const GRID: usize = 64;
 
-/// How often the grid's spacing is then halved for the best joints.
+/// How often the grid's spacing is then halved for the best breakpoints.
 const HALVINGS: usize = 30;
 
 /// And for intervals.
@@ -76,17 +76,17 @@ pub(super) fn least(from: f64, to: f64, of: impl Fn(f64) -> f64) -> (f64, f64) {
     best
 }
 
-/// The best place of the other joint, and the chi-square, where one is held.
-fn other(table: &Table, [from, to]: [f64; 2], joint: usize, at: f64) -> (f64, f64) {
-    match joint {
+/// The best place of the other breakpoint, and the chi-square, where one is held.
+fn other(table: &Table, [from, to]: [f64; 2], breakpoint: usize, at: f64) -> (f64, f64) {
+    match breakpoint {
         0 => least(at, to, |x2| table.chi_square(at, x2)),
         _ => least(from, at, |x1| table.chi_square(x1, at)),
     }
 }
 
-/// Joints and their chi-square.
+/// Breakpoints and their chi-square.
 #[derive(Clone, Copy)]
-pub(super) struct Joints {
+pub(super) struct Breakpoints {
     pub x: [f64; 2],
     pub chi_square: f64,
 }
@@ -100,26 +100,31 @@ pub(super) struct Search {
 }
 
 impl Search {
-    /// The best place of one joint on the grid with the other's best.
-    fn coarse(&self, table: &Table, joint: usize) -> Joints {
+    /// The best place of one breakpoint on the grid with the other's best.
+    fn coarse(&self, table: &Table, breakpoint: usize) -> Breakpoints {
         let [from, to] = self.ends;
-        let mut best = Joints {
+        let mut best = Breakpoints {
             x: self.ends,
             chi_square: f64::INFINITY,
         };
         for at in ratios(from, to, GRID) {
-            let (other, chi_square) = other(table, self.ends, joint, at);
+            let (other, chi_square) = other(table, self.ends, breakpoint, at);
             if chi_square < best.chi_square {
-                let x = if joint == 0 { [at, other] } else { [other, at] };
-                best = Joints { x, chi_square };
+                let x = if breakpoint == 0 {
+                    [at, other]
+                } else {
+                    [other, at]
+                };
+                best = Breakpoints { x, chi_square };
             }
         }
         best
     }
 
-    /// The best joints for a table: that from the best first joint or from the best second one.
-    fn best(&self, table: &Table) -> Joints {
-        let [one, two] = [0, 1].map(|joint| self.refined(table, self.coarse(table, joint)));
+    /// The best breakpoints for a table: that from the best first breakpoint or from the best second one.
+    fn best(&self, table: &Table) -> Breakpoints {
+        let [one, two] =
+            [0, 1].map(|breakpoint| self.refined(table, self.coarse(table, breakpoint)));
         if two.chi_square < one.chi_square {
             two
         } else {
@@ -127,8 +132,8 @@ impl Search {
         }
     }
 
-    /// The best joints about these, with half the grid's spacing each time.
-    fn refined(&self, table: &Table, start: Joints) -> Joints {
+    /// The best breakpoints about these, with half the grid's spacing each time.
+    fn refined(&self, table: &Table, start: Breakpoints) -> Breakpoints {
         let mut best = start;
         best.chi_square = table.chi_square(best.x[0], best.x[1]);
         let mut step = libm::log(self.ends[1] / self.ends[0]) / (GRID as f64 - 1.0);
@@ -142,7 +147,7 @@ impl Search {
                     if self.ends[0] <= x[0] && x[0] <= x[1] && x[1] <= self.ends[1] {
                         let chi_square = table.chi_square(x[0], x[1]);
                         if chi_square < best.chi_square {
-                            best = Joints { x, chi_square };
+                            best = Breakpoints { x, chi_square };
                         }
                     }
                 }
@@ -151,8 +156,8 @@ impl Search {
         best
     }
 
-    /// The best joints, the best exponent, and tables for those exponents that fit.
-    pub fn new(data: &[Datum], first: First, numbers: usize) -> (Search, Joints, Option<f64>) {
+    /// The best breakpoints, the best exponent, and tables for those exponents that fit.
+    pub fn new(data: &[Datum], first: First, numbers: usize) -> (Search, Breakpoints, Option<f64>) {
         let sorted = sorted(data);
         let ends = [sorted[0].x, sorted[sorted.len() - 1].x];
         let mut search = Search {
@@ -175,10 +180,10 @@ impl Search {
         let (mut range, mut best) = (EXPONENTS, (search.coarse_of(EXPONENTS[0]), EXPONENTS[0]));
         for _ in 0..ROUNDS {
             let grid: Vec<f64> = ratios(range[0], range[1], EXPONENT_GRID).collect();
-            let found: Vec<Joints> = grid.iter().map(|&c| search.coarse_of(c)).collect();
-            for (joints, &c) in found.iter().zip(&grid) {
-                if joints.chi_square < best.0.chi_square {
-                    best = (*joints, c);
+            let found: Vec<Breakpoints> = grid.iter().map(|&c| search.coarse_of(c)).collect();
+            for (breakpoints, &c) in found.iter().zip(&grid) {
+                if breakpoints.chi_square < best.0.chi_square {
+                    best = (*breakpoints, c);
                 }
             }
             let most = factor * best.0.chi_square;
@@ -198,23 +203,23 @@ impl Search {
                 if high < range[1] { high } else { range[1] },
             ];
         }
-        let (joints, exponent) = search.best_exponent(range);
+        let (breakpoints, exponent) = search.best_exponent(range);
         let grid = ratios(range[0], range[1], EXPONENT_GRID);
         // The best first: it settles most questions.
         search.tables = std::iter::once(exponent)
             .chain(grid)
             .map(|c| Table::new(&search.sorted, Some(c)))
             .collect();
-        (search, joints, Some(exponent))
+        (search, breakpoints, Some(exponent))
     }
 
-    /// The best joints of the grid for one exponent.
-    fn coarse_of(&self, exponent: f64) -> Joints {
+    /// The best breakpoints of the grid for one exponent.
+    fn coarse_of(&self, exponent: f64) -> Breakpoints {
         self.coarse(&Table::new(&self.sorted, Some(exponent)), 0)
     }
 
-    /// The best exponent of a range, and its joints.
-    fn best_exponent(&self, range: [f64; 2]) -> (Joints, f64) {
+    /// The best exponent of a range, and its breakpoints.
+    fn best_exponent(&self, range: [f64; 2]) -> (Breakpoints, f64) {
         let table = |c: f64| Table::new(&self.sorted, Some(c));
         let grid: Vec<f64> = ratios(range[0], range[1], EXPONENT_GRID).collect();
         let found = |c: f64| (self.best(&table(c)), c);
@@ -247,17 +252,17 @@ impl Search {
         values.fold(f64::INFINITY, |a, b| if b < a { b } else { a })
     }
 
-    /// Whether any curve with this joint, the first or the second, held has a chi-square of this or less.
-    fn fits(&self, joint: usize, at: f64, most: f64) -> bool {
-        let least = |table: &Table| other(table, self.ends, joint, at).1;
+    /// Whether any curve with this breakpoint, the first or the second, held has a chi-square of this or less.
+    fn fits(&self, breakpoint: usize, at: f64, most: f64) -> bool {
+        let least = |table: &Table| other(table, self.ends, breakpoint, at).1;
         self.tables.iter().any(|table| least(table) <= most)
     }
 
-    /// The interval of a joint: all its places that have a chi-square of this or less, from the first to
+    /// The interval of a breakpoint: all its places that have a chi-square of this or less, from the first to
     /// the last.
-    pub fn interval(&self, joint: usize, at: f64, most: f64) -> Crossover {
+    pub fn interval(&self, breakpoint: usize, at: f64, most: f64) -> Crossover {
         let grid: Vec<f64> = ratios(self.ends[0], self.ends[1], GRID).collect();
-        let fits = |x: &f64| self.fits(joint, *x, most);
+        let fits = |x: &f64| self.fits(breakpoint, *x, most);
         let edge = |inside: f64, outside: f64| {
             let (mut inside, mut outside) = (inside, outside);
             for _ in 0..HALVINGS_OF_INTERVALS {
@@ -299,23 +304,23 @@ mod tests {
     use super::super::synthetic::{exact, noisy, spread};
     use super::*;
 
-    fn search(first: First) -> (Search, Joints) {
+    fn search(first: First) -> (Search, Breakpoints) {
         let curve = |x: f64| match x {
             x if x < 1.0 => 500.0,
             x if x < 5.0 => 370.0 + 130.0 * x,
             x => 270.0 + 30.0 * x * x,
         };
         let points = exact(&spread(0.1, 10.0, 80), curve, |y| 0.05 * y);
-        let (search, joints, exponent) = Search::new(&noisy(&points, 1.0, 3), first, 7);
+        let (search, breakpoints, exponent) = Search::new(&noisy(&points, 1.0, 3), first, 7);
         assert_eq!(exponent.is_some(), first != First::Flat);
-        (search, joints)
+        (search, breakpoints)
     }
 
-    /// No joints of a fine grid are better than those found; for the fitted exponent, nor any exponent.
+    /// No breakpoints of a fine grid are better than those found; for the fitted exponent, nor any exponent.
     #[test]
     fn the_best_joints_are_the_best() {
         for first in [First::Flat, First::Given(0.6), First::Power] {
-            let (search, joints) = search(first);
+            let (search, breakpoints) = search(first);
             for c in ratios(EXPONENTS[0], EXPONENTS[1], 8) {
                 let exponent = match first {
                     First::Flat => None,
@@ -326,7 +331,7 @@ mod tests {
                 for x1 in ratios(0.1, 9.99, 100) {
                     for x2 in ratios(x1, 10.0, 100) {
                         assert!(
-                            table.chi_square(x1, x2) >= joints.chi_square - 1e-6,
+                            table.chi_square(x1, x2) >= breakpoints.chi_square - 1e-6,
                             "{first:?} {x1} {x2}"
                         );
                     }
@@ -339,22 +344,23 @@ mod tests {
     /// points is open.
     #[test]
     fn intervals_end_where_the_curve_no_longer_fits() {
-        let (search, joints) = search(First::Flat);
-        let most = 1.05 * joints.chi_square;
-        for joint in 0..2 {
-            let found = search.interval(joint, joints.x[joint], most);
+        let (search, breakpoints) = search(First::Flat);
+        let most = 1.05 * breakpoints.chi_square;
+        for breakpoint in 0..2 {
+            let found = search.interval(breakpoint, breakpoints.x[breakpoint], most);
             let (low, high) = (found.low.unwrap(), found.high.unwrap());
             assert!(low < found.at && found.at < high, "{found:?}");
             for (edge, beyond) in [(low, 1.0 - 1e-4), (high, 1.0 + 1e-4)] {
                 assert!(
-                    search.fits(joint, edge, most) && !search.fits(joint, edge * beyond, most),
+                    search.fits(breakpoint, edge, most)
+                        && !search.fits(breakpoint, edge * beyond, most),
                     "{found:?}"
                 );
             }
-            let open = search.interval(joint, joints.x[joint], f64::INFINITY);
+            let open = search.interval(breakpoint, breakpoints.x[breakpoint], f64::INFINITY);
             assert_eq!((open.low, open.high), (None, None));
         }
-        let close = search.interval(0, joints.x[0], joints.chi_square * (1.0 + 1e-9));
+        let close = search.interval(0, breakpoints.x[0], breakpoints.chi_square * (1.0 + 1e-9));
         let width = close.high.unwrap() - close.low.unwrap();
         assert!((0.0..0.01).contains(&width), "{close:?}");
     }

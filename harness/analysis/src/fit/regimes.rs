@@ -1,13 +1,13 @@
 //! Drag against the Froude number in three regimes that join: nearly constant, linear, quadratic.
 //!
 //! `F = a + b x^c` (or `a` alone) up to x1, from there a line of slope s up to x2, from there `q x^2` more.
-//! Where the joints lie is found by least chi-square over x1, x2 and c: for each the other numbers are
+//! Where the breakpoints lie is found by least chi-square over x1, x2 and c: for each the other numbers are
 //! linear least squares. A crossover has the interval of all places for which the best chi-square over
 //! everything else is at most `least (1 + F_0.95(1, nu) / nu)`, nu the degrees of freedom (Seber and Wild,
 //! Nonlinear Regression, 1989, section 5.4): the scatter about the curve itself is the measure, not the
 //! points' errors, which are only weights in it.
 //!
-//! That chi-square is not smooth in the joints is why the errors of x1 and x2 in the covariance are worth
+//! That chi-square is not smooth in the breakpoints is why the errors of x1 and x2 in the covariance are worth
 //! less than these intervals; with few points it has several least values far from each other.
 //!
 //! **What it takes**, measured on synthetic drags: crossovers at 1 and 5, 30 x^2 above, x in equal ratios from
@@ -24,10 +24,10 @@
 //! |   1280 |  0.02, 0.06     |  0.03, 0.03                          |  0.4, 0.07                     |
 //! |   5000 |  0.01, 0.03     |  0.01, 0.02                          |  0.04, 0.04                    |
 //!
-//! Errors fall as one over the root of the number once the right joints are found at all. In the last
-//! column the slope changes at x1 from 186 to 130 only: below some 2500 points a curve with its first joint
+//! Errors fall as one over the root of the number once the right breakpoints are found at all. In the last
+//! column the slope changes at x1 from 186 to 130 only: below some 2500 points a curve with its first breakpoint
 //! anywhere up to 4 fits as well in some sets, and in 36, 22 and 12 % of those of 20, 40 and 80 points the best
-//! joints leave a regime without points, which is refused. Fitting the exponent makes that worse (x1 off by
+//! breakpoints leave a regime without points, which is refused. Fitting the exponent makes that worse (x1 off by
 //! 0.5 with 1280 points, 0.05 with 5000) and the easier shape hardly from 320 points on (0.05, 0.07). With x in
 //! equal steps instead, a plateau's crossovers are 0.06 and 0.08 off with 320 points.
 //!
@@ -65,7 +65,7 @@ pub struct Simpler {
     /// Its least chi-square.
     pub chi_square: f64,
     /// Chance of three regimes being so much better or more by noise alone, by the F test; an approximation,
-    /// as joints are no ordinary numbers: where a plateau and a line are the truth it is below 0.05 in one
+    /// as breakpoints are no ordinary numbers: where a plateau and a line are the truth it is below 0.05 in one
     /// set of twelve, not of twenty.
     pub probability: f64,
 }
@@ -105,7 +105,7 @@ impl Regimes {
     /// The curve at x.
     pub fn value(&self, x: f64) -> f64 {
         let curve = Curve {
-            joints: [self.first.at, self.second.at],
+            breakpoints: [self.first.at, self.second.at],
             exponent: self.exponent,
             fitted: false,
         };
@@ -154,7 +154,7 @@ pub fn regime_fits(data: &[Datum], x1: f64, x2: f64) -> RegimeFits {
 /// A curve of three pieces.
 #[derive(Clone, Copy)]
 struct Curve {
-    joints: [f64; 2],
+    breakpoints: [f64; 2],
     /// None if the first piece is flat.
     exponent: Option<f64>,
     /// Whether the exponent is one of the fitted numbers.
@@ -164,7 +164,7 @@ struct Curve {
 impl Curve {
     /// Columns of a, (b), s and q.
     fn columns(&self, data: &[Datum]) -> Vec<Vec<f64>> {
-        let [x1, x2] = self.joints;
+        let [x1, x2] = self.breakpoints;
         let of = |f: &dyn Fn(f64) -> f64| -> Vec<f64> { data.iter().map(|d| f(d.x)).collect() };
         let mut all = vec![of(&|_| 1.0)];
         if let Some(c) = self.exponent {
@@ -178,7 +178,7 @@ impl Curve {
 
     /// The same with the derivatives by (c), x1 and x2 for the numbers found.
     fn jacobian(&self, data: &[Datum], values: &[f64]) -> Vec<Vec<f64>> {
-        let [x1, x2] = self.joints;
+        let [x1, x2] = self.breakpoints;
         let mut all = self.columns(data);
         let of = |f: &dyn Fn(f64) -> f64| -> Vec<f64> { data.iter().map(|d| f(d.x)).collect() };
         let (slope, bend) = (values[values.len() - 2], values[values.len() - 1]);
@@ -200,23 +200,28 @@ impl Curve {
     /// what is searched.
     fn stepped(&self, steps: &[f64], ends: [f64; 2]) -> Option<Curve> {
         let (power, steps) = steps.split_at(usize::from(self.fitted));
-        let joints = [self.joints[0] + steps[0], self.joints[1] + steps[1]];
+        let breakpoints = [
+            self.breakpoints[0] + steps[0],
+            self.breakpoints[1] + steps[1],
+        ];
         let exponent = self.exponent.map(|c| c + power.first().unwrap_or(&0.0));
-        let small = joints
+        let small = breakpoints
             .iter()
-            .zip(self.joints)
+            .zip(self.breakpoints)
             .all(|(to, from)| (to / from - 1.0).abs() < 0.01);
-        let ordered = ends[0] <= joints[0] && joints[0] <= joints[1] && joints[1] <= ends[1];
+        let ordered = ends[0] <= breakpoints[0]
+            && breakpoints[0] <= breakpoints[1]
+            && breakpoints[1] <= ends[1];
         let searched = |c: f64| !self.fitted || (EXPONENTS[0]..=EXPONENTS[1]).contains(&c);
         let next = Curve {
-            joints,
+            breakpoints,
             exponent,
             ..*self
         };
         (small && ordered && exponent.is_none_or(searched)).then_some(next)
     }
 
-    /// The last digits, by Gauss-Newton steps on joints and exponent, and the best numbers there; none where
+    /// The last digits, by Gauss-Newton steps on breakpoints and exponent, and the best numbers there; none where
     /// the points do not tell them apart.
     fn polished(mut self, data: &[Datum], ends: [f64; 2]) -> Option<(Curve, Solution)> {
         let y: Vec<f64> = data.iter().map(|d| d.y).collect();
@@ -237,7 +242,7 @@ impl Curve {
     }
 }
 
-/// Refuses joints with too few points on a side.
+/// Refuses breakpoints with too few points on a side.
 fn check_regimes(data: &[Datum], [x1, x2]: [f64; 2], first: First) -> Result<(), Refusal> {
     let least = POINTS_OF_A_REGIME;
     let more = least + usize::from(first != First::Flat);
@@ -292,19 +297,19 @@ pub fn regimes(data: &[Datum], first: First) -> Result<Regimes, Refusal> {
             "three regimes take {fewest} points or more at different x; there are {there}"
         )));
     }
-    let (search, joints, exponent) = Search::new(data, first, names.len());
-    check_regimes(data, joints.x, first)?;
+    let (search, breakpoints, exponent) = Search::new(data, first, names.len());
+    check_regimes(data, breakpoints.x, first)?;
     let one = || Refusal("two of three regimes are one: the points do not tell them apart".into());
     let curve = Curve {
-        joints: joints.x,
+        breakpoints: breakpoints.x,
         exponent,
         fitted: first == First::Power,
     };
     let (curve, at) = curve.polished(data, search.ends).ok_or_else(one)?;
-    check_regimes(data, curve.joints, first)?;
+    check_regimes(data, curve.breakpoints, first)?;
     let linear =
         solve(&curve.jacobian(data, &at.values), &at.residuals, data).map_err(|_| one())?;
-    let [x1, x2] = curve.joints;
+    let [x1, x2] = curve.breakpoints;
     let power = curve.exponent.filter(|_| curve.fitted);
     let found = Found {
         model: match first {

@@ -119,7 +119,7 @@ fn held(first: First, slope: f64, n: usize, sets: u64) -> [u64; 2] {
 }
 
 /// Of 200 sets 190 are to be held, with a standard deviation of 3; three of these are allowed, and one more
-/// downwards, as joints are not smooth and measured coverage is 93 to 97 %.
+/// downwards, as breakpoints are not smooth and measured coverage is 93 to 97 %.
 #[test]
 fn intervals_hold_the_truth_nineteen_times_in_twenty() {
     for (first, slope) in [(First::Flat, 130.0), (First::Given(0.6), 30.0)] {
@@ -139,7 +139,7 @@ fn intervals_hold_the_truth_where_the_exponent_is_fitted() {
     assert!(held.iter().all(|h| (87..=100).contains(h)), "{held:?}");
 }
 
-/// With many points the numbers scatter as the covariance says, joints included.
+/// With many points the numbers scatter as the covariance says, breakpoints included.
 #[test]
 fn numbers_scatter_as_their_errors_say() {
     let data = drags(First::Flat, 130.0, 1280, 0.05);
@@ -149,7 +149,7 @@ fn numbers_scatter_as_their_errors_say() {
 }
 
 /// Points on a line, a parabola, a plateau with a line: sets in which three regimes are called needed. That
-/// is to be one in twenty or fewer; for the last it is one in twelve, as joints are no ordinary numbers.
+/// is to be one in twenty or fewer; for the last it is one in twelve, as breakpoints are no ordinary numbers.
 #[test]
 fn fewer_regimes_do_where_there_are_fewer() {
     let line = |x: f64| 400.0 + 130.0 * x;

@@ -1,9 +1,9 @@
-//! Chi-square of a curve of three pieces for any places of the two joints, from sums that are made once.
+//! Chi-square of a curve of three pieces for any places of the two breakpoints, from sums that are made once.
 //!
 //! The curve is `a + b min(x, x1)^c + s (clamp(x, x1, x2) - x1) + q max(x^2 - x2^2, 0)`. With the sums over
 //! points from the first to any other of a few products, the normal equations of a, b, s and q at any
-//! joints are a few multiplications, however many points there are: a search can afford hundreds of
-//! thousands of joints. The last digits are not from here: what is reported is fitted by QR.
+//! breakpoints are a few multiplications, however many points there are: a search can afford hundreds of
+//! thousands of breakpoints. The last digits are not from here: what is reported is fitted by QR.
 
 use super::Datum;
 
@@ -66,7 +66,7 @@ impl Table {
         }
     }
 
-    /// Least chi-square with the joints at `x1 <= x2`. Where a piece has no points its numbers do nothing.
+    /// Least chi-square with the breakpoints at `x1 <= x2`. Where a piece has no points its numbers do nothing.
     pub fn chi_square(&self, x1: f64, x2: f64) -> f64 {
         let [one, two] = [x1, x2].map(|at| self.x.partition_point(|x| *x <= at));
         let last = self.x.len();
@@ -103,7 +103,7 @@ impl Table {
             mid[5] - x1 * mid[4] + d * high[4],
             high[6] - x2 * x2 * high[4],
         ];
-        // Less than this of a column is what rounding leaves of points at a joint.
+        // Less than this of a column is what rounding leaves of points at a breakpoint.
         let floor = [
             0.0,
             0.0,

@@ -67,7 +67,7 @@ pub(super) fn assemble(
     };
     let kept: Vec<ContactHistory<f64>> = histories
         .iter()
-        .filter_map(|bond| renamed.bond(bond))
+        .filter_map(|history| renamed.history(history))
         .collect();
     new.fit_storage();
     new.choose_skin();
@@ -85,11 +85,11 @@ struct Renamed<'a> {
 
 impl Renamed<'_> {
     fn heavy(&self, k: u32) -> bool {
-        self.new.groups[self.new.group[k as usize] as usize].heavy
+        self.new.groups[self.new.group[k as usize] as usize].infinite_mass
     }
 
-    fn bond(&self, bond: &ContactHistory<f64>) -> Option<ContactHistory<f64>> {
-        match *bond {
+    fn history(&self, history: &ContactHistory<f64>) -> Option<ContactHistory<f64>> {
+        match *history {
             ContactHistory::Pair { i, j, spring } => {
                 let (a, b) = (self.place[i as usize]?, self.place[j as usize]?);
                 if self.heavy(a) && self.heavy(b) {

@@ -46,7 +46,7 @@ pub fn verify(
     let places: Vec<_> = names.iter().map(|name| folder.member(name)).collect();
     let folders: Vec<Folder> = places.iter().map(|place| Folder(place)).collect();
     let labels: Vec<String> = names.iter().map(|name| format!("{name}: ")).collect();
-    let mut pasts = Vec::new();
+    let mut archives = Vec::new();
     for ((member, own), label) in plan.members.iter().zip(&folders).zip(&labels) {
         let mut tell = |line: &str| say(&format!("{label}{line}"));
         let stages = run::stages(&member.scenario);
@@ -57,7 +57,7 @@ pub fn verify(
             problems.add(Cause::Changed, format!("{label}{problem}"));
         }
         match RunArchive::open(own) {
-            Ok(past) => pasts.push((past, manifest, label)),
+            Ok(archive) => archives.push((archive, manifest, label)),
             Err(e) => {
                 say(&format!("{label}cannot be run again: {e}"))?;
                 problems.add(Cause::Changed, format!("{label}cannot be run again"));
@@ -66,13 +66,13 @@ pub fn verify(
     }
     let mut jobs: Vec<Job> = Vec::new();
     let mut poured: Vec<String> = Vec::new();
-    for (past, manifest, label) in &pasts {
-        for mut job in pieces(past, manifest.as_ref(), scope).unwrap_or_default() {
+    for (archive, manifest, label) in &archives {
+        for mut job in pieces(archive, manifest.as_ref(), scope).unwrap_or_default() {
             job.label = label;
             // Members share beds: one that is byte for byte another's is poured once.
             if let Some(bed) = job.bed() {
-                let bytes = disk::read(&past.folder.bed(&bed.name)).unwrap_or_default();
-                let recipe = Recipe::new(&past.scenario, bed).digest();
+                let bytes = disk::read(&archive.folder.bed(&bed.name)).unwrap_or_default();
+                let recipe = Recipe::new(&archive.scenario, bed).digest();
                 let which = format!("{recipe} {}", blake3::hash(&bytes));
                 if poured.contains(&which) {
                     continue;
@@ -91,10 +91,10 @@ pub fn verify(
         let problem = format!("{} of {} pieces do not hold", done.wrong, done.pieces);
         problems.add(Cause::Changed, problem);
     } else {
-        let whole = scope.is_all().then_some(&pasts);
-        for (past, manifest, label) in whole.into_iter().flatten() {
+        let whole = scope.is_all().then_some(&archives);
+        for (archive, manifest, label) in whole.into_iter().flatten() {
             let mut tell = |line: &str| say(&format!("{label}{line}"));
-            problems.take(label, check_ends(past, manifest.as_ref(), &mut tell)?);
+            problems.take(label, check_ends(archive, manifest.as_ref(), &mut tell)?);
         }
         let (links, count) = (done.links, done.pieces);
         say(&format!("all {links} links of {count} pieces hold"))?;

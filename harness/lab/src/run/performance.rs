@@ -28,7 +28,7 @@ pub struct StagePerformance {
 
 pub(super) fn timed(stage: Stage, how: &str, sim: &Simulation, steps: u64) -> StagePerformance {
     let (name, seconds) = (stage.name().to_string(), stage.finish());
-    let (searches, pairs_listed, _) = sim.search_counts();
+    let (searches, pairs_listed, _) = sim.list_counts();
     StagePerformance {
         stage: name,
         how: how.to_string(),

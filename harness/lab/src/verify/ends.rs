@@ -14,7 +14,7 @@ use bitgrain_sim::error::{Error, Result};
 /// # Errors
 /// What `say` returns.
 pub(crate) fn check_ends(
-    past: &RunArchive<'_>,
+    archive: &RunArchive<'_>,
     manifest: Option<&Manifest>,
     say: &mut impl FnMut(&str) -> Result<()>,
 ) -> Result<Problems> {
@@ -25,12 +25,12 @@ pub(crate) fn check_ends(
         Ok::<_, Error>(())
     };
     for stage in manifest.map_or(&[][..], |manifest| &manifest.stages) {
-        let Ok(part) = past.part(&stage.name) else {
+        let Ok(part) = archive.part(&stage.name) else {
             continue; // Not planned, which was told.
         };
         let path = match part {
-            RunPart::Bed(plan) => past.folder.bed(&plan.name),
-            RunPart::Drag(plan) => past.folder.checkpoint(&plan.name, plan.steps()),
+            RunPart::Bed(plan) => archive.folder.bed(&plan.name),
+            RunPart::Drag(plan) => archive.folder.checkpoint(&plan.name, plan.steps()),
         };
         let link = checkpoint::read_noted(&path).map(|(_, note)| note.link);
         if stage.finished && !link.is_ok_and(|link| link == stage.link) {
@@ -41,9 +41,9 @@ pub(crate) fn check_ends(
             ))?;
         }
     }
-    let path = past.folder.summary();
+    let path = archive.folder.summary();
     if manifest.is_some_and(|manifest| manifest.finished) || disk::is_there(&path) {
-        let made = summary_text(past).map(String::into_bytes);
+        let made = summary_text(archive).map(String::into_bytes);
         let written = disk::read(&path);
         if !matches!((&made, &written), (Ok(made), Ok(written)) if made == written) {
             let place = path.display();
@@ -54,18 +54,18 @@ pub(crate) fn check_ends(
 }
 
 /// The run's own summary, made from its beds and the last checkpoints of its drags.
-fn summary_text(past: &RunArchive<'_>) -> Result<String> {
-    let plans = past.scenario.beds();
+fn summary_text(archive: &RunArchive<'_>) -> Result<String> {
+    let plans = archive.scenario.beds();
     let mut beds = Vec::with_capacity(plans.len());
     for plan in plans {
-        beds.push(past.bed(plan)?);
+        beds.push(archive.bed(plan)?);
     }
     let mut runs = Vec::new();
-    for plan in past.scenario.drags() {
-        let drag = past.drag(plan, &beds[plan.bed]);
-        let (mut sim, dragging) = past.state(drag, plan.steps())?;
+    for plan in archive.scenario.drags() {
+        let drag = archive.drag(plan, &beds[plan.bed]);
+        let (mut sim, dragging) = archive.state(drag, plan.steps())?;
         runs.push(run::results(drag, &dragging, &mut sim)?.1);
     }
-    let whole = run::whole_summary(past.folder, &past.scenario, beds, runs);
-    crate::json::json_text(&past.folder.summary(), &whole)
+    let whole = run::whole_summary(archive.folder, &archive.scenario, beds, runs);
+    crate::json::json_text(&archive.folder.summary(), &whole)
 }

@@ -114,8 +114,8 @@ impl ElasticContact {
     }
 
     /// A contact of the list, from where its bodies are now.
-    pub fn listed(sim: &Simulation, elastic: &Elastic, bond: &ContactHistory<f64>) -> Self {
-        let (i, partner) = match *bond {
+    pub fn listed(sim: &Simulation, elastic: &Elastic, history: &ContactHistory<f64>) -> Self {
+        let (i, partner) = match *history {
             ContactHistory::Pair { i, j, .. } => (i, Partner::Grain(j)),
             ContactHistory::Obstacle { i, obstacle, .. } => (i, Partner::Obstacle(obstacle)),
         };
@@ -200,8 +200,8 @@ impl ElasticContact {
 }
 
 /// Tangential spring of a contact of the list.
-pub(super) fn spring_of(bond: &ContactHistory<f64>) -> Vec3<f64> {
-    match *bond {
+pub(super) fn spring_of(history: &ContactHistory<f64>) -> Vec3<f64> {
+    match *history {
         ContactHistory::Pair { spring, .. } | ContactHistory::Obstacle { spring, .. } => spring,
     }
 }

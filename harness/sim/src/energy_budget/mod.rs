@@ -124,9 +124,9 @@ impl Audit {
         let motion = full_step(sim);
         let mut energies = of_grains(sim);
         let mut powers = carried(sim);
-        for bond in &histories {
-            let at = ElasticContact::listed(sim, &elastic, bond);
-            let spring = spring_of(bond);
+        for history in &histories {
+            let at = ElasticContact::listed(sim, &elastic, history);
+            let spring = spring_of(history);
             let r = at.forces(sim, &motion, spring);
             powers.add_contact(sim, &elastic, &at, (r.normal, r.tangential), spring);
             energies.add_contact(&elastic, &at, spring);
@@ -176,9 +176,9 @@ impl Audit {
         let mut now = of_grains(sim);
         let mut powers = carried(sim);
         let mut held = held.iter().peekable();
-        for (p, bond) in pairs.iter().chain(&touches).zip(&histories) {
+        for (p, history) in pairs.iter().chain(&touches).zip(&histories) {
             let at = ElasticContact::pushed(sim, &elastic, p);
-            let spring = spring_of(bond);
+            let spring = spring_of(history);
             while let Some(gone) = held.next_if(|h| h.at.key() < at.key()) {
                 self.part(gone);
             }
@@ -363,11 +363,11 @@ fn held(
         spin,
         obstacles: &sim.obstacles,
     };
-    let hold = |bond: &ContactHistory<f64>| {
-        let at = ElasticContact::listed(sim, elastic, bond);
+    let hold = |history: &ContactHistory<f64>| {
+        let at = ElasticContact::listed(sim, elastic, history);
         let (_, sliding) = at.speeds(&motion);
         Held {
-            spring: spring_of(bond),
+            spring: spring_of(history),
             stiffness: elastic.stiffness(&at),
             advance: scale(sliding, sim.dt),
             at,

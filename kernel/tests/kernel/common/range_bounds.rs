@@ -46,14 +46,14 @@ fn one(
     after: After,
 ) -> Result<MotionCheck<f64>, Error> {
     let dt = world.dt;
-    let (mut part, mut touch) = world.pushing(dt);
+    let (mut part, mut touch) = world.force_ranges(dt);
     let hit = obstacle_forces(&mut part, &mut touch, law, |_| {});
 
-    let (sight, across) = world.across();
+    let (sight, across) = world.cross_range_pairs();
     let mut spills = vec![CrossRangeForce::default(); across.len()];
     let mut deep = cross_range(sight, across, law, &mut spills);
     let range_bounds = world.range_bounds;
-    let (mut rest, _) = world.pushing(dt);
+    let (mut rest, _) = world.force_ranges(dt);
     let mut parts = Vec::new();
     let mut begin = 0;
     for &end in range_bounds {

@@ -5,7 +5,7 @@ use super::super::text::escape;
 use super::drags::of;
 use super::figure::{Figure, Series, add, ends, section, straight, traced};
 use super::shown::{Shown, intruder, material, text_of};
-use crate::analysis::{Around, Curve, Point, Value};
+use crate::analysis::{Curve, NearField, Point, Value};
 use crate::fit::Fit;
 use bitgrain_lab::plug_flow::bounds;
 use bitgrain_sim::format::short;
@@ -20,9 +20,10 @@ const OPEN: usize = 7;
 type Reading = fn(&Point) -> Option<Value>;
 
 pub(super) fn figures(shown: &Shown) -> String {
-    let all = &shown.analysis.around;
-    let own =
-        |a: &Around| angles(shown, a) + &kappas(shown, a) + &floating(shown, a) + &shares(shown, a);
+    let all = &shown.analysis.near_field;
+    let own = |a: &NearField| {
+        angles(shown, a) + &kappas(shown, a) + &floating(shown, a) + &shares(shown, a)
+    };
     section(
         "Round the intruder",
         "<p>Intruders smaller than 2&nbsp;d have too few contacts for the laws of angle and coordination, and are \
@@ -39,8 +40,8 @@ fn points(curve: &Curve, of: Reading) -> Vec<(f64, Value)> {
 }
 
 /// Curves of intruders with contacts enough.
-fn wide<'a>(shown: &'a Shown, around: &Around) -> Vec<&'a Curve> {
-    let all = of(shown.analysis, around.material).into_iter();
+fn wide<'a>(shown: &'a Shown, near_field: &NearField) -> Vec<&'a Curve> {
+    let all = of(shown.analysis, near_field.material).into_iter();
     all.map(|(curve, ..)| curve)
         .filter(|c| c.is_wide())
         .collect()
@@ -50,8 +51,8 @@ fn numbers(fit: &Fit) -> Vec<f64> {
     fit.parameters.iter().map(|p| p.value).collect()
 }
 
-fn angles(shown: &Shown, around: &Around) -> String {
-    let curves = wide(shown, around);
+fn angles(shown: &Shown, near_field: &NearField) -> String {
+    let curves = wide(shown, near_field);
     let mut series: Vec<Series> = Vec::new();
     for curve in &curves {
         let name = format!("D = {}", short(curve.diameter));
@@ -67,7 +68,7 @@ fn angles(shown: &Shown, around: &Around) -> String {
     let mut lines = Vec::new();
     if let Some([from, to]) = ends(&series) {
         lines.push(traced(from, to, |x| law(x, ANGLE), false));
-        for reading in [&around.contacts, &around.new_contacts] {
+        for reading in [&near_field.contacts, &near_field.new_contacts] {
             if let Some([y1, y2, y3]) = reading.law.found().map(numbers).as_deref() {
                 lines.push(traced(from, to, |x| law(x, [*y1, *y2, *y3]), true));
             }
@@ -76,12 +77,12 @@ fn angles(shown: &Shown, around: &Around) -> String {
     let caption = format!(
         "<b>{}</b>, contact angle. Thick line: {}; upper one, where contacts begin: {}. Thin: the paper&rsquo;s law \
          for &mu;&nbsp;=&nbsp;0.5.",
-        escape(&material(&around.material)),
-        text_of(&around.contacts.law),
-        text_of(&around.new_contacts.law)
+        escape(&material(&near_field.material)),
+        text_of(&near_field.contacts.law),
+        text_of(&near_field.new_contacts.law)
     );
     Figure {
-        title: &format!("Contact angle, {}", material(&around.material)),
+        title: &format!("Contact angle, {}", material(&near_field.material)),
         labels: ["Froude number Fr", "contact angle \u{3b8} (rad)"],
         ranges: [Range::FromZero, Range::Tight],
         series: &series,
@@ -91,27 +92,27 @@ fn angles(shown: &Shown, around: &Around) -> String {
     .html()
 }
 
-fn kappas(shown: &Shown, around: &Around) -> String {
-    let curves = wide(shown, around);
+fn kappas(shown: &Shown, near_field: &NearField) -> String {
+    let curves = wide(shown, near_field);
     let each = |c: &&Curve| Series::new(intruder(c), points(c, |p| p.kappa));
     let series: Vec<Series> = curves.iter().map(each).collect();
     let mut lines: Vec<Line> = Vec::new();
     if let Some([from, to]) = ends(&series) {
         lines.push(straight(from, to, |x| KAPPA[0] + KAPPA[1] * x, false));
-        if let Some([a, b]) = around.kappa.found().map(numbers).as_deref() {
+        if let Some([a, b]) = near_field.kappa.found().map(numbers).as_deref() {
             lines.push(straight(from, to, |x| a + b * x, true));
         }
     }
     let caption = format!(
         "<b>{}</b>, normalised coordination number of the intruder. Thick line: {}. Thin: the paper&rsquo;s law for \
          &mu;&nbsp;=&nbsp;0.5.",
-        escape(&material(&around.material)),
-        text_of(&around.kappa)
+        escape(&material(&near_field.material)),
+        text_of(&near_field.kappa)
     );
     Figure {
         title: &format!(
             "Normalised coordination number, {}",
-            material(&around.material)
+            material(&near_field.material)
         ),
         labels: ["Froude number Fr", "\u{3ba}"],
         ranges: [Range::FromZero; 2],
@@ -122,16 +123,19 @@ fn kappas(shown: &Shown, around: &Around) -> String {
     .html()
 }
 
-fn floating(shown: &Shown, around: &Around) -> String {
-    let curves = of(shown.analysis, around.material);
+fn floating(shown: &Shown, near_field: &NearField) -> String {
+    let curves = of(shown.analysis, near_field.material);
     let each = |(c, ..): &(&Curve, _, _)| Series::new(intruder(c), points(c, |p| p.floating));
     let series: Vec<Series> = curves.iter().map(each).collect();
     let caption = format!(
         "<b>{}</b>, share of the grains within 2&nbsp;d of the intruder&rsquo;s surface that touch nothing.",
-        escape(&material(&around.material))
+        escape(&material(&near_field.material))
     );
     Figure {
-        title: &format!("Grains without contacts, {}", material(&around.material)),
+        title: &format!(
+            "Grains without contacts, {}",
+            material(&near_field.material)
+        ),
         labels: ["Froude number Fr", "share without contacts"],
         ranges: [Range::FromZero; 2],
         series: &series,
@@ -142,8 +146,8 @@ fn floating(shown: &Shown, around: &Around) -> String {
 }
 
 /// Shares of grains by their contacts, of the curve with the most speeds, at a few of them.
-fn shares(shown: &Shown, around: &Around) -> String {
-    let curves = wide(shown, around);
+fn shares(shown: &Shown, near_field: &NearField) -> String {
+    let curves = wide(shown, near_field);
     let longest = curves.iter().rev().max_by_key(|c| c.points.len());
     let Some(curve) = longest else {
         return String::new();
@@ -177,11 +181,11 @@ fn shares(shown: &Shown, around: &Around) -> String {
     }
     let caption = format!(
         "<b>{}</b>, {}: share of the grains within 2&nbsp;d of the intruder&rsquo;s surface with so many contacts.",
-        escape(&material(&around.material)),
+        escape(&material(&near_field.material)),
         escape(&intruder(curve))
     );
     Figure {
-        title: &format!("Coordination numbers, {}", material(&around.material)),
+        title: &format!("Coordination numbers, {}", material(&near_field.material)),
         labels: ["contacts of a grain", "share of the grains"],
         ranges: [Range::FromZero; 2],
         series: &series,
