@@ -250,7 +250,7 @@ fn plug(runs: &[DragSummary]) -> Option<Remark> {
             range(moved.map(|run| run.plug_ratio)),
             parts.join(", "),
         );
-        remark("PlugFlow", words)
+        remark("Plug flow", words)
     })
 }
 

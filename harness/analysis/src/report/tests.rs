@@ -316,7 +316,7 @@ fn a_flowing_bed_has_a_page_of_its_own() {
     }
     for part in [
         "Froude",
-        "PlugFlow ratio",
+        "Plug ratio",
         "of a sphere",
         "NaN",
         "http",

@@ -77,7 +77,7 @@ fn remarks(shown: &Shown) -> Vec<String> {
             "In {n} runs the bed above the intruder slid along with it: their drag is the box&rsquo;s as much as the \
              intruder&rsquo;s. They {what}."
         );
-        out.push(remark("PlugFlow", &words));
+        out.push(remark("Plug flow", &words));
     }
     let rows = || 0..table.len();
     let open = rows().filter(|&row| table.text(row, "drag_converged") == "false");
