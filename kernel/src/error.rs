@@ -2,6 +2,8 @@
 
 use core::fmt;
 
+use crate::math::real::Real;
+
 /// Why a world was refused or a step stopped. Grains are named by id, obstacles by number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -72,6 +74,16 @@ pub enum Error {
     ObstacleContactsFull {
         /// Entries that would have been enough.
         needed: usize,
+    },
+    /// A number of this grain is too large for its fixed-point type; its row holds the overflow mark.
+    Overflow {
+        /// Its id.
+        id: u32,
+    },
+    /// A number of this obstacle is too large for its fixed-point type.
+    ObstacleOverflow {
+        /// Its number.
+        obstacle: u32,
     },
     /// A velocity, spin, force or torque became NaN, infinite or too large to square.
     NotFinite {
@@ -160,6 +172,24 @@ impl fmt::Display for ArithmeticDefect {
     }
 }
 
+impl Error {
+    /// A grain whose state is no number of this type.
+    pub(crate) fn not_finite<R: Real>(id: u32) -> Self {
+        match R::FIXED_POINT {
+            true => Self::Overflow { id },
+            false => Self::NotFinite { id },
+        }
+    }
+
+    /// An obstacle whose state is no number of this type.
+    pub(crate) fn obstacle_not_finite<R: Real>(obstacle: u32) -> Self {
+        match R::FIXED_POINT {
+            true => Self::ObstacleOverflow { obstacle },
+            false => Self::ObstacleNotFinite { obstacle },
+        }
+    }
+}
+
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
@@ -198,6 +228,14 @@ impl fmt::Display for Error {
             Error::ObstacleContactsFull { needed } => {
                 write!(f, "obstacle list is full, {needed} entries needed")
             }
+            Error::Overflow { id } => write!(
+                f,
+                "a number of grain {id} is too large for the fixed-point type: {TOO_LARGE}"
+            ),
+            Error::ObstacleOverflow { obstacle } => write!(
+                f,
+                "a number of obstacle {obstacle} is too large for the fixed-point type: {TOO_LARGE}"
+            ),
             Error::NotFinite { id } => write!(f, "the state of grain {id} is not finite"),
             Error::ObstacleNotFinite { obstacle } => {
                 write!(f, "the state of obstacle {obstacle} is not finite")
@@ -229,6 +267,8 @@ impl fmt::Display for Error {
         }
     }
 }
+
+const TOO_LARGE: &str = "take one with fewer places after the point, or other units";
 
 const TOO_SLOW: &str = "less than 16 units in the last place of the largest coordinate in one step: \
                         take a longer time step, a smaller box or more digits";

@@ -6,7 +6,7 @@ use crate::error::Error;
 use crate::math::real::{Real, larger};
 use crate::math::rows::Row;
 use crate::math::rows::{halves_mut, min, part, part_mut, plus, split_at, times};
-use crate::math::vec3::{Vec3, dot, head};
+use crate::math::vec3::{Vec3, dot, head, scale};
 use crate::state::domain::Domain;
 use crate::state::grains::{Grains, Group};
 
@@ -265,14 +265,26 @@ pub fn integrate<R: Real>(m: &mut GrainMotion<'_, R>, which: MotionPhase) -> Mot
         if which != MotionPhase::Drift {
             let speed2 = dot(head(next), head(next));
             // Comparisons with NaN are false, so what is not slow is everything that is not sound.
-            let slow = speed2 * (dt * dt) < x[3] * x[3];
-            let sound = all_at_most(&squares(&turning, force, torque), &[R::MAX; 4]);
+            let slow = if R::FIXED_POINT {
+                // The square of a short time step would vanish.
+                let way = scale(head(next), dt);
+                dot(way, way) < x[3] * x[3]
+            } else {
+                speed2 * (dt * dt) < x[3] * x[3]
+            };
+            let sound = if R::FIXED_POINT {
+                [&turning, &*force, &*torque]
+                    .iter()
+                    .all(|row| row.iter().all(|x| x.is_finite()))
+            } else {
+                all_at_most(&squares(&turning, force, torque), &[R::MAX; 4])
+            };
             if !(slow & sound) {
                 cold_path();
                 let fault = if speed2.is_finite() && sound {
                     Error::TooFast { id: *id }
                 } else {
-                    Error::NotFinite { id: *id }
+                    Error::not_finite::<R>(*id)
                 };
                 passed.unsound = passed.unsound.or(Some(fault));
             }
@@ -310,6 +322,10 @@ fn all_at_most<R: Real>(a: &Row<R>, b: &Row<R>) -> bool {
 /// that the product vanishes; what lies outside is never inside.
 #[inline(always)]
 fn inside<R: Real>(lo: &Row<R>, x: &Row<R>, hi: &Row<R>) -> bool {
+    if R::FIXED_POINT {
+        let word = |a: usize| lo[a] < x[a] && x[a] < hi[a];
+        return word(0) && word(1) && word(2);
+    }
     let word = |a: usize| (x[a] - lo[a]) * (hi[a] - x[a]) > R::ZERO;
     word(0) & word(1) & word(2) & word(3)
 }

@@ -91,6 +91,8 @@ pub use fp_environment::check_arithmetic;
 pub use math::real::Real;
 pub use math::rows::Row;
 pub use math::vec3;
+#[cfg(feature = "fixed")]
+pub use math::{fixed_point, scaling};
 pub use neighbors::cell_list::{CellList, OuterList};
 pub use neighbors::pair_list::{ContactHistory, PairList, TOUCHING};
 pub use state::domain::Domain;

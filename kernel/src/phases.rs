@@ -11,11 +11,12 @@
 use crate::digest::seal::whole;
 use crate::error::Error;
 use crate::fp_environment::check_arithmetic;
-use crate::math::real::Real;
+use crate::math::real::{Real, magnitude};
 use crate::math::rows::get_or_default;
-use crate::math::vec3::dot;
+use crate::math::vec3::length_bound;
 use crate::neighbors::cell_list::{Found, Scene, keep_obstacle_contacts, search};
 use crate::neighbors::prune::{Pruning, prune};
+use crate::state::domain::limit;
 use crate::world::{Stage, World};
 
 pub use crate::digest::seal::{Sealed, seal};
@@ -98,8 +99,8 @@ pub fn drift<R: Real>(world: &mut World<'_, R>, passed: MotionCheck<R>) -> Resul
     world.clock.far = world.clock.far - (travel + travel);
     for (k, body) in world.obstacles.iter_mut().enumerate() {
         body.advance(world.domain, world.dt);
-        if !body.point.iter().all(|x| x.is_finite()) {
-            return Err(Error::ObstacleNotFinite { obstacle: k as u32 });
+        if !body.point.iter().all(|x| magnitude(*x) <= limit()) {
+            return Err(Error::obstacle_not_finite::<R>(k as u32));
         }
     }
     world.clock.stage = Stage::Drifted;
@@ -141,7 +142,7 @@ pub(crate) fn refresh_if_old<R: Real>(
 pub(crate) fn next_travel<R: Real>(world: &World<'_, R>) -> Result<R, Error> {
     let mut travel = world.clock.next_travel;
     for (k, body) in world.obstacles.iter().enumerate() {
-        let way = dot(body.velocity, body.velocity).sqrt() * world.dt;
+        let way = length_bound(body.velocity) * world.dt;
         let slow = way < world.clock.radius_min;
         if !slow {
             return Err(Error::ObstacleTooFast { obstacle: k as u32 });
@@ -232,7 +233,7 @@ pub fn check_overlaps<R: Real>(
 ) -> Result<(), Error> {
     for (k, body) in world.obstacles.iter().enumerate() {
         if !body.force.iter().chain(&body.torque).all(|f| f.is_finite()) {
-            return Err(Error::ObstacleNotFinite { obstacle: k as u32 });
+            return Err(Error::obstacle_not_finite::<R>(k as u32));
         }
     }
     let id = |place: u32| get_or_default(world.grains.id, place as usize);
@@ -270,7 +271,12 @@ fn go_on<R: Real>(world: &mut World<'_, R>, passed: MotionCheck<R>) -> Result<()
     if let Some(fault) = passed.unsound {
         return Err(fault);
     }
-    world.clock.next_travel = passed.speed2.sqrt() * world.dt;
+    let speed2 = match R::FIXED_POINT {
+        // Squares of slow speeds vanish.
+        true => passed.speed2 + (R::EPSILON + R::EPSILON),
+        false => passed.speed2,
+    };
+    world.clock.next_travel = speed2.sqrt() * world.dt;
     world.clock.stage = Stage::Going;
     Ok(())
 }

@@ -6,7 +6,7 @@ use crate::forces::obstacle_contacts::ObstacleContactRange;
 use crate::integrate::GrainMotion;
 use crate::math::real::{Real, larger, magnitude};
 use crate::math::rows::{front_mut, get_or_default, halves_mut, prefix, split_at};
-use crate::math::vec3::{Vec3, dot, head};
+use crate::math::vec3::{Vec3, head, length_bound};
 use crate::neighbors::cell_list::{CellList, OuterList};
 use crate::neighbors::pair_list::{ContactHistory, Listed, PairList, TOUCHING};
 use crate::state::domain::Domain;
@@ -275,6 +275,9 @@ impl<R: Real> World<'_, R> {
             let [[.., radius], [.., mass], _] = numbers;
             let sized = radius > R::ZERO && radius.is_finite();
             let heavy = mass > R::ZERO && mass.is_finite() && (R::ONE / mass).is_finite();
+            // In fixed point the square of a small radius may vanish.
+            let turns = (R::ONE / mass) / ((radius * radius) * R::from_f64(0.4));
+            let sized = sized && (!R::FIXED_POINT || turns.is_finite());
             if usize::from(get_or_default(g.group, i)) >= g.groups.len() || !sized || !heavy {
                 return Err(Error::BadGrain { id });
             }
@@ -282,7 +285,7 @@ impl<R: Real> World<'_, R> {
                 .iter()
                 .all(|row| head(*row).iter().all(|x| x.is_finite()));
             if !finite {
-                return Err(Error::NotFinite { id });
+                return Err(Error::not_finite::<R>(id));
             }
             let mut place = head(get_or_default(g.position, i));
             let mut image = [0; 3];
@@ -313,11 +316,12 @@ impl<R: Real> World<'_, R> {
                 extent = larger(extent, larger(magnitude(lo), magnitude(hi)));
             }
         }
+        let extent = if R::FIXED_POINT { R::ONE } else { extent };
         let least = extent * (R::EPSILON * R::from_f64(RESOLVED));
         let moves = |v: &Vec3<R>| v.iter().any(|x| *x != R::ZERO);
         let lost = |v: &Vec3<R>, speed: R| moves(v) && speed * self.dt < least;
         for (k, body) in self.obstacles.iter().enumerate() {
-            if lost(&body.velocity, dot(body.velocity, body.velocity).sqrt()) {
+            if lost(&body.velocity, length_bound(body.velocity)) {
                 return Err(Error::ObstacleTooSlow { obstacle: k as u32 });
             }
         }
@@ -336,12 +340,12 @@ impl<R: Real> World<'_, R> {
                     carried[a] = v[a];
                 }
             }
-            if lost(&carried, dot(carried, carried).sqrt()) {
+            if lost(&carried, length_bound(carried)) {
                 return Err(Error::TooSlow {
                     id: get_or_default(g.id, i),
                 });
             }
-            if lost(&pull, (dot(pull, pull).sqrt() * x[3]).sqrt()) {
+            if lost(&pull, (length_bound(pull) * x[3]).sqrt()) {
                 return Err(Error::GravityTooWeak { group: number });
             }
         }
@@ -351,13 +355,20 @@ impl<R: Real> World<'_, R> {
     /// Every period must be longer than twice the largest contact distance, or a grain could touch
     /// two images of one body.
     fn check_periods(&self) -> Result<(), Error> {
-        let mut radius = R::ZERO;
-        for x in self.grains.position.iter() {
-            radius = larger(radius, x[3]);
+        let (mut radius, mut largest) = (R::ZERO, 0);
+        for (x, id) in self.grains.position.iter().zip(self.grains.id) {
+            if x[3] > radius {
+                (radius, largest) = (x[3], *id);
+            }
         }
         let mut widest = radius + radius;
         for body in self.obstacles.iter() {
             widest = larger(widest, radius + body.reach());
+        }
+        // In fixed point: the square of every distance at which bodies touch must be a number.
+        let square = (widest + self.skin) * (widest + self.skin);
+        if R::FIXED_POINT && !square.is_finite() {
+            return Err(Error::Overflow { id: largest });
         }
         let (lo, hi) = (self.domain.lo(), self.domain.hi());
         for a in 0..3 {

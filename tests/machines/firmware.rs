@@ -52,13 +52,77 @@ pub struct Bounds {
 ///
 /// # Errors
 /// What is wrong with the file, or that the output tells of no stack.
-pub fn inspect(program: &Path, output: &str) -> Result<Image, String> {
+pub fn inspect(program: &Path, output: &str, no_floats: bool) -> Result<Image, String> {
     let bytes = std::fs::read(program).map_err(|why| format!("no image: {why}"))?;
     let (flash, ram) = sizes(&bytes)?;
+    let names = symbols(&bytes)?;
+    let mut banned = banned(&names);
+    if no_floats {
+        let floats = names.iter().filter(|name| is_soft_float(name));
+        banned.extend(floats.map(|name| format!("computes with floats: {name}")));
+        banned.extend(float_instructions(&bytes)?);
+    }
     Ok(Image {
         bytes: [flash, ram, stack(output)?],
-        banned: banned(&symbols(&bytes)?),
+        banned,
     })
+}
+
+/// Whether a symbol is one of the compiler's functions for floats, by the names of ARM's ABI or those of its own.
+fn is_soft_float(name: &str) -> bool {
+    let begins = ["d", "f", "i2", "ui2", "l2", "ul2"].map(|rest| format!("__aeabi_{rest}"));
+    let ends = [
+        "df2", "sf2", "df3", "sf3", "sidf", "sisf", "didf", "disf", "dfsi", "sfsi", "dfdi", "sfdi",
+    ];
+    let ours = name.starts_with("__") && ends.iter().any(|end| name.ends_with(end));
+    begins.iter().any(|begin| name.starts_with(begin)) || ours || name.contains("4libm")
+}
+
+/// Thumb instructions of the floating-point coprocessors, 10 and 11, in the code of an image; where code and data are
+/// the image's mapping symbols say.
+fn float_instructions(bytes: &[u8]) -> Result<Vec<String>, String> {
+    let file = parse(bytes)?;
+    let mut marks: Vec<(u64, bool)> = Vec::new();
+    for symbol in file.symbols() {
+        match symbol.name().unwrap_or_default() {
+            name if name.starts_with("$t") => marks.push((symbol.address(), true)),
+            name if name.starts_with("$d") => marks.push((symbol.address(), false)),
+            _ => {}
+        }
+    }
+    marks.sort_unstable();
+    let (mut found, mut read) = (Vec::new(), 0);
+    for section in file.sections().filter(|s| s.kind() == SectionKind::Text) {
+        let data = section.data().map_err(|why| why.to_string())?;
+        let half = |at: usize| {
+            data.get(at..at + 2)
+                .map(|two| u16::from_le_bytes([two[0], two[1]]))
+        };
+        let mut at = 0;
+        while let Some(first) = half(at) {
+            let place = section.address() + at as u64;
+            let mark = marks.partition_point(|(from, _)| *from <= place);
+            let code = mark.checked_sub(1).is_some_and(|mark| marks[mark].1);
+            let is_long = first >> 11 >= 0b11101;
+            if !code || !is_long {
+                at += 2;
+                read += usize::from(code);
+                continue;
+            }
+            let second = half(at + 2).unwrap_or(0);
+            if first & 0xec00 == 0xec00 && matches!(second >> 8 & 15, 10 | 11) {
+                found.push(format!(
+                    "computes with floats: {first:04x} {second:04x} at {place:#x}"
+                ));
+            }
+            at += 4;
+            read += 1;
+        }
+    }
+    match read > 1000 {
+        true => Ok(found),
+        false => Err(format!("only {read} instructions were found in the image")),
+    }
 }
 
 fn parse(bytes: &[u8]) -> Result<object::File<'_>, String> {
@@ -123,7 +187,8 @@ fn stack(output: &str) -> Result<u64, String> {
         .find_map(|line| line.strip_prefix("# stack "));
     let line = line.ok_or("it tells of no stack")?;
     let numbers = line.split_once(" of ");
-    let parsed = numbers.and_then(|(deep, all)| Some((deep.parse().ok()?, all.parse().ok()?)));
+    let parsed: Option<(u64, u64)> =
+        numbers.and_then(|(deep, all)| Some((deep.parse().ok()?, all.parse().ok()?)));
     match parsed {
         Some((deep, all)) if deep < all => Ok(deep),
         Some((deep, _)) => Err(format!("all {deep} bytes of the stack were used")),

@@ -37,6 +37,8 @@ pub struct Target {
     pub rig: Rig,
     /// Optimised or debug.
     pub release: bool,
+    /// Features of the program.
+    pub features: &'static str,
     /// Flags for the compiler.
     pub flags: &'static str,
     /// The linker, where it is not the compiler's own.
@@ -90,6 +92,7 @@ const HOST: Target = Target {
     triple: "",
     rig: Rig::Linux,
     release: true,
+    features: "",
     flags: "",
     linker: "",
     needs: &[CC],
@@ -208,6 +211,16 @@ pub static TARGETS: &[Target] = &[
         ..HOST
     },
     Target {
+        name: "cortex-m0-fixed",
+        about: "the same in fixed point alone, without a floating-point operation",
+        triple: "thumbv6m-none-eabi",
+        rig: Rig::CortexM,
+        features: NO_FLOATS,
+        needs: &[LLD],
+        run: (M0, "qemu-system-arm"),
+        ..HOST
+    },
+    Target {
         name: "i586-refused",
         about: "32-bit x86 without SSE2, which the kernel refuses",
         triple: "i586-unknown-linux-gnu",
@@ -254,7 +267,15 @@ const M4F: &[&str] = &board("mps2-an386");
 /// A micro:bit with its Cortex-M0 and 16 kB of RAM.
 const M0: &[&str] = &board("microbit");
 
+/// The feature of firmware that computes in fixed point alone.
+const NO_FLOATS: &str = "no-floats";
+
 impl Target {
+    /// Whether it computes in fixed point alone.
+    pub fn has_no_floats(&self) -> bool {
+        self.features == NO_FLOATS
+    }
+
     /// Whether a board runs it, so that its size counts.
     pub fn is_firmware(&self) -> bool {
         self.rig == Rig::CortexM

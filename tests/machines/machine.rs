@@ -92,6 +92,9 @@ pub fn build(target: &Target) -> Result<PathBuf, String> {
     if target.release {
         command.arg("--release");
     }
+    if !target.features.is_empty() {
+        command.args(["--features", target.features]);
+    }
     command.env("CARGO_TARGET_DIR", products());
     command.env("RUSTFLAGS", target.flags);
     if !target.linker.is_empty() {

@@ -13,11 +13,25 @@ use compare::{Difference, first_difference, lines};
 use list::{Expect, Target};
 use report::{Outcome, Row};
 
+/// The golden texts.
+pub struct Golden {
+    /// Of the worlds in `f64` and `f32`.
+    pub floats: String,
+    /// Of those in fixed point, which follow.
+    pub fixed: String,
+}
+
 /// What the kernel says to a machine whose arithmetic it refuses.
 const REFUSAL: &str = "x87 arithmetic rounds twice";
 
 /// Builds and runs one target and judges what came of it. A firmware's image comes along.
-pub fn check(target: &Target, golden: &str) -> Row {
+pub fn check(target: &Target, golden: &Golden) -> Row {
+    // Firmware has room for one of them.
+    let golden = match (target.is_firmware(), target.has_no_floats()) {
+        (_, true) => golden.fixed.clone(),
+        (true, _) => golden.floats.clone(),
+        _ => format!("{}{}", golden.floats, golden.fixed),
+    };
     let begin = Instant::now();
     let mut row = Row {
         name: target.name,
@@ -29,7 +43,7 @@ pub fn check(target: &Target, golden: &str) -> Row {
     };
     let missing = machine::missing(target);
     row.outcome = if missing.is_empty() {
-        run(target, golden, &mut row)
+        run(target, &golden, &mut row)
     } else {
         Outcome::Skipped(missing)
     };
@@ -55,7 +69,8 @@ fn run(target: &Target, golden: &str, row: &mut Row) -> Outcome {
     let text = lines(&ended.output);
     row.digest = compare::last_digest(&text);
     if target.is_firmware() {
-        row.firmware = Some(firmware::inspect(&program, &ended.output));
+        let no_floats = target.has_no_floats();
+        row.firmware = Some(firmware::inspect(&program, &ended.output, no_floats));
     }
     judge(target.expect, first_difference(&text, golden), &ended)
 }

@@ -41,7 +41,7 @@ pub fn heading() -> String {
 }
 
 fn line(name: &str, ran: &str, seconds: &str, digest: &str, outcome: &str) -> String {
-    format!("{name:<13} {ran:<23} {seconds:>7}  {digest:<16}  {outcome}")
+    format!("{name:<15} {ran:<23} {seconds:>7}  {digest:<16}  {outcome}")
 }
 
 impl Row {
@@ -103,7 +103,7 @@ pub fn firmware(rows: &[Row], golden: &[Bounds]) -> (String, bool) {
             None => continue,
             Some(Ok(image)) => {
                 let [flash, ram, stack] = image.bytes;
-                text += &format!("{:<13} {flash:>8} {ram:>8} {stack:>8}", row.name);
+                text += &format!("{:<15} {flash:>8} {ram:>8} {stack:>8}", row.name);
                 if image.banned.is_empty() {
                     text += "  cannot panic, allocates nothing, formats no float";
                 }
@@ -111,7 +111,7 @@ pub fn firmware(rows: &[Row], golden: &[Bounds]) -> (String, bool) {
                 faults(row.name, image, golden)
             }
             Some(Err(why)) => {
-                text += &format!("{:<13}\n", row.name);
+                text += &format!("{:<15}\n", row.name);
                 vec![why.clone()]
             }
         };
@@ -122,7 +122,7 @@ pub fn firmware(rows: &[Row], golden: &[Bounds]) -> (String, bool) {
     }
     if !text.is_empty() {
         let [flash, ram, stack] = ["flash", "RAM", "stack"];
-        let heading = format!("\n{:<13} {flash:>8} {ram:>8} {stack:>8}\n", "board, bytes");
+        let heading = format!("\n{:<15} {flash:>8} {ram:>8} {stack:>8}\n", "board, bytes");
         text.insert_str(0, &heading);
     }
     (text, good)

@@ -58,13 +58,20 @@ impl<R: Real> Law<R> for HertzHistory<R> {
         let cap = self.mu * magnitude(normal_force.force);
         let slides = ft > cap;
         let f = if slides { cap / ft } else { R::ONE };
+        let f = f.carry(ft);
 
         let per_kt = if self.kt > R::ZERO {
             R::ONE / self.kt
         } else {
             R::ZERO
         };
-        let shrunk = scale(sub(scale(q, f), damp), per_kt);
+        let shrunk = sub(scale(q, f), damp);
+        let shrunk = if R::FIXED_POINT && self.kt > R::ZERO {
+            // The inverse of a stiffness has few digits there.
+            shrunk.map(|x| x / self.kt)
+        } else {
+            scale(shrunk, per_kt)
+        };
         let hold = slides && state.length2 == R::ZERO;
         let g = if hold {
             R::ZERO

@@ -77,6 +77,7 @@ impl<R: Real> Law<R> for HertzTsuji<R> {
         let cap = self.mu * magnitude(normal_force.force);
         let slides = pull > cap;
         let f = if slides { cap / pull } else { R::ONE };
+        let f = f.carry(pull);
         let gamma_t = if slides {
             R::ZERO
         } else {

@@ -6,7 +6,8 @@
 use core::fmt::Debug;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
-/// A real number with correctly rounded arithmetic: `f64` (the reference) or `f32`.
+/// A real number with correctly rounded arithmetic: `f64` (the reference), `f32`, or with the feature `fixed` one of
+/// the fixed-point types.
 pub trait Real:
     Copy
     + PartialOrd
@@ -35,17 +36,28 @@ pub trait Real:
     const LEAST: Self;
     /// The least positive normal number.
     const LEAST_NORMAL: Self;
-    /// How this type is called in Rust, `f64` or `f32`.
+    /// How this type is called in Rust, as `f64` or `f32`.
     const NAME: &'static str;
+    /// Whether numbers are evenly spaced, [`Real::EPSILON`] apart, and those that are too large become an overflow
+    /// mark that must not be lost. Floats pay nothing for it.
+    const FIXED_POINT: bool = false;
 
     /// The correctly rounded square root; NaN below zero.
     fn sqrt(self) -> Self;
     /// The nearest number to `value`; for set-up, never inside a step.
     fn from_f64(value: f64) -> Self;
-    /// This number as `f64`, exact for both types.
+    /// This number as `f64`, exact for floats, else the nearest; never inside a step.
     fn to_f64(self) -> f64;
-    /// Whether this is neither infinite nor NaN.
+    /// A count up to 2^20 as a number.
+    fn from_count(count: u32) -> Self;
+    /// Whether this is neither infinite nor NaN, and no overflow mark.
     fn is_finite(self) -> bool;
+    /// This number, or the overflow mark of `other` if that has one: a law calls it on what it selects by a
+    /// comparison with `other`, which loses the mark. Floats have none.
+    #[inline(always)]
+    fn carry(self, _other: Self) -> Self {
+        self
+    }
     /// Truncated towards zero, 0 for negative numbers and NaN; for the cells of the search only.
     fn to_index(self) -> usize;
     /// The number's bits in words, the lowest first, for a digest; the second is `None` if one
@@ -76,6 +88,10 @@ macro_rules! real {
             #[inline(always)]
             fn to_f64(self) -> f64 {
                 self as f64
+            }
+            #[inline(always)]
+            fn from_count(count: u32) -> Self {
+                count as $float
             }
             #[inline(always)]
             fn is_finite(self) -> bool {

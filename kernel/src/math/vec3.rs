@@ -1,6 +1,6 @@
 //! Three-vectors as plain arrays, every sum written out so that its order is part of the contract.
 
-use crate::math::real::Real;
+use crate::math::real::{Real, magnitude};
 
 /// A vector with components along x, y and z.
 pub type Vec3<R> = [R; 3];
@@ -53,4 +53,26 @@ pub fn either<R: Real>(first: bool, a: Vec3<R>, b: Vec3<R>) -> Vec3<R> {
         if first { a[1] } else { b[1] },
         if first { a[2] } else { b[2] },
     ]
+}
+
+/// Whether a vector is longer than `reach`; not if that cannot be told because squares are too large.
+#[inline(always)]
+pub(crate) fn is_beyond<R: Real>(d: Vec3<R>, reach: R) -> bool {
+    if R::FIXED_POINT {
+        // Differences of places are numbers, but their squares need not be.
+        let near = |x: R| magnitude(x) <= reach;
+        if !(near(d[0]) && near(d[1]) && near(d[2])) {
+            return true;
+        }
+    }
+    dot(d, d) > reach * reach
+}
+
+/// The length of a vector; in fixed point, where squares of small numbers vanish, a bound of it: the sum of its parts.
+#[inline(always)]
+pub(crate) fn length_bound<R: Real>(v: Vec3<R>) -> R {
+    match R::FIXED_POINT {
+        true => (magnitude(v[0]) + magnitude(v[1])) + magnitude(v[2]),
+        false => dot(v, v).sqrt(),
+    }
 }

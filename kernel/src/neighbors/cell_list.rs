@@ -9,7 +9,7 @@ use crate::error::Error;
 use crate::math::real::{Real, larger, magnitude, smaller};
 use crate::math::rows::Row;
 use crate::math::rows::{copy, front_mut, get_or_default, prefix, set};
-use crate::math::vec3::{dot, head};
+use crate::math::vec3::{head, is_beyond};
 use crate::neighbors::pair_list::{PLACE, PairList};
 use crate::state::domain::Domain;
 use crate::state::grains::Grains;
@@ -76,7 +76,7 @@ impl<R: Real> Grid<R> {
                 let fit = (length / width).to_index().clamp(1, 1 << 20);
                 count[a] = fit;
                 if length > R::ZERO {
-                    per_length[a] = R::from_f64(fit as f64) / length;
+                    per_length[a] = R::from_count(fit as u32) / length;
                 }
             }
             let cells = count.iter().fold(1usize, |n, &c| n.saturating_mul(c));
@@ -148,8 +148,10 @@ pub(crate) fn search<R: Real>(
     let position = &*grains.position;
     let mut extent = R::ONE * R::EPSILON;
     let mut radius = R::ZERO;
+    let mut least = R::ONE;
     for x in position {
         radius = larger(radius, x[3]);
+        least = smaller(least, x[3]);
         for a in 0..3 {
             extent = larger(extent, magnitude(x[a]));
         }
@@ -163,7 +165,12 @@ pub(crate) fn search<R: Real>(
     }
     // Coordinates may grow by half of it before the next search.
     let extent = extent + scene.far;
-    let slack = (extent + widest) * (R::EPSILON * R::from_f64(64.0));
+    let size = match R::FIXED_POINT {
+        // Rounding is the same for all numbers, and more of a distance the shorter it is.
+        true => (extent + widest) + (R::ONE + R::ONE / least),
+        false => extent + widest,
+    };
+    let slack = size * (R::EPSILON * R::from_f64(64.0));
     // However far: a pair is listed by its nearest image, and no other image comes first.
     let far = scene.far + slack;
 
@@ -179,7 +186,10 @@ pub(crate) fn search<R: Real>(
         obstacle_contacts,
         far: scene.far,
         slack,
-        rounding: extent * (R::EPSILON + R::EPSILON),
+        rounding: match R::FIXED_POINT {
+            true => R::EPSILON * R::from_f64(4.0),
+            false => extent * (R::EPSILON + R::EPSILON),
+        },
     })
 }
 
@@ -265,9 +275,7 @@ fn list_candidates<R: Real>(
                         let y = get_or_default(position, k);
                         let d = domain.separation(head(*x), head(y));
                         let reach = (x[3] + y[3]) + far;
-                        // Squares that are too large for numbers are near each other.
-                        let is_far = dot(d, d) > reach * reach;
-                        if !is_far {
+                        if !is_beyond(d, reach) {
                             set(candidates.partner, listed, j);
                             listed += 1;
                         }
@@ -326,7 +334,12 @@ fn list_obstacle_contacts<R: Real>(
             }
             let meeting = body.meet(domain, head(*x), x[3]);
             // A distance whose square is too large for a number may be any.
-            let is_far = meeting.overlap.is_finite() && meeting.overlap < -skin;
+            let is_number = meeting.overlap.is_finite();
+            let is_far = match R::FIXED_POINT {
+                // A distance whose square overflows is beyond all contacts.
+                true => !is_number || meeting.overlap < -skin,
+                false => is_number && meeting.overlap < -skin,
+            };
             if !is_far {
                 set(spare.obstacle_contact_grain, touches, i as u32);
                 set(spare.obstacle_contact_obstacle, touches, k as u32);

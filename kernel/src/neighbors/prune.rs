@@ -9,7 +9,7 @@ use crate::error::Error;
 use crate::math::real::Real;
 use crate::math::rows::Row;
 use crate::math::rows::{copy, front_mut, get_or_default, prefix, set};
-use crate::math::vec3::{dot, head};
+use crate::math::vec3::{dot, head, is_beyond};
 use crate::neighbors::cell_list::OuterList;
 use crate::neighbors::pair_list::{Listed, PairList};
 use crate::state::domain::Domain;
@@ -79,8 +79,7 @@ fn list<R: Real>(
             let touch = x[3] + y[3];
             let reach = touch + picking.near;
             let distance2 = dot(d, d);
-            // Squares that are too large for numbers are near each other.
-            let is_far = distance2 > reach * reach;
+            let is_far = is_beyond(d, reach);
             touching += usize::from(distance2 < touch * touch);
             if j < end {
                 // Written while there is room, kept only when near: no branch to mispredict.

@@ -22,13 +22,15 @@ impl<R: Real> Domain<R> {
     /// A box from `lo` to `hi` (units of length).
     ///
     /// # Errors
-    /// [`Error::BadDomain`] unless `lo < hi` on every axis and all are finite.
+    /// [`Error::BadDomain`] unless `lo < hi` on every axis and all are finite; in fixed point, within a quarter of the
+    /// range, so that no difference of two places overflows.
     pub fn new(lo: Vec3<R>, hi: Vec3<R>, periodic: [bool; 3]) -> Result<Self, Error> {
         let mut period = [R::ZERO; 3];
         let mut half = [R::MAX; 3];
         for a in 0..3 {
             let ordered = lo[a] < hi[a];
-            if !ordered || !(hi[a] - lo[a]).is_finite() {
+            let places = lo[a] >= -limit::<R>() && hi[a] <= limit::<R>();
+            if !ordered || !places || !(hi[a] - lo[a]).is_finite() {
                 return Err(Error::BadDomain { axis: a as u8 });
             }
             if periodic[a] {
@@ -57,8 +59,8 @@ impl<R: Real> Domain<R> {
     /// Space without edges or periods.
     pub fn open() -> Self {
         Self {
-            lo: [-R::MAX; 3],
-            hi: [R::MAX; 3],
+            lo: [-limit::<R>(); 3],
+            hi: [limit::<R>(); 3],
             periodic: [false; 3],
             period: [R::ZERO; 3],
             half: [R::MAX; 3],
@@ -153,6 +155,14 @@ impl<R: Real> Domain<R> {
         };
         *image = count;
         *x >= self.lo[k] && *x < self.hi[k]
+    }
+}
+
+/// How far from the origin places may be.
+pub(crate) fn limit<R: Real>() -> R {
+    match R::FIXED_POINT {
+        true => R::MAX * R::HALF * R::HALF,
+        false => R::MAX,
     }
 }
 

@@ -189,6 +189,9 @@ impl<const FUSES: bool> Real for Off<FUSES> {
     fn to_f64(self) -> f64 {
         self.value
     }
+    fn from_count(count: u32) -> Self {
+        Self::of(f64::from(count))
+    }
     fn is_finite(self) -> bool {
         self.value.is_finite()
     }

@@ -9,10 +9,16 @@ mod common {
 mod canary;
 mod edits;
 mod examples;
+#[cfg(feature = "fixed")]
+mod fixed_point;
+#[cfg(feature = "fixed")]
+mod fixed_worlds;
 mod images;
 mod oracle;
 mod reference;
 mod resolution;
+#[cfg(feature = "fixed")]
+mod scaling;
 mod search;
 mod store;
 mod sums;

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use bitgrain_kernel::blake3::Hasher;
 use bitgrain_kernel::conformance::{EVERY, LINE, Line, Room, World, history, last, run, tsuji};
+use bitgrain_kernel::contact::HertzTsuji;
 use bitgrain_kernel::vec3::{dot, head};
 use bitgrain_kernel::{ContactForce, Partner, start, step_watched};
 
@@ -128,4 +129,11 @@ fn the_worlds_hold_what_they_are_there_for() {
         }
     }
     assert!(round > 10, "{round} grains went round the box");
+}
+
+/// The law without damping is written down as numbers, so that to make it takes no logarithm.
+#[test]
+fn the_other_law_is_that_of_its_parameters() {
+    assert_eq!(tsuji::<f64>(), HertzTsuji::new(4e3, 0.3, 0.6, 0.5));
+    assert_eq!(tsuji::<f32>(), HertzTsuji::new(4e3, 0.3, 0.6, 0.5));
 }

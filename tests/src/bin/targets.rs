@@ -9,11 +9,11 @@ use std::process::ExitCode;
 
 use bitgrain_tests::golden;
 use machines::list::{TARGETS, Target, find};
-use machines::{check, firmware, machine, report};
+use machines::{Golden, check, firmware, machine, report};
 
 const HELP: &str = "\
 Builds the reference worlds for other machines, runs them and compares every bit with
-golden/digests/reference.snap.txt.
+golden/digests/reference.snap.txt and fixed.snap.txt.
 
 targets [--list] [--require NAME,...] [NAME ...]
 
@@ -78,7 +78,7 @@ fn main() -> ExitCode {
     if wish.list {
         for target in wish.chosen {
             let packages = target.packages().join(" ");
-            println!("{:<13} {}\n{:13} {packages}", target.name, target.about, "");
+            println!("{:<15} {}\n{:15} {packages}", target.name, target.about, "");
         }
         return ExitCode::SUCCESS;
     }
@@ -98,7 +98,10 @@ fn run(wish: &Wish) -> Result<bool, String> {
         let text = std::fs::read_to_string(golden(name));
         text.map_err(|why| format!("golden/{name}: {why}"))
     };
-    let text = read("digests/reference.snap.txt")?;
+    let text = Golden {
+        floats: read("digests/reference.snap.txt")?,
+        fixed: read("digests/fixed.snap.txt")?,
+    };
     let bounds = firmware::bounds(&read("firmware.csv")?)?;
     let version = machine::cross_version();
     if !version.is_empty() {

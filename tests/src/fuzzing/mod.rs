@@ -8,6 +8,7 @@ mod bytes;
 mod checkpoint;
 mod contact;
 mod drawn;
+mod exact;
 mod finite;
 mod hostile;
 mod lent;

@@ -1,4 +1,4 @@
-//! Small worlds straight at the kernel, in either precision and under either law.
+//! Small worlds straight at the kernel, in floats of either precision and in fixed point, under either law.
 //!
 //! Sound ones, whose storage is too short as often as not: a full list leaves state, clock and digest as
 //! they were, and with more room the run goes on to the digests of one that had room from the beginning.
@@ -21,6 +21,7 @@ use bitgrain_kernel::{
 };
 
 use super::bytes::Bytes;
+use super::exact::Exact;
 use super::lent::Lent;
 use super::{drawn, hostile};
 
@@ -36,6 +37,11 @@ pub fn world(data: &[u8]) -> bool {
         1 => under_a_law::<f64>(&mut bytes, true),
         2 => under_a_law::<f32>(&mut bytes, true),
         3 => under_a_law::<f32>(&mut bytes, false),
+        // Every operation is checked; what overflows must end the run with an error.
+        5 => {
+            let is_hostile = bytes.below(4) == 0;
+            under_a_law::<Exact>(&mut bytes, is_hostile)
+        }
         _ => under_a_law::<f64>(&mut bytes, false),
     }
 }

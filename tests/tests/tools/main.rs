@@ -1,6 +1,7 @@
 //! Tests that build or run other programs: emulated machines, mutants of the kernel, counted instructions, a browser.
 
 mod browser;
+mod count;
 mod instructions;
 // What the program `targets` is made of, which uses the rest.
 #[allow(dead_code)]

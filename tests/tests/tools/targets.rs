@@ -6,6 +6,7 @@ use std::process::Output;
 use bitgrain_kernel::Real;
 use bitgrain_kernel::blake3::Hasher;
 use bitgrain_kernel::conformance::{self, Line, Room};
+use bitgrain_kernel::fixed_point::I32F32;
 use bitgrain_tests::{golden, output};
 
 use crate::machines::compare::first_difference;
@@ -24,6 +25,15 @@ fn lines() -> Vec<u8> {
     text
 }
 
+/// Those of the worlds in fixed point, which follow.
+fn fixed_lines() -> Vec<u8> {
+    let mut text = Vec::new();
+    let mut all = Hasher::new();
+    collect::<I32F32>(&mut all, &mut text);
+    text.extend(conformance::last(&all).text());
+    text
+}
+
 fn collect<R: Real>(all: &mut Hasher, text: &mut Vec<u8>) {
     let mut room = Room::<R>::vacant();
     let show = |line: &Line| text.extend(line.text());
@@ -33,8 +43,16 @@ fn collect<R: Real>(all: &mut Hasher, text: &mut Vec<u8>) {
 /// `INSTA_UPDATE=always` makes the golden text anew, as wherever a bit changed for a reason.
 #[test]
 fn this_machine_gives_the_reference_text() {
-    let text = lines();
-    let path = golden("digests/reference.snap.txt");
+    same_text("reference", lines());
+}
+
+#[test]
+fn this_machine_gives_the_reference_text_in_fixed_point() {
+    same_text("fixed", fixed_lines());
+}
+
+fn same_text(name: &str, text: Vec<u8>) {
+    let path = golden(&format!("digests/{name}.snap.txt"));
     // Which line differs says more than that the files do.
     if std::env::var("INSTA_UPDATE").is_ok_and(|update| update == "no") {
         let expected = std::fs::read_to_string(&path).unwrap();
@@ -46,7 +64,7 @@ fn this_machine_gives_the_reference_text() {
     settings.set_prepend_module_to_snapshot(false);
     settings.set_omit_expression(true);
     settings.set_description("cargo test -p bitgrain-tests --release --test tools targets::");
-    settings.bind(|| insta::assert_binary_snapshot!("reference.txt", text));
+    settings.bind(|| insta::assert_binary_snapshot!(&format!("{name}.txt"), text));
 }
 
 fn targets(args: &[&str]) -> Output {
@@ -85,7 +103,7 @@ fn the_list_has_every_target_with_its_packages() {
     for target in TARGETS {
         let line = told
             .lines()
-            .position(|line| line.starts_with(&format!("{:<13} ", target.name)));
+            .position(|line| line.starts_with(&format!("{:<15} ", target.name)));
         let below = told.lines().nth(line.expect(target.name) + 1).unwrap();
         assert_eq!(below.trim(), target.packages().join(" "));
     }

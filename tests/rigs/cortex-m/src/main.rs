@@ -4,12 +4,16 @@
 #![no_std]
 #![no_main]
 
+#[cfg(feature = "count")]
+mod count;
 mod stack;
 
 use core::mem::ManuallyDrop;
 use core::ptr::addr_of_mut;
 
 use bitgrain_kernel::blake3::Hasher;
+#[cfg(feature = "no-floats")]
+use bitgrain_kernel::fixed_point::I32F32;
 use bitgrain_kernel::conformance::{self, Line, Room};
 use bitgrain_kernel::{Error as KernelError, Real};
 use cortex_m_semihosting::debug::{self, EXIT_FAILURE, EXIT_SUCCESS};
@@ -20,12 +24,19 @@ static mut ALL: Hasher = Hasher::new();
 
 /// One room after the other, in the same memory.
 union Rooms {
+    #[cfg(not(feature = "no-floats"))]
     double: ManuallyDrop<Room<f64>>,
+    #[cfg(not(feature = "no-floats"))]
     single: ManuallyDrop<Room<f32>>,
+    #[cfg(feature = "no-floats")]
+    fixed: ManuallyDrop<Room<I32F32>>,
 }
 
 // All zero, so that it takes RAM and no flash.
 static mut ROOMS: Rooms = Rooms {
+    #[cfg(feature = "no-floats")]
+    fixed: ManuallyDrop::new(Room::vacant()),
+    #[cfg(not(feature = "no-floats"))]
     double: ManuallyDrop::new(Room::vacant()),
 };
 
@@ -47,19 +58,34 @@ fn report() -> bool {
     };
     // SAFETY: one core, no interrupts, and this function runs once.
     let all = unsafe { &mut *addr_of_mut!(ALL) };
-    let ran = double(all, &mut host).and_then(|()| single(all, &mut host));
+    let ran = worlds(all, &mut host);
     print(&mut host, &conformance::last(all));
     tell_stack(&mut host);
     ran.is_ok()
 }
 
+/// Those in fixed point alone, or those in floats: both together are too much for the smallest board.
+#[cfg(feature = "no-floats")]
+fn worlds(all: &mut Hasher, host: &mut HostStream) -> Result<(), KernelError> {
+    // SAFETY: one core, no interrupts, and nothing else borrows the rooms while this does.
+    let room = unsafe { &mut *addr_of_mut!(ROOMS.fixed) };
+    show(room, all, host)
+}
+
+#[cfg(not(feature = "no-floats"))]
+fn worlds(all: &mut Hasher, host: &mut HostStream) -> Result<(), KernelError> {
+    double(all, host).and_then(|()| single(all, host))
+}
+
+#[cfg(not(feature = "no-floats"))]
 #[inline(never)]
 fn double(all: &mut Hasher, host: &mut HostStream) -> Result<(), KernelError> {
-    // SAFETY: one core, no interrupts, and nothing else borrows the rooms while this does.
+    // SAFETY: as above.
     let room = unsafe { &mut *addr_of_mut!(ROOMS.double) };
     show(room, all, host)
 }
 
+#[cfg(not(feature = "no-floats"))]
 #[inline(never)]
 fn single(all: &mut Hasher, host: &mut HostStream) -> Result<(), KernelError> {
     // SAFETY: as above, and a vacant room is all zero bytes, whatever its precision.
@@ -70,6 +96,14 @@ fn single(all: &mut Hasher, host: &mut HostStream) -> Result<(), KernelError> {
     show(room, all, host)
 }
 
+#[cfg(feature = "count")]
+fn show<R: Real>(room: &mut Room<R>, _: &mut Hasher, host: &mut HostStream) -> Result<(), KernelError> {
+    count::begin();
+    count::all(host, room);
+    Ok(())
+}
+
+#[cfg(not(feature = "count"))]
 fn show<R: Real>(room: &mut Room<R>, all: &mut Hasher, host: &mut HostStream) -> Result<(), KernelError> {
     conformance::run(room, all, |line| print(host, line))
 }

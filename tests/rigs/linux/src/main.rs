@@ -5,6 +5,7 @@
 #![no_main]
 
 use bitgrain_kernel::blake3::Hasher;
+use bitgrain_kernel::fixed_point::I32F32;
 use bitgrain_kernel::conformance::{self, Line, Room};
 use bitgrain_kernel::{Error as KernelError, Real};
 
@@ -15,9 +16,12 @@ mod system;
 /// Prints everything and returns the exit status.
 fn report() -> i32 {
     let mut all = Hasher::new();
-    let ran = show::<f64>(&mut all).and_then(|()| show::<f32>(&mut all));
+    let floats = show::<f64>(&mut all).and_then(|()| show::<f32>(&mut all));
     print(&conformance::last(&all));
-    i32::from(ran.is_err())
+    let mut all = Hasher::new();
+    let fixed = show::<I32F32>(&mut all);
+    print(&conformance::last(&all));
+    i32::from(floats.and(fixed).is_err())
 }
 
 fn show<R: Real>(all: &mut Hasher) -> Result<(), KernelError> {

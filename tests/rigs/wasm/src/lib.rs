@@ -6,6 +6,7 @@
 use core::ptr::addr_of_mut;
 
 use bitgrain_kernel::blake3::Hasher;
+use bitgrain_kernel::fixed_point::I32F32;
 use bitgrain_kernel::conformance::{self, LINE, Line, Room};
 use bitgrain_kernel::{Error as KernelError, Real};
 
@@ -33,6 +34,9 @@ pub extern "C" fn run() -> usize {
     let mut all = Hasher::new();
     // A fault shows as lines that are missing.
     let _ = lines::<f64>(&mut all, &mut put).and_then(|()| lines::<f32>(&mut all, &mut put));
+    put(&conformance::last(&all));
+    let mut all = Hasher::new();
+    let _ = lines::<I32F32>(&mut all, &mut put);
     put(&conformance::last(&all));
     length
 }

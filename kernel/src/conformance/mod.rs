@@ -1,24 +1,19 @@
 //! Small worlds whose digests are published: a machine that gives them keeps the bit contract.
 //!
 //! Between them they hold every law, obstacle and kind of group. They are written down here and read
-//! from nowhere, and all of them fit, one at a time, into one [`Room`].
+//! from nowhere, and all of them fit, one at a time, into one [`Room`]. Where grains begin is worked out by the
+//! compiler: to run the worlds in fixed point takes no floating-point operation.
+
+mod worlds;
+
+pub use worlds::{GRAINS, Room};
 
 use crate::contact::{HertzHistory, HertzTsuji, Law};
 use crate::digest::blake3::Hasher;
 use crate::digest::state::digest;
 use crate::error::Error;
 use crate::math::real::Real;
-use crate::state::domain::Domain;
-use crate::state::grains::Group;
-use crate::state::obstacle::Obstacle;
 use crate::step::{start, step};
-use crate::store::Store;
-
-/// Most grains of a world.
-pub const GRAINS: usize = 30;
-
-/// Storage for any of the worlds: 12 kB in double precision.
-pub type Room<R> = Store<R, GRAINS, 54, 12, 5>;
 
 /// Steps between two lines.
 pub const EVERY: u64 = 50;
@@ -29,7 +24,7 @@ pub const LINE: usize = 100;
 /// What a world has come to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Line {
-    /// The number type, `f64` or `f32`.
+    /// The number type, as `f64`.
     pub real: &'static str,
     /// The world.
     pub world: &'static str,
@@ -51,8 +46,13 @@ impl Line {
         for (k, byte) in self.real.bytes().enumerate() {
             put(k, byte);
         }
+        let after = if self.real.len() > 3 {
+            self.real.len() + 1
+        } else {
+            4
+        };
         for (k, byte) in self.world.bytes().enumerate() {
-            put(4 + k, byte);
+            put(after + k, byte);
         }
         let mut left = self.step;
         for k in 0..6 {
@@ -163,9 +163,9 @@ impl World {
     #[inline(never)]
     pub fn lay<R: Real>(self, room: &mut Room<R>) -> Result<(), Error> {
         match self {
-            Self::CollapseHistory | Self::CollapseTsuji => collapse(room),
-            Self::Bed => bed(room),
-            Self::Rig => rig(room),
+            Self::CollapseHistory | Self::CollapseTsuji => worlds::collapse(room),
+            Self::Bed => worlds::bed(room),
+            Self::Rig => worlds::rig(room),
         }
     }
 }
@@ -241,177 +241,16 @@ pub fn history<R: Real>(gamma: f64) -> HertzHistory<R> {
     }
 }
 
-/// The law of a stage without.
+/// The law of a stage without: [`HertzTsuji::new`] of 4e3, 0.3, 0.6 and 0.5.
 pub fn tsuji<R: Real>() -> HertzTsuji<R> {
-    HertzTsuji::new(4e3, 0.3, 0.6, 0.5)
+    let [kn, kt, cn, ct, mu] = TSUJI.map(R::from_f64);
+    HertzTsuji { kn, kt, cn, ct, mu }
 }
 
-/// Groups by number, in each of the worlds.
-const FREE: u8 = 0;
-const FROZEN: u8 = 1;
-const CARRIED: u8 = 2;
-const WEIGHTLESS: u8 = 3;
-const LID: u8 = 4;
-
-/// Empties the room for a box from z = -1 to 9 that is periodic along x and y, with all groups.
-fn clear<R: Real>(room: &mut Room<R>, along_x: f64, along_y: f64) -> Result<(), Error> {
-    let (lo, hi) = ([0.0, 0.0, -1.0], [along_x, along_y, 9.0]);
-    let domain = Domain::new(
-        lo.map(R::from_f64),
-        hi.map(R::from_f64),
-        [true, true, false],
-    )?;
-    // 1/256 and 1/32: the same in every precision.
-    room.clear(domain, R::from_f64(0.00390625), R::from_f64(0.03125));
-    let down = [R::ZERO, R::ZERO, -R::ONE];
-    for group in [
-        Group::free(down),
-        Group::frozen(),
-        Group::prescribed_velocity(),
-        Group::free([R::ZERO; 3]),
-        Group::free_along_z(down),
-    ] {
-        room.add_group(group).map_err(|_| Error::BadStorage)?;
-    }
-    Ok(())
-}
-
-fn obstacle<R: Real>(
-    room: &mut Room<R>,
-    body: Obstacle<R>,
-    velocity: [f64; 3],
-) -> Result<(), Error> {
-    let velocity = velocity.map(R::from_f64);
-    let moving = Obstacle { velocity, ..body };
-    room.add_obstacle(moving).map_err(|_| Error::BadStorage)
-}
-
-/// Adds a grain near a place: its diameter, 0.9 to 1, and its place within 0.02 follow from its
-/// number.
-fn grain<R: Real>(
-    room: &mut Room<R>,
-    group: u8,
-    place: [f64; 3],
-    velocity: [f64; 3],
-) -> Result<(), Error> {
-    let number = room.world().grains.count() as u32 + 1;
-    // Eight bits of a product that scatters them, over 256.
-    let chance = |k: u32| {
-        let bits = (4 * number + k).wrapping_mul(2_654_435_761) >> 24;
-        f64::from(bits) * 0.00390625
-    };
-    let near = |k: u32, x: f64| R::from_f64(x + 0.04 * (chance(k) - 0.5));
-    let [x, y, z] = place;
-    let mut place = [near(0, x), near(1, y), near(2, z)];
-    room.world().domain.wrap(&mut place, &mut [0; 3]);
-    let radius = 0.45 + 0.05 * chance(3);
-    let mass = 4.0 / 3.0 * core::f64::consts::PI * (radius * radius * radius);
-    let (radius, mass) = (R::from_f64(radius), R::from_f64(mass));
-    // Every third number is left out: ids are not places.
-    let id = number + number / 3;
-    room.add_grain(id, group, place, radius, mass)?;
-    if let Some(row) = room.world().grains.velocity.last_mut() {
-        let [vx, vy, vz] = velocity.map(R::from_f64);
-        *row = [vx, vy, vz, mass];
-    }
-    Ok(())
-}
-
-fn collapse<R: Real>(room: &mut Room<R>) -> Result<(), Error> {
-    clear(room, 4.0, 3.0)?;
-    let half = R::HALF;
-    let place = |x: f64, y: f64, z: f64| [x, y, z].map(R::from_f64);
-    obstacle(
-        room,
-        Obstacle::plane(place(0.0, 0.0, 0.0), place(0.0, 0.0, 1.0)),
-        [0.0; 3],
-    )?;
-    let mut ball = Obstacle::sphere(place(1.0, 0.5, 2.0), half);
-    ball.inverse_mass = R::ONE;
-    obstacle(room, ball, [0.0, 0.25, 0.0])?;
-    let bar = Obstacle::cylinder(place(3.0, 0.0, 2.0), place(0.0, 1.0, 0.0), R::from_f64(0.4));
-    obstacle(room, bar, [-0.125, 0.0, 0.0])?;
-    for x in [0.5, 1.5, 2.5, 3.5] {
-        grain(room, FROZEN, [x, 0.5, 0.53], [0.0; 3])?;
-        grain(room, FREE, [x, 1.5, 0.5], [0.0; 3])?;
-        grain(room, CARRIED, [x, 2.45, 0.57], [0.5, 0.0, 0.0])?;
-    }
-    for n in 0..18u8 {
-        let (layer, site) = (n / 6, n % 6);
-        let x = f64::from(2 * (site % 2) + (site / 2 + layer) % 2);
-        let (y, z) = (f64::from(site / 2), f64::from(layer));
-        let group = match n {
-            4 | 8 => WEIGHTLESS,
-            14 | 16 | 17 => LID,
-            _ => FREE,
-        };
-        let along = if group == LID { 0.5 } else { 0.0 };
-        grain(
-            room,
-            group,
-            [x + 0.5, y + 0.5, 1.1 * z + 3.1],
-            [along, 0.0, -1.5],
-        )?;
-    }
-    Ok(())
-}
-
-fn bed<R: Real>(room: &mut Room<R>) -> Result<(), Error> {
-    clear(room, 3.0, 3.0)?;
-    let place = [1.5, 1.5, 1.6].map(R::from_f64);
-    obstacle(room, Obstacle::sphere(place, R::from_f64(0.6)), [0.0; 3])?;
-    // Each layer lies over the holes of the one below it, so that it soon rests.
-    for layer in 0..3u8 {
-        let shift = if layer == 1 { 1.0 } else { 0.5 };
-        for site in 0..9u8 {
-            let [x, y] = [site % 3, site / 3].map(f64::from);
-            let place = [x + shift, y + shift, 0.72 * f64::from(layer)];
-            // On top only three corners: the ball is in the middle.
-            if layer < 2 || [2, 6, 8].contains(&site) {
-                let group = if layer == 0 { FROZEN } else { FREE };
-                grain(room, group, place, [0.0; 3])?;
-            }
-        }
-    }
-    Ok(())
-}
-
-fn rig<R: Real>(room: &mut Room<R>) -> Result<(), Error> {
-    clear(room, 4.0, 2.25)?;
-    let speed = [0.5, 0.0, 0.0];
-    let place = |x: f64, y: f64, z: f64| [x, y, z].map(R::from_f64);
-    let bar = Obstacle::cylinder(
-        place(2.0, 0.0, 1.75),
-        place(0.0, 1.0, 0.0),
-        R::from_f64(0.45),
-    );
-    obstacle(room, bar, [0.0; 3])?;
-    let ceiling = Obstacle::plane(place(0.0, 0.0, 5.0), place(0.0, 0.0, -1.0));
-    obstacle(room, ceiling, speed)?;
-    for layer in 0..5u8 {
-        for site in 0..8u8 {
-            let [x, y] = [site % 4, site / 4].map(f64::from);
-            let place = [x + 0.5, 1.125 * y + 0.5625, f64::from(layer)];
-            let across = x == 1.0 || x == 2.0;
-            let group = match layer {
-                0 => CARRIED,
-                4 => LID,
-                _ => WEIGHTLESS,
-            };
-            let taken = match layer {
-                1 | 2 => across,
-                3 => site > 5,
-                _ => false,
-            };
-            if !taken {
-                grain(
-                    room,
-                    group,
-                    place,
-                    if group == WEIGHTLESS { [0.0; 3] } else { speed },
-                )?;
-            }
-        }
-    }
-    Ok(())
-}
+const TSUJI: [f64; 5] = [
+    2930.4029304029305,
+    3619.9095022624433,
+    19.426962128624698,
+    17.629680864713972,
+    0.5,
+];
