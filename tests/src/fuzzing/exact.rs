@@ -73,7 +73,7 @@ impl Div for Exact {
     type Output = Self;
     fn div(self, other: Self) -> Self {
         let exact = self.both(other).filter(|(_, b)| *b != 0);
-        Self::checked(self.0 / other.0, exact.map(|(a, b)| (a * ONE, b)))
+        Self::checked(self.0 / other.0, exact.map(|(a, b)| (a << 32, b)))
     }
 }
 impl Neg for Exact {
