@@ -1,4 +1,4 @@
-//! Drags through beds that LAMMPS poured: LAMMPS' and ours as the goldens hold them, and what it takes
+//! Drags through beds that LAMMPS poured: LAMMPS' and ours as the goldens hold them, and functions
 //! to compare them.
 
 use bitgrain::scenario::{self, CheckedScenario};
@@ -110,7 +110,7 @@ impl Bed {
     }
 }
 
-/// Means of so many equal blocks from the beginning; what is left at the end is left out.
+/// Means of so many equal blocks from the beginning; the rest at the end is left out.
 pub fn blocks(values: &[f64], count: usize) -> Vec<f64> {
     let part = values.len() / count;
     let parts = values.chunks_exact(part).take(count);

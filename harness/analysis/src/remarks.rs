@@ -1,4 +1,4 @@
-//! What to know before the numbers of a run are believed: told when it ends, and at the top of its report.
+//! What to know before the numbers of a run are believed: printed when it ends, and at the top of its report.
 
 use crate::claims::FAR_FIELD_LEAST;
 use bitgrain_lab::plug_flow::PlugFlow;
@@ -10,21 +10,21 @@ use bitgrain_sim::format::short;
 /// Mechanics, section 4.2).
 pub const OVERLAP_MAX: f64 = 0.05;
 
-/// Packing fraction above which equal spheres are no random packing (random close packing).
+/// Packing fraction above which equal spheres are not a random packing (random close packing).
 const CLOSE: f64 = 0.64;
 
-/// Largest part of the drag that may be carried by nothing that is measured.
+/// Largest part of the drag that may be carried by nothing measured.
 const BALANCE: f64 = 0.01;
 
 /// Standard errors of the difference of a window's halves up to which they are alike.
 const HALVES: f64 = 3.0;
 
-/// Something that speaks against numbers, as plain text; keys of a scenario stand between backticks.
+/// A remark that weakens numbers, as plain text; keys of a scenario stand between backticks.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Remark {
     /// What it is, without a full stop.
     pub title: String,
-    /// What follows from it, and what mends it.
+    /// What follows from it, and what helps.
     pub words: String,
 }
 
@@ -35,8 +35,8 @@ fn remark(title: impl Into<String>, words: String) -> Remark {
     }
 }
 
-/// What to beware of where the deepest overlap of a run, over the mean diameter, is beyond
-/// [`OVERLAP_MAX`]; nothing where it is not. What is no number is beyond.
+/// The remark if the deepest overlap of a run, over the mean diameter, is beyond
+/// [`OVERLAP_MAX`]; nothing if it is not. A value that is not a number is beyond.
 pub fn overlap_remark(deepest: f64) -> Option<String> {
     if deepest <= OVERLAP_MAX {
         return None;
@@ -49,7 +49,7 @@ pub fn overlap_remark(deepest: f64) -> Option<String> {
     ))
 }
 
-/// All that speaks against the numbers of a run.
+/// All remarks on the numbers of a run.
 pub fn remarks(summary: &Summary) -> Vec<Remark> {
     let runs = &summary.runs;
     let flows = runs.iter().any(|run| run.flow.is_some());
@@ -67,7 +67,7 @@ pub fn remarks(summary: &Summary) -> Vec<Remark> {
     out
 }
 
-/// Names of the runs of which something is so.
+/// Names of the runs for which something holds.
 fn names(runs: &[DragSummary], so: impl Fn(&DragSummary) -> bool) -> String {
     let found = runs.iter().filter(|run| so(run));
     let names: Vec<&str> = found.map(|run| &run.name[..]).collect();
@@ -123,7 +123,7 @@ fn slips(runs: &[DragSummary]) -> Option<Remark> {
     })
 }
 
-/// Runs in which what the bed is held by is not what the intruder takes out.
+/// Runs in which the force that holds the bed is not the force on the intruder.
 fn balance(runs: &[DragSummary]) -> Option<Remark> {
     let missing = |f: &Flow| (f.carried_by_base + f.carried_by_lid - 1.0 - f.inertia).abs();
     let open = flow_names(runs, |f| missing(f) > BALANCE || missing(f).is_nan());
@@ -135,7 +135,7 @@ fn balance(runs: &[DragSummary]) -> Option<Remark> {
     })
 }
 
-/// Runs whose halves have other mean drags than chance gives.
+/// Runs whose halves differ in mean drag by more than chance gives.
 fn drifts(runs: &[DragSummary]) -> Option<Remark> {
     let apart = |run: &DragSummary, f: &Flow| {
         // The error of a difference of halves is twice that of the mean.
@@ -212,14 +212,14 @@ fn start_up(runs: &[DragSummary], flows: bool) -> Option<Remark> {
     })
 }
 
-/// Grains that went deep into each other.
+/// Grains that overlap deeply.
 fn overlap(runs: &[DragSummary]) -> Option<Remark> {
     let deepest = runs.iter().map(|r| r.overlap_max);
     let deepest = deepest.fold(0.0, |a, b| if b > a { b } else { a });
     overlap_remark(deepest).map(|words| remark("Soft contacts", words))
 }
 
-/// Layers above the intruder that go along with it.
+/// Layers above the intruder that move along with it.
 fn plug(runs: &[DragSummary]) -> Option<Remark> {
     let class = |wanted| names(runs, move |run| run.plug == wanted);
     let (slides, drifts) = (class(PlugFlow::Slides), class(PlugFlow::Drifts));

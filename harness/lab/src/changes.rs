@@ -2,7 +2,7 @@
 
 use toml::Value;
 
-/// Changes told; more are counted.
+/// Changes reported; more are only counted.
 const TOLD: usize = 6;
 
 /// The keys in which two TOML texts differ, a line each: before and now.

@@ -38,7 +38,7 @@ const TRIAL: f64 = 0.5;
 /// The forecast of a scenario as text: `threads` jobs run side by side, beds come from `library`.
 ///
 /// # Errors
-/// What the trial may meet: a run that goes wrong.
+/// A fault of the trial run.
 pub fn forecast(scenario: &CheckedScenario, library: &BedCache, threads: usize) -> Result<String> {
     let speed = trial(scenario)?;
     let work = Work::of(scenario, library)?;
@@ -66,7 +66,7 @@ struct Work {
 }
 
 impl Work {
-    /// Of a scenario whose beds may be in a library.
+    /// For a scenario whose beds may be in a library.
     fn of(scenario: &CheckedScenario, library: &BedCache) -> Result<Self> {
         let mut work = Work::default();
         if scenario.source.is_none() {
@@ -118,7 +118,7 @@ pub struct Size {
 /// The shipped scenarios on so many threads, with no bed at hand.
 ///
 /// # Errors
-/// What the trial may meet: a run that goes wrong.
+/// A fault of the trial run.
 pub fn shipped(threads: usize) -> Result<Vec<Size>> {
     let none = BedCache::new("");
     let mut sizes = Vec::new();
@@ -167,7 +167,7 @@ struct Lines {
 
 impl Lines {
     fn add(&mut self, name: &str, value: impl std::fmt::Display) {
-        // Writing into a string has no way to fail.
+        // Writing into a string cannot fail.
         let _ = writeln!(self.text, "{name:<34}{value}");
     }
 
@@ -215,7 +215,7 @@ fn cost(scenario: &CheckedScenario, work: &Work, threads: usize, speed: f64, out
     out.add("beds to pour", pour);
     out.add("steps in all", format!("{steps} (drags {drags})"));
     let at_once = threads.min(runs.len());
-    // Sums of fields, and twice as much where a state is saved.
+    // Sums of fields, and twice as much when a state is saved.
     let sums = 3.0 * SUMS * points(scenario).iter().product::<f64>();
     let memory = (PER_GRAIN * grains as f64 + sums) * at_once as f64;
     out.add("memory", bytes(memory));

@@ -123,7 +123,7 @@ impl<'a> RunArchive<'a> {
     /// Runs a stage again from the last kept state at or before `from` until `observer` has seen enough.
     ///
     /// # Errors
-    /// What goes wrong, and what `observer` returns.
+    /// A fault of the run, and what `observer` returns.
     pub fn rerun(
         &self,
         part: RunPart<'_>,

@@ -7,7 +7,7 @@ fn scientific(x: f64, digits: usize) -> (String, i32) {
     (mantissa.to_owned(), exponent.parse().unwrap_or(0))
 }
 
-/// A number to so many significant digits; a dash for what is no number.
+/// A number to so many significant digits; a dash for what is not a number.
 fn significant(x: f64, digits: usize) -> String {
     if !x.is_finite() {
         return "\u{2014}".to_owned();

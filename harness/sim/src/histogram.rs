@@ -110,7 +110,7 @@ impl Coordination {
         }
     }
 
-    /// Shares of the grains with 0, 1, 2, ... contacts; nothing where no grain was counted.
+    /// Shares of the grains with 0, 1, 2, ... contacts; empty if no grain was counted.
     pub fn shares(&self) -> Vec<f64> {
         let all: u64 = self.grains.iter().sum();
         self.grains.iter().map(|&n| n as f64 / all as f64).collect()

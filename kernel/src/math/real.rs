@@ -35,7 +35,7 @@ pub trait Real:
     const LEAST: Self;
     /// The least positive normal number.
     const LEAST_NORMAL: Self;
-    /// How this type is called in Rust, `f64` or `f32`.
+    /// The name of this type in Rust, `f64` or `f32`.
     const NAME: &'static str;
 
     /// The correctly rounded square root; NaN below zero.

@@ -265,7 +265,7 @@ fn list_candidates<R: Real>(
                         let y = get_or_default(position, k);
                         let d = domain.separation(head(*x), head(y));
                         let reach = (x[3] + y[3]) + far;
-                        // Squares that are too large for numbers are near each other.
+                        // A pair whose square overflows counts as near.
                         let is_far = dot(d, d) > reach * reach;
                         if !is_far {
                             set(candidates.partner, listed, j);
@@ -325,7 +325,7 @@ fn list_obstacle_contacts<R: Real>(
                 continue;
             }
             let meeting = body.meet(domain, head(*x), x[3]);
-            // A distance whose square is too large for a number may be any.
+            // A distance whose square overflows may be any.
             let is_far = meeting.overlap.is_finite() && meeting.overlap < -skin;
             if !is_far {
                 set(spare.obstacle_contact_grain, touches, i as u32);

@@ -92,7 +92,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Runs what is wished and says whether all of it is as it must be.
+/// Runs what was asked for and returns whether all of it is as it must be.
 fn run(wish: &Wish) -> Result<bool, String> {
     let read = |name: &str| {
         let text = std::fs::read_to_string(golden(name));

@@ -1,4 +1,4 @@
-//! What asks for more than there is ends in a message, in seconds, and in little memory.
+//! Requests for more memory than there is end in a message, in seconds, and in little memory.
 #![cfg(target_os = "linux")]
 
 use std::fmt::Write;
@@ -75,7 +75,7 @@ fn walls_without_end_are_refused() {
     );
 }
 
-/// A scenario within every limit that this machine has no room for; its folder can be gone on with.
+/// A scenario within every limit that this machine has no room for; its folder can be continued.
 #[test]
 fn beds_and_fields_that_do_not_fit_are_told_of() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,7 +1,7 @@
 //! How likely a chi-square or a ratio of variances is by chance.
 //!
 //! The tails are statrs's, which takes logarithms from the platform; results are rounded to ten digits, so
-//! that they are the same on another but for one in some hundred thousand that lies at an edge.
+//! that they are the same on another, except for about one in a hundred thousand that lies at an edge.
 
 use statrs::distribution::{ContinuousCDF, FisherSnedecor, StudentsT};
 use statrs::function::{beta, gamma};

@@ -1,4 +1,4 @@
-//! What stands at the top of a run's page: what to know before its numbers are believed, and where they come from.
+//! The top of a run's page: what to know before its numbers are believed, and where they come from.
 
 use super::page::{remark, row};
 use super::table::folded;
@@ -6,7 +6,7 @@ use super::text::escape;
 use crate::remarks::remarks as found;
 use bitgrain_lab::summary::Summary;
 
-/// What speaks against the numbers, as HTML.
+/// The remarks on the numbers, as HTML.
 pub(super) fn remarks(summary: &Summary) -> Vec<String> {
     let all = found(summary).into_iter();
     all.map(|one| remark(&escape(&one.title), &keys(&one.words)))

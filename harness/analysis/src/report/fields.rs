@@ -64,7 +64,7 @@ fn size([x, y, z]: [f64; 3]) -> f64 {
     (x * x + y * y + z * z).sqrt()
 }
 
-/// The section; nothing where no run has fields.
+/// The section; empty if no run has fields.
 pub(super) fn section(summary: &Summary, groups: &[Group], pictures: &[FieldPicture]) -> String {
     if pictures.is_empty() {
         return String::new();
@@ -138,7 +138,7 @@ fn figures(
         return String::new();
     };
     let mut out = String::new();
-    // One window for all, so that one length is one length.
+    // One window for all, so that lengths are comparable.
     let farther = |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|k| a[k].max(b[k]));
     let reach = row
         .iter()

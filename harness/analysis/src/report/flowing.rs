@@ -21,7 +21,7 @@ use bitgrain_sim::motion::Moves;
 pub fn flowing_page(summary: &Summary, scenario_text: &str, drawings: &Drawings<'_>) -> String {
     let groups = groups(summary);
     let book = evidence::book_of_run(summary);
-    // One run of each point stands for its seeds where grains are drawn.
+    // One run of each point stands for its seeds in pictures of grains.
     let first: Vec<usize> = groups
         .iter()
         .flat_map(|group| group.points.iter().filter_map(|p| p.runs.first().copied()))
@@ -227,7 +227,7 @@ fn force_figures(summary: &Summary, series: &[Vec<SeriesRow>]) -> String {
     )
 }
 
-/// What this page has beside the others.
+/// What this page has in addition.
 const STYLE: &str = "\nsvg.scale{width:22rem;max-width:100%;vertical-align:middle}\n\
     \n.statements td{min-width:14rem;max-width:24rem}\n\
     .statements td:nth-child(2){min-width:6rem}\n";

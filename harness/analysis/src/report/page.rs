@@ -6,17 +6,17 @@ use super::text::escape;
 
 const CSS: &str = include_str!("style.css");
 
-/// What stands above the sections of a page. All but the name is HTML.
+/// The part above the sections of a page. All but the name is HTML.
 pub(super) struct Top<'a> {
     /// Of the scenario or campaign, plain text.
     pub name: &'a str,
     /// What the page is, beginning with a capital.
     pub kind: &'a str,
-    /// Rules of its own beside those of all pages.
+    /// Its own style rules besides those of all pages.
     pub style: &'a str,
     /// The main numbers as a paragraph.
     pub lead: String,
-    /// What speaks against the numbers: [`remark`]s.
+    /// Remarks on the numbers: [`remark`]s.
     pub remarks: Vec<String>,
     /// Names and what they stand for: [`row`]s.
     pub about: String,

@@ -176,7 +176,7 @@ fn unit(name: &str) -> String {
         .fold(name.to_owned(), |text, (from, to)| text.replace(from, to))
 }
 
-/// The coefficients of the contact law as the paper's table has them; nothing for another law.
+/// The coefficients of the contact law as in the paper's table; nothing for another law.
 pub(super) fn law_table(summary: &Summary) -> String {
     let inputs = &summary.inputs;
     let Some(rows) = table_one(&inputs.law, inputs.mean_diameter(), inputs.bed.density) else {

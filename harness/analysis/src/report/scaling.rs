@@ -185,7 +185,7 @@ fn lift_chart(group: &Group) -> Option<String> {
     )
 }
 
-/// C_l against D/d, where there are several cylinders.
+/// C_l against D/d, if there are several cylinders.
 fn size_chart(groups: &[Group]) -> Option<String> {
     let found: Vec<_> = groups.iter().filter_map(lift_coefficient).collect();
     let first = found.first()?;

@@ -60,7 +60,7 @@ pub(super) fn numbers(summary: &Summary, rigs: &str, flows: &str) -> String {
         .iter()
         .map(|(kind, unit)| format!("{kind} in {}", escape(&typeset(unit))))
         .collect();
-    // In reduced units these three are the measures of everything.
+    // In reduced units these three are the units of everything.
     let symbols = match units.length.as_str() {
         "d" => "; d is the mean diameter of a grain, &rho; its density, g gravity",
         _ => "",

@@ -52,12 +52,12 @@ impl<'a, T> Table<'a, T> {
     }
 }
 
-/// A digest of which the first digits are shown, and all where it is opened.
+/// A digest of which the first digits are shown, and all once it is opened.
 fn digest(hex: &str) -> String {
     folded(hex, &escape(hex))
 }
 
-/// HTML that is shown where the first digits of a digest are opened.
+/// HTML that is shown once the first digits of a digest are opened.
 pub(super) fn folded(hex: &str, html: &str) -> String {
     match hex.get(..8) {
         Some(first) => format!(
@@ -293,7 +293,7 @@ fn digest_rows(t: &mut Table<DragSummary>, runs: &[DragSummary]) {
     }
 }
 
-/// Rows of where the energy of each drag went.
+/// Rows of the energy budget of each drag.
 fn energy_rows(t: &mut Table<DragSummary>, runs: &[DragSummary], unit: &str) {
     type Term = (&'static str, &'static str, fn(&EnergyRow) -> f64);
     let terms: [Term; 9] = [

@@ -59,7 +59,7 @@ impl BedCache {
     /// The bytes of the checkpoint made from this recipe, or `None` if there is none.
     ///
     /// # Errors
-    /// [`Error::Input`] if the bed is there but cannot be read, is damaged or another's; the
+    /// [`Error::Input`] if the bed is there but cannot be read, is damaged or is another bed; the
     /// message says how to remove it.
     pub fn find(&self, recipe: &Recipe) -> Result<Option<Vec<u8>>> {
         let digest = recipe.digest();
@@ -159,8 +159,8 @@ impl BedCache {
         }
     }
 
-    /// Removes a bed: the files that were written for it, and its folder. Says whether that is gone: where it
-    /// holds files of others it stays with them.
+    /// Removes a bed: the files that were written for it, and its folder. Says whether the folder is gone: if it
+    /// holds other files it stays with them.
     ///
     /// # Errors
     /// [`Error::Write`].

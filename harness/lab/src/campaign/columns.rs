@@ -12,9 +12,9 @@ pub const MOST_CONTACTS: usize = 12;
 /// How a run ended.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Status {
-    /// It did.
+    /// It succeeded.
     Done(Box<DragRecord>),
-    /// It went wrong, or its bed did, and why.
+    /// It failed, or its bed did, and why.
     Failed(String),
 }
 
@@ -31,7 +31,7 @@ pub struct Row<'a> {
     pub status: &'a Status,
 }
 
-/// One cell; what is not there is empty in CSV and null in Parquet.
+/// One cell; a missing value is empty in CSV and null in Parquet.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cell {
     /// Words.
@@ -199,7 +199,7 @@ fn inputs(all: &mut Vec<Column>) {
     real(all, "depth_asked", Unit::Length, move |row| {
         let bed = plan(row);
         let depth = row.scenario.expected_surface(bed.diameter) - bed.center[2];
-        // As it was given: the last digits are those of the way to a height and back.
+        // As it was given: converting it to a height and back changes the last digits.
         Some(round10(depth))
     });
     real(all, "effective_depth_asked", Unit::Length, move |row| {
@@ -216,7 +216,7 @@ fn inputs(all: &mut Vec<Column>) {
 
 fn law(all: &mut Vec<Column>) {
     text(all, "law", |row| Some(row.scenario.law.kind()));
-    // Columns have these names for ever; a key that a law lacks is empty.
+    // These column names never change; a key that a law lacks is empty.
     for name in [
         "mu",
         "kn",

@@ -1,9 +1,9 @@
-//! Which runs of a campaign are wanted, where not all are.
+//! Which runs of a campaign are wanted, if not all are.
 
 use super::plan::Plan;
 use bitgrain_sim::error::{Error, Result};
 
-/// Names of members, or of their runs as `MEMBER/RUN`; all runs where there is none.
+/// Names of members, or of their runs as `MEMBER/RUN`; all runs if there is none.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Only(Vec<String>);
 

@@ -18,12 +18,12 @@ use bitgrain_sim::disk;
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::files::read_text;
 
-/// Verifies a campaign, and tells of each finding as a line of `say`; `expect` as in
+/// Verifies a campaign, and reports each finding as a line of `say`; `expect` as in
 /// [`crate::verify::verify`].
 ///
 /// # Errors
-/// [`Error::Unverified`] if something does not hold or is not finished, after all was told; [`Error::Input`]
-/// where there is nothing to verify.
+/// [`Error::Unverified`] if something does not hold or is not finished, after all was reported; [`Error::Input`]
+/// if there is nothing to verify.
 pub fn verify(
     folder: &CampaignFolder<'_>,
     scope: &Scope,

@@ -1,4 +1,4 @@
-//! A campaign as its own folder has it: with its base written out, and no path in it followed to anywhere else.
+//! A campaign as read from its own folder: with its base written out, and no path in it followed elsewhere.
 
 use std::path::{Path, PathBuf};
 
@@ -13,7 +13,7 @@ use bitgrain_sim::error::{Error, Result};
 /// file of an imported bed is the copy that a member in this folder has.
 ///
 /// # Errors
-/// [`Error::Input`] if it is no campaign's, or names its base.
+/// [`Error::Input`] if it is not a campaign, or names its base.
 pub fn parse(text: &str, place: &str, folder: &Path) -> Result<Plan> {
     let mut campaign: Campaign = parse_campaign(text, place)?;
     let Base::Written(base) = &mut campaign.base else {

@@ -1,4 +1,4 @@
-//! What is refused of a case before it starts: its parts one by one, each with its key.
+//! Checks of a case before it starts: its parts one by one, each with its key.
 
 use super::keys::{Case, GrainSpec, ObstacleSpec};
 use super::motion::MotionSpec;

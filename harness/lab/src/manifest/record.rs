@@ -13,13 +13,13 @@ use bitgrain_sim::simulation::hex;
 /// Name of the file.
 pub const NAME: &str = "manifest.json";
 
-/// Folders of results: whatever lies in them passes for one.
+/// Folders of results: every file in them is taken for one.
 pub(crate) const RESULTS: [&str; 3] = ["beds", "runs", "members"];
 
 /// Version of its layout.
 pub const FORMAT: u32 = 1;
 
-/// What a manifest is of.
+/// What a manifest belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FolderKind {
@@ -71,7 +71,7 @@ pub struct Manifest {
     pub format: u32,
     /// Version of the kernel's arithmetic.
     pub bits_version: u32,
-    /// What it is of.
+    /// What it belongs to.
     pub of: FolderKind,
     /// Whether all of it has come to its end.
     pub finished: bool,
@@ -88,7 +88,7 @@ pub struct Manifest {
 pub enum Departure {
     /// It is missing, of another kind, or holds other bytes: in words.
     Changed(String),
-    /// It may be as it was: the system does not give it, or it is larger than what is read.
+    /// It may be unchanged: the system cannot read it, or it is larger than what is read.
     Unreadable(Error),
 }
 
@@ -267,7 +267,7 @@ impl Manifest {
     }
 }
 
-/// Whether a path goes down from a folder and nowhere else.
+/// Whether a path stays below its folder.
 fn is_below(path: &str) -> bool {
     let plain = |c: Component<'_>| matches!(c, Component::Normal(_));
     !path.is_empty() && !path.contains(['\\', '\0']) && {

@@ -29,7 +29,7 @@ impl Scenario {
         }
     }
 
-    /// Everything that is refused, whatever the numbers are.
+    /// All checks of a scenario.
     ///
     /// # Errors
     /// The key that is wrong, and what is wrong with it.
@@ -159,7 +159,7 @@ impl Scenario {
             );
         }
         match (i.shape, i.density) {
-            // A file's density belongs to its sphere, and that it is one is told below.
+            // A file's density belongs to its sphere; whether it is one is checked below.
             (IntruderShape::Cylinder, Some(_)) if self.bed.file.is_none() => {
                 return refuse(
                     "intruder.density",

@@ -13,7 +13,7 @@ const VALUES_MAX: usize = 1000;
 /// Most drags of one scenario: a campaign takes more.
 const RUNS_MAX: usize = 1000;
 
-/// Most snapshots of one drag: a guard of the disk against a slip of the pen.
+/// Most snapshots of one drag: a guard of the disk against typing errors.
 const SNAPSHOTS_MAX: u64 = 100_000;
 
 /// Most checkpoints kept of one drag: the same for larger files.

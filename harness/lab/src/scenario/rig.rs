@@ -1,4 +1,4 @@
-//! What is refused of a cylinder, of a lid, and of a bed that its base carries.
+//! Checks of a cylinder, of a lid, and of a bed that its base carries.
 
 use super::limits::STEADY;
 use super::refusal::{Check, positive, refuse};
@@ -26,7 +26,7 @@ const HIGHER: f64 = 0.03;
 /// Least averaging window of a bed that flows, in mean diameters: three rows of the flow series.
 const WINDOW: f64 = 1.5;
 
-/// A length to be copied, without the last digits that a product has.
+/// A length for messages, without the last digits of a product.
 fn digits(length: f64) -> f64 {
     format!("{length:.11e}").parse().unwrap_or(length)
 }

@@ -1,4 +1,4 @@
-//! What is refused of a summary that was read: whatever could not be of a run of its own inputs.
+//! Checks of a summary that was read: anything is refused that a run of its own inputs could not give.
 //!
 //! Numbers are finite already, for JSON has no others.
 
@@ -19,7 +19,7 @@ type Wrong = (String, String);
 /// Largest relative difference at which two numbers are one: other programs may write fewer digits.
 const SAME: f64 = 1e-9;
 
-/// Longest of the words that a summary says of itself, in bytes.
+/// Longest name or version in a summary, in bytes.
 const WORDS_MAX: usize = 1000;
 
 /// Most numbers of contacts that shares are counted of: no grain has so many neighbours.
@@ -133,7 +133,7 @@ fn check_inputs(inputs: Scenario, units: &Units) -> Result<CheckedScenario, Wron
     Ok(inputs)
 }
 
-/// A number that is not the one the inputs come to.
+/// A number that is not the one that follows from the inputs.
 fn same(key: String, given: f64, planned: f64) -> Check {
     if (given - planned).abs() <= SAME * planned.abs() {
         return Ok(());
@@ -141,7 +141,7 @@ fn same(key: String, given: f64, planned: f64) -> Check {
     refuse(key, format!("is {given}, but the inputs come to {planned}"))
 }
 
-/// A digest in hex; an empty one where files of before had none.
+/// A digest in hex; empty if the file is of a version without it.
 fn digest(key: String, text: &str, may_be_empty: bool) -> Check {
     let digits =
         text.len() == DIGITS && text.bytes().all(|c| matches!(c, b'0'..=b'9' | b'a'..=b'f'));

@@ -13,7 +13,7 @@ use bitgrain_sim::files::read_text;
 /// Reads `summary.json` of a run directory.
 ///
 /// # Errors
-/// [`Error::Input`] if it is missing or no sound summary.
+/// [`Error::Input`] if it is missing or not a sound summary.
 pub fn read_summary(path: &Path) -> Result<Summary> {
     parse_summary(&read_text(path)?, path)
 }
@@ -46,7 +46,7 @@ fn refused(place: &str, (key, problem): (String, String)) -> Error {
     )
 }
 
-/// The summary of a run directory, and what it was read from: `summary.json`, or where a run has not come to its
+/// The summary of a run directory, and what it was read from: `summary.json`, or if a run has not come to its
 /// end those of the drags that have.
 ///
 /// # Errors

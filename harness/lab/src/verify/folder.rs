@@ -6,7 +6,7 @@ use crate::manifest::audit::audit;
 use crate::manifest::{FolderKind, Manifest, NAME};
 use bitgrain_sim::error::{CHANGED, Error, Result, UNEXPECTED};
 
-/// Why a folder is not verified; the last that was found tells what to do.
+/// Why a folder is not verified; the last that was found says what to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Cause {
     /// It has not come to its end.
@@ -60,7 +60,7 @@ impl Problems {
     }
 }
 
-/// Compares a folder with its manifest, tells what was found, and returns the manifest, where it is sound, and what
+/// Compares a folder with its manifest, reports what was found, and returns the manifest, if it is sound, and what
 /// does not hold.
 ///
 /// # Errors

@@ -50,7 +50,7 @@ pub fn campaign_page(evidence: &Evidence) -> String {
     assembled(&top, &out)
 }
 
-/// What speaks against the numbers.
+/// The remarks on the numbers.
 fn remarks(shown: &Shown) -> Vec<String> {
     let (a, table) = (shown.analysis, shown.table);
     let mut out = Vec::new();
@@ -192,7 +192,7 @@ fn runs(shown: &Shown) -> String {
     let maybe = |v: &Option<Value>| v.as_ref().map_or("\u{2014}".to_owned(), value);
     let reports = shown.beside.map_or(&[][..], |beside| &beside.reports);
     let linked = |name: &str| match name.split_once('/') {
-        // There is the flow round the intruder to see.
+        // Its report shows the flow round the intruder.
         Some((member, run)) if reports.iter().any(|own| own == member) => {
             let (member, run) = (escape(member), escape(run));
             format!("<a href=\"members/{member}/report.html\">{member}</a>/{run}")

@@ -1,4 +1,4 @@
-//! Charts of what goes on round the intruder (Kumar 2018, Figs. 6 to 8), and of the bed above it.
+//! Charts of the near field of the intruder (Kumar 2018, Figs. 6 to 8), and of the bed above it.
 
 use super::super::scatter::{Line, Range};
 use super::super::text::escape;
@@ -39,7 +39,7 @@ fn points(curve: &Curve, of: Reading) -> Vec<(f64, Value)> {
     all.filter_map(|p| Some((p.froude, of(p)?))).collect()
 }
 
-/// Curves of intruders with contacts enough.
+/// Curves of intruders with enough contacts.
 fn wide<'a>(shown: &'a Shown, near_field: &NearField) -> Vec<&'a Curve> {
     let all = of(shown.analysis, near_field.material).into_iter();
     all.map(|(curve, ..)| curve)

@@ -28,7 +28,7 @@ pub(super) fn figures(shown: &Shown) -> String {
     )
 }
 
-/// Yield force against the friction coefficient, where there are several.
+/// Yield force against the friction coefficient, if there are several.
 fn friction(shown: &Shown) -> String {
     let analysis = shown.analysis;
     let mut series = Vec::new();
@@ -86,7 +86,7 @@ impl Powers {
     }
 }
 
-/// The powers found, where two or more of `points` are there to see; `what` the forces have in common.
+/// The powers found, if two or more of `points` are shown; `what` the forces have in common.
 fn powers(all: &[Exponent], what: &str, points: impl Fn(&Exponent) -> Vec<(f64, Value)>) -> Powers {
     let (mut series, mut lines, mut words) = (Vec::new(), Vec::new(), Vec::new());
     for found in all {
