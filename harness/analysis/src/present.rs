@@ -154,7 +154,7 @@ fn plans(whole: &Summary) -> Result<Vec<(&DragSummary, DragPlan)>> {
 fn unplanned(name: &str) -> Error {
     Error::input(
         name,
-        "is not of the scenario beside it; was summary.json changed?",
+        "does not belong to the scenario beside it; was summary.json changed?",
     )
 }
 
@@ -207,8 +207,8 @@ fn course(folder: &Folder<'_>, vouched: &Vouched, run: &DragSummary) -> Result<F
         move |line: usize| {
             Error::input(
                 format!("{path}:{line}"),
-                "is no row of finite numbers, one for each column; is the file cut off? The same run \
-                 writes it anew",
+                "is not a row of finite numbers, one for each column; is the file cut off? The same \
+                 run writes it again",
             )
         }
     };
@@ -234,7 +234,7 @@ fn map(
     let text = vouched.text(&path)?;
     let fields = plane(&text, grid).map_err(|line| {
         let problem =
-            "is no row of the plane's table; is the file cut off? The same run writes it anew";
+            "is not a row of the plane's table; is the file cut off? The same run writes it again";
         Error::input(format!("{}:{line}", path.display()), problem)
     })?;
     Ok(Some(FieldPicture {
@@ -261,7 +261,8 @@ fn frames_of(
             continue;
         }
         let found = frames::parse(&vouched.text(&path)?).map_err(|line| {
-            let problem = "is no row of a frame; is the file cut off? The same run writes it anew";
+            let problem =
+                "is not a row of a frame; is the file cut off? The same run writes it again";
             Error::input(format!("{}:{line}", path.display()), problem)
         })?;
         all.extend(found);

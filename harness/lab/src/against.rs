@@ -48,7 +48,8 @@ impl Reference {
         if is_file(path) {
             return Ok(Self::Chain(path.into()));
         }
-        let problem = "is no folder of a run, no chain.csv, and no link of 64 hexadecimal digits";
+        let problem =
+            "is neither the folder of a run, nor a chain.csv, nor a link of 64 hexadecimal digits";
         Err(Error::input(word, problem))
     }
 }
@@ -124,8 +125,8 @@ pub fn check(
                 Some(found) => {
                     let note = match found.0 {
                         None => {
-                            "no stage of the run begins as this chain does: its bed or its scenario is another. If \
-                             that was meant, pin anew; if not, give the folder of the other run to learn the first \
+                            "no stage of the run begins like this chain: its bed or its scenario differs. If that \
+                             is intended, pin the new one; if not, give the folder of the other run to learn the first \
                              number"
                         }
                         Some(_) => {

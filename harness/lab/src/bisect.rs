@@ -82,7 +82,7 @@ pub fn bisect(
         let Some(at) = common.iter().position(|(a, b)| a.parts != b.parts) else {
             let count = common.len();
             say(&match count {
-                0 => format!("{stage}: no step has a link in both: nothing can be said of it"),
+                0 => format!("{stage}: no step has a link in both: the two cannot be compared"),
                 _ => format!("{stage}: the same at all {count} common links"),
             })?;
             continue;
@@ -101,7 +101,7 @@ pub fn bisect(
         return Err(Error::input(
             one.folder.display().to_string(),
             format!(
-                "has no link of a stage in common with {}",
+                "has no link of any stage in common with {}",
                 other.folder.display()
             ),
         ));
@@ -204,7 +204,7 @@ impl Side {
         }
         if stages.is_empty() {
             let problem =
-                "holds no chain of digests: it is no run directory, or its run has just begun";
+                "holds no chain of digests: it is not a run directory, or its run has just begun";
             return Err(Error::input(self.folder.display().to_string(), problem));
         }
         Ok(stages)
@@ -305,8 +305,8 @@ fn first_step(sides: &[Side; 2], stage: &str, from: u64, links: [&Link; 2]) -> R
                 let side = &sides[k];
                 let differ: Vec<&str> = differing(&states[k].parts, &link.parts);
                 let problem = format!(
-                    "recorded at step {step} of {stage} what {} does not give from the state before \
-                     ({} differ): it was made by another build, which can be named with --program-a or \
+                    "has a link at step {step} of {stage} that {} does not reproduce from the state \
+                     before ({} differ): it was made by another build, which can be named with --program-a or \
                      --program-b, or on a machine that does not keep the bit contract",
                     side.program.display(),
                     differ.join(", ")
@@ -425,7 +425,7 @@ impl std::fmt::Display for Divergence {
             )?,
             None => write!(
                 f,
-                "{}: different from its beginning, step {}",
+                "{}: different from the beginning, step {}",
                 self.stage, self.step
             )?,
         }

@@ -76,7 +76,7 @@ pub fn first_difference(first: &mut Simulation, second: &mut Simulation) -> Opti
                     other.map_or("nothing".into(), |o| format!("{} of {}", o.part, o.body));
                 return Some(Difference {
                     part: one.part,
-                    body: format!("{} where the other has {theirs}", one.body),
+                    body: format!("{}, but the other has {theirs}", one.body),
                     component: one.component,
                     first: one.value,
                     second: f64::NAN,

@@ -112,7 +112,7 @@ fn lock(
         }
         Ok((Err(TryLockError::WouldBlock), _)) => Err(Error::input(
             folder.display().to_string(),
-            "another run is under way in it; wait for that, or choose another --out",
+            "another run is at work in it; wait for it to end, or choose another --out",
         )),
         _ => Ok(()),
     }
@@ -148,8 +148,8 @@ fn refuse_others(folder: &Path, contents: &Contents) -> Result<()> {
         Some(name) => {
             let kind = contents.of.word();
             let problem = format!(
-                "holds `{name}`, which a {kind} would write, and is no folder of a {kind}: choose another --out, \
-                 or move it away"
+                "holds `{name}`, which a {kind} would write, and is not the folder of a {kind}: choose another \
+                 --out, or move it away"
             );
             Err(Error::input(place(), problem))
         }
@@ -261,7 +261,7 @@ impl Folder<'_> {
         if !disk::is_there(&path) {
             return Err(Error::input(
                 place(),
-                "is not there: the folder holds no run that could go on",
+                "is missing: the folder holds no run that could go on",
             ));
         }
         let text = read_text(&path)?;

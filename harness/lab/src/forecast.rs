@@ -309,8 +309,8 @@ fn runs(scenario: &CheckedScenario, speed: f64, out: &mut Lines) {
         out.text.push('\n');
     }
     out.text.push_str(
-        "A depth is expected at a packing fraction of 0.6, under a lid it is the effective depth; a contact is one \
-         at V.\n",
+        "Depths are those expected at a packing fraction of 0.6, under a lid the effective depths; contacts are \
+         those at V.\n",
     );
 }
 

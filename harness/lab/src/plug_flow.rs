@@ -100,7 +100,7 @@ pub fn found(mu: f64, ratio: f64, drift: Option<f64>) -> String {
         (_, layers) => {
             let also = layers.map_or(String::new(), |layers| format!(", and {layers}"));
             format!(
-                "the drag is {} of the weight of the bed above the intruder, more than friction holds (up to {})\
+                "the drag is {} of the weight of the bed above the intruder, more than friction can hold (up to {})\
                  {also}",
                 short(ratio),
                 short(slides)
@@ -147,12 +147,14 @@ mod tests {
             "{drift}"
         );
         let ratio = found(0.5, 0.32, None);
-        assert!(ratio.contains("0.32 of the weight") && ratio.contains("more than friction holds"));
+        assert!(
+            ratio.contains("0.32 of the weight") && ratio.contains("more than friction can hold")
+        );
         let both = found(0.5, 0.368, Some(0.25));
         assert!(
             both.contains("0.368 of the weight") && both.contains("drift at 0.25"),
             "{both}"
         );
-        assert!(found(0.5, f64::NAN, Some(0.01)).contains("more than friction holds"));
+        assert!(found(0.5, f64::NAN, Some(0.01)).contains("more than friction can hold"));
     }
 }

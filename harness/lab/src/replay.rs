@@ -156,7 +156,7 @@ pub fn replay_run(
 ) -> Result<()> {
     let past = RunArchive::open(folder)?;
     let part = past.part(&stretch.stage)?;
-    let past_all = || Error::input(&stretch.stage, "has not so many steps");
+    let past_all = || Error::input(&stretch.stage, "does not have so many steps");
     let to = stretch.from.checked_add(what.steps).ok_or_else(past_all)?;
     let mut tape = StatePrinter {
         from: stretch.from,
@@ -175,7 +175,7 @@ pub fn replay_run(
         return Ok(());
     }
     let told = last.map_or("before that".into(), |step| format!("after step {step}"));
-    let problem = format!("step {to} was asked for, and the stage ends {told}");
+    let problem = format!("step {to} was asked for, but the stage ends {told}");
     Err(Error::input(&stretch.stage, problem))
 }
 

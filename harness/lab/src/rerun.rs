@@ -63,7 +63,7 @@ impl<'a> RunArchive<'a> {
     pub fn part(&self, name: &str) -> Result<RunPart<'_>> {
         let mut parts = self.parts();
         parts.find(|part| part.name() == name).ok_or_else(|| {
-            let problem = format!("is no stage of this run; there are {}", self.names());
+            let problem = format!("is not a stage of this run; there are {}", self.names());
             Error::input(name, problem)
         })
     }

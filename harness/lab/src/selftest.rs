@@ -30,7 +30,7 @@ fn against(published: &str, mut show: impl FnMut(&str) -> Result<()>) -> Result<
     };
     check_arithmetic::<f64>().map_err(|fault| broken("double precision", fault))?;
     check_arithmetic::<f32>().map_err(|fault| broken("single precision", fault))?;
-    show("arithmetic            rounds to nearest, keeps subnormal numbers, fuses nothing")?;
+    show("arithmetic            rounds to nearest, keeps subnormal numbers, fuses no operations")?;
 
     let mut all = Hasher::new();
     let mut lines = by_the_kernel::<f64>(&mut all).map_err(|fault| broken("the kernel", fault))?;

@@ -85,8 +85,8 @@ pub fn verify(
         ))?;
         if !scope.is_all() && !expect.is_empty() {
             say(
-                "what was expected is in the manifest; that the rest of the run gives it only a whole `verify` \
-                 shows",
+                "what was expected is in the manifest; only a whole `verify` shows that the rest of the run \
+                 gives it",
             )?;
         }
     }
@@ -216,7 +216,7 @@ pub(crate) fn pieces<'a>(
     }
     if pieces.is_empty() {
         let place = archive.folder.0.display().to_string();
-        let problem = "holds no kept checkpoint of what was asked for: nothing can be verified yet";
+        let problem = "holds no kept checkpoint for this: nothing can be verified yet";
         return Err(Error::input(place, problem));
     }
     let job = |piece| Job {

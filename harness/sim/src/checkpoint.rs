@@ -245,7 +245,7 @@ fn head(bytes: &[u8], name: &str) -> Result<Head> {
         if PartSeal::of(&part.name, view.data()) != *part {
             let name = &part.name;
             return Err(damaged(format!(
-                "`{name}` has not the length and digest of its head"
+                "`{name}` does not have the length and digest in its head"
             )));
         }
     }

@@ -19,7 +19,7 @@ targets [--list] [--require NAME,...] [NAME ...]
 
   --list             names every target, with the Debian packages that it takes
   --require NAME,... it is an error that these cannot be tried
-  NAME ...           only these (and those required); all where none is named
+  NAME ...           only these (and those required); all if none is named
 
 Exit status: 0 all that ran is as it must be, 1 something is not or a required target cannot be tried,
 2 no such target or option.";

@@ -91,7 +91,7 @@ fn a_run_is_held_against_another() {
 
     // A word that names nothing is refused before any work.
     let told = room.says("run wee.toml --out none --against nothing", 2);
-    assert!(told.contains("is no folder of a run"), "{told}");
+    assert!(told.contains("is neither the folder of a run"), "{told}");
     assert!(!room.path("none").exists());
 }
 
@@ -145,7 +145,7 @@ fn newcomers_are_served() {
         "{text}"
     );
     let told = room.says("new my-drag", 2);
-    assert!(told.contains("is there already"), "{told}");
+    assert!(told.contains("exists already"), "{told}");
     for name in ["a/b", "..", "a b"] {
         let out = output(PROGRAM, room.folder.path(), &["new", name]);
         assert_eq!(out.status.code(), Some(2), "{name}");

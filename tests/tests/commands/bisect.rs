@@ -122,7 +122,7 @@ fn two_builds_part_at_a_contact() {
         2,
     );
     for word in [
-        "run: recorded at step 8400 of run-1 what ",
+        "run: has a link at step 8400 of run-1 that ",
         "--program-b",
         "velocities",
     ] {

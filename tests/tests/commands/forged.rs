@@ -37,7 +37,7 @@ fn a_forged_manifest_proves_nothing() {
     ));
     let other = "0".repeat(64);
     let told = room.says(&format!("run wee.toml --out again --expect {other}"), 3);
-    assert!(told.contains("neither the closing hash"), "{told}");
+    assert!(told.contains("neither its closing hash"), "{told}");
 
     let name = "runs/run-1/forces.csv";
     let text = String::from_utf8(room.read(&format!("run/{name}"))).unwrap();

@@ -99,7 +99,7 @@ fn beds_and_fields_that_do_not_fit_are_told_of() {
         let told = told(&out);
         assert_eq!(out.status.code(), Some(3), "{told}");
         assert!(
-            told.contains(what) && told.contains("of memory are wanted"),
+            told.contains(what) && told.contains("of memory are needed"),
             "{told}"
         );
         // Both are called `small`.

@@ -293,7 +293,7 @@ fn a_folder_has_one_run() {
         let out = desk.run(&args);
         let told = String::from_utf8_lossy(&out.stderr);
         assert_eq!(out.status.code(), Some(2), "{told}");
-        assert!(told.contains("another run is under way"), "{told}");
+        assert!(told.contains("another run is at work"), "{told}");
     }
     let after = std::fs::read(desk.out().join("scenario.toml")).unwrap();
     assert!(before == after, "nothing of the first was touched");

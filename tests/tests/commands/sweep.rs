@@ -209,7 +209,7 @@ fn two_campaigns_never_share_a_folder() {
     let refused = String::from_utf8_lossy(&second.stderr).into_owned();
     assert_eq!(second.status.code(), Some(2), "{refused}");
     assert!(
-        refused.contains("another run is under way in it"),
+        refused.contains("another run is at work in it"),
         "{refused}"
     );
     // A member of it is at work too.
@@ -237,7 +237,7 @@ fn a_row_is_done_alone_and_held_against_a_table() {
     let out = desk.sweep(&row);
     let said = String::from_utf8_lossy(&out.stdout).into_owned();
     assert_eq!(out.status.code(), Some(0), "{said}");
-    assert!(said.contains("1 runs are those of"), "{said}");
+    assert!(said.contains("1 runs agree with"), "{said}");
     let table = desk.table();
     assert_eq!((table.len(), table.text(0, "run")), (1, "run-2"));
     let page = std::fs::read_to_string(desk.out().join("report.html")).unwrap();

@@ -145,7 +145,7 @@ fn what_does_not_hold_is_told() {
     note = dragging.note();
     std::fs::write(&path, checkpoint::pack(&mut sim, &note).unwrap()).unwrap();
     let told = verify(folder.path());
-    assert!(told.contains("what was measured on the way"), "{told}");
+    assert!(told.contains("what was measured before it"), "{told}");
 
     // A damaged checkpoint is a finding, and does not hide the others.
     let folder = copy();
@@ -273,10 +273,10 @@ fn what_cannot_be_verified_is_refused() {
         &["verify", "run", "--segment", "run-1:9-3"],
         "STAGE:FROM-TO",
     );
-    refused(&["replay", "run", "--steps", "3"], "say which --stage");
+    refused(&["replay", "run", "--steps", "3"], "name its --stage");
     refused(
         &["replay", "small.toml", "--steps", "3", "--stage", "bed"],
-        "is no folder",
+        "is not a folder",
     );
     let late = [
         "replay",
@@ -300,10 +300,10 @@ fn what_cannot_be_verified_is_refused() {
         "--steps",
         "10",
     ];
-    refused(&late, "has not so many steps");
+    refused(&late, "does not have so many steps");
     refused(
         &["bisect", "run", "nothing"],
-        "has no link of a stage in common",
+        "has no link of any stage in common",
     );
     refused(&["bisect", "nothing", "run"], "holds no chain of digests");
 }

@@ -71,7 +71,7 @@ fn rows_done_again_are_those_of_the_table() {
         assert!(lines.contains(how), "{how}: {lines}");
     }
     let said = String::from_utf8_lossy(&out.stdout).into_owned();
-    assert!(said.contains("2 runs are those of"), "{said}");
+    assert!(said.contains("2 runs agree with"), "{said}");
 }
 
 /// A table has a row for each run of its campaign as that is now, in its order.
@@ -166,7 +166,7 @@ fn tables_have_a_page() {
             "Drag against Froude number",
             "Round the intruder",
             "Yield force",
-            "Does the bed above hold?",
+            "Does the bed above stay?",
             "Beside the paper",
             "Every fit",
             "The runs",

@@ -398,7 +398,7 @@ fn a_damaged_flow_series_is_refused() {
         forge_manifest(whole.0, FolderKind::Run, &[]);
         let told = present::write_report(&whole).unwrap_err().to_string();
         let at = format!(
-            "{file}:{}: is no row of finite numbers",
+            "{file}:{}: is not a row of finite numbers",
             text.lines().count()
         );
         assert!(

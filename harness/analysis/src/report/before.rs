@@ -47,8 +47,8 @@ pub(super) fn about(summary: &Summary, closing: &str) -> String {
     }
     out += &row(
         "Check it",
-        "<code>bitgrain verify .</code> in the folder of this page runs all of it again and holds it against every \
-         link; with <code>--expect</code> and the closing hash it is this run and no other, with a last link that drag",
+        "<code>bitgrain verify .</code> in the folder of this page runs all of it again and compares every link; \
+         <code>--expect</code> with the closing hash checks that it is this run, with a last link that drag",
     );
     out + &row("Files", &files(summary))
 }

@@ -42,11 +42,11 @@ pub(super) fn section(summary: &Summary, groups: &[Group], courses: &[FlowSeries
         let charts = [
             (
                 packing_chart(group, summary, courses),
-                "Packing fraction of successive tenths of the way.",
+                "Packing fraction in successive tenths of the travel.",
             ),
             (
                 drag_chart(group, summary, courses),
-                "Drag over D L and the pressure as it is measured, of the same tenths.",
+                "Drag over D L and the measured pressure, in the same tenths.",
             ),
             (
                 far_chart(group, summary, courses),

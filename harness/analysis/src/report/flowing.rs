@@ -79,7 +79,7 @@ fn lead_text(summary: &Summary, groups: &[Group], book: &Book) -> String {
     let flow = |of: fn(&Flow) -> f64| span(passages(summary).map(|(_, f)| of(f)), "");
     let seeds = inputs.all_seeds().len();
     let moves = match inputs.drag.moves {
-        Moves::Bed => "rests while base and lid carry the bed past it",
+        Moves::Bed => "is at rest while base and lid carry the bed past it",
         Moves::Intruder => "moves through the bed",
     };
     let lids = match rigs().any(|rig| rig.lid_grains > 0) {
@@ -161,7 +161,7 @@ fn bed_figures(summary: &Summary, pictures: &[BedPicture], first: &[usize]) -> S
     }
     let bed_moves = summary.inputs.drag.moves == Moves::Bed;
     let moving = match bed_moves {
-        true => "the motion of bed, base and lid past the intruder, which rests",
+        true => "the motion of bed, base and lid past the intruder, which is at rest",
         false => "the motion of the intruder",
     };
     out.push_str(&format!(

@@ -37,7 +37,7 @@ const GROUPS: [Group; 7] = [
             ("name", Kind::Bare, "of the scenario and its folder"),
             ("units", Kind::Bare, "system in which all inputs are given"),
             ("seed", Kind::Bare, "of every random number"),
-            ("seeds", Kind::Bare, "several: beds of their own for each"),
+            ("seeds", Kind::Bare, "several: each has its own beds"),
             ("gravity", Kind::Acceleration, "along &minus;z"),
         ],
     ),
@@ -199,14 +199,14 @@ const GROUPS: [Group; 7] = [
             (
                 "history",
                 Kind::Bare,
-                "tangential springs of the settled bed as the drag begins: kept, or empty as LAMMPS \
-                 begins a run from a file",
+                "tangential springs of the settled bed as the drag begins: kept, or empty as in a \
+                 LAMMPS run from a file",
             ),
         ],
     ),
     (
         "measure",
-        "What is written down",
+        "Output",
         &[
             (
                 "every",
@@ -261,7 +261,7 @@ const GROUPS: [Group; 7] = [
 pub(super) fn section(scenario_text: &str, units: &Units) -> String {
     let head = "<section>\n<h2>Inputs</h2>\n";
     let Ok(scenario) = scenario_text.parse::<Table>() else {
-        return format!("{head}<p class=\"none\">The scenario is no TOML.</p>\n</section>\n");
+        return format!("{head}<p class=\"none\">The scenario is not TOML.</p>\n</section>\n");
     };
     if scenario.is_empty() {
         return format!("{head}<p class=\"none\">None.</p>\n</section>\n");
@@ -436,6 +436,6 @@ mod tests {
             assert!(html.contains(part), "{part} in {html}");
         }
         assert!(!html.contains("<i>"));
-        assert!(section("= no", &units).contains("is no TOML"));
+        assert!(section("= no", &units).contains("is not TOML"));
     }
 }

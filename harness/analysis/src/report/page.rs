@@ -39,7 +39,7 @@ pub(super) fn assembled(top: &Top<'_>, sections: &str) -> String {
     let title = first.to_lowercase() + rest;
     let (contents, sections) = with_contents(sections);
     let remarks = match top.remarks.is_empty() {
-        true => "<p>Nothing that was checked speaks against these numbers.</p>\n".to_owned(),
+        true => "<p>No check found anything against these numbers.</p>\n".to_owned(),
         false => format!("<ul>\n{}</ul>\n", top.remarks.concat()),
     };
     let script = match sections.contains("<figure class=\"played") {

@@ -45,7 +45,8 @@ pub(super) fn rig_table(beds: &[BedSummary], units: &Units) -> String {
     });
     let note = "&rho;, packing fraction times density of a grain";
     row("Bulk density", density, note, &|r| exact(r.bulk_density));
-    let note = "h\u{303} = h + (&pi; d/6)(&rho;<sub>lid</sub>/&rho;), without h where there is no gradient";
+    let note =
+        "h\u{303} = h + (&pi; d/6)(&rho;<sub>lid</sub>/&rho;), without h if there is no gradient";
     row("Effective depth", length, note, &|r| {
         exact(r.effective_depth)
     });

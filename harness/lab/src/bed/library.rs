@@ -74,7 +74,7 @@ impl BedCache {
             Err(other) => Err(Error::input(
                 path.display().to_string(),
                 format!(
-                    "{}; `bitgrain bed remove {}` clears it away, and the next run pours it anew",
+                    "{}; `bitgrain bed remove {}` removes it, and the next run pours it again",
                     other.describe_at(&name),
                     &digest[..NAME]
                 ),
@@ -148,13 +148,13 @@ impl BedCache {
             0 => Err(Error::input(
                 begin,
                 format!(
-                    "no bed in {} has a name that begins so; `bitgrain bed list` shows them",
+                    "no bed in {} has a name that begins like this; `bitgrain bed list` shows them",
                     self.folder.display()
                 ),
             )),
             n => Err(Error::input(
                 begin,
-                format!("{n} beds have names that begin so; give more"),
+                format!("{n} beds have names that begin like this; give more of it"),
             )),
         }
     }

@@ -46,7 +46,7 @@ pub fn lid_density(scenario: &CheckedScenario, plan: &LidPlan, bare: &BedSummary
         )
     } else {
         format!(
-            "a lid no lighter than the bed's grains gives {:.5} or more: ask for that",
+            "a lid at least as dense as the bed's grains gives {:.5} or more: ask for that",
             scenario.lid_depth(LIGHTEST * scenario.bed.density, bulk)
         )
     };

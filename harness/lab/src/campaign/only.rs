@@ -26,7 +26,7 @@ impl Only {
         if let Some(name) = names.iter().find(|name| !known(name)) {
             let members: Vec<&str> = plan.members.iter().map(|m| &m.name[..]).collect();
             let problem = format!(
-                "`{name}` is no member of the campaign and no run of one, as {}/run-1 is; members are {}",
+                "`{name}` is neither a member of the campaign nor a run of one, such as {}/run-1; members are {}",
                 members[0],
                 members.join(", ")
             );

@@ -86,7 +86,7 @@ pub(super) fn plan_of(
     }
     campaign.base = Base::Written(base.clone());
     if campaign.grid.is_empty() {
-        let problem = "is empty; give at least one [[grid]], with what is varied";
+        let problem = "is empty; give at least one [[grid]] with the quantities that vary";
         return Err(Error::input(format!("{place}: `grid`"), problem));
     }
     let mut cells: Vec<Cell> = Vec::new();
@@ -158,7 +158,7 @@ fn base_table(base: &Base, place: &str, folder: &Path) -> Result<Table> {
                 let path = folder.join(name);
                 if !disk::is_file(&path) {
                     let problem = format!(
-                        "is `{name}`: no shipped scenario has that name, and {} is no file",
+                        "is `{name}`: no shipped scenario has that name, and {} is not a file",
                         path.display()
                     );
                     return Err(Error::input(format!("{place}: `base`"), problem));
@@ -372,7 +372,7 @@ impl Maker<'_> {
             s
         };
         if let Some(line) = difference(&bare(&member.scenario), &bare(&other)) {
-            return refuse(format!("two grids make it, but not alike: {line}"));
+            return refuse(format!("two grids make it, but they differ: {line}"));
         }
         // If one gives speeds and another Froude numbers, these become speeds, of the one diameter.
         let froude = [&member.scenario, &other].map(|s| s.intruder.froude.is_some());
@@ -400,7 +400,7 @@ impl Maker<'_> {
             match all.iter().find(|known| known.0 == speed) {
                 Some(known) if known.1 != distance => {
                     return refuse(format!(
-                        "two grids drag it at {speed}, over {} and over {distance}; give one distance",
+                        "two grids drag it at speed {speed}, over {} and over {distance}; give one distance",
                         known.1
                     ));
                 }

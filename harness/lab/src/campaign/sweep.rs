@@ -82,7 +82,7 @@ pub fn sweep(what: &Sweep<'_>) -> Result<Outcome> {
     let claim = folder.claim(what.plan)?;
     if !claim.sure {
         what.progress.warn(&format!(
-            "{} cannot be locked: see that no other campaign is at work in it",
+            "{} cannot be locked: make sure that no other campaign is running in it",
             what.out.display()
         ));
     }

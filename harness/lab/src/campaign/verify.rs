@@ -34,8 +34,7 @@ pub fn verify(
 ) -> Result<()> {
     let place = folder.0.display().to_string();
     if !scope.segments.is_empty() {
-        let problem =
-            "is a campaign: --segment is of a run, so give the folder of one of its members";
+        let problem = "is a campaign: --segment takes stages of a run, so give the folder of one of its members";
         return Err(Error::input(place, problem));
     }
     let path = folder.campaign();
@@ -153,7 +152,7 @@ fn table_holds(folder: &CampaignFolder<'_>, plan: &Plan) -> std::result::Result<
     ] {
         if disk::read(&path).ok() != Some(made) {
             return Err(format!(
-                "{} is not what its members' results give",
+                "{} does not follow from the results of its members",
                 path.display()
             ));
         }

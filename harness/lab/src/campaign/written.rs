@@ -18,7 +18,7 @@ pub fn parse(text: &str, place: &str, folder: &Path) -> Result<Plan> {
     let mut campaign: Campaign = parse_campaign(text, place)?;
     let Base::Written(base) = &mut campaign.base else {
         let problem = "expected the keys of a scenario: in its folder a campaign has its base written out; the \
-                       same `bitgrain sweep` writes it anew";
+                       same `bitgrain sweep` writes it again";
         return Err(Error::input(format!("{place}: `base`"), problem));
     };
     let copied = |file: &mut Value| copy(file, folder);
@@ -40,7 +40,7 @@ fn copy(file: &mut Value, folder: &Path) -> std::result::Result<(), String> {
         return Ok(());
     };
     let Some(name) = Path::new(path).file_name() else {
-        return Err(format!("`{path}` names no file"));
+        return Err(format!("`{path}` does not name a file"));
     };
     let members = folder.join("members");
     let names = disk::list(&members).map_err(|e| e.to_string())?.into_iter();

@@ -72,7 +72,7 @@ pub fn audit(root: &Path, manifest: &Manifest, planned: &[String]) -> Result<Fol
                 if !planned.contains(&name) {
                     found
                         .wrong
-                        .push(format!("{path} is extra: no member is called so"));
+                        .push(format!("{path} is extra: no member has this name"));
                 }
                 continue;
             }

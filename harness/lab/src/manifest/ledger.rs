@@ -159,7 +159,7 @@ impl Ledger {
             }
         } else if before.is_some() && !may_change(&name) {
             let problem = format!(
-                "{}, made again, is not what {NAME} has of it",
+                "{}, made again, does not match its entry in {NAME}",
                 path.display()
             );
             return Err(Error::Unverified {
@@ -246,7 +246,7 @@ impl Ledger {
 }
 
 /// If a file cannot be both what the manifest says and what the run gives.
-const CONFLICT: &str = "manifest.json was changed, or what the file is made from was, or another build or machine \
+const CONFLICT: &str = "manifest.json or the input of the file was changed, or another build or machine \
                         that does not keep the bit contract wrote it; it was left as it was. To have all of it made \
                         again from the scenario, move manifest.json away and give the same command";
 

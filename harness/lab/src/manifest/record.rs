@@ -135,7 +135,7 @@ impl FileRecord {
         }
         if disk::size(&at) != self.bytes {
             let size = disk::size(&at);
-            return changed(format!("has {size} bytes, and had {}", self.bytes));
+            return changed(format!("has {size} bytes instead of {}", self.bytes));
         }
         let bytes = disk::read(&at).map_err(Departure::Unreadable)?;
         match self.is_of(&bytes) {
@@ -209,7 +209,7 @@ impl Manifest {
         }
         let read: Self = serde_json::from_str(text).map_err(|e| e.to_string())?;
         if read.raw() != text || read.closed() != read.closing {
-            return Err("its closing hash is not that of what it holds".into());
+            return Err("its closing hash does not fit its content".into());
         }
         if !read.files.is_sorted_by(|a, b| a.path < b.path) {
             return Err("its files are not in order".into());

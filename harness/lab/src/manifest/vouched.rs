@@ -24,7 +24,7 @@ impl Vouched {
         let place = root.display().to_string();
         let manifest = Manifest::of(root)?.ok_or_else(|| {
             let problem = format!(
-                "has no {NAME}: it is no {}, or what lies in it cannot be vouched for; `{}` makes it",
+                "has no {NAME}: it is not a {}, or its files cannot be checked; `{}` makes it",
                 of.word(),
                 remedy(of)
             );
@@ -32,7 +32,7 @@ impl Vouched {
         })?;
         if manifest.of != of {
             let problem = format!(
-                "holds a {}, and a {} was expected",
+                "holds a {}, but a {} was expected",
                 manifest.of.word(),
                 of.word()
             );

@@ -257,7 +257,7 @@ fn settled_here(
     }
     let name = path.display().to_string();
     if ledger.lists(path) && !ledger.vouches(path) {
-        let told = format!("{name} was changed after it was written; it is made anew");
+        let told = format!("{name} was changed after it was written; it is made again");
         setting.progress.warn(&told);
         return Ok(None);
     }
@@ -265,7 +265,9 @@ fn settled_here(
     match bed::prove(&bytes, &name, recipe) {
         Ok(()) => Ok(Some(bytes)),
         Err(damage @ Error::Damaged { .. }) => {
-            setting.progress.warn(&format!("{damage}; it is made anew"));
+            setting
+                .progress
+                .warn(&format!("{damage}; it is made again"));
             Ok(None)
         }
         Err(other) => Err(other),
@@ -282,13 +284,13 @@ fn unsettled_here(setting: Setting<'_>, plan: &BedPlan, path: &Path) -> Result<O
         Ok((sim, note)) => Pouring::of(sim, &note, setting.scenario, plan)
             .map(Some)
             .map_err(|problem| {
-                let what = format!("{problem}; remove it to pour anew");
+                let what = format!("{problem}; remove it to pour again");
                 Error::input(place, what)
             }),
         Err(damage @ Error::Damaged { .. }) => {
             setting
                 .progress
-                .warn(&format!("{damage}; the bed is poured from its beginning"));
+                .warn(&format!("{damage}; the bed is poured from the beginning"));
             Ok(None)
         }
         Err(other) => Err(other),

@@ -123,7 +123,7 @@ fn refuse_other_scenario(
     let place = folder.0.display().to_string();
     if same_file {
         let problem = "holds the results of another scenario: its scenario.toml was changed since the run \
-                       began. Put it back, choose another --out, or remove the folder";
+                       began. Restore it, choose another --out, or remove the folder";
         return Err(Error::input(place, problem));
     }
     Err(Error::input(
@@ -157,7 +157,7 @@ impl Looking<'_> {
         match disk::kind(path) {
             None | Some(Kind::Link | Kind::Other) => Ok(None),
             Some(Kind::Folder) => {
-                let problem = "is a folder, where a file of the run belongs: move it away";
+                let problem = "is a folder in the place of a file of the run: move it away";
                 Err(Error::input(path.display().to_string(), problem))
             }
             Some(Kind::File) => disk::read(path).map(Some),
@@ -202,7 +202,7 @@ impl Looking<'_> {
 }
 
 fn of_others(place: String) -> Error {
-    let problem = "was saved by a run of another scenario or stage: was scenario.toml changed since? Put it back, \
-                   choose another folder, or remove this file, and it is made again";
+    let problem = "was saved by a run of another scenario or stage: was scenario.toml changed since? Restore it, \
+                   choose another folder, or remove this file so that it is made again";
     Error::input(place, problem)
 }

@@ -174,13 +174,13 @@ pub fn read(drag: DragTask<'_>, path: &Path) -> Result<(Simulation, Dragging)> {
         problem,
     })?;
     if dragging.key != drag.scenario.key(&drag.plan.name) {
-        let problem = "was saved by a run of another scenario: was scenario.toml changed since? Put it \
-                       back, or choose another folder";
+        let problem = "was saved by a run of another scenario: was scenario.toml changed since? \
+                       Restore it, or choose another folder";
         return Err(Error::input(place, problem));
     }
     if dragging.chain.begins != drag.bed.chain {
-        let problem = "was dragged through another bed than lies here now; choose another folder, or \
-                       remove this one to drag anew";
+        let problem = "was dragged through a bed other than the one here now; choose another folder, \
+                       or remove this file to drag again";
         return Err(Error::input(place, problem));
     }
     Ok((sim, dragging))
@@ -397,8 +397,8 @@ fn report(
             run.drift.map(|drift| drift.mean),
         );
         progress.line(&format!(
-            "{}: {found}: the bed slides along, and the drag is the box's as much as the intruder's; make bed.box \
-             wider",
+            "{}: {found}: the bed slides along, and the drag depends on the box as much as on the intruder; make \
+             bed.box wider",
             run.name
         ));
     }

@@ -154,7 +154,7 @@ fn wanted(setting: Setting<'_>) -> Result<Vec<DragPlan>> {
     {
         let names: Vec<&str> = all.iter().map(|run| &run.name[..]).collect();
         let problem = format!(
-            "`{name}` is no drag of the scenario; there are {}",
+            "`{name}` is not a drag of the scenario; there are {}",
             names.join(", ")
         );
         return Err(Error::input("--only", problem));
@@ -172,7 +172,7 @@ pub fn claimed(setting: Setting<'_>) -> Result<DirectoryLock> {
     claim.warn_of_damage(setting.progress);
     if !claim.sure {
         setting.progress.warn(&format!(
-            "{} cannot be locked: see that no other run is at work in it",
+            "{} cannot be locked: make sure that no other run is at work in it",
             setting.folder.0.display()
         ));
     }

@@ -112,7 +112,7 @@ impl Scenario {
         if name.is_empty() || name == ".." || name == "." || name.contains(['/', '\\', '\0']) {
             return refuse(
                 "bed.file",
-                format!("expected a file in {IMPORTED}, where a run directory has it"),
+                format!("expected a file in {IMPORTED}, its place in a run directory"),
             );
         }
         let hash = self.bed.hash.as_deref().unwrap_or_default();

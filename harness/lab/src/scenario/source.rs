@@ -27,8 +27,8 @@ pub(super) fn fill_in(table: &mut Table, place: &str, folder: &Path) -> Result<O
     let path = folder.join(file);
     if !disk::is_file(&path) {
         let problem = format!(
-            "{} is not there or no file; a path is looked for from where the scenario's file is, \
-             or with --set from where the command is given",
+            "{} does not exist or is not a file; paths are relative to the folder of the \
+             scenario's file, with --set to the current folder",
             path.display()
         );
         return Err(Error::input(format!("{place}: `bed.file`"), problem));
@@ -83,7 +83,7 @@ impl Keys<'_> {
         Error::input(
             format!("{}: `{outer}.{inner}`", self.place),
             format!(
-                "is {given}, but the bed's file has {found}; leave it out, or see which is meant"
+                "is {given}, but the bed's file has {found}; leave it out, or check which is right"
             ),
         )
     }

@@ -41,7 +41,7 @@ impl Summary<Scenario> {
         check_head(&self.version, &self.standard_error_method)?;
         let inputs = check_inputs(self.inputs, &self.units)?;
         if self.scenario != inputs.name {
-            let problem = format!("is not `{}`, as the inputs say", inputs.name);
+            let problem = format!("is not `{}`, the value of the inputs", inputs.name);
             refuse("scenario", problem)?;
         }
         let (beds, runs) = (inputs.beds(), inputs.drags());
@@ -68,7 +68,7 @@ impl Summary<Scenario> {
                 refuse(format!("{at}.name"), "is there twice")?;
             }
             let Some(bed) = self.beds.iter().find(|bed| bed.name == run.bed) else {
-                let problem = "is none of the beds in this file";
+                let problem = "is not one of the beds in this file";
                 return Err((format!("{at}.bed"), problem.into()));
             };
             check_run(run, bed, (beds, runs), &inputs, &at)?;
@@ -128,7 +128,7 @@ fn check_inputs(inputs: Scenario, units: &Units) -> Result<CheckedScenario, Wron
         .check_resolved()
         .map_err(|wrong| (format!("inputs.{}", wrong.key), wrong.problem))?;
     if *units != inputs.units() {
-        refuse("units", "are not those of the inputs")?;
+        refuse("units", "do not belong to the inputs")?;
     }
     Ok(inputs)
 }
@@ -138,7 +138,10 @@ fn same(key: String, given: f64, planned: f64) -> Check {
     if (given - planned).abs() <= SAME * planned.abs() {
         return Ok(());
     }
-    refuse(key, format!("is {given}, but the inputs come to {planned}"))
+    refuse(
+        key,
+        format!("is {given}, but {planned} follows from the inputs"),
+    )
 }
 
 /// A digest in hex; empty if the file is of a version without it.
@@ -148,12 +151,15 @@ fn digest(key: String, text: &str, may_be_empty: bool) -> Check {
     if digits || may_be_empty && text.is_empty() {
         return Ok(());
     }
-    refuse(key, format!("is no digest; expected {DIGITS} hex digits"))
+    refuse(
+        key,
+        format!("is not a digest; expected {DIGITS} hex digits"),
+    )
 }
 
 fn check_bed(bed: &BedSummary, plans: &[BedPlan], inputs: &CheckedScenario, at: &str) -> Check {
     let Some(plan) = plans.iter().find(|plan| plan.name == bed.name) else {
-        return refuse(format!("{at}.name"), "is no bed that the inputs plan");
+        return refuse(format!("{at}.name"), "is not a bed that the inputs plan");
     };
     if bed.frozen > bed.grains {
         let problem = format!("is {}, of {} grains", bed.frozen, bed.grains);
@@ -189,7 +195,7 @@ fn check_run(
 ) -> Check {
     let key = |name: &str| format!("{at}.{name}");
     let Some(plan) = runs.iter().find(|plan| plan.name == run.name) else {
-        return refuse(key("name"), "is no drag that the inputs plan");
+        return refuse(key("name"), "is not a drag that the inputs plan");
     };
     let planned = &beds[plan.bed];
     if run.bed != planned.name {

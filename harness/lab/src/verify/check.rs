@@ -116,7 +116,7 @@ impl Check<'_> {
             None if !same => {
                 let _ = write!(
                     text,
-                    "{} hold, but the state at the end, or what was measured on the way, is not what \
+                    "{} hold, but the state at the end, or what was measured before it, is not what \
                      was written",
                     links(self.held)
                 );

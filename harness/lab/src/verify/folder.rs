@@ -20,11 +20,9 @@ pub(crate) enum Cause {
 impl Cause {
     fn hint(self) -> &'static str {
         match self {
-            Cause::Unfinished(FolderKind::Run) => {
-                "`bitgrain run --resume FOLDER` brings it to its end"
-            }
+            Cause::Unfinished(FolderKind::Run) => "`bitgrain run --resume FOLDER` finishes it",
             Cause::Unfinished(FolderKind::Campaign) => {
-                "`bitgrain sweep CAMPAIGN --out FOLDER` brings it to its end"
+                "`bitgrain sweep CAMPAIGN --out FOLDER` finishes it"
             }
             Cause::Unexpected => UNEXPECTED,
             Cause::Changed => CHANGED,
@@ -96,7 +94,7 @@ pub(crate) fn check_manifest(
         0 => {}
         n => problems.add(
             Cause::Changed,
-            format!("its folder departs from {NAME} in {n} places"),
+            format!("its folder differs from {NAME} in {n} places"),
         ),
     }
     if !found.unfinished.is_empty() {
