@@ -33,7 +33,7 @@ pub struct Speed {
     pub steps: u64,
     /// Threads that step it.
     pub threads: usize,
-    /// Copies of the bed that were stepped side by side, each on so many threads.
+    /// Copies of the bed that were stepped side by side, each on this many threads.
     pub copies: usize,
     /// How often the bed was repeated along x and along y.
     pub tiles: usize,
@@ -108,7 +108,7 @@ pub struct Timing<'a> {
     pub steps: u64,
     /// Threads that step it.
     pub threads: usize,
-    /// Copies to step side by side, each on so many threads.
+    /// Copies to step side by side, each on this many threads.
     pub copies: usize,
     /// How often to repeat the bed along x and along y, without its obstacles.
     pub tiles: usize,

@@ -225,7 +225,7 @@ impl Folder<'_> {
         self.of_run(run, &format!("frames/{step:012}.csv"))
     }
 
-    /// The checkpoint from which a stopped drag goes on; gone when it has come to its end.
+    /// The checkpoint from which a stopped drag goes on; gone when the drag is finished.
     pub fn latest(&self, run: &str) -> PathBuf {
         self.of_run(run, "latest.safetensors")
     }

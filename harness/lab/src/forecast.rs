@@ -92,7 +92,7 @@ impl Work {
         Ok(work)
     }
 
-    /// Steps that the last of so many threads has done when all is done.
+    /// Steps that the last of this many threads has done when all is done.
     fn longest(&self, runs: &[DragPlan], threads: usize) -> u64 {
         let dragged: Vec<u64> = runs.iter().map(|run| run.steps()).collect();
         let stages = [&self.poured, &self.covered, &dragged];
@@ -115,7 +115,7 @@ pub struct Size {
     pub time: String,
 }
 
-/// The shipped scenarios on so many threads, with no bed at hand.
+/// The shipped scenarios on this many threads, with no bed at hand.
 ///
 /// # Errors
 /// A fault of the trial run.
@@ -153,7 +153,7 @@ fn largest(scenario: &CheckedScenario, beds: &[BedPlan]) -> usize {
 /// ten thousand grains and more 1.1 to 1.6.
 const SLOWER: f64 = 2.0;
 
-/// The time of so many steps of so many grains, in words.
+/// The time of this many steps of this many grains, in words.
 fn range(steps: u64, grains: usize, speed: f64) -> String {
     let least = steps as f64 * grains as f64 / speed;
     format!("{} to {}", duration(least), duration(SLOWER * least))

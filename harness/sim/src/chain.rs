@@ -1,4 +1,4 @@
-//! The chain of digests: every so many steps the digest of each part of a state, chained with the link
+//! The chain of digests: at regular steps the digest of each part of a state, chained with the link
 //! before, so that a run of many hours can be checked anywhere and nothing in between can be changed
 //! without notice.
 //!

@@ -151,7 +151,7 @@ pub fn read_if_there(path: &Path) -> Result<Option<Vec<u8>>> {
     all_of(file, data.len(), "cannot be read", &name).map(Some)
 }
 
-/// All that a source gives, of which `about` so many bytes are expected, but no more than [`most`]; `fails` is the
+/// All that a source gives, of which `about` bytes are expected, but no more than [`most`]; `fails` is the
 /// message if reading fails.
 ///
 /// # Errors
@@ -381,7 +381,7 @@ pub fn open_folder(folder: &Path) -> io::Result<File> {
 /// Opens a regular file to lock it; nothing is written to it.
 ///
 /// # Errors
-/// The system's, and [`io::ErrorKind::InvalidInput`] for what is no regular file.
+/// The system's, and [`io::ErrorKind::InvalidInput`] for what is not a regular file.
 pub fn open_to_lock(path: &Path) -> io::Result<File> {
     if !std::fs::metadata(path)?.is_file() {
         return Err(io::ErrorKind::InvalidInput.into());

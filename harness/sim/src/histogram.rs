@@ -94,7 +94,7 @@ pub const COORDINATION: Table<(u64, u64)> = Table(&[
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Coordination {
-    /// Grains with so many contacts, from none.
+    /// Grains with this many contacts, from none.
     pub grains: Vec<u64>,
 }
 

@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 /// Bytes of memory a grain takes, from beds of 10,000 and 70,000 grains.
 pub const PER_GRAIN: f64 = 510.0;
 
-/// Asks for so many bytes at once and gives them back; what is then taken piece by piece is likely to be available.
+/// Asks for this many bytes at once and gives them back; what is then taken piece by piece is likely to be available.
 ///
 /// # Errors
 /// [`Error::Memory`] if the system does not provide them; `what` they are for.

@@ -419,7 +419,7 @@ mod tests {
         sim
     }
 
-    /// The fault that ends a row, and after how many steps, on so many threads.
+    /// The fault that ends a row, and after how many steps, on this many threads.
     fn end(threads: usize, velocity: impl Fn(u32) -> [f64; 3]) -> (Option<KernelError>, u64) {
         let mut sim = row(velocity);
         let ended = on_threads(threads, || sim.steps(2000)).unwrap();

@@ -7,10 +7,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use bitgrain_kernel::{Error as KernelError, check_arithmetic};
 use rayon::ThreadPoolBuilder;
 
-/// Why a job was not done on so many threads.
+/// Why a job was not done on this many threads.
 #[derive(Debug, thiserror::Error)]
 pub enum ThreadsError {
-    /// So many could not be started.
+    /// This many could not be started.
     #[error("{threads} threads cannot be started: {why}")]
     Start {
         /// How many were wanted.
@@ -24,7 +24,7 @@ pub enum ThreadsError {
 }
 
 impl ThreadsError {
-    /// That so many could not be started.
+    /// That this many could not be started.
     pub fn start(threads: usize, why: &dyn std::error::Error) -> Self {
         let why = why.to_string();
         Self::Start { threads, why }

@@ -18,7 +18,7 @@ pub(super) fn add<R: Real>(
     lent.add(id, group, position, velocity, spin);
 }
 
-/// Gives the grains that were added their cells, and lists of at least so many entries.
+/// Gives the grains that were added their cells, and lists of at least this many entries.
 pub(super) fn reserve<R: Real>(
     lent: &mut Lent<R>,
     pairs: usize,

@@ -93,7 +93,7 @@ fn words(line: &str) -> Vec<String> {
 static ONCE: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
 
 /// What the commands of the documents work on: a bed, a run with as many steps as examples speak of, twice, a
-/// campaign that has come to its end, and its table.
+/// finished campaign, and its table.
 static MADE: LazyLock<tempfile::TempDir> = LazyLock::new(|| {
     let folder = tempfile::tempdir().unwrap();
     let place = |name: &str| folder.path().join(name);

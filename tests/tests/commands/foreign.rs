@@ -246,7 +246,7 @@ fn scenarios_that_ask_for_too_much_are_refused() {
     }
 }
 
-/// A grid's name that is no folder's right there, and more than can be planned.
+/// A grid's name that is not that of a folder in place, and more than can be planned.
 #[test]
 fn campaigns_that_reach_out_are_refused() {
     let sound = CAMPAIGN.replacen("base = \"small.toml\"", "base = \"quick\"", 1);

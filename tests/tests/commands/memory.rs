@@ -10,7 +10,7 @@ use bitgrain_tests::{SMALL, output};
 
 use crate::PROGRAM;
 
-/// Runs the command with at most so many KiB of memory, on one thread.
+/// Runs the command with at most this many KiB of memory, on one thread.
 fn limited(folder: &Path, memory: u64, args: &str) -> Output {
     let line = format!("ulimit -v {memory}; RAYON_NUM_THREADS=1 exec \"$0\" {args}");
     output("sh", folder, &["-c", &line, PROGRAM])

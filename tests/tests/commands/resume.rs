@@ -104,7 +104,7 @@ fn killed_at(instant: Duration, want: &Files) -> (bool, bool) {
     (died, saving)
 }
 
-/// So many instants over the time that a run takes, at random; returns how many hit one that was still at
+/// This many instants over the time that a run takes, at random; returns how many hit one that was still at
 /// work and how many of those in the middle of a save.
 fn killed(count: u32) -> (usize, usize) {
     let (want, whole) = alone();
@@ -248,7 +248,7 @@ fn a_full_disk_loses_nothing() {
     let (want, _) = alone();
     let desk = Desk::new();
     let mut full = Vec::new();
-    // Files may grow to so many blocks of 512 bytes.
+    // Files may grow to this many blocks of 512 bytes.
     for blocks in [4, 60, 130, 190, 250, 330, 500, 2000] {
         let limited = format!(
             "trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" run small.toml --save-every 300"

@@ -62,7 +62,7 @@ fn a_run_in_a_folder_below_goes_on() {
     inner.wait().unwrap();
 }
 
-/// A folder that holds a name which would be written, and is no run's, is refused as it is.
+/// A folder that holds a name which would be written, and is not a run's, is refused and left as it is.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
 fn a_folder_of_others_is_refused() {

@@ -262,7 +262,7 @@ fn a_row_is_done_alone_and_held_against_a_table() {
     assert!(results(&desk.out()) == results(&whole.out()));
 }
 
-/// Files may grow to so many blocks of 512 bytes: what is done stays, and is continued.
+/// Files may grow to this many blocks of 512 bytes: what is done stays, and is continued.
 #[test]
 #[cfg(unix)]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]

@@ -46,7 +46,7 @@ fn places(sim: &Simulation, role: Role) -> Vec<usize> {
     (0..sim.count()).filter(|&i| sim.role(i) == role).collect()
 }
 
-/// A run of so many steps, averaged after the first `discard` of them, which shows some of its states.
+/// A run of this many steps, averaged after the first `discard` of them, which shows some of its states.
 fn plan(
     scenario: &CheckedScenario,
     speed: f64,

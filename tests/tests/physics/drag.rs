@@ -69,7 +69,7 @@ fn pull(scenario: &CheckedScenario, marks: &[u64]) -> (Means, Vec<SeriesRow>, Ve
     (means, record.series, states)
 }
 
-/// Mean drag over each eighth of so many steps.
+/// Mean drag over each eighth of this many steps.
 fn eighths(rows: &[SeriesRow], steps: u64) -> [f64; 8] {
     std::array::from_fn(|k| {
         let (from, to) = (steps / 8 * k as u64, steps / 8 * (k as u64 + 1));

@@ -61,7 +61,7 @@ fn meets(law: LawSpec, velocity: [f64; 2], offset: f64, spin: f64, dt: f64) -> S
     case.start("pair", |_| {}).expect("a sound case")
 }
 
-/// The budget after so many steps, and its largest residual over the work done by then.
+/// The budget after this many steps, and its largest residual over the work done by then.
 fn followed(sim: &mut Simulation, steps: u64) -> (EnergyRow, f64) {
     let mut audit = Audit::new(sim);
     let mut worst = 0.0;

@@ -36,7 +36,7 @@ pub struct Evidence {
 }
 
 impl Evidence {
-    /// Reads a campaign's folder, a run's folder (of what is done, if it has not come to its end) or summary, or a
+    /// Reads a campaign's folder, a run's folder (of what is done, if it is unfinished) or summary, or a
     /// table, which is named after its folder; summary and table may be packed by gzip. Runs whose bed slid along as
     /// a plug are left out unless `plugs`.
     ///
@@ -100,7 +100,7 @@ impl Evidence {
         text(&self.analysis)
     }
 
-    /// How much of a run is done, if it has not come to its end.
+    /// How much of a run is done, if it is unfinished.
     fn part(&self) -> Option<String> {
         let summary = self.summary.as_ref()?;
         let (done, planned) = (summary.runs.len(), summary.inputs.drags().len());

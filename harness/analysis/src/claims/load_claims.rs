@@ -9,7 +9,7 @@ use crate::fit::Datum;
 use crate::fit::linear::line;
 use bitgrain_sim::coarse_graining::load::{POINTS, WIDTH, theta};
 
-/// A difference counts as one from so many errors on.
+/// A difference counts as one from this many errors on.
 const TOLD: f64 = 5.0;
 
 const NO_LOAD: &str = "no run has a load: measure.fields asks for them";

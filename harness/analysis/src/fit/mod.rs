@@ -272,7 +272,7 @@ impl Found<'_> {
     }
 }
 
-/// Refuses fewer points than a fit of so many numbers takes.
+/// Refuses fewer points than a fit of this many numbers takes.
 fn enough(points: usize, numbers: usize, exact: Exact) -> Result<(), Refusal> {
     let least = numbers + usize::from(exact == Exact::Refused);
     if points < least {

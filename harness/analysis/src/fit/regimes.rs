@@ -273,7 +273,7 @@ fn check_regimes(data: &[Datum], [x1, x2]: [f64; 2], first: First) -> Result<(),
 /// The exponent of a first regime that is not flat is searched in
 /// [`EXPONENTS`] and not judged:
 /// [`offset_power`](super::offset_power::offset_power) of the first regime does that. Refused: points that
-/// are no numbers; x not above zero; fewer than [`POINTS_MIN`] values of x (one more for each of b and c);
+/// are not numbers; x not above zero; fewer than [`POINTS_MIN`] values of x (one more for each of b and c);
 /// best crossovers that leave a regime fewer than [`POINTS_OF_A_REGIME`] values of x (three for a first one
 /// that is not flat); regimes that are one.
 pub fn regimes(data: &[Datum], first: First) -> Result<Regimes, Refusal> {

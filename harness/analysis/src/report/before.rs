@@ -24,7 +24,7 @@ fn keys(text: &str) -> String {
 }
 
 /// Where the numbers come from: command, versions, links, and the files beside the page. The closing hash is there
-/// once the run has come to its end.
+/// once the run is finished.
 pub(super) fn about(summary: &Summary, closing: &str) -> String {
     let mut out = row(
         "Made by",

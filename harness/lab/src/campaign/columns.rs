@@ -6,7 +6,7 @@ use crate::summary::{DragRecord, Flow};
 use bitgrain_sim::block_averaging::Mean;
 use bitgrain_sim::format::round10;
 
-/// Grains with so many contacts or more share the last of the columns of coordination numbers.
+/// Grains with this many contacts or more share the last of the columns of coordination numbers.
 pub const MOST_CONTACTS: usize = 12;
 
 /// How a run ended.
@@ -18,7 +18,7 @@ pub enum Status {
     Failed(String),
 }
 
-/// One run of a campaign that has come to its end.
+/// One finished run of a campaign.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row<'a> {
     /// Its member.

@@ -13,11 +13,11 @@ use bitgrain_sim::format::short;
 /// Grain-steps of a job that are counted as one, so that sums stay far below 2^64.
 const GRAIN_STEPS: f64 = 1e6;
 
-/// Speed of beds of so many grains and more, over that of a small bed: the rows of grains leave the
+/// Speed of beds of that many grains and more, over that of a small bed: the rows of grains leave the
 /// caches one after the other.
 const LARGE: [(usize, f64); 3] = [(5_000, 0.85), (50_000, 0.7), (500_000, 0.6)];
 
-/// The forecast of the wanted runs of a campaign as text: `jobs` stages side by side on so many threads, beds
+/// The forecast of the wanted runs of a campaign as text: `jobs` stages side by side on this many threads, beds
 /// from `library`.
 ///
 /// # Errors
@@ -163,7 +163,7 @@ fn dragging(scenario: &CheckedScenario, runs: &[DragPlan]) -> Vec<f64> {
         .collect()
 }
 
-/// Speed of a bed of so many grains, over that of the small one of the trial.
+/// Speed of a bed of this many grains, over that of the small one of the trial.
 fn slower(grains: usize) -> f64 {
     let below = LARGE.iter().rev().find(|(least, _)| grains >= *least);
     below.map_or(1.0, |(_, part)| *part)

@@ -14,7 +14,7 @@ const BESIDE: [&str; 4] = [NAME, "performance.json", "report.html", "analysis.js
 pub struct FolderAudit {
     /// What does not hold, a line each.
     pub wrong: Vec<String>,
-    /// Stages that have not come to their end.
+    /// Stages that are unfinished.
     pub unfinished: Vec<String>,
     /// Files that the manifest does not cover and that are not results.
     pub uncovered: Vec<String>,

@@ -133,12 +133,12 @@ impl Ledger {
             .collect()
     }
 
-    /// Whether a stage has come to its end.
+    /// Whether a stage is finished.
     pub fn is_finished(&self, stage: &str) -> bool {
         self.known().manifest.has_finished(stage)
     }
 
-    /// Whether all of it has come to its end and every file is as it was written.
+    /// Whether all of it is finished and every file is as it was written.
     pub fn is_whole(&self) -> bool {
         let known = self.known();
         known.manifest.finished && known.sound.len() == known.entries.len()
@@ -188,7 +188,7 @@ impl Ledger {
         disk::remove(path)
     }
 
-    /// Records that a stage has come to its end with this link, and saves.
+    /// Records that a stage is finished with this link, and saves.
     ///
     /// # Errors
     /// [`Error::Write`].
@@ -209,7 +209,7 @@ impl Ledger {
         self.save_known(known)
     }
 
-    /// Records that all of it has come to its end, saves, and returns the closing hash.
+    /// Records that all of it is finished, saves, and returns the closing hash.
     ///
     /// # Errors
     /// [`Error::Write`].

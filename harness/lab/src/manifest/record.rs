@@ -45,7 +45,7 @@ impl FolderKind {
 pub struct StageRecord {
     /// Its name.
     pub name: String,
-    /// Whether it has come to its end.
+    /// Whether it is finished.
     pub finished: bool,
     /// The last link of its chain of digests, of a member its closing hash; empty before its end.
     pub link: String,
@@ -73,7 +73,7 @@ pub struct Manifest {
     pub bits_version: u32,
     /// What it belongs to.
     pub of: FolderKind,
-    /// Whether all of it has come to its end.
+    /// Whether all of it is finished.
     pub finished: bool,
     /// Its stages, in the order in which they are run.
     pub stages: Vec<StageRecord>,
@@ -249,7 +249,7 @@ impl Manifest {
         place.ok().map(|k| &self.files[k])
     }
 
-    /// Whether a stage of this name has come to its end.
+    /// Whether a stage of this name is finished.
     pub fn has_finished(&self, name: &str) -> bool {
         let mut stages = self.stages.iter();
         stages.any(|stage| stage.name == name && stage.finished)

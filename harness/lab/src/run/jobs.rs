@@ -14,7 +14,7 @@ use bitgrain_sim::threads::{ThreadsError, on_threads};
 /// threads are shared out as each job begins, and it steps on those of its own pool.
 ///
 /// # Errors
-/// [`bitgrain_sim::error::Error::Input`] if so many threads cannot be started.
+/// [`bitgrain_sim::error::Error::Input`] if this many threads cannot be started.
 pub(crate) fn side_by_side<T: Send>(
     threads: usize,
     most: usize,

@@ -18,7 +18,7 @@ const DEFAULT: Duration = Duration::from_secs(300);
 pub enum SaveEvery {
     /// After so much time.
     Time(Duration),
-    /// After so many steps.
+    /// After this many steps.
     Steps(u64),
 }
 
@@ -80,7 +80,7 @@ impl<'a> Saver<'a> {
         write_whole(&self.path, &checkpoint::pack(sim, note)?)
     }
 
-    /// Removes what was saved, of a stage that has come to its end.
+    /// Removes what was saved, of a stage that is finished.
     pub fn clear(&self) {
         // If it stays it is older than the end, and harmless.
         let _ = disk::remove(&self.path);

@@ -124,7 +124,7 @@ fn flow(
     })
 }
 
-/// Normalised coordination number and its standard error, of an intruder so many grains wide (Kumar 2018,
+/// Normalised coordination number and its standard error, of an intruder this many grains wide (Kumar 2018,
 /// eq. 8); `None` if nothing touches it.
 fn kappa(means: &Means, diameter: f64) -> Option<(f64, f64)> {
     let (bulk, own) = (means.around.coordination?, means.contacts);

@@ -22,7 +22,7 @@ const SAME: f64 = 1e-9;
 /// Longest name or version in a summary, in bytes.
 const WORDS_MAX: usize = 1000;
 
-/// Most numbers of contacts that shares are counted of: no grain has so many neighbours.
+/// Most numbers of contacts that shares are counted of: no grain has this many neighbours.
 const SHARES_MAX: usize = 1000;
 
 /// Digits of a digest in hex.

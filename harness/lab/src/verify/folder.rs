@@ -9,7 +9,7 @@ use bitgrain_sim::error::{CHANGED, Error, Result, UNEXPECTED};
 /// Why a folder is not verified; the last that was found says what to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Cause {
-    /// It has not come to its end.
+    /// It is unfinished.
     Unfinished(FolderKind),
     /// It is not the one that was expected.
     Unexpected,

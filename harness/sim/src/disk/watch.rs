@@ -40,7 +40,7 @@ pub enum CallOutcome {
     Go,
     /// It fails without having been made.
     Fail(io::ErrorKind),
-    /// Of the bytes that it writes only so many arrive, and it fails.
+    /// Of the bytes that it writes only this many arrive, and it fails.
     Short(usize),
 }
 
