@@ -23,7 +23,7 @@ fn bed(tiles: usize, law: Option<AnyLaw>) -> Simulation {
     sim
 }
 
-/// Some steps in one call, as a run does them, on so many threads.
+/// Some steps in one call, as a run does them, on this many threads.
 fn stepped(sim: &mut Simulation, threads: usize, calls: u64) -> Duration {
     let steps = || {
         let began = Instant::now();

@@ -33,7 +33,7 @@ pub struct Speed {
     pub steps: u64,
     /// Threads that step it.
     pub threads: usize,
-    /// Copies of the bed that were stepped side by side, each on so many threads.
+    /// Copies of the bed that were stepped side by side, each on this many threads.
     pub copies: usize,
     /// How often the bed was repeated along x and along y.
     pub tiles: usize,
@@ -53,8 +53,8 @@ pub struct Speed {
     pub skin: f64,
     /// Bytes that one copy holds over its grains.
     pub bytes_per_grain: f64,
-    /// The most memory that the whole process ever held, over the grains of all copies; where the
-    /// system tells it.
+    /// The most memory that the whole process ever held, over the grains of all copies; if the
+    /// system reports it.
     pub peak_bytes_per_grain: Option<f64>,
     /// Digest of the final state: the same on every machine.
     pub digest: String,
@@ -108,7 +108,7 @@ pub struct Timing<'a> {
     pub steps: u64,
     /// Threads that step it.
     pub threads: usize,
-    /// Copies to step side by side, each on so many threads.
+    /// Copies to step side by side, each on this many threads.
     pub copies: usize,
     /// How often to repeat the bed along x and along y, without its obstacles.
     pub tiles: usize,
@@ -159,7 +159,7 @@ pub fn tiled(one: &Simulation, tiles: usize) -> Result<Simulation> {
     ))
 }
 
-/// The most memory that this process ever held, in bytes, as Linux tells it.
+/// The most memory that this process ever held, in bytes, as Linux reports it.
 fn peak_bytes() -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
@@ -170,7 +170,7 @@ fn peak_bytes() -> Option<f64> {
 /// Times steps of a bed.
 ///
 /// # Errors
-/// A bed that cannot be read, or a run that goes wrong.
+/// A bed that cannot be read, or a run that fails.
 pub fn bench(what: &Timing<'_>, progress: &Progress) -> Result<Speed> {
     let Timing {
         steps,

@@ -1,4 +1,4 @@
-//! A contact law of one's own: a linear spring and a dashpot, and a spring with a friction limit along the contact.
+//! A custom contact law: a linear spring and a dashpot, and a spring with a friction limit along the contact.
 //! `cargo run -p bitgrain-kernel --example own_contact_law`
 
 use bitgrain_kernel::contact::{Law, NormalForce, NormalState, TangentialForce, TangentialState};

@@ -1,4 +1,4 @@
-//! A world in static memory, as firmware has it: nothing is allocated, and the size is known when it is built.
+//! A world in static memory, as in firmware: nothing is allocated, and the size is known when it is built.
 //! `cargo run -p bitgrain-kernel --example static_firmware_world`
 //!
 //! On a microcontroller the lock is that of its critical section, and the loop is its timer's interrupt.

@@ -1,4 +1,4 @@
-//! A host with threads of its own: two ranges of grains, a thread for each, and the bits of one.
+//! A host with its own threads: two ranges of grains, a thread for each, give the bits of one range.
 //! `cargo run -p bitgrain-kernel --example threaded_host`
 
 use std::thread;

@@ -53,7 +53,7 @@ pub enum Error {
         /// The obstacle.
         obstacle: u32,
     },
-    /// The same of a grain that falls at the speed it gains on a way of its own radius.
+    /// The same of a grain that falls at the speed it gains over a distance of its own radius.
     GravityTooWeak {
         /// The group.
         group: u8,
@@ -125,7 +125,7 @@ pub enum Error {
         /// The obstacle.
         obstacle: u32,
     },
-    /// A step was asked of a world that was not started, or was stopped by a fault, or whose last stretch
+    /// A step was requested of a world that was not started, or was stopped by a fault, or whose last stretch
     /// of steps was not ended.
     NotStarted,
     /// What a step reads was written to since the last one ended; nothing was changed.

@@ -1,12 +1,12 @@
-//! The host's arithmetic, tried out when a world is made: a program that was linked with fast-math,
-//! or a library that left the rounding mode changed, would change every bit without a word.
+//! The host's arithmetic, tested when a world is made: a program that was linked with fast-math,
+//! or a library that left the rounding mode changed, would change every bit silently.
 
 use core::hint::black_box;
 
 use crate::error::{ArithmeticDefect, Error};
 use crate::math::real::Real;
 
-/// Tries the few operations that a machine off the contract gets wrong; some twenty of them.
+/// Tests the few operations that a machine outside the contract gets wrong; about twenty of them.
 ///
 /// # Errors
 /// [`Error::Arithmetic`], saying what is wrong.
@@ -27,7 +27,7 @@ pub fn check_arithmetic<R: Real>() -> Result<(), Error> {
 }
 
 fn flaw<R: Real>() -> Option<ArithmeticDefect> {
-    // Hidden, so that nothing is worked out while compiling.
+    // Hidden from the compiler, so that nothing is evaluated at compile time.
     let one = black_box(R::ONE);
     let half = black_box(R::HALF);
     let ulp = black_box(R::EPSILON);
@@ -47,13 +47,13 @@ fn flaw<R: Real>() -> Option<ArithmeticDefect> {
     if up != one || down != one || near != one + ulp || black_box(-one - few) != -one {
         return Some(ArithmeticDefect::Rounding);
     }
-    // A sum that is kept with more digits first is rounded twice: a tie that was none.
+    // A sum that is first kept with more digits is rounded twice: the first rounding makes a false tie.
     let tie = black_box(ulp * half);
     let above = black_box(tie + tie * ulp * R::from_f64(256.0));
     if black_box(one + above) != one + ulp {
         return Some(ArithmeticDefect::ExcessPrecision);
     }
-    // (1 + u)^2 - (1 + 2u) is u^2 where product and sum are rounded as one.
+    // (1 + u)^2 - (1 + 2u) is u^2 if product and sum are rounded as one.
     let near = black_box(one + ulp);
     let far = black_box(one + (ulp + ulp));
     if black_box(near * near - far) != R::ZERO {

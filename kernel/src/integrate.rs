@@ -141,7 +141,7 @@ fn half_kick<R: Real>(
     (dv, dw)
 }
 
-/// A vector as a row that leaves the last word of a row it is added to: -0.0 is what changes no number.
+/// A vector as a row that keeps the last word of a row it is added to: adding -0.0 changes no number.
 #[inline(always)]
 fn addend<R: Real>(v: Vec3<R>) -> Row<R> {
     [v[0], v[1], v[2], -R::ZERO]
@@ -319,7 +319,7 @@ fn all_at_most<R: Real>(a: &Row<R>, b: &Row<R>) -> bool {
 }
 
 /// Whether `lo < x < hi` in every word, by the sign of one product. It may say no so near an edge
-/// that the product vanishes; what lies outside is never inside.
+/// that the product vanishes; it never says yes outside.
 #[inline(always)]
 fn inside<R: Real>(lo: &Row<R>, x: &Row<R>, hi: &Row<R>) -> bool {
     if R::FIXED_POINT {
@@ -330,7 +330,7 @@ fn inside<R: Real>(lo: &Row<R>, x: &Row<R>, hi: &Row<R>) -> bool {
     word(0) & word(1) & word(2) & word(3)
 }
 
-/// Squares of the words of spin, force and torque: finite where all of them are.
+/// Squares of the words of spin, force and torque: finite if all of them are.
 #[inline(always)]
 fn squares<R: Real>(w: &Row<R>, force: &Row<R>, torque: &Row<R>) -> Row<R> {
     let word = |a: usize| (w[a] * w[a] + force[a] * force[a]) + torque[a] * torque[a];

@@ -21,15 +21,15 @@
 //!   one time step, [`resume`] goes on from a saved state.
 //! * [`digest()`] hashes a state, part by part. [`BITS_VERSION`] names the arithmetic.
 //! * [`conformance`] holds small worlds with published digests: run them on a new target,
-//!   and see whether it keeps the contract. [`check_arithmetic`] tries what a host often gets wrong, and
-//!   every world does so as it starts and after each stretch of steps.
+//!   and see whether it keeps the contract. [`check_arithmetic`] tests what a host often gets wrong, and
+//!   every world calls it as it starts and after each stretch of steps.
 //!
 //! A host with threads makes a step of its [`phases`].
 //!
 //! # What it does not do
 //!
 //! It allocates nothing, reads no clock, prints nothing and holds no `unsafe`; it indexes and
-//! divides by checked ways only, so that no input makes it panic: a library of every public function,
+//! divides only with checks, so that no input makes it panic: a library of every public function,
 //! and the firmware among the tests, are searched for panics that can be reached. It makes no beds,
 //! reads no files and fits nothing: that is the harness's work.
 //!

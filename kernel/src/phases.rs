@@ -1,12 +1,12 @@
-//! The phases of a step, for hosts that run them on threads of their own.
+//! The phases of a step, for hosts that run them on their own threads.
 //!
-//! Each phase works on a range of grains with output of its own, and between two phases stands a call over the whole
+//! Each phase works on a range of grains with its own output, and between two phases stands a call over the whole
 //! world; any partition into ranges gives the same bits. In order: [`seal()`] and [`begin`], which finds what was
 //! written to since the last step; [`integrate`] that drifts and [`drift`]; then, for each of several steps,
 //! [`ensure_pair_list`], [`obstacle_forces`], [`cross_range`] for the pairs of two ranges and [`accumulate`] for all
 //! others, which also ends the step of a grain and begins its next one as soon as its sum is complete,
 //! [`check_overlaps`] and [`finish`], and [`drift`] unless it was the last; at last [`seal()`] and [`end`]. Until then
-//! all that is lent is the phases' alone. `examples/threaded_host.rs` does so.
+//! only the phases may use what is lent. `examples/threaded_host.rs` does so.
 
 use crate::digest::seal::whole;
 use crate::error::Error;
@@ -27,8 +27,8 @@ pub use crate::forces::accumulate::{
 pub use crate::forces::obstacle_contacts::{ObstacleContactRange, obstacle_forces};
 pub use crate::integrate::{GrainMotion, MotionCheck, MotionPhase, integrate};
 
-/// The joint before a stretch of steps, after [`seal()`] over all grains: sees that nothing was written to
-/// since the last stretch ended. From here to [`end`] all that is lent is the phases' alone.
+/// The joint before a stretch of steps, after [`seal()`] over all grains: checks that nothing was written to
+/// since the last stretch ended. From here to [`end`] only the phases may use what is lent.
 ///
 /// # Errors
 /// Before anything is changed: a world that does not rest, slices that do not fit together, and
@@ -46,11 +46,11 @@ pub fn begin<R: Real>(world: &mut World<'_, R>, sealed: Sealed) -> Result<(), Er
     Ok(())
 }
 
-/// The joint after a stretch of steps and [`seal()`] over all grains: tries the arithmetic of the thread
+/// The joint after a stretch of steps and [`seal()`] over all grains: tests the arithmetic of the thread
 /// that it is called on, and leaves the world at rest.
 ///
 /// # Errors
-/// [`Error::Arithmetic`], where something changed the processor's modes since the world was started: it
+/// [`Error::Arithmetic`], if something changed the processor's modes since the world was started: it
 /// is stopped, and none of its numbers can be trusted. A world that is not between two steps of a stretch.
 #[inline]
 pub fn end<R: Real>(world: &mut World<'_, R>, sealed: Sealed) -> Result<(), Error> {
@@ -64,7 +64,7 @@ pub fn end<R: Real>(world: &mut World<'_, R>, sealed: Sealed) -> Result<(), Erro
     Ok(())
 }
 
-/// The first joint of a step over one range, of a world that has begun: lists pairs anew when the list
+/// The first joint of a step over one range, of a world that has begun: lists the pairs again when the list
 /// might not hold through the coming drift. Which step does so has no effect on any result.
 ///
 /// # Errors
@@ -84,7 +84,7 @@ pub fn ensure_pair_list_ahead<R: Real>(world: &mut World<'_, R>) -> Result<(), E
 ///
 /// # Errors
 /// A world that has not begun; a grain that left the box; an obstacle that is too fast or so far away that
-/// its place is no number. The world is stopped in the middle of a step.
+/// its place is not a number. The world is stopped in the middle of a step.
 #[inline]
 pub fn drift<R: Real>(world: &mut World<'_, R>, passed: MotionCheck<R>) -> Result<(), Error> {
     if world.clock.stage != Stage::Going {
@@ -107,8 +107,8 @@ pub fn drift<R: Real>(world: &mut World<'_, R>, passed: MotionCheck<R>) -> Resul
     Ok(())
 }
 
-/// The joint between a drift and the forces, where [`ensure_pair_list_ahead`] did not come before the
-/// drift: lists pairs anew when the list is too old or cut elsewhere than [`World::range_bounds`] says.
+/// The joint between a drift and the forces, if [`ensure_pair_list_ahead`] was not called before the
+/// drift: lists the pairs again when the list is too old or cut elsewhere than [`World::range_bounds`] says.
 ///
 /// # Errors
 /// A full list: enlarge the storage and call again; nothing is lost. A world that has not drifted.
@@ -119,12 +119,12 @@ pub fn ensure_pair_list<R: Real>(world: &mut World<'_, R>) -> Result<(), Error> 
     }
     world.check_storage()?;
     refresh_if_old(world, R::ZERO, world.range_bounds)?;
-    // Whoever comes again after a fault of the forces is refused: they would be summed twice.
+    // A second call after a fault of the forces is refused: they would be summed twice.
     world.clock.stage = Stage::Listed;
     Ok(())
 }
 
-/// Lists pairs anew where the list does not hold for `travel`, or is cut elsewhere.
+/// Lists the pairs again if the list does not hold for `travel`, or is cut elsewhere.
 #[inline]
 pub(crate) fn refresh_if_old<R: Real>(
     world: &mut World<'_, R>,
@@ -137,7 +137,7 @@ pub(crate) fn refresh_if_old<R: Real>(
     Ok(())
 }
 
-/// Bound of what the fastest body moves in the next step.
+/// Upper bound of what the fastest body moves in the next step.
 #[inline]
 pub(crate) fn next_travel<R: Real>(world: &World<'_, R>) -> Result<R, Error> {
     let mut travel = world.clock.next_travel;
@@ -149,19 +149,19 @@ pub(crate) fn next_travel<R: Real>(world: &World<'_, R>) -> Result<R, Error> {
         }
         travel = if way > travel { way } else { travel };
     }
-    // The speed was rounded; a part in a thousand covers that and is nothing to the skin.
+    // The speed was rounded; a thousandth covers that and is negligible against the skin.
     Ok(travel * R::from_f64(1.001) + world.clock.rounding)
 }
 
-/// Tells one list of range_bounds from another: the hash of Fowler, Noll and Vo, word by word.
+/// Distinguishes one list of range_bounds from another: the hash of Fowler, Noll and Vo, word by word.
 #[inline]
 pub(crate) fn mark(range_bounds: &[u32]) -> u64 {
     let each = |mark: u64, cut: &u32| (mark ^ u64::from(*cut)).wrapping_mul(0x0100_0000_01b3);
     range_bounds.iter().fold(0xcbf2_9ce4_8422_2325, each)
 }
 
-/// Lists pairs anew, so that the list holds for `travel` at least; searches for candidates first,
-/// where those of the last search do not reach as far.
+/// Lists the pairs again, so that the list holds for `travel` at least; searches for candidates first,
+/// if those of the last search do not reach as far.
 #[inline(never)]
 pub(crate) fn refresh_pair_list<R: Real>(
     world: &mut World<'_, R>,
@@ -183,7 +183,7 @@ pub(crate) fn refresh_pair_list<R: Real>(
     };
     let old = world.clock.listed;
     let clock = &mut *world.clock;
-    // Whatever is full, the lists are still what they were: nothing above wrote to them.
+    // If one is full, the lists are unchanged: nothing above wrote to them.
     clock.listed = prune(&picking, &mut world.pairs, &mut world.spare, old)?;
     if let Some(found) = found {
         keep_obstacle_contacts(&mut world.pairs, &world.spare, found.obstacle_contacts);
@@ -252,14 +252,14 @@ pub fn check_overlaps<R: Real>(
 /// The last joint of a step, after a pass that kicked: counts the step.
 ///
 /// # Errors
-/// What the pass found unsound; the world is stopped. A world that has not drifted.
+/// The fault that the pass found; the world is stopped. A world that has not drifted.
 #[inline]
 pub fn finish<R: Real>(world: &mut World<'_, R>, passed: MotionCheck<R>) -> Result<(), Error> {
     if !matches!(world.clock.stage, Stage::Drifted | Stage::Listed) {
         return Err(Error::NotStarted);
     }
     go_on(world, passed)?;
-    // A caller may have set any number; one that cannot be counted on from stays.
+    // A caller may have set any number; the largest one stays as it is.
     world.clock.step = world.clock.step.saturating_add(1);
     Ok(())
 }

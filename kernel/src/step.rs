@@ -23,7 +23,7 @@ use crate::phases::seal_all;
 use crate::world::{Stage, World};
 
 /// Advances a started world by one step `dt`. Within a stretch that the host began with [`begin`] the rows are not
-/// looked at, and the stretch stays open: who looks on at each step and writes to nothing saves the seals.
+/// looked at, and the stretch stays open: an observer of each step that writes to nothing saves the seals.
 ///
 /// # Errors
 /// A full list leaves the state untouched: enlarge the storage and call again. So does [`Error::Edited`],
@@ -70,7 +70,7 @@ pub fn step_watched<R: Real, L: Law<R>>(
     end(world, sealed)
 }
 
-/// Watches nothing. A function of its own, so that starting and stepping share their code.
+/// Watches nothing. A separate function, so that starting and stepping share their code.
 fn nobody<R>(_: ContactForce<R>) {}
 
 /// Checks a world, makes its pair list, empties every history and evaluates the forces at step 0,
@@ -131,7 +131,7 @@ pub fn resume<R: Real>(
     come_to_rest(world)
 }
 
-/// Checks a world and makes its first pair list. Where that fails the contacts are still those that were
+/// Checks a world and makes its first pair list. If that fails the contacts are still those that were
 /// listed before, so that a full list loses nothing.
 #[inline]
 fn prepare<R: Real>(world: &mut World<'_, R>, has_moved: bool) -> Result<(), Error> {

@@ -161,7 +161,7 @@ impl<
     /// Adds a group and returns its number.
     ///
     /// # Errors
-    /// The group, where `BODIES` or 256 are there already.
+    /// The group, if there are `BODIES` or 256 already.
     pub fn add_group(&mut self, group: Group<R>) -> Result<u8, Group<R>> {
         let Ok(number) = u8::try_from(self.groups.len()) else {
             return Err(group);
@@ -174,7 +174,7 @@ impl<
     /// Adds an obstacle.
     ///
     /// # Errors
-    /// The obstacle, where `BODIES` are there already.
+    /// The obstacle, if there are `BODIES` already.
     pub fn add_obstacle(&mut self, obstacle: Obstacle<R>) -> Result<(), Obstacle<R>> {
         self.obstacles.push(obstacle)?;
         self.clock.stage = Stage::Stopped;
@@ -184,7 +184,7 @@ impl<
     /// Adds a resting grain of this radius and mass; ids must ascend.
     ///
     /// # Errors
-    /// [`Error::BadStorage`] where `GRAINS` are there already.
+    /// [`Error::BadStorage`] if there are `GRAINS` already.
     pub fn add_grain(
         &mut self,
         id: u32,

@@ -113,8 +113,8 @@ impl<R: Real> Clock<R> {
         self.listed.obstacle_contacts
     }
 
-    /// Whether the world is between two stretches of steps: not after a fault, and not where a full list
-    /// stopped several steps on their way.
+    /// Whether the world is between two stretches of steps: not after a fault, and not if a full list
+    /// interrupted several steps.
     pub fn rests(&self) -> bool {
         self.stage == Stage::Resting
     }
@@ -124,7 +124,7 @@ impl<R: Real> Clock<R> {
         self.stage == Stage::Going
     }
 
-    /// Stops a world of which its host found that it was computed wrongly: all further steps are refused
+    /// Stops a world that was computed wrongly, as its host found: all further steps are refused
     /// with [`Error::NotStarted`].
     pub fn stop(&mut self) {
         self.stage = Stage::Stopped;
@@ -133,7 +133,7 @@ impl<R: Real> Clock<R> {
 
 /// A world of grains and obstacles, in any consistent units.
 ///
-/// It is made anew for each stretch of steps from storage that its owner keeps; making one costs
+/// It is rebuilt for each stretch of steps from storage that its owner keeps; building one costs
 /// nothing. All that a step reads is read-only between steps: after changing it by hand, call
 /// [`crate::start`] or [`crate::resume`], or the next step is refused with [`Error::Edited`]. Free to change
 /// at any time are skin, reach and range_bounds, the number of steps done, and the velocity of an obstacle, which is

@@ -1,8 +1,8 @@
-//! Ways to spoil the files of a room, and which files there are.
+//! Ways to damage the files of a room, and which files there are.
 
 use crate::wee::Room;
 
-/// A way to spoil a file.
+/// A way to damage a file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Damage {
     /// A bit in its middle is flipped.
@@ -23,7 +23,7 @@ pub enum Damage {
     Folder,
     /// A pipe has its name.
     Pipe,
-    /// A link to a file of others has its name.
+    /// A link to a foreign file has its name.
     Link,
 }
 
@@ -195,7 +195,7 @@ pub const CAMPAIGN: [Kind; 9] = [
     ),
 ];
 
-/// Spoils a file; says whether that changed anything.
+/// Damages a file; returns whether that changed anything.
 #[cfg(unix)]
 pub fn spoil(room: &Room, kind: &Kind, damage: Damage) -> bool {
     let path = room.path(kind.name);

@@ -1,4 +1,4 @@
-//! Drags through beds that LAMMPS poured: LAMMPS' and ours as the goldens hold them, and what it takes
+//! Drags through beds that LAMMPS poured: LAMMPS' and ours as the goldens hold them, and functions
 //! to compare them.
 
 use bitgrain::scenario::{self, CheckedScenario};
@@ -54,7 +54,7 @@ pub fn body(name: &str) -> String {
 }
 
 impl Bed {
-    /// The scenario of one drag; the `replica`-th has its time step longer by so many parts in 10,000.
+    /// The scenario of one drag; the `replica`-th has its time step longer by this many parts in 10,000.
     /// Without friction a floor is under the bed.
     pub fn scenario(&self, froude: f64, replica: usize) -> CheckedScenario {
         let file = golden("peers/drag/lammps.toml");
@@ -110,7 +110,7 @@ impl Bed {
     }
 }
 
-/// Means of so many equal blocks from the beginning; what is left at the end is left out.
+/// Means of this many equal blocks from the beginning; the rest at the end is left out.
 pub fn blocks(values: &[f64], count: usize) -> Vec<f64> {
     let part = values.len() / count;
     let parts = values.chunks_exact(part).take(count);
@@ -125,7 +125,7 @@ pub fn spread(values: &[f64]) -> (f64, f64) {
     (mean, (square / (n - 1.0)).sqrt())
 }
 
-/// Chance that the squares of so many normal numbers add up to as much or more: the tail of chi-square
+/// Chance that the squares of this many normal numbers add up to as much or more: the tail of chi-square
 /// with an even number of degrees of freedom, which is a Poisson sum.
 pub fn tail(chi_square: f64, degrees: u32) -> f64 {
     assert_eq!(degrees % 2, 0);

@@ -1,4 +1,4 @@
-//! What several tests share: where the goldens are, how the peers' data is read, and small cases.
+//! What several tests share: where the goldens are, how the reference codes' data is read, and small cases.
 
 pub mod damage;
 pub mod drags;
@@ -20,7 +20,7 @@ use bitgrain::simulation::Simulation;
 use bitgrain_kernel::ContactForce;
 use serde_json::Value;
 
-/// A observer that is shown the states after some steps, which ascend.
+/// An observer that is shown the states after some steps, which ascend.
 pub struct Shown<'a, F>(pub &'a [u64], pub F);
 
 impl<F: FnMut(u64, &mut Simulation)> Observer for Shown<'_, F> {
@@ -303,13 +303,13 @@ impl CampaignDesk {
         self.folder.path().join("out/camp")
     }
 
-    /// Runs it, or what is left of it.
+    /// Runs it, or the rest of it.
     pub fn sweep(&self, args: &[&str]) -> Output {
         let args: Vec<&str> = ["sweep", "camp.toml"].iter().chain(args).copied().collect();
         output(self.program, self.folder.path(), &args)
     }
 
-    /// The same, which must end well; returns what it said on the way.
+    /// The same, which must end well; returns what it printed.
     pub fn done(&self, args: &[&str]) -> String {
         let out = self.sweep(args);
         let told = String::from_utf8_lossy(&out.stderr).into_owned();

@@ -1,5 +1,5 @@
 //! The `bitgrain` command, for the tests that run it as a user would. It keeps settled beds in `beds` if it
-//! runs, not in the cache of who tests; unless a test names a cache.
+//! runs, not in the tester's cache, unless a test names a cache.
 
 use std::path::Path;
 use std::process::ExitCode;

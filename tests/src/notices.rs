@@ -12,7 +12,7 @@ use crate::root;
 /// Where the notices lie, from the repository's root.
 pub const FILE: &str = "harness/THIRD-PARTY.md";
 
-/// What the crates are linked for: other systems take a few others.
+/// The system that the crates are linked for: others need a few others.
 pub const TARGET: &str = "x86_64-unknown-linux-gnu";
 
 /// A crate that is linked into the command.
@@ -22,7 +22,7 @@ pub struct Linked {
     pub name: String,
     /// Its version.
     pub version: String,
-    /// Its licences, as it says them.
+    /// Its licences, as it states them.
     pub licence: String,
 }
 
@@ -39,7 +39,7 @@ fn cargo(args: &[&str]) -> String {
     String::from_utf8(out.stdout).expect("cargo prints text")
 }
 
-/// The crates of others that the command links: not those that only build it or test it. From `Cargo.lock`, without
+/// The foreign crates that the command links: not those that only build it or test it. From `Cargo.lock`, without
 /// a network.
 pub fn linked() -> Vec<Linked> {
     let tree = "tree -p bitgrain -e normal,no-proc-macro --prefix none --format {p}|{l} --target";
@@ -90,7 +90,7 @@ fn folders() -> BTreeMap<(String, String), PathBuf> {
         .collect()
 }
 
-/// The licence texts in a folder. Of several to choose from it is the MIT licence alone, where that is among them.
+/// The licence texts in a folder. Of several to choose from it is the MIT licence alone, if that is among them.
 fn texts(folder: &Path, licence: &str) -> Vec<String> {
     let files = std::fs::read_dir(folder).expect("cargo has the sources of what it built");
     let mut names: Vec<String> = files

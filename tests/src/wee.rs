@@ -1,4 +1,4 @@
-//! The smallest runs that have everything: half a second each, so that they can be spoilt in every way.
+//! The smallest runs that have everything: half a second each, so that they can be damaged in every way.
 
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
@@ -117,7 +117,7 @@ impl Room {
         self.write(name, new);
     }
 
-    /// A command, its words apart by spaces.
+    /// A command, its words separated by spaces.
     pub fn command(&self, words: &str) -> Command {
         let mut command = Command::new(self.program);
         command
@@ -182,8 +182,8 @@ impl Room {
     }
 }
 
-/// Makes a folder's manifest so that it vouches for whatever lies there, as a forger would, or as one finds
-/// it where results come from elsewhere: finished, with these stages.
+/// Makes a folder's manifest so that it vouches for whatever lies there, as a forger would, or as it is
+/// if results come from elsewhere: finished, with these stages.
 pub fn forge_manifest(root: &Path, of: FolderKind, stages: &[&str]) {
     let names: Vec<String> = stages.iter().map(|name| name.to_string()).collect();
     let mut manifest = Manifest::new(of, &names);

@@ -1,8 +1,8 @@
-//! What runs and campaigns say, beside the papers, and the pages that show it.
+//! What runs and campaigns say, compared with the papers, and the pages that show it.
 //!
-//! [`fit`] draws curves through points, [`analysis`] is what a campaign's table says, [`claims`] what it comes to
-//! beside the papers; [`remarks`] speak against numbers, [`report`] draws pages, [`present`] from the files of a run
-//! directory.
+//! [`fit`] draws curves through points, [`analysis`] is what a campaign's table says, [`claims`] compares it
+//! with the papers; [`remarks`] say what weakens the numbers, [`report`] draws pages, [`present`] from the files of a
+//! run directory.
 
 #![forbid(unsafe_code)]
 

@@ -31,7 +31,7 @@ use bitgrain_sim::motion::Moves;
 use bitgrain_sim::observe::INTRUDER;
 use bitgrain_sim::simulation::Role;
 
-/// Writes the report of a run directory from the files in it: of what is done, where the run has not come to its
+/// Writes the report of a run directory from the files in it: of what is done, if the run has not come to its
 /// end. Nothing is drawn that the manifest does not vouch for.
 ///
 /// # Errors
@@ -68,7 +68,7 @@ pub fn write_report(folder: &Folder<'_>) -> Result<()> {
             Some(frame) => flows.push(panel_of(frame, run, still, d)),
             None => flows.extend(flow(folder, vouched, (run, plan), still, (packed, d))?),
         }
-        // Frames of a drag that was saved without them begin on its way.
+        // Frames of a drag that was saved without them begin later.
         if frames.len() > 1 && frames.len() == plan.frames.len() {
             let (centre, radius) = still.picture.intruder;
             films.push(Film {
@@ -154,11 +154,11 @@ fn plans(whole: &Summary) -> Result<Vec<(&DragSummary, DragPlan)>> {
 fn unplanned(name: &str) -> Error {
     Error::input(
         name,
-        "is not of the scenario beside it; was summary.json changed?",
+        "does not belong to the scenario beside it; was summary.json changed?",
     )
 }
 
-/// A settled bed: its picture, its intruder, and which of its grains are the lid's, which no dump says.
+/// A settled bed: its picture, its intruder, and which of its grains are the lid's, which dumps do not say.
 struct Still {
     picture: BedPicture,
     hole: IntruderOutline,
@@ -193,7 +193,7 @@ fn still(folder: &Folder<'_>, vouched: &Vouched, bed: &BedSummary, moves: Moves)
     })
 }
 
-/// The flow series and the profile of a run; empty ones of a run that has none.
+/// The flow series and the profile of a run; empty ones for a run that has none.
 fn course(folder: &Folder<'_>, vouched: &Vouched, run: &DragSummary) -> Result<FlowSeries> {
     if run.flow.is_none() {
         return Ok(FlowSeries::default());
@@ -207,8 +207,8 @@ fn course(folder: &Folder<'_>, vouched: &Vouched, run: &DragSummary) -> Result<F
         move |line: usize| {
             Error::input(
                 format!("{path}:{line}"),
-                "is no row of finite numbers, one for each column; is the file cut off? The same run \
-                 writes it anew",
+                "is not a row of finite numbers, one for each column; is the file cut off? The same \
+                 run writes it again",
             )
         }
     };
@@ -219,7 +219,7 @@ fn course(folder: &Folder<'_>, vouched: &Vouched, run: &DragSummary) -> Result<F
     Ok(FlowSeries { rows, profile })
 }
 
-/// The mean fields of a run; `None` if they were not asked for, or where the bed is at rest and no page shows them.
+/// The mean fields of a run; `None` if they were not asked for, or if the bed is at rest, since no page shows them.
 fn map(
     folder: &Folder<'_>,
     vouched: &Vouched,
@@ -234,7 +234,7 @@ fn map(
     let text = vouched.text(&path)?;
     let fields = plane(&text, grid).map_err(|line| {
         let problem =
-            "is no row of the plane's table; is the file cut off? The same run writes it anew";
+            "is not a row of the plane's table; is the file cut off? The same run writes it again";
         Error::input(format!("{}:{line}", path.display()), problem)
     })?;
     Ok(Some(FieldPicture {
@@ -261,7 +261,8 @@ fn frames_of(
             continue;
         }
         let found = frames::parse(&vouched.text(&path)?).map_err(|line| {
-            let problem = "is no row of a frame; is the file cut off? The same run writes it anew";
+            let problem =
+                "is not a row of a frame; is the file cut off? The same run writes it again";
             Error::input(format!("{}:{line}", path.display()), problem)
         })?;
         all.extend(found);
@@ -299,7 +300,7 @@ fn panel_of(frame: &Frame, run: &DragSummary, still: &Still, d: f64) -> FlowPict
     }
 }
 
-/// The snapshot nearest to the travel at which all drags are compared; `None` of a drag without snapshots.
+/// The snapshot nearest to the travel at which all drags are compared; `None` for a drag without snapshots.
 fn flow(
     folder: &Folder<'_>,
     vouched: &Vouched,
@@ -343,7 +344,7 @@ fn flow(
     let grain = |a: &&Atom| FlowGrain {
         position: a.position,
         radius: 0.5 * a.diameter,
-        // Of the base, or of the box where the base is at rest.
+        // Of the base, or of the box if the base is at rest.
         velocity: [a.velocity[0] - frame_speed, a.velocity[1], a.velocity[2]],
         role: match a.kind {
             FROZEN_TYPE => Role::Base,

@@ -1,4 +1,4 @@
-//! What to know before the numbers of a run are believed: told when it ends, and at the top of its report.
+//! What to know before the numbers of a run are believed: printed when it ends, and at the top of its report.
 
 use crate::claims::FAR_FIELD_LEAST;
 use bitgrain_lab::plug_flow::PlugFlow;
@@ -10,21 +10,21 @@ use bitgrain_sim::format::short;
 /// Mechanics, section 4.2).
 pub const OVERLAP_MAX: f64 = 0.05;
 
-/// Packing fraction above which equal spheres are no random packing (random close packing).
+/// Packing fraction above which equal spheres are not a random packing (random close packing).
 const CLOSE: f64 = 0.64;
 
-/// Largest part of the drag that may be carried by nothing that is measured.
+/// Largest part of the drag that may be carried by nothing measured.
 const BALANCE: f64 = 0.01;
 
 /// Standard errors of the difference of a window's halves up to which they are alike.
 const HALVES: f64 = 3.0;
 
-/// Something that speaks against numbers, as plain text; keys of a scenario stand between backticks.
+/// A remark that weakens numbers, as plain text; keys of a scenario stand between backticks.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Remark {
     /// What it is, without a full stop.
     pub title: String,
-    /// What follows from it, and what mends it.
+    /// What follows from it, and what helps.
     pub words: String,
 }
 
@@ -35,21 +35,21 @@ fn remark(title: impl Into<String>, words: String) -> Remark {
     }
 }
 
-/// What to beware of where the deepest overlap of a run, over the mean diameter, is beyond
-/// [`OVERLAP_MAX`]; nothing where it is not. What is no number is beyond.
+/// The remark if the deepest overlap of a run, over the mean diameter, is beyond
+/// [`OVERLAP_MAX`]; nothing if it is not. A value that is not a number is beyond.
 pub fn overlap_remark(deepest: f64) -> Option<String> {
     if deepest <= OVERLAP_MAX {
         return None;
     }
     Some(format!(
         "The deepest overlap is {} of the mean diameter, beyond {OVERLAP_MAX}: grains are too soft for \
-         Hertz's law, which takes contacts for narrow, and forces may depend on the stiffness. Stiffer \
-         grains, with a shorter time step, or a slower drag lower it.",
+         Hertz's law, which assumes narrow contacts, and forces may depend on the stiffness. Stiffer \
+         grains, with a shorter time step, or a slower drag lower the overlap.",
         short(deepest)
     ))
 }
 
-/// All that speaks against the numbers of a run.
+/// All remarks on the numbers of a run.
 pub fn remarks(summary: &Summary) -> Vec<Remark> {
     let runs = &summary.runs;
     let flows = runs.iter().any(|run| run.flow.is_some());
@@ -67,7 +67,7 @@ pub fn remarks(summary: &Summary) -> Vec<Remark> {
     out
 }
 
-/// Names of the runs of which something is so.
+/// Names of the runs for which something holds.
 fn names(runs: &[DragSummary], so: impl Fn(&DragSummary) -> bool) -> String {
     let found = runs.iter().filter(|run| so(run));
     let names: Vec<&str> = found.map(|run| &run.name[..]).collect();
@@ -87,7 +87,7 @@ fn range(values: impl Iterator<Item = f64> + Clone) -> String {
 fn part(summary: &Summary) -> Option<Remark> {
     let (done, planned) = (summary.runs.len(), summary.inputs.drags().len());
     (done < planned).then(|| {
-        let words = format!("{done} of {planned} drags are done; all that is said is of these.");
+        let words = format!("{done} of {planned} drags are done; everything here is about these.");
         remark("A part", words)
     })
 }
@@ -97,7 +97,7 @@ fn unrest(bed: &BedSummary) -> Option<Remark> {
     ((bed.support / bed.weight - 1.0).abs() > 1e-3).then(|| {
         let words = format!(
             "Base, floor and intruder carry {} of its weight, and its kinetic energy per grain is {} of the \
-             weight times d: what is measured first is the bed as it comes to rest.",
+             weight times d: the first measurements are of a bed that still comes to rest.",
             short(bed.support / bed.weight),
             short(bed.kinetic_energy_over_weight_d)
         );
@@ -116,26 +116,26 @@ fn slips(runs: &[DragSummary]) -> Option<Remark> {
     (!slow.is_empty()).then(|| {
         let words = format!(
             "In {slow} the grains far from the intruder move at less than {FAR_FIELD_LEAST} of the speed of \
-             the base: forces there belong to another speed, and to a bed that shears. A longer box lets base \
+             the base: its forces belong to another speed and to a bed that shears. A longer box lets base \
              and lid carry more."
         );
         remark("The bed slips", words)
     })
 }
 
-/// Runs in which what the bed is held by is not what the intruder takes out.
+/// Runs in which the force that holds the bed is not the force on the intruder.
 fn balance(runs: &[DragSummary]) -> Option<Remark> {
     let missing = |f: &Flow| (f.carried_by_base + f.carried_by_lid - 1.0 - f.inertia).abs();
     let open = flow_names(runs, |f| missing(f) > BALANCE || missing(f).is_nan());
     (!open.is_empty()).then(|| {
         let words = format!(
-            "In {open} more than {BALANCE} of the drag is carried neither by base and lid nor by the bed's momentum."
+            "In {open} more than {BALANCE} of the drag is balanced neither by base and lid nor by the bed's momentum."
         );
         remark("Forces do not balance", words)
     })
 }
 
-/// Runs whose halves have other mean drags than chance gives.
+/// Runs whose halves differ in mean drag by more than chance gives.
 fn drifts(runs: &[DragSummary]) -> Option<Remark> {
     let apart = |run: &DragSummary, f: &Flow| {
         // The error of a difference of halves is twice that of the mean.
@@ -146,7 +146,7 @@ fn drifts(runs: &[DragSummary]) -> Option<Remark> {
     (!open.is_empty()).then(|| {
         let words = format!(
             "The mean drags of the two halves of the window of {open} differ by more than {HALVES} standard errors \
-             of their difference: the state is not steady. A longer `drag.discard` and `drag.distance` mend it."
+             of their difference: the state is not steady. A longer `drag.discard` and `drag.distance` help."
         );
         remark("The drag still changes", words)
     })
@@ -157,7 +157,7 @@ fn crystal(summary: &Summary) -> Option<Remark> {
     let close = flow_names(&summary.runs, |f| f.packing_fraction > CLOSE);
     (least == most && !close.is_empty()).then(|| {
         let words = format!(
-            "In {close} the packing fraction is above {CLOSE}, which no random packing of equal spheres has."
+            "In {close} the packing fraction is above {CLOSE}, higher than in any random packing of equal spheres."
         );
         remark("The bed crystallises", words)
     })
@@ -169,8 +169,8 @@ fn floating(runs: &[DragSummary]) -> Option<Remark> {
     (most > 0).then(|| {
         let grains = if most == 1 { "grain" } else { "grains" };
         let words = format!(
-            "Up to {most} free {grains} came to lie above the lid at one time (in {}): counted here, and left \
-             where they are.",
+            "Up to {most} free {grains} came to lie above the lid at one time (in {}): they are counted, and \
+             stay there.",
             flow_names(runs, |flow| flow.floating > 0)
         );
         remark("Grains above the lid", words)
@@ -182,8 +182,8 @@ fn open_errors(runs: &[DragSummary]) -> Option<Remark> {
     let open = names(runs, |run| !run.drag.converged);
     (!open.is_empty()).then(|| {
         let words = format!(
-            "The averaging window of {open} is too short to tell the error of the mean drag: it may be larger \
-             than is said. A longer `drag.distance` mends it."
+            "The averaging window of {open} is too short for the error of the mean drag: it may be larger \
+             than stated. A longer `drag.distance` helps."
         );
         remark("Errors that did not converge", words)
     })
@@ -204,29 +204,29 @@ fn start_up(runs: &[DragSummary], flows: bool) -> Option<Remark> {
         };
         let words = format!(
             "The mean drag from the start of {found} is {} times that of the averaging window, more than two \
-             standard errors off. Before you compare, check which of the two means the other work tells: \
-             {paper}.",
+             standard errors off. Before you compare, check which of the two means the other work \
+             reports: {paper}.",
             range(runs.iter().filter(|run| off(run)).map(ratio))
         );
         remark("Start-up", words)
     })
 }
 
-/// Grains that went deep into each other.
+/// Grains that overlap deeply.
 fn overlap(runs: &[DragSummary]) -> Option<Remark> {
     let deepest = runs.iter().map(|r| r.overlap_max);
     let deepest = deepest.fold(0.0, |a, b| if b > a { b } else { a });
     overlap_remark(deepest).map(|words| remark("Soft contacts", words))
 }
 
-/// Layers above the intruder that go along with it.
+/// Layers above the intruder that move along with it.
 fn plug(runs: &[DragSummary]) -> Option<Remark> {
     let class = |wanted| names(runs, move |run| run.plug == wanted);
     let (slides, drifts) = (class(PlugFlow::Slides), class(PlugFlow::Drifts));
     let parts = [
         (
             &slides,
-            "they slide along, and the drag is the box's as much as the intruder's",
+            "they slide along, and the drag depends on the box as much as on the intruder",
         ),
         (&drifts, "they drift along, and the drag may be too small"),
     ];
@@ -244,9 +244,9 @@ fn plug(runs: &[DragSummary]) -> Option<Remark> {
             _ => format!(" Their speed is {} of the intruder's.", range(drift)),
         };
         let words = format!(
-            "In a periodic box nothing but friction holds the layers above the intruder back, and the drag is \
-             {} of their weight (the plug ratio): {}.{speed} A wider `bed.box` lowers the ratio; for numbers \
-             to quote, see that a wider box gives the same drag.",
+            "In a periodic box only friction holds the layers above the intruder back, and the drag is \
+             {} of their weight (the plug ratio): {}.{speed} A wider `bed.box` lowers the ratio; before \
+             quoting numbers, check that a wider box gives the same drag.",
             range(moved.map(|run| run.plug_ratio)),
             parts.join(", "),
         );

@@ -1,4 +1,4 @@
-//! The quick scenario with another friction coefficient, and an observable of one's own as a table: how many grains
+//! The quick scenario with another friction coefficient, and a custom observable as a table: how many grains
 //! the intruder carries along. `cargo run --release -p bitgrain-lab --example own_observable > carried.csv`
 //!
 //! Arguments change further keys, as in `bed.grains=2000`.

@@ -1,4 +1,4 @@
-//! A run held against what was kept of another: its folder, a table of links, or a link.
+//! A run compared with what was kept of another: its folder, a table of links, or a link.
 
 use std::path::{Path, PathBuf};
 
@@ -20,7 +20,7 @@ use bitgrain_sim::files::read_text;
 pub const DIFFERENCE: &str = "difference.json";
 const STATE: &str = "difference.safetensors";
 
-/// What a run is held against.
+/// What a run is compared with.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Reference {
     /// Another run.
@@ -35,7 +35,7 @@ impl Reference {
     /// What a word of the command line stands for.
     ///
     /// # Errors
-    /// [`Error::Input`] of what is no folder, file or link.
+    /// [`Error::Input`] if it is not a folder, file or link.
     pub fn of(word: &str) -> Result<Self> {
         let path = Path::new(word);
         let hex = |c: char| matches!(c, '0'..='9' | 'a'..='f');
@@ -48,7 +48,8 @@ impl Reference {
         if is_file(path) {
             return Ok(Self::Chain(path.into()));
         }
-        let problem = "is no folder of a run, no chain.csv, and no link of 64 hexadecimal digits";
+        let problem =
+            "is neither the folder of a run, nor a chain.csv, nor a link of 64 hexadecimal digits";
         Err(Error::input(word, problem))
     }
 }
@@ -62,16 +63,16 @@ struct Difference {
     stage: String,
     /// The last step at which the states are known to be equal.
     equal: Option<u64>,
-    /// The first at which they are known to differ: the very first one where `number` is known.
+    /// The first at which they are known to differ: the very first one if `number` is known.
     differ: u64,
     parts: Vec<String>,
     number: Option<Number>,
     contact: Option<String>,
     /// Name of the checkpoint beside this file, of the last state that is known to be equal.
     state: Option<&'static str>,
-    /// Prints the state and the contacts at the step at which they differ; of a state, in the folder of that.
+    /// Command that prints the state and the contacts at the step at which they differ; for a state, in its folder.
     replay: String,
-    /// Why nothing more is known, where that is so.
+    /// Why nothing more is known, if that is so.
     note: Option<String>,
 }
 
@@ -84,11 +85,11 @@ struct Number {
     found: String,
 }
 
-/// Holds the run in `out` against a reference; `program` executes steps again. Where they differ, says where and
+/// Compares the run in `out` with a reference; `program` executes steps again. If they differ, says where and
 /// writes `difference.json`.
 ///
 /// # Errors
-/// [`Error::Parted`] where any link differs, after that was told; [`Error::Unverified`] if a link is not the run's.
+/// [`Error::Parted`] if any link differs, after that was reported; [`Error::Unverified`] if a link is not the run's.
 pub fn check(
     out: &Path,
     reference: &Reference,
@@ -97,7 +98,7 @@ pub fn check(
     mut say: impl FnMut(&str) -> Result<()>,
 ) -> Result<()> {
     let place = out.display();
-    // Of a comparison before this one.
+    // From an earlier comparison.
     disk::remove(&out.join(DIFFERENCE))?;
     disk::remove(&out.join(STATE))?;
     match reference {
@@ -124,8 +125,8 @@ pub fn check(
                 Some(found) => {
                     let note = match found.0 {
                         None => {
-                            "no stage of the run begins as this chain does: its bed or its scenario is another. If \
-                             that was meant, pin anew; if not, give the folder of the other run to learn the first \
+                            "no stage of the run begins like this chain: its bed or its scenario differs. If that \
+                             is intended, pin the new one; if not, give the folder of the other run to learn the first \
                              number"
                         }
                         Some(_) => {
@@ -263,7 +264,7 @@ fn by_steps(
         Ok(Some(parting)) => Ok(by_parting(out, other, parting)),
         Ok(None) => Ok(by_links(out, other, stage.into(), found, None)),
         Err(e @ (Error::Interrupted { .. } | Error::Output(_))) => Err(e),
-        // As where another build made the other run.
+        // For example if another build made the other run.
         Err(e) => Ok(by_links(
             out,
             other,
@@ -307,7 +308,7 @@ fn bits(x: f64) -> String {
 /// whether there is one.
 ///
 /// # Errors
-/// What keeps it from being made again.
+/// Why it cannot be made again.
 fn save_state(out: &Path, difference: &Difference, progress: &Progress) -> Result<bool> {
     let folder = Folder(out);
     let past = RunArchive::open(&folder)?;

@@ -1,8 +1,8 @@
 //! Where two runs part: the chains of digests say between which links, the runs executed again say at
 //! which step, and their states and contacts say where.
 //!
-//! Each run is executed again by a program of its own, so that two builds can be compared; by this program
-//! where none is named.
+//! Each run is executed again by its own program, so that two builds can be compared; by this program
+//! if none is named.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Seek};
@@ -21,7 +21,7 @@ use bitgrain_sim::disk;
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::files::{read_text, text_of};
 
-/// What an error calls a file of ours that has no lasting name.
+/// The name of a temporary file of ours in errors.
 const TEMPORARY: &str = "a temporary file";
 
 /// A run and the program that executes it again.
@@ -50,7 +50,7 @@ pub struct Divergence {
     pub contact: Option<String>,
 }
 
-/// Finds where two runs part; `None` where every link that both have is the same. `say` tells what is
+/// Finds where two runs part; `None` if every link that both have is the same. `say` reports what is
 /// being done.
 ///
 /// # Errors
@@ -82,7 +82,7 @@ pub fn bisect(
         let Some(at) = common.iter().position(|(a, b)| a.parts != b.parts) else {
             let count = common.len();
             say(&match count {
-                0 => format!("{stage}: no step has a link in both: nothing can be said of it"),
+                0 => format!("{stage}: no step has a link in both: the two cannot be compared"),
                 _ => format!("{stage}: the same at all {count} common links"),
             })?;
             continue;
@@ -101,7 +101,7 @@ pub fn bisect(
         return Err(Error::input(
             one.folder.display().to_string(),
             format!(
-                "has no link of a stage in common with {}",
+                "has no link of any stage in common with {}",
                 other.folder.display()
             ),
         ));
@@ -109,8 +109,8 @@ pub fn bisect(
     Ok(None)
 }
 
-/// The chain of digests of a stage, as the run's manifest vouches for it; `None` if there is none. A chain that is
-/// another run's is no record of this one.
+/// The chain of digests of a stage, as the run's manifest vouches for it; `None` if there is none. A chain of
+/// another run is no record of this one.
 ///
 /// # Errors
 /// If it is not as it was written, or cannot be read.
@@ -141,7 +141,7 @@ pub(crate) fn chain_of(root: &Path, stage: &str) -> Result<Option<Chain>> {
     Chain::parse(&text, &path.display().to_string()).map(Some)
 }
 
-/// Runs a scenario with two programs, each into a folder of its own and with beds of its own.
+/// Runs a scenario with two programs, each into its own folder and with its own beds.
 ///
 /// # Errors
 /// [`Error::Input`] if a program does not end well.
@@ -195,7 +195,7 @@ impl Side {
         let runs = names(self.folder.join("runs"))?.into_iter();
         let runs = runs.filter(|run| disk::is_there(&folder.chain(run)));
         let mut stages: Vec<String> = beds.chain(runs).collect();
-        // What came to its end has a chain, and where that is missing it is told.
+        // A finished stage has a chain, and if that is missing it is reported.
         let ended = Manifest::of(&self.folder)?.map_or(Vec::new(), |manifest| manifest.stages);
         for stage in ended.into_iter().filter(|stage| stage.finished) {
             if !stages.contains(&stage.name) {
@@ -204,7 +204,7 @@ impl Side {
         }
         if stages.is_empty() {
             let problem =
-                "holds no chain of digests: it is no run directory, or its run has just begun";
+                "holds no chain of digests: it is not a run directory, or its run has just begun";
             return Err(Error::input(self.folder.display().to_string(), problem));
         }
         Ok(stages)
@@ -216,7 +216,7 @@ impl Side {
         let mut command = Command::new(&self.program);
         command.arg("replay").arg(&self.folder);
         command.args(["--stage", stage]).args(more);
-        // Into a file: a pipe that nobody empties would stop a program with much to say.
+        // Into a file: a pipe that nobody empties would block a program that prints much.
         let told = tempfile::tempfile().map_err(|e| Error::write(Path::new(TEMPORARY), e))?;
         let stderr = told.try_clone();
         let stderr = stderr.map_err(|e| Error::write(Path::new(TEMPORARY), e))?;
@@ -243,7 +243,7 @@ struct Replaying {
 }
 
 impl Replaying {
-    /// The next line; where there is none the program must have ended well.
+    /// The next line; if there is none the program must have ended well.
     fn next<T: for<'a> Deserialize<'a>>(&mut self) -> Result<T> {
         let mut line = String::new();
         if let Some(out) = &mut self.out {
@@ -305,8 +305,8 @@ fn first_step(sides: &[Side; 2], stage: &str, from: u64, links: [&Link; 2]) -> R
                 let side = &sides[k];
                 let differ: Vec<&str> = differing(&states[k].parts, &link.parts);
                 let problem = format!(
-                    "recorded at step {step} of {stage} what {} does not give from the state before \
-                     ({} differ): it was made by another build, which can be named with --program-a or \
+                    "has a link at step {step} of {stage} that {} does not reproduce from the state \
+                     before ({} differ): it was made by another build, which can be named with --program-a or \
                      --program-b, or on a machine that does not keep the bit contract",
                     side.program.display(),
                     differ.join(", ")
@@ -425,7 +425,7 @@ impl std::fmt::Display for Divergence {
             )?,
             None => write!(
                 f,
-                "{}: different from its beginning, step {}",
+                "{}: different from the beginning, step {}",
                 self.stage, self.step
             )?,
         }

@@ -2,7 +2,7 @@
 
 use toml::Value;
 
-/// Changes told; more are counted.
+/// Changes reported; more are only counted.
 const TOLD: usize = 6;
 
 /// The keys in which two TOML texts differ, a line each: before and now.
@@ -25,7 +25,7 @@ pub fn list(before: &str, now: &str) -> String {
     let parsed = |text: &str| toml::from_str::<toml::Table>(text).map(Value::Table);
     match (parsed(before), parsed(now)) {
         (Ok(before), Ok(now)) => compare("", Some(&before), Some(&now), &mut lines),
-        _ => lines.push("  one of the two is no TOML".into()),
+        _ => lines.push("  one of the two is not TOML".into()),
     }
     let more = lines.len().saturating_sub(TOLD);
     lines.truncate(TOLD);

@@ -70,13 +70,13 @@ pub fn first_difference(first: &mut Simulation, second: &mut Simulation) -> Opti
             .is_some_and(|o| o.part == one.part && o.body == one.body);
         let value = match other {
             Some(other) if same_place => other.value,
-            // A contact that only one of them has moves all that follow it.
+            // A contact that only one of them has shifts all that follow it.
             other => {
                 let theirs =
                     other.map_or("nothing".into(), |o| format!("{} of {}", o.part, o.body));
                 return Some(Difference {
                     part: one.part,
-                    body: format!("{} where the other has {theirs}", one.body),
+                    body: format!("{}, but the other has {theirs}", one.body),
                     component: one.component,
                     first: one.value,
                     second: f64::NAN,

@@ -49,7 +49,7 @@ pub struct Means {
     pub flow: Option<FlowMeans>,
 }
 
-/// What a drag leaves behind besides its means, filled as it goes.
+/// The results of a drag besides its means, filled as it goes.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DragSeries {
@@ -61,7 +61,7 @@ pub struct DragSeries {
     pub coordination: Coordination,
     /// What was measured of a bed that flows.
     pub flow: Option<FlowGauge>,
-    /// The account of the energy, where it was asked for.
+    /// The energy budget, if it was asked for.
     pub energy: Vec<EnergyRow>,
     /// Deepest overlap of grains with each other and with the intruder at any row (length).
     pub deepest: f64,
@@ -88,7 +88,7 @@ impl Sums {
     }
 }
 
-/// All that is measured of the intruder on the way.
+/// All that is measured of the intruder during the drag.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Gauges {
@@ -98,7 +98,7 @@ struct Gauges {
     all: Sums,
 }
 
-/// A drag under way: all that one step hands to the next besides the state itself.
+/// An unfinished drag: all that one step hands to the next besides the state itself.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Dragging {
@@ -113,7 +113,7 @@ pub struct Dragging {
     gauges: Gauges,
     around: NearField,
     audit: Option<Audit>,
-    /// Sums of the fields, where they were asked for.
+    /// Sums of the fields, if they were asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fields: Option<CoarseGraining>,
     /// Frames of the checkpoint that it was read from, which no file holds yet.
@@ -126,7 +126,7 @@ impl Dragging {
     /// the bed's chain.
     ///
     /// The speed is taken on at once, with the contacts of the settled bed in place, or with empty
-    /// histories and forces evaluated anew at rest, as the scenario says.
+    /// histories and forces recomputed at rest, as the scenario says.
     ///
     /// # Errors
     /// [`Error::Run`] if the kernel refuses the motion.
@@ -171,7 +171,7 @@ impl Dragging {
     /// state, and the drag can go on from both.
     ///
     /// # Errors
-    /// [`Error::Run`] if a step goes wrong, [`Error::Interrupted`], and what `observer` returns.
+    /// [`Error::Run`] if a step fails, [`Error::Interrupted`], and what `observer` returns.
     pub fn go_on(
         &mut self,
         sim: &mut Simulation,
@@ -223,7 +223,7 @@ impl Dragging {
                 link.map_or(Ok(()), |link| observer.on_digest(link))?;
             }
             if looks {
-                // What is shown is written down.
+                // What is shown is stored.
                 check_arithmetic::<f64>().map_err(wrong)?;
                 observer.on_step(n, sim, &seen)?;
             }
@@ -286,7 +286,7 @@ impl Dragging {
         }
     }
 
-    /// Takes it up again from a checkpoint's note.
+    /// Restores it from a checkpoint's note.
     ///
     /// # Errors
     /// What is wrong with the note.
@@ -305,7 +305,7 @@ impl Dragging {
         }
     }
 
-    /// Means over the window of a drag that has come to its end.
+    /// Means over the window of a finished drag.
     ///
     /// # Errors
     /// [`Error::Input`] if the window is too short for any.
@@ -349,7 +349,7 @@ fn set_off(sim: &mut Simulation, moves: Moves, speed: f64) -> std::result::Resul
             body.velocity = [speed, 0.0, 0.0];
         }
     }
-    // Taken up anew, so that the list of pairs reckons with the motion, and a speed that cannot be
+    // Resumed, so that the list of pairs takes the motion into account, and a speed that cannot be
     // resolved is refused.
     sim.resume(&histories)
 }
@@ -365,7 +365,7 @@ fn force_on_intruder(sim: &Simulation, moves: Moves) -> [f64; 3] {
 }
 
 impl Gauges {
-    /// Sums the force of a step, and where it is `counted` what the means are of.
+    /// Sums the force of a step, and if it is `counted` the quantities of the means.
     fn read(&mut self, sim: &Simulation, force: [f64; 3], counted: bool) {
         self.since_row.add(force);
         self.all.add(force);

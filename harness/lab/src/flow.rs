@@ -2,9 +2,9 @@
 //! whether it follows its base, what base and lid carry, the pressure at the intruder, and what floats
 //! above the lid.
 //!
-//! A periodic bed is held by nothing but its base and its lid. Where the drag is more than their
-//! friction can bear the bed slips, and the speed past the intruder is not the one asked for. How fast
-//! grains go is read off displacements: velocities at an instant show bursts, and mislead.
+//! A periodic bed is held by nothing but its base and its lid. If the drag is more than their
+//! friction can bear the bed slips, and the speed past the intruder is not the one asked for. The speed of
+//! grains is taken from displacements: velocities at an instant show bursts, and mislead.
 
 use serde::{Deserialize, Serialize};
 
@@ -145,11 +145,11 @@ pub struct FlowMeans {
     pub lift_halves: [f64; 2],
 }
 
-/// What is measured on the way.
+/// What is measured during the drag.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FlowGauge {
-    /// 1 where the bed moves along +x past the intruder, -1 where the intruder moves.
+    /// 1 if the bed moves along +x past the intruder, -1 if the intruder moves.
     sign: f64,
     /// Velocity of the frame in which the intruder rests, times -1.
     frame: f64,
@@ -214,7 +214,7 @@ impl FlowGauge {
                 base += body.force[0];
             }
         }
-        // What the grains push along x, base and lid bear against it.
+        // Base and lid bear the force of the grains along x.
         let bears = [-self.sign * base, -self.sign * along(&self.lid)];
         for (sum, value) in self
             .sums

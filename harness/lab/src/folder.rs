@@ -1,4 +1,4 @@
-//! The run directory: where everything of a run is, and whose it is while a run is under way.
+//! The run directory: where everything of a run is, and which process owns it during a run.
 
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ use bitgrain_sim::files::{bits, read_text};
 #[derive(Clone, Copy, Debug)]
 pub struct Folder<'a>(pub &'a Path);
 
-/// What is put into a folder: by what it is known again, and which names are taken in it.
+/// What a folder is for: how it is recognised, and which names are used in it.
 pub struct Contents {
     pub(crate) of: FolderKind,
     /// The file that says what the folder is for; its first line names the arithmetic.
@@ -39,13 +39,13 @@ pub(crate) const RUN: Contents = Contents {
     ],
 };
 
-/// A folder that is this process's as long as this lives, and its manifest.
+/// A folder that this process owns as long as this value lives, and its manifest.
 #[derive(Debug)]
 pub struct DirectoryLock {
     _locks: Vec<File>,
     /// Whether the file system could lock: else another run may be at work.
     pub sure: bool,
-    /// The manifest under way.
+    /// The manifest in progress.
     pub ledger: Ledger,
     damage: Option<Error>,
 }
@@ -55,7 +55,7 @@ impl DirectoryLock {
     /// marker, or refuses; before it nothing is written.
     ///
     /// # Errors
-    /// [`Error::Input`] if the folder is somebody else's, or another process is at work in it; what `settle`
+    /// [`Error::Input`] if the folder is not ours, or another process is at work in it; what `settle`
     /// returns; [`Error::Write`].
     pub(crate) fn take(
         folder: &Path,
@@ -67,8 +67,8 @@ impl DirectoryLock {
         make_folder(folder)?;
         let file = folder.join(contents.marker);
         let (mut locks, mut sure) = (Vec::new(), false);
-        // Before anything is written: what another process wrote is not to be replaced. The folder holds
-        // where its file is replaced, and the file where a network file system cannot lock folders.
+        // Before anything is written: what another process wrote is not to be replaced. The lock of the folder holds
+        // if its file is replaced, that of the file if a network file system cannot lock folders.
         lock(folder, disk::open_folder(folder), &mut locks, &mut sure)?;
         let held = locks.len();
         if disk::kind(&file) == Some(Kind::File) {
@@ -87,7 +87,7 @@ impl DirectoryLock {
         })
     }
 
-    /// Warns of what was wrong with the manifest that lay there.
+    /// Warns of what was wrong with the manifest that was there.
     pub fn warn_of_damage(&self, progress: &Progress) {
         if let Some(damage) = &self.damage {
             progress.warn(&format!(
@@ -112,7 +112,7 @@ fn lock(
         }
         Ok((Err(TryLockError::WouldBlock), _)) => Err(Error::input(
             folder.display().to_string(),
-            "another run is under way in it; wait for that, or choose another --out",
+            "another run is at work in it; wait for it to end, or choose another --out",
         )),
         _ => Ok(()),
     }
@@ -148,8 +148,8 @@ fn refuse_others(folder: &Path, contents: &Contents) -> Result<()> {
         Some(name) => {
             let kind = contents.of.word();
             let problem = format!(
-                "holds `{name}`, which a {kind} would write, and is no folder of a {kind}: choose another --out, \
-                 or move it away"
+                "holds `{name}`, which a {kind} would write, and is not the folder of a {kind}: choose another \
+                 --out, or move it away"
             );
             Err(Error::input(place(), problem))
         }
@@ -205,7 +205,7 @@ impl Folder<'_> {
         self.of_run(run, "forces.csv")
     }
 
-    /// The force series of a drag that was stopped or went wrong.
+    /// The force series of a drag that was stopped or failed.
     pub fn partial_series(&self, run: &str) -> PathBuf {
         self.of_run(run, "forces.partial.csv")
     }
@@ -225,7 +225,7 @@ impl Folder<'_> {
         self.of_run(run, &format!("frames/{step:012}.csv"))
     }
 
-    /// The checkpoint that a drag goes on from where it is stopped; gone when it has come to its end.
+    /// The checkpoint from which a stopped drag goes on; gone when the drag is finished.
     pub fn latest(&self, run: &str) -> PathBuf {
         self.of_run(run, "latest.safetensors")
     }
@@ -254,14 +254,14 @@ impl Folder<'_> {
     /// The scenario of the run that this folder holds.
     ///
     /// # Errors
-    /// [`Error::Input`] if it holds none, a wrong one, or one of another arithmetic.
+    /// [`Error::Input`] if it holds none, an invalid one, or one of another arithmetic.
     pub fn saved_scenario(&self) -> Result<CheckedScenario> {
         let path = self.scenario();
         let place = || path.display().to_string();
         if !disk::is_there(&path) {
             return Err(Error::input(
                 place(),
-                "is not there: the folder holds no run that could go on",
+                "is missing: the folder holds no run that could go on",
             ));
         }
         let text = read_text(&path)?;

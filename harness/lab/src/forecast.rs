@@ -38,7 +38,7 @@ const TRIAL: f64 = 0.5;
 /// The forecast of a scenario as text: `threads` jobs run side by side, beds come from `library`.
 ///
 /// # Errors
-/// What the trial may meet: a run that goes wrong.
+/// A fault of the trial run.
 pub fn forecast(scenario: &CheckedScenario, library: &BedCache, threads: usize) -> Result<String> {
     let speed = trial(scenario)?;
     let work = Work::of(scenario, library)?;
@@ -66,7 +66,7 @@ struct Work {
 }
 
 impl Work {
-    /// Of a scenario whose beds may be in a library.
+    /// For a scenario whose beds may be in a library.
     fn of(scenario: &CheckedScenario, library: &BedCache) -> Result<Self> {
         let mut work = Work::default();
         if scenario.source.is_none() {
@@ -92,7 +92,7 @@ impl Work {
         Ok(work)
     }
 
-    /// Steps that the last of so many threads has done when all is done.
+    /// Steps that the last of this many threads has done when all is done.
     fn longest(&self, runs: &[DragPlan], threads: usize) -> u64 {
         let dragged: Vec<u64> = runs.iter().map(|run| run.steps()).collect();
         let stages = [&self.poured, &self.covered, &dragged];
@@ -115,10 +115,10 @@ pub struct Size {
     pub time: String,
 }
 
-/// The shipped scenarios on so many threads, with no bed at hand.
+/// The shipped scenarios on this many threads, with no bed at hand.
 ///
 /// # Errors
-/// What the trial may meet: a run that goes wrong.
+/// A fault of the trial run.
 pub fn shipped(threads: usize) -> Result<Vec<Size>> {
     let none = BedCache::new("");
     let mut sizes = Vec::new();
@@ -153,7 +153,7 @@ fn largest(scenario: &CheckedScenario, beds: &[BedPlan]) -> usize {
 /// ten thousand grains and more 1.1 to 1.6.
 const SLOWER: f64 = 2.0;
 
-/// The time of so many steps of so many grains, in words.
+/// The time of this many steps of this many grains, in words.
 fn range(steps: u64, grains: usize, speed: f64) -> String {
     let least = steps as f64 * grains as f64 / speed;
     format!("{} to {}", duration(least), duration(SLOWER * least))
@@ -167,7 +167,7 @@ struct Lines {
 
 impl Lines {
     fn add(&mut self, name: &str, value: impl std::fmt::Display) {
-        // Writing into a string has no way to fail.
+        // Writing into a string cannot fail.
         let _ = writeln!(self.text, "{name:<34}{value}");
     }
 
@@ -215,7 +215,7 @@ fn cost(scenario: &CheckedScenario, work: &Work, threads: usize, speed: f64, out
     out.add("beds to pour", pour);
     out.add("steps in all", format!("{steps} (drags {drags})"));
     let at_once = threads.min(runs.len());
-    // Sums of fields, and twice as much where a state is saved.
+    // Sums of fields, and twice as much when a state is saved.
     let sums = 3.0 * SUMS * points(scenario).iter().product::<f64>();
     let memory = (PER_GRAIN * grains as f64 + sums) * at_once as f64;
     out.add("memory", bytes(memory));
@@ -309,8 +309,8 @@ fn runs(scenario: &CheckedScenario, speed: f64, out: &mut Lines) {
         out.text.push('\n');
     }
     out.text.push_str(
-        "A depth is expected at a packing fraction of 0.6, under a lid it is the effective depth; a contact is one \
-         at V.\n",
+        "Depths are those expected at a packing fraction of 0.6, under a lid the effective depths; contacts are \
+         those at V.\n",
     );
 }
 

@@ -1,5 +1,5 @@
 //! Frames of a drag: the grains that a vertical plane through the intruder's centre cuts, at steps close
-//! enough together for a moving picture. They are there to look at: no result is computed from them.
+//! enough together for a moving picture. They are for viewing only: no result is computed from them.
 
 use bitgrain_kernel::Shape;
 

@@ -2,14 +2,14 @@
 //!
 //! Each stage reads and writes files, so that any of them can be redone alone:
 //!
-//! * [`scenario`] is what a user asks for, [`forecast`] what it would take, [`run`] the pipeline, [`folder`] and
+//! * [`scenario`] is what a user asks for, [`forecast`] its cost, [`run`] the pipeline, [`folder`] and
 //!   [`manifest`] the run directory;
-//! * [`bed`] pours and settles grains, keeps beds for the next run and takes those of others;
+//! * [`bed`] pours and settles grains, keeps beds for the next run and imports others;
 //! * [`drag`] pulls the intruder or carries the bed past it; [`series`], [`flow`], [`near_field`], [`plug_flow`],
 //!   [`frames`] and [`summary`] hold what was measured;
 //! * [`campaign`] runs a scenario over the values of its grids into one table;
 //! * [`verify`], [`bisect`], [`against`], [`rerun`] and [`replay`] do parts of it again and compare ([`compare`],
-//!   [`changes`]); [`case`](mod@case) is the smallest unit of work, [`selftest`](mod@selftest) tries the machine;
+//!   [`changes`]); [`case`](mod@case) is the smallest unit of work, [`selftest`](mod@selftest) tests the machine;
 //! * below them [`progress`], [`plain`] (text for a terminal), [`json`] and [`parse_errors`].
 
 #![forbid(unsafe_code)]

@@ -1,5 +1,5 @@
 //! What is measured of the grains round an intruder, beside the force on it: where they touch it, how
-//! many contacts they have, and how much of the bed goes along.
+//! many contacts they have, and how much of the bed moves along.
 
 use bitgrain_kernel::Obstacle;
 use serde::{Deserialize, Serialize};
@@ -10,12 +10,12 @@ use bitgrain_sim::motion::Moves;
 use bitgrain_sim::observe::{self, INTRUDER};
 use bitgrain_sim::simulation::{Role, Simulation};
 
-/// Grains whose centres lie within so many mean diameters of the intruder's surface are its
+/// Grains whose centres lie within this many mean diameters of the intruder's surface are its
 /// neighbourhood (Kumar 2018, Fig. 7).
 pub const NEAR: f64 = 2.0;
 
-/// Grains that go at this part of the intruder's speed or faster count as moving with it (what
-/// Kumar 2018, Fig. 9, calls comparable is not said).
+/// Grains that go at this part of the intruder's speed or faster count as moving with it (Kumar
+/// 2018, Fig. 9, does not define "comparable").
 pub const ALONG: f64 = 0.5;
 
 /// Sums over the averaging window, and what one step hands to the next.
@@ -37,7 +37,7 @@ pub struct NearField {
 pub struct NearFieldMeans {
     /// Contact angle, over all contacts of the samples.
     pub contact_angle: Option<Mean>,
-    /// Contact angle where contacts begin, over all that began.
+    /// Contact angle of contacts as they begin, over all that began.
     pub new_contact_angle: Option<Mean>,
     /// Contacts of a grain near the intruder, over all such grains of the samples.
     pub coordination: Option<Mean>,
@@ -59,7 +59,7 @@ pub struct Sample {
 }
 
 impl NearField {
-    /// After every step: contacts that began with it, which are summed where the step is `counted`.
+    /// After every step: contacts that began with it, which are summed if the step is `counted`.
     pub fn touched(&mut self, sim: &Simulation, moves: Moves, counted: bool, angles: &mut Angles) {
         let before = std::mem::take(&mut self.touching);
         self.touching.extend(sim.touching(INTRUDER));
@@ -76,7 +76,7 @@ impl NearField {
         }
     }
 
-    /// At a row of the series: the whole neighbourhood; its numbers are summed where it is `counted`.
+    /// At a row of the series: the whole neighbourhood; its numbers are summed if it is `counted`.
     pub fn sample(
         &mut self,
         sim: &mut Simulation,
@@ -123,7 +123,7 @@ impl NearField {
     }
 }
 
-/// How many free grains go along with the intruder, and the mean speed along x of those above its top.
+/// How many free grains move along with the intruder, and the mean speed along x of those above its top.
 fn going_along(sim: &Simulation, body: &Obstacle<f64>) -> (usize, Option<f64>) {
     let top = body.point[2] + body.reach();
     let least = ALONG * body.velocity[0].abs();
@@ -139,7 +139,7 @@ fn going_along(sim: &Simulation, body: &Obstacle<f64>) -> (usize, Option<f64>) {
     (moving, (above > 0).then(|| sum / above as f64))
 }
 
-/// The mean in the order given; `None` of nothing.
+/// The mean in the order given; `None` if there are no values.
 fn mean(values: &[f64]) -> Option<f64> {
     match values.len() {
         0 => None,

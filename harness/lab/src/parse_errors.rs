@@ -1,8 +1,8 @@
-//! What is said of a file that cannot be parsed.
+//! The messages on a file that cannot be parsed.
 
 use bitgrain_sim::error::Error;
 
-/// A text that is no TOML of the wanted kind, with the line; `place` is what the text is called.
+/// A text that is not TOML of the wanted kind, with the line; `place` is what the text is called.
 pub fn wrong_toml(place: &str, text: &str, error: &toml::de::Error) -> Error {
     let line = error
         .span()
@@ -12,10 +12,10 @@ pub fn wrong_toml(place: &str, text: &str, error: &toml::de::Error) -> Error {
 }
 
 /// A parser's message with what helps most: the nearest valid key to an unknown one, or what a
-/// broken file probably is. The place is told elsewhere.
+/// broken file probably is. The caller adds the place.
 pub fn teach(message: &str) -> String {
     let message = message.split(" at line ").next().unwrap_or(message);
-    // The names of Rust's types say little to others.
+    // Users need not know the names of Rust's types.
     let message = &message
         .replace("expected usize", "expected a whole number")
         .replace("expected u64", "expected a whole number")

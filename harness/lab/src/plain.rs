@@ -1,4 +1,4 @@
-//! Text of others made fit for a terminal.
+//! Foreign text made safe for a terminal.
 
 /// Longest word that is shown whole, in characters: that of a path, which is a file's name only as a whole.
 const WORD_MAX: usize = 4096;

@@ -1,7 +1,7 @@
 //! Whether the bed above an intruder stays or slides along as a plug.
 //!
-//! In a box that is periodic along x and y nothing but friction with what lies below holds the layers
-//! above a dragged body back. How much of that is used up is told by the drag over the weight of the bed
+//! In a box that is periodic along x and y only friction with what lies below holds the layers
+//! above a dragged body back. How much of that is used up is shown by the drag over the weight of the bed
 //! above the body's lowest point: the larger the ratio, the faster the layers drift, and the further the drag
 //! may fall short of that in a wider box.
 //!
@@ -20,7 +20,7 @@
 //! That holds for slow drags. A fast one has a large ratio from the grains that it throws aside, and is over
 //! before the layers above have gathered speed: at Fr = 10, 26 d over 28 x 14 and wider, ratios of 0.16 (mu = 0),
 //! 0.22 (0.1) and 0.32 (0.5) go with drifts of 0.026, 0.031 and 0.045. So a bed beyond its bound slides only
-//! where its layers are seen to drift by a tenth, and one whose layers drift by a fifth slides at any ratio.
+//! if its layers are seen to drift by a tenth, and one whose layers drift by a fifth slides at any ratio.
 
 use serde::{Deserialize, Serialize};
 
@@ -34,9 +34,9 @@ pub enum PlugFlow {
     Sound,
     /// They drift by up to a fifth of the speed, and the drag may be low.
     Drifts,
-    /// They slide along: the drag is the box's as much as the intruder's.
+    /// They slide along: the drag depends on the box as much as on the intruder.
     Slides,
-    /// It was not judged: the summary is an older program's.
+    /// It was not judged: an older program wrote the summary.
     #[default]
     Unknown,
 }
@@ -68,13 +68,13 @@ pub fn bounds(mu: f64) -> [f64; 2] {
 /// Drifts over V: below the first a bed does not slide, from the second on it does.
 pub const DRIFTS: [f64; 2] = [0.1, 0.2];
 
-/// What a ratio of drag to weight says, with the drift of the layers above over V where that was measured.
+/// What a ratio of drag to weight says, with the drift of the layers above over V if that was measured.
 pub fn judge(mu: f64, ratio: f64, drift: Option<f64>) -> PlugFlow {
     let [sound, slides] = bounds(mu);
     let beyond = |least: f64| drift.is_some_and(|drift| drift.abs() >= least);
     let stays = drift.is_some() && !beyond(DRIFTS[0]);
     if !ratio.is_finite() || beyond(DRIFTS[1]) || ratio > slides && !stays {
-        // What is no number is no sound bed either.
+        // A value that is not a number is not a sound bed either.
         PlugFlow::Slides
     } else if ratio <= sound && !beyond(DRIFTS[0]) {
         PlugFlow::Sound
@@ -93,14 +93,14 @@ pub fn found(mu: f64, ratio: f64, drift: Option<f64>) -> String {
             short(drift)
         )
     });
-    // What is no number is beyond every bound.
+    // A value that is not a number is beyond every bound.
     let beyond = ratio > slides || ratio.is_nan();
     match (beyond, layers) {
         (false, Some(layers)) => format!("{layers} (a bed slides from {} on)", DRIFTS[1]),
         (_, layers) => {
             let also = layers.map_or(String::new(), |layers| format!(", and {layers}"));
             format!(
-                "the drag is {} of the weight of the bed above the intruder, more than friction holds (up to {})\
+                "the drag is {} of the weight of the bed above the intruder, more than friction can hold (up to {})\
                  {also}",
                 short(ratio),
                 short(slides)
@@ -147,12 +147,14 @@ mod tests {
             "{drift}"
         );
         let ratio = found(0.5, 0.32, None);
-        assert!(ratio.contains("0.32 of the weight") && ratio.contains("more than friction holds"));
+        assert!(
+            ratio.contains("0.32 of the weight") && ratio.contains("more than friction can hold")
+        );
         let both = found(0.5, 0.368, Some(0.25));
         assert!(
             both.contains("0.368 of the weight") && both.contains("drift at 0.25"),
             "{both}"
         );
-        assert!(found(0.5, f64::NAN, Some(0.01)).contains("more than friction holds"));
+        assert!(found(0.5, f64::NAN, Some(0.01)).contains("more than friction can hold"));
     }
 }

@@ -1,6 +1,6 @@
 //! Progress: one bar a stage with its ETA, and a line as a stage ends, on a terminal; elsewhere
-//! nothing, or the lines alone where they were asked for. And the wish to stop, which every stage
-//! looks at.
+//! nothing, or the lines alone if they were asked for. And the request to stop, which every stage
+//! checks.
 
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
@@ -19,10 +19,10 @@ const QUIET: Duration = Duration::from_secs(60);
 /// All bars of a command.
 pub struct Progress {
     bars: MultiProgress,
-    /// Whether lines are printed where there is no terminal.
+    /// Whether lines are printed if there is no terminal.
     verbose: bool,
     stop: Arc<AtomicBool>,
-    /// Grain-steps done by all stages, and the bar that shows them where many stages make one whole.
+    /// Grain-steps done by all stages, and the bar that shows them if many stages make one whole.
     work: Arc<Work>,
     /// What stands before every stage and line: of which run it is.
     label: String,
@@ -40,7 +40,7 @@ impl Work {
         if let Ok(bar) = self.bar.lock()
             && let Some(bar) = &*bar
         {
-            // Plans are about right: a bar is not to be full before its end.
+            // Plans are approximate: a bar must not be full before its end.
             let length = bar.length().unwrap_or(done);
             bar.set_position(done.min(length));
         }
@@ -61,14 +61,14 @@ pub struct Overall<'a> {
     failed: AtomicUsize,
 }
 
-/// One stage under way. Dropping it removes its bar.
+/// One stage in progress. Dropping it removes its bar.
 pub struct Stage {
     bar: ProgressBar,
     name: String,
     began: Instant,
-    /// Step at which it was taken up.
+    /// Step from which it goes on.
     first: u64,
-    /// When its last line was printed, where lines are printed in place of a bar.
+    /// When its last line was printed, if lines are printed in place of a bar.
     lines: Option<Mutex<Instant>>,
     /// Largest share of a settling shown so far.
     best: f64,
@@ -79,8 +79,8 @@ pub struct Stage {
 }
 
 impl Progress {
-    /// Bars and lines on standard error where that is a terminal; elsewhere only lines, and those
-    /// only where `verbose`.
+    /// Bars and lines on standard error if that is a terminal; else only lines, and those
+    /// only if `verbose`.
     pub fn new(verbose: bool) -> Self {
         Self {
             bars: MultiProgress::new(),
@@ -188,7 +188,7 @@ impl Progress {
 }
 
 impl Overall<'_> {
-    /// A stage that was planned to take so many grain-steps took others.
+    /// A stage took another number of grain-steps than planned.
     pub fn took(&self, planned: u64, others: u64) {
         let old = self
             .total
@@ -256,7 +256,7 @@ impl Stage {
         }
     }
 
-    /// Takes the stage up at this step: what was done before counts for no speed.
+    /// Continues the stage at this step: what was done before does not count for the speed.
     pub fn resume(&mut self, step: u64) {
         self.first = step;
         self.counted.store(step, Ordering::Relaxed);
@@ -293,7 +293,7 @@ impl Stage {
         Ok(())
     }
 
-    /// Looks whether the command was asked to stop before the stage did anything.
+    /// Checks whether the command was asked to stop before the stage did anything.
     ///
     /// # Errors
     /// As [`Stage::at`].
@@ -361,7 +361,7 @@ impl Stage {
         self.began.elapsed().as_secs_f64()
     }
 
-    /// What the stage is called.
+    /// Name of the stage.
     pub fn name(&self) -> &str {
         &self.name
     }

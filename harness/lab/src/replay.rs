@@ -25,7 +25,7 @@ pub struct Replay {
     pub every: u64,
     /// Whether to list the contacts.
     pub contacts: bool,
-    /// Whether to account for the energy: of cases alone.
+    /// Whether to account for the energy: cases only.
     pub energy: bool,
     /// Whether to print digests alone, part by part.
     pub digests: bool,
@@ -103,7 +103,7 @@ pub struct ContactState {
 /// from the case or the checkpoint; of the latter the first sample has no contacts.
 ///
 /// # Errors
-/// A refused case, a damaged checkpoint, a run that went wrong (what was sampled before has been written), or `out`.
+/// A refused case, a damaged checkpoint, a run that failed (what was sampled before has been written), or `out`.
 pub fn replay(path: &Path, what: &Replay, out: &mut impl Write) -> Result<()> {
     let name = path.display().to_string();
     let mut seen = Vec::new();
@@ -146,7 +146,7 @@ pub fn replay(path: &Path, what: &Replay, out: &mut impl Write) -> Result<()> {
 /// Lines to `out`. Steps are the stage's own.
 ///
 /// # Errors
-/// A folder or stage that is none, a checkpoint that cannot be read, a run that goes wrong, or `out`.
+/// Not a folder or stage of a run, a checkpoint that cannot be read, a run that fails, or `out`.
 pub fn replay_run(
     folder: &Folder<'_>,
     stretch: &Stretch,
@@ -156,7 +156,7 @@ pub fn replay_run(
 ) -> Result<()> {
     let past = RunArchive::open(folder)?;
     let part = past.part(&stretch.stage)?;
-    let past_all = || Error::input(&stretch.stage, "has not so many steps");
+    let past_all = || Error::input(&stretch.stage, "does not have so many steps");
     let to = stretch.from.checked_add(what.steps).ok_or_else(past_all)?;
     let mut tape = StatePrinter {
         from: stretch.from,
@@ -175,7 +175,7 @@ pub fn replay_run(
         return Ok(());
     }
     let told = last.map_or("before that".into(), |step| format!("after step {step}"));
-    let problem = format!("step {to} was asked for, and the stage ends {told}");
+    let problem = format!("step {to} was asked for, but the stage ends {told}");
     Err(Error::input(&stretch.stage, problem))
 }
 

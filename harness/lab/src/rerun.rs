@@ -63,7 +63,7 @@ impl<'a> RunArchive<'a> {
     pub fn part(&self, name: &str) -> Result<RunPart<'_>> {
         let mut parts = self.parts();
         parts.find(|part| part.name() == name).ok_or_else(|| {
-            let problem = format!("is no stage of this run; there are {}", self.names());
+            let problem = format!("is not a stage of this run; there are {}", self.names());
             Error::input(name, problem)
         })
     }
@@ -123,7 +123,7 @@ impl<'a> RunArchive<'a> {
     /// Runs a stage again from the last kept state at or before `from` until `observer` has seen enough.
     ///
     /// # Errors
-    /// What goes wrong, and what `observer` returns.
+    /// A fault of the run, and what `observer` returns.
     pub fn rerun(
         &self,
         part: RunPart<'_>,

@@ -1,5 +1,5 @@
 //! Does this machine keep the bit contract? The kernel's reference worlds, run here by every way of
-//! stepping, beside their published digests.
+//! stepping and compared with their published digests.
 
 use bitgrain_kernel::blake3::Hasher;
 use bitgrain_kernel::conformance::{self, EVERY, Line, Room, World};
@@ -16,7 +16,7 @@ const PUBLISHED: &str = include_str!("../data/reference.txt");
 /// Threads beside one: enough that every range has a neighbour on either side.
 const THREADS: usize = 3;
 
-/// Runs everything and returns what to tell; `show` gets each line as it comes.
+/// Runs everything and returns the message; `show` gets each line as it comes.
 ///
 /// # Errors
 /// [`Error::Contract`] with the first digest that differs, or what is wrong with the arithmetic.
@@ -30,7 +30,7 @@ fn against(published: &str, mut show: impl FnMut(&str) -> Result<()>) -> Result<
     };
     check_arithmetic::<f64>().map_err(|fault| broken("double precision", fault))?;
     check_arithmetic::<f32>().map_err(|fault| broken("single precision", fault))?;
-    show("arithmetic            rounds to nearest, keeps subnormal numbers, fuses nothing")?;
+    show("arithmetic            rounds to nearest, keeps subnormal numbers, fuses no operations")?;
 
     let mut all = Hasher::new();
     let mut lines = by_the_kernel::<f64>(&mut all).map_err(|fault| broken("the kernel", fault))?;
@@ -73,7 +73,7 @@ fn by_ranges(registers: Isa, threads: usize) -> std::result::Result<Vec<Line>, K
         one.lay(&mut room)?;
         let mut sim = taken(&mut room);
         sim.stepping.registers = registers;
-        // Thirty grains are few, and yet every thread is to have some.
+        // Thirty grains are few, but every thread must have some.
         sim.stepping.range_min = 1;
         for stage in one.stages() {
             if let (Some(speed), Some(body)) = (stage.speed, sim.obstacles.first_mut()) {
@@ -122,7 +122,7 @@ fn taken(room: &mut Room<f64>) -> Simulation {
     sim
 }
 
-/// Holds lines against the published ones of the same worlds and steps.
+/// Compares lines with the published ones of the same worlds and steps.
 fn compare(
     name: &str,
     lines: &[Line],

@@ -1,5 +1,5 @@
 //! Verification: pieces of a run are executed again, and every link of their chains of digests, the states
-//! at their ends and the tables made from them are held against what the run wrote.
+//! at their ends and the tables made from them are compared with what the run wrote.
 
 mod check;
 mod ends;
@@ -50,12 +50,12 @@ impl Piece<'_> {
     }
 }
 
-/// Verifies a run: its manifest against its folder, then what is asked for by execution. Tells of each finding
-/// as a line of `say`. Where `expect` is not empty, each of it must be the manifest's closing hash or the last
+/// Verifies a run: its manifest against its folder, then what is asked for by execution. Reports each finding
+/// as a line of `say`. Each entry of `expect` must be the manifest's closing hash or the last
 /// link of a stage.
 ///
 /// # Errors
-/// [`Error::Unverified`] if something does not hold or the run is not finished, after all was told;
+/// [`Error::Unverified`] if something does not hold or the run is not finished, after all was reported;
 /// [`Error::Input`] if there is nothing to verify.
 pub fn verify(
     archive: &RunArchive<'_>,
@@ -85,8 +85,8 @@ pub fn verify(
         ))?;
         if !scope.is_all() && !expect.is_empty() {
             say(
-                "what was expected is in the manifest; that the rest of the run gives it only a whole `verify` \
-                 shows",
+                "what was expected is in the manifest; only a whole `verify` shows that the rest of the run \
+                 gives it",
             )?;
         }
     }
@@ -101,7 +101,7 @@ pub(crate) struct Executed {
     pub(crate) wrong: usize,
 }
 
-/// A piece of a run, and what tells it from those of other runs.
+/// A piece of a run, and what distinguishes it from those of other runs.
 #[derive(Clone, Copy)]
 pub(crate) struct Job<'a> {
     archive: &'a RunArchive<'a>,
@@ -134,10 +134,10 @@ pub(crate) fn sampled<'a>(mut jobs: Vec<Job<'a>>, scope: &Scope) -> Vec<Job<'a>>
     jobs
 }
 
-/// Executes pieces again, side by side, and tells of each.
+/// Executes pieces again, side by side, and reports each.
 ///
 /// # Errors
-/// [`Error::Interrupted`] and [`Error::Contract`]; what else goes wrong is a finding.
+/// [`Error::Interrupted`] and [`Error::Contract`]; every other fault is a finding.
 pub(crate) fn execute(
     jobs: &[Job<'_>],
     threads: usize,
@@ -157,7 +157,7 @@ pub(crate) fn execute(
     };
     for (job, found) in jobs.iter().zip(found) {
         let piece = job.piece;
-        // A damaged file is a finding, a wish to stop is none.
+        // A damaged file is a finding, a request to stop is not.
         let finding = match found {
             Err(e @ (Error::Interrupted { .. } | Error::Contract { .. })) => return Err(e),
             Err(e) => Finding {
@@ -186,7 +186,7 @@ pub(crate) fn pieces<'a>(
     for segment in &scope.segments {
         archive.part(&segment.stage)?;
     }
-    // Of what has come to its end nothing may be missing, by what the manifest says or the folder shows.
+    // Nothing of a finished stage may be missing, by the manifest or by the folder.
     let whole = manifest.is_some_and(|manifest| manifest.finished)
         || disk::is_there(&archive.folder.summary());
     let mut pieces = Vec::new();
@@ -216,7 +216,7 @@ pub(crate) fn pieces<'a>(
     }
     if pieces.is_empty() {
         let place = archive.folder.0.display().to_string();
-        let problem = "holds no kept checkpoint of what was asked for: nothing can be verified yet";
+        let problem = "holds no kept checkpoint for this: nothing can be verified yet";
         return Err(Error::input(place, problem));
     }
     let job = |piece| Job {
@@ -247,7 +247,7 @@ fn bed_again(archive: &RunArchive<'_>, plan: &BedPlan, progress: &Progress) -> R
     let chain = archive.folder.bed_chain(&plan.name);
     let text = disk::read(&chain).unwrap_or_default();
     let (data, bytes_of_data) = run::data_file(archive.folder, &archive.scenario, plan, &settled)?;
-    // A bed below a lid is for nobody else.
+    // A bed below a lid is not shared.
     let exported =
         !archive.scenario.beds().contains(plan) || disk::read(&data).ok() == Some(bytes_of_data);
     let written = text == course.chain().text().into_bytes() && exported;
@@ -286,7 +286,7 @@ fn drag_again(
     check.drag = Some(drag);
     let earlier = plan.checkpoints.iter().rev().find(|n| **n < to);
     check.frames_after = earlier.copied().unwrap_or(0);
-    // What the checkpoint that it begins from says of the way up to there.
+    // What the checkpoint that it begins from holds of the steps before.
     let before = dragging.chain.links.last().map_or(0, |link| link.step);
     let same = |one: &Dragging, other: &Dragging| {
         let until = |d: &Dragging| {
@@ -306,7 +306,7 @@ fn drag_again(
     let mut stage = progress.stage(&format!("{} from {from}", plan.name), to);
     stage.resume(from);
     dragging.go_on(&mut sim, plan, &stage, &mut check)?;
-    // There may be none: they are there to look at, and not all runs have them.
+    // There may be none: they are for viewing only, and not all runs have them.
     let film = archive.folder.frames(&plan.name, to);
     if disk::is_there(&film) && disk::read(&film)? != frames::text(&check.frames).into_bytes() {
         let problem = format!("{} is not as it was written", film.display());

@@ -1,11 +1,11 @@
 //! Means of a fluctuating quantity and their standard errors, by block averaging.
 //!
-//! Values of neighbouring steps are alike, so their spread says nothing of how well the mean is
+//! Values of neighbouring steps are alike, so their spread does not say how well the mean is
 //! known; means over blocks longer than the memory do (Flyvbjerg and Petersen, J. Chem. Phys. 91, 461,
 //! 1989). Blocks are doubled until `B^3 > 2 n (e_B / e_1)^4`, with `e_B` the error from blocks of `B`
 //! base blocks and `n` base blocks in all: the length at which the errors of the estimate, too short a
 //! block against too few blocks, balance (Wolff 2004; Lee et al., Phys. Rev. E 83, 066706, 2011). At
-//! least eight blocks are left; where that is too few for the criterion the mean says so.
+//! least eight blocks are left; if that is too few for the criterion the mean says so.
 
 use serde::{Deserialize, Serialize};
 
@@ -34,7 +34,7 @@ pub struct Mean {
     pub blocks: usize,
     /// Values in a block: steps; for what is sampled, contacts or grains.
     pub block_length: u64,
-    /// Whether blocks as long as the criterion asks for were to be had. Where not, the window is short
+    /// Whether blocks as long as the criterion asks for were available. If not, the window is short
     /// for the quantity's memory, and the error is likely too small; or the quantity drifts, and the
     /// drift is counted as error.
     pub converged: bool,
@@ -135,7 +135,7 @@ mod tests {
     }
 
     /// Errors are right on the average: over 200 chains with this memory, the mean square of (mean less
-    /// truth) over error, and how many were told to be long enough.
+    /// truth) over error, and how many were reported as long enough.
     fn coverage(memory: f64, steps: u32) -> (f64, usize) {
         let (mut square, mut converged) = (0.0, 0);
         for chain in 0..200 {
@@ -163,12 +163,12 @@ mod tests {
         let (short, converged) = coverage(0.9, 4000);
         assert!((0.85..1.25).contains(&short), "{short}");
         assert!(converged > 190, "{converged}");
-        // A hundredth of the chain long: the spread of single steps would be wrong by fourteen.
+        // The memory is a hundredth of the chain: the spread of single steps would be wrong by a factor of 14.
         let (long, _) = coverage(0.99, 10_000);
         assert!((0.85..1.4).contains(&long), "{long}");
     }
 
-    /// Too short a chain is told so.
+    /// Too short a chain is reported as such.
     #[test]
     fn a_memory_as_long_as_the_window_is_told() {
         let (_, converged) = coverage(0.999, 4000);

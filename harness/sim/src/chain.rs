@@ -1,6 +1,6 @@
-//! The chain of digests: every so many steps the digest of each part of a state, chained with the link
+//! The chain of digests: at regular steps the digest of each part of a state, chained with the link
 //! before, so that a run of many hours can be checked anywhere and nothing in between can be changed
-//! unseen.
+//! without notice.
 //!
 //! A link is the BLAKE3 hash of the line `BEFORE,STEP,PARTS...`: the link before it, the step, and the
 //! digests of the six parts, in hex, as they stand in the file. Anyone checks one with `b3sum`. The first
@@ -55,7 +55,7 @@ impl Link {
         let mut part = || Some(words.next()?.to_string());
         let parts = [part()?, part()?, part()?, part()?, part()?, part()?];
         let link = Self::of(before, step, parts);
-        // Written again it is the same text: nothing else passes for it.
+        // Written again it must be the same text, so that no other text is accepted.
         (link.line() == line).then_some(link)
     }
 }
@@ -71,7 +71,7 @@ fn hash(text: &str) -> String {
     hex(blake3::hash(text.as_bytes()).as_bytes())
 }
 
-/// What the first link of all follows: the digest of what a bed is made from.
+/// What the very first link follows: the digest of what a bed is made from.
 pub fn beginning(source: &str) -> String {
     hash(&format!("bitgrain {BITS_VERSION} {source}"))
 }
@@ -144,7 +144,7 @@ impl Chain {
                 format!("{what}; the file was changed or cut off after it was written"),
             )
         };
-        // Whichever arithmetic made it: links say nothing of that.
+        // Any arithmetic is accepted: links do not contain it.
         let first = text.lines().next().unwrap_or_default();
         let begins: String = first.chars().skip(BEGINS.len()).take(DIGITS).collect();
         let mut chain = Self::new(begins, 1);

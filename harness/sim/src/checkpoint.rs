@@ -46,7 +46,7 @@ pub fn bytes(sim: &mut Simulation, recipe: &str) -> Result<Vec<u8>> {
 ///
 /// # Errors
 /// [`Error::Contract`] if the processor's modes were changed since the last step: what the note says may
-/// be wrong, and nothing of it is to be kept.
+/// be wrong, and none of it may be kept.
 pub fn pack(sim: &mut Simulation, note: &StageState) -> Result<Vec<u8>> {
     let step = sim.step_count();
     let digest = sim.digest();
@@ -81,7 +81,7 @@ pub fn pack(sim: &mut Simulation, note: &StageState) -> Result<Vec<u8>> {
 /// A named array: its type, shape and little-endian bytes.
 type Array = (&'static str, (Dtype, Vec<usize>, Vec<u8>));
 
-/// Grains, contacts and the stage under way as arrays, by name.
+/// Grains, contacts and the unfinished stage as arrays, by name.
 fn arrays(sim: &mut Simulation, note: &StageState) -> Vec<Array> {
     let (mut bodies, mut springs, mut kinds) = (Vec::new(), Vec::new(), Vec::new());
     for bond in sim.contact_histories() {
@@ -131,7 +131,7 @@ fn arrays(sim: &mut Simulation, note: &StageState) -> Vec<Array> {
     all
 }
 
-/// Reads a state back, ready to step on, and proves it by its digest.
+/// Reads a state back, ready to step on, and verifies it by its digest.
 ///
 /// # Errors
 /// [`Error::Damaged`] if the file was changed or cut off, [`Error::Input`] if it is missing or of
@@ -149,7 +149,7 @@ pub fn read_noted(path: &Path) -> Result<(Simulation, StageState)> {
 }
 
 /// What the bytes of a checkpoint hold besides the state, with their seal and digests checked; the state itself
-/// is not proved.
+/// is not verified.
 ///
 /// # Errors
 /// As [`read`].
@@ -163,7 +163,7 @@ pub fn note(bytes: &[u8], name: &str) -> Result<StageState> {
     Arrays { file: &file }.note(&head).map_err(damaged)
 }
 
-/// The state that the bytes of a checkpoint hold; `name` is what errors call it. Where a `recipe` is
+/// The state that the bytes of a checkpoint hold; `name` is what errors call it. If a `recipe` is
 /// given, its digest must be the one that the bed was poured by.
 ///
 /// # Errors
@@ -189,7 +189,7 @@ pub fn unpack(bytes: &[u8], name: &str) -> Result<(Simulation, StageState)> {
     restore(bytes, &head, name)
 }
 
-/// [`unpack`] for a look at a state that another arithmetic made: it must not step on.
+/// [`unpack`] to inspect a state that another arithmetic made: it must not step on.
 ///
 /// # Errors
 /// As [`read`], but for the arithmetic.
@@ -245,14 +245,14 @@ fn head(bytes: &[u8], name: &str) -> Result<Head> {
         if PartSeal::of(&part.name, view.data()) != *part {
             let name = &part.name;
             return Err(damaged(format!(
-                "`{name}` has not the length and digest of its head"
+                "`{name}` does not have the length and digest in its head"
             )));
         }
     }
     Ok(head)
 }
 
-/// The state and the note, proved by the digest.
+/// The state and the note, verified by the digest.
 fn restore(bytes: &[u8], head: &Head, name: &str) -> Result<(Simulation, StageState)> {
     let damaged = damaged(name);
     let file = SafeTensors::deserialize(bytes).map_err(|e| damaged(e.to_string()))?;

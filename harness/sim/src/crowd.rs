@@ -1,4 +1,4 @@
-//! Grains that lie in each other in crowds: found before pairs of them are listed, whose number grows with the
+//! Crowds of grains that overlap: found before their pairs are listed, since the number of pairs grows with the
 //! square of theirs.
 
 use bitgrain_kernel::Row;
@@ -10,14 +10,14 @@ const LEAST: usize = 4096;
 /// two of them overlapping by more than half the smaller radius: there is room for 18.
 const CROWD: usize = 64;
 
-/// Places of two grains that overlap by more than half the smaller radius, ascending, where there is a crowd of such;
+/// Places of two grains that overlap by more than half the smaller radius, ascending, if there is a crowd of such;
 /// `counts` says which grains may not.
 pub fn deep_pair(position: &[Row<f64>], counts: impl Fn(usize) -> bool) -> Option<(usize, usize)> {
     if position.len() < LEAST {
         return None;
     }
     let mut cells: Vec<(u64, u32)> = Vec::new();
-    // Where there is no room even for this the lists will be refused.
+    // If there is no memory even for this, the lists will be refused.
     cells.try_reserve_exact(position.len()).ok()?;
     let places = (0..position.len()).filter(|&i| counts(i));
     cells.extend(places.map(|i| (cell(&position[i]), i as u32)));
@@ -36,7 +36,7 @@ fn cell(x: &Row<f64>) -> u64 {
     let mut number = class;
     for a in 0..3 {
         let along = (x[a] / side).floor() as i64;
-        // Cubes that share a number are told apart by the grains themselves.
+        // Cubes that share a number are distinguished by the grains themselves.
         number = (number ^ along as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         number ^= number >> 29;
     }

@@ -20,10 +20,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use crate::error::{Error, Result};
 use watch::before;
 
-/// How the name of a file ends that is being written: nobody else's file is called so.
+/// The ending of the name of a file that is being written: no other program uses it.
 pub const PARTIAL: &str = ".bitgrain-partial";
 
-/// Most bytes of a file that is read, unpacked, where nothing else was set.
+/// Most bytes of a file that is read, unpacked, unless something else was set.
 const MOST: u64 = 512 << 20;
 
 static LIMIT: AtomicU64 = AtomicU64::new(MOST);
@@ -111,15 +111,15 @@ pub fn is_file(path: &Path) -> bool {
     path.is_file()
 }
 
-/// Bytes of a file; 0 where there is none.
+/// Bytes of a file; 0 if there is none.
 pub fn size(path: &Path) -> u64 {
     std::fs::symlink_metadata(path).map_or(0, |data| data.len())
 }
 
-/// Reads a whole file as it lies, a link followed.
+/// Reads a whole file as it is, following a link.
 ///
 /// # Errors
-/// [`Error::Input`] if it cannot be read, is no regular file, or is larger than [`most`].
+/// [`Error::Input`] if it cannot be read, is not a regular file, or is larger than [`most`].
 pub fn read(path: &Path) -> Result<Vec<u8>> {
     read_if_there(path)?.ok_or_else(|| {
         // In the system's own words.
@@ -128,7 +128,7 @@ pub fn read(path: &Path) -> Result<Vec<u8>> {
     })
 }
 
-/// The same; `None` where nothing has that name.
+/// The same; `None` if nothing has that name.
 ///
 /// # Errors
 /// As [`read`].
@@ -151,8 +151,8 @@ pub fn read_if_there(path: &Path) -> Result<Option<Vec<u8>>> {
     all_of(file, data.len(), "cannot be read", &name).map(Some)
 }
 
-/// All that a source gives, of which `about` so many bytes are expected, but no more than [`most`]; `fails` is what
-/// it means where it fails.
+/// All that a source gives, of which `about` bytes are expected, but no more than [`most`]; `fails` is the
+/// message if reading fails.
 ///
 /// # Errors
 /// [`Error::Input`] if it gives more, cannot be read, or memory is short.
@@ -176,7 +176,7 @@ pub(crate) fn all_of(
     }
     let mut bytes = Vec::new();
     let short = |_| {
-        let problem = "is larger than the memory that can be had";
+        let problem = "is larger than the memory available";
         Error::input(name(), problem)
     };
     bytes.try_reserve_exact(about as usize + 1).map_err(short)?;
@@ -218,7 +218,7 @@ pub fn list(folder: &Path) -> Result<Vec<(String, Kind)>> {
     Ok(names)
 }
 
-/// Writes `bytes` to `path`, replacing what was there in one go. Folders on the way are made.
+/// Writes `bytes` to `path`, replacing what was there atomically. Missing folders are made.
 ///
 /// # Errors
 /// [`Error::Write`], and [`Error::Input`] for more bytes than [`most`]; the old file is then still there.
@@ -226,7 +226,7 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
     let (size, most) = (bytes.len() as u64, most());
     if size > most {
         let problem = format!(
-            "would have {} MiB, and of a file no more than {} MiB are read again: allow more with --max-input; \
+            "would have {} MiB, and of a file at most {} MiB are read again: allow more with --max-input; \
              what was written before is kept, and the same command goes on from it",
             size.div_ceil(1 << 20),
             most >> 20
@@ -256,7 +256,7 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
     sync_folder(folder).map_err(|e| Error::write(path, e))
 }
 
-/// A new file beside `path`: two threads never write into one, nor do two processes, also of two machines.
+/// A new file beside `path`: no two threads write into one, nor do two processes, even of two machines.
 fn new_partial(path: &Path) -> (PathBuf, io::Result<File>) {
     loop {
         let number = WRITES.fetch_add(1, Ordering::Relaxed);
@@ -302,14 +302,14 @@ pub fn make_folder(folder: &Path) -> Result<()> {
     }
     let made = before(Call::MakeFolder(folder)).and_then(|()| std::fs::create_dir(folder));
     let made = match made {
-        // Another thread was as quick.
+        // Another thread made it meanwhile.
         Err(e) if e.kind() == io::ErrorKind::AlreadyExists && folder.is_dir() => Ok(()),
         made => made.and_then(|()| sync_folder(up)),
     };
     made.map_err(|e| Error::write(folder, e))
 }
 
-/// Makes sure that files can be written to a folder, which is made where it is missing.
+/// Makes sure that files can be written to a folder, which is made if it is missing.
 ///
 /// # Errors
 /// [`Error::Write`].
@@ -325,7 +325,7 @@ fn remove_raw(path: &Path) -> io::Result<()> {
     std::fs::remove_file(path)
 }
 
-/// Removes a file of ours; nothing happens where there is none.
+/// Removes a file of ours; nothing happens if there is none.
 ///
 /// # Errors
 /// [`Error::Write`].
@@ -381,7 +381,7 @@ pub fn open_folder(folder: &Path) -> io::Result<File> {
 /// Opens a regular file to lock it; nothing is written to it.
 ///
 /// # Errors
-/// The system's, and [`io::ErrorKind::InvalidInput`] for what is no regular file.
+/// The system's, and [`io::ErrorKind::InvalidInput`] for what is not a regular file.
 pub fn open_to_lock(path: &Path) -> io::Result<File> {
     if !std::fs::metadata(path)?.is_file() {
         return Err(io::ErrorKind::InvalidInput.into());

@@ -6,17 +6,17 @@ use std::path::{Path, PathBuf};
 use bitgrain_kernel::Error as KernelError;
 use thiserror::Error;
 
-/// What an interrupted run is told.
+/// What the message of an interrupted run adds.
 const SAVED: &str = "; it is saved: the same command goes on from there, and so does `bitgrain run --resume` \
                      with the run's folder";
 
-/// Where results are not those of their scenario.
+/// If results are not those of their scenario.
 pub const CHANGED: &str = "the files were changed, or made by another build or on a machine that does not \
-                                  keep the bit contract (`bitgrain selftest` tells); `bitgrain bisect` finds where \
+                                  keep the bit contract (`bitgrain selftest` checks it); `bitgrain bisect` finds where \
                                   two runs part";
 
-/// Where a run is not the one that was expected.
-pub const UNEXPECTED: &str = "this is another run than the one that the expected hash was taken from, or \
+/// If a run is not the one that was expected.
+pub const UNEXPECTED: &str = "this is not the run that the expected hash was taken from, or \
                                      the hash was copied wrongly";
 
 /// Why a command ended without its result.
@@ -25,7 +25,7 @@ pub enum Error {
     /// The input was refused before anything ran.
     #[error("{place}: {problem}")]
     Input {
-        /// File, with line or key where there is one.
+        /// File, with line or key if there is one.
         place: String,
         /// What is wrong, what was expected, and what to do.
         problem: String,
@@ -49,12 +49,12 @@ pub enum Error {
         /// What does not fit.
         problem: String,
     },
-    /// A run went wrong and stopped at a step.
+    /// A run failed and stopped at a step.
     #[error("{stage} stopped at step {step}: {fault}{hint}")]
     Run {
         /// Which stage of which run.
         stage: String,
-        /// The step that failed; 0 where the start did.
+        /// The step that failed; 0 if the start did.
         step: u64,
         /// What the kernel found.
         fault: KernelError,
@@ -65,7 +65,7 @@ pub enum Error {
     #[error(
         "{bed} did not settle: after {step} steps its kinetic energy per grain is {energy:.2e} (to be \
          below {bound:.0e}) and {carried:.4} of its weight is carried (to be within 0.0005 of 1); \
-         where the first is wrong raise bed.settled or the friction, where the second is, see that \
+         if the first is wrong raise bed.settled or the friction, if the second is, see that \
          the grains have a base or a floor under them"
     )]
     Unsettled {
@@ -80,7 +80,7 @@ pub enum Error {
         /// Upward force of base, planes and intruder over the weight.
         carried: f64,
     },
-    /// A run that was executed again gave something else than was written.
+    /// A run that was executed again did not give what was written.
     #[error("{problem}: {hint}")]
     Unverified {
         /// What does not hold.
@@ -101,7 +101,7 @@ pub enum Error {
         /// The table.
         table: PathBuf,
     },
-    /// Two runs differ, as was told.
+    /// Two runs differ, as was reported.
     #[error("the runs differ")]
     Parted,
     /// The command was asked to stop, as by Ctrl-C.
@@ -111,7 +111,7 @@ pub enum Error {
         stage: String,
         /// Steps done.
         step: u64,
-        /// Whether it was saved, to be gone on with.
+        /// Whether it was saved, so that it can be continued.
         saved: bool,
     },
     /// This machine or this build does not keep the bit contract.
@@ -123,9 +123,9 @@ pub enum Error {
         /// What was found.
         problem: String,
     },
-    /// There is not so much memory.
+    /// There is not enough memory.
     #[error(
-        "{what}: {} of memory are wanted, more than there is; ask for less (fewer grains, points or runs side by \
+        "{what}: {} of memory are needed, more than there is; ask for less (fewer grains, points or runs side by \
          side: --threads, --jobs), or take a larger machine", crate::format::bytes(*.bytes)
     )]
     Memory {
@@ -142,7 +142,7 @@ pub enum Error {
         /// The system's answer.
         source: std::io::Error,
     },
-    /// Standard output went away.
+    /// Standard output was closed.
     #[error("cannot write to standard output: {0}")]
     Output(std::io::Error),
 }
@@ -157,7 +157,7 @@ impl From<ThreadsError> for Error {
 }
 
 impl Error {
-    /// 2 for refused input, 3 for a run or a machine that went wrong, 1 for output that could not be
+    /// 2 for refused input, 3 for a run or a machine that failed, 1 for output that could not be
     /// written, 130 for a command that was interrupted.
     pub fn exit_status(&self) -> u8 {
         match self {
@@ -181,7 +181,7 @@ impl Error {
         rest.map_or(text.clone(), String::from)
     }
 
-    /// The same, where it is an interruption, of a stage that is saved.
+    /// The same, with the stage as saved if it is an interruption.
     pub fn saved(mut self) -> Self {
         if let Error::Interrupted { saved, .. } = &mut self {
             *saved = true;

@@ -21,8 +21,8 @@ pub const LID_TYPE: u32 = 4;
 /// The grains (type 1; the base's 3, the lid's 4) and, if asked for, the obstacle spheres (type 2, numbered on
 /// from the last grain) as a data file. Planes and cylinders have no place in one.
 ///
-/// A density is such that it gives the mass back to the bit. An infinitely heavy obstacle, which a
-/// file cannot say, gets density 1. The box of open space is drawn round what is in it.
+/// Each density gives the mass back to the bit. An infinitely heavy obstacle, which a
+/// file cannot express, gets density 1. The box of open space is drawn round what is in it.
 pub fn atoms(sim: &Simulation, obstacles: bool) -> DataFile {
     let row = |i: usize| {
         let (x, v, w) = (sim.position[i], sim.velocity[i], sim.spin[i]);

@@ -11,7 +11,7 @@ use crate::disk::{all_of, read, write_whole};
 use crate::error::{Error, Result};
 use crate::memory::room;
 
-/// Bytes of memory that what is read from a byte of text takes at most: of a case in JSON 11 were measured.
+/// Most bytes of memory that a byte of text takes once read: for a case in JSON 11 were measured.
 const MEMORY_OF_TEXT: f64 = 12.0;
 
 /// What every file of results says somewhere: the arithmetic that it was made with.
@@ -19,7 +19,7 @@ pub fn bits() -> String {
     format!("BITS_VERSION {BITS_VERSION}")
 }
 
-/// Reads a whole file, unpacking gzip where its first bytes say so.
+/// Reads a whole file, unpacking gzip if its first bytes say so.
 ///
 /// # Errors
 /// [`Error::Input`] if it cannot be read or unpacked, or is larger than [`crate::disk::most`]; [`Error::Memory`].
@@ -27,11 +27,11 @@ pub fn read_text(path: &Path) -> Result<String> {
     text_of(read(path)?, &path.display().to_string())
 }
 
-/// The text that the bytes of a file are, unpacked where their first bytes say that they are gzip; `name`
+/// The bytes of a file as text, unpacked if their first bytes say that they are gzip; `name`
 /// is what errors call it.
 ///
 /// # Errors
-/// [`Error::Input`] if they cannot be unpacked, are too many, or are no text; [`Error::Memory`] if there is no
+/// [`Error::Input`] if they cannot be unpacked, are too many, or are not text; [`Error::Memory`] if there is no
 /// room for what is read from them.
 pub fn text_of(bytes: Vec<u8>, name: &str) -> Result<String> {
     let bytes = if bytes.starts_with(&[0x1f, 0x8b]) {
@@ -50,11 +50,11 @@ pub fn text_of(bytes: Vec<u8>, name: &str) -> Result<String> {
     })
 }
 
-/// The file that a text is kept in: its path and its bytes; where `packed` with `.gz` at its end, packed with
+/// The file that a text is kept in: its path and its bytes; if `packed` with `.gz` at its end, packed with
 /// gzip: the same bytes every time, without a date or a name in them.
 ///
 /// # Errors
-/// [`Error::Write`] where packing goes wrong.
+/// [`Error::Write`] if packing fails.
 pub fn text_file(path: &Path, text: &str, packed: bool) -> Result<(PathBuf, Vec<u8>)> {
     if !packed {
         return Ok((path.to_path_buf(), text.as_bytes().to_vec()));
@@ -68,7 +68,7 @@ pub fn text_file(path: &Path, text: &str, packed: bool) -> Result<(PathBuf, Vec<
     Ok((path, bytes))
 }
 
-/// Writes text to `path`, or where `packed` to the name that [`text_file`] gives it.
+/// Writes text to `path`, or if `packed` to the name that [`text_file`] gives it.
 ///
 /// # Errors
 /// As [`write_whole`].
@@ -84,7 +84,7 @@ pub fn packed_name(path: &Path) -> PathBuf {
     PathBuf::from(name)
 }
 
-/// A number of a table; `None` of what is no finite number.
+/// A number of a table; `None` if it is not a finite number.
 pub fn finite(word: &str) -> Option<f64> {
     word.parse().ok().filter(|x: &f64| x.is_finite())
 }

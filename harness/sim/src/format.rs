@@ -1,13 +1,13 @@
 //! Numbers as plain text for people.
 
-/// Mantissa and power of ten of a number rounded to so many digits.
+/// Mantissa and power of ten of a number rounded to this many digits.
 fn scientific(x: f64, digits: usize) -> (String, i32) {
     let text = format!("{x:.*e}", digits.max(1) - 1);
     let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
     (mantissa.to_owned(), exponent.parse().unwrap_or(0))
 }
 
-/// A number to so many significant digits; a dash for what is no number.
+/// A number to this many significant digits; a dash for what is not a number.
 fn significant(x: f64, digits: usize) -> String {
     if !x.is_finite() {
         return "\u{2014}".to_owned();

@@ -1,4 +1,4 @@
-//! Grains as they are put into a simulation, and small words about them.
+//! Grains as they are put into a simulation, and short names for what they do.
 
 use crate::table::Word;
 
@@ -27,7 +27,7 @@ pub enum Role {
     /// It moves as it is pushed.
     #[default]
     Free,
-    /// It is held or carried, whatever pushes it.
+    /// It is fixed or carried, whatever pushes it.
     Base,
     /// It is carried along x and y and moves as it is pushed along z.
     Lid,

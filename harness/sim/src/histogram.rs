@@ -94,7 +94,7 @@ pub const COORDINATION: Table<(u64, u64)> = Table(&[
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Coordination {
-    /// Grains with so many contacts, from none.
+    /// Grains with this many contacts, from none.
     pub grains: Vec<u64>,
 }
 
@@ -110,7 +110,7 @@ impl Coordination {
         }
     }
 
-    /// Shares of the grains with 0, 1, 2, ... contacts; nothing where no grain was counted.
+    /// Shares of the grains with 0, 1, 2, ... contacts; empty if no grain was counted.
     pub fn shares(&self) -> Vec<f64> {
         let all: u64 = self.grains.iter().sum();
         self.grains.iter().map(|&n| n as f64 / all as f64).collect()

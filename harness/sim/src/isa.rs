@@ -45,7 +45,7 @@ impl Isa {
         }
     }
 
-    /// Does a job; where the machine lacks the instructions, with those it has.
+    /// Does a job; if the machine lacks the instructions, with those it has.
     pub(crate) fn run<J: Kernel>(self, job: J) -> J::Output {
         match self {
             Self::Plain => job.run(),

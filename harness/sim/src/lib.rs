@@ -4,9 +4,9 @@
 //!   ([`threads`], [`stepping`]) and with any of the machine's instruction sets ([`isa`]), all with the same bits;
 //!   [`spatial_order`] numbers grains in space, [`random`] draws numbers that never change;
 //! * [`law`]: contact laws by name with their ranges, [`coefficients`] in the numbers of both papers;
-//! * measuring: [`observe`] reads a state, [`observer`] looks on as it goes, [`energy_budget`] accounts for the energy,
+//! * measuring: [`observe`] reads a state, [`observer`] watches a stage, [`energy_budget`] accounts for the energy,
 //!   [`coarse_graining`] averages velocity and stress in space, [`histogram`] counts, [`block_averaging`] gives means
-//!   their errors, in a [`motion`] and in [`units`];
+//!   and their errors, in a [`motion`] and in [`units`];
 //! * keeping: [`checkpoint`], [`chain`] (digests), [`lammps`] and [`export`] (LAMMPS and VTK files);
 //! * below all: [`error`], [`disk`] (every call to the file system), [`files`], [`table`] (CSV), [`memory`],
 //!   [`mod@format`].

@@ -1,17 +1,17 @@
-//! Whether there is room for what numbers of a file ask for, before it is filled.
+//! Whether there is memory for what the numbers of a file ask for, before it is filled.
 
 use crate::error::{Error, Result};
 
 /// Bytes of memory a grain takes, from beds of 10,000 and 70,000 grains.
 pub const PER_GRAIN: f64 = 510.0;
 
-/// Asks for so many bytes at once and gives them back; what is then taken piece by piece is likely to be had.
+/// Asks for this many bytes at once and gives them back; what is then taken piece by piece is likely to be available.
 ///
 /// # Errors
-/// [`Error::Memory`] if the system does not lend them; `what` they are for.
+/// [`Error::Memory`] if the system does not provide them; `what` they are for.
 pub fn room(bytes: f64, what: &str) -> Result<()> {
     let mut trial: Vec<u8> = Vec::new();
-    // A number that is too large becomes the largest, which nobody has.
+    // A number that is too large becomes the largest, which no machine has.
     match trial.try_reserve_exact(bytes as usize) {
         Ok(()) => Ok(()),
         Err(_) => Err(Error::Memory {

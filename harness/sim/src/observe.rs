@@ -73,7 +73,7 @@ pub fn packing_fraction(sim: &Simulation, from: f64, to: f64) -> f64 {
     solid / (room - (intruder_below(body, width, to) - intruder_below(body, width, from)))
 }
 
-/// Weight of all grains above a height over the area of the box: the mean vertical stress there where
+/// Weight of all grains above a height over the area of the box: the mean vertical stress there if
 /// nothing but the bed carries it. Grains without gravity weigh nothing.
 pub fn pressure_at(sim: &Simulation, height: f64) -> f64 {
     let (lo, hi) = (sim.domain.lo(), sim.domain.hi());
@@ -87,7 +87,7 @@ pub fn pressure_at(sim: &Simulation, height: f64) -> f64 {
 }
 
 /// Mean number of contacts, with grains and obstacles, of the free grains whose centres lie below
-/// `top`; 0 where there are none.
+/// `top`; 0 if there are none.
 pub fn coordination_number(sim: &mut Simulation, top: f64) -> f64 {
     let histories = sim.contact_histories();
     let counted = |place: u32| {
@@ -139,7 +139,7 @@ fn from_intruder(sim: &Simulation, i: usize) -> [f64; 3] {
 /// image, in radians, 0 straight ahead. The sign of eq. 6 of Kumar 2018 is a misprint, for eq. 7 needs
 /// this one.
 ///
-/// `front` is 1 where the intruder moves along +x, -1 where the bed does.
+/// `front` is 1 if the intruder moves along +x, -1 if the bed does.
 pub fn contact_angle(sim: &Simulation, i: usize, front: f64) -> f64 {
     let d = from_intruder(sim, i);
     libm::acos(front * d[0] / length(d))
@@ -176,7 +176,7 @@ pub fn neighbourhood(sim: &mut Simulation, reach: f64, front: f64) -> (Vec<f64>,
     (angles, numbers)
 }
 
-/// Deepest overlap of two grains, or of a grain and the intruder, from the positions; 0 where none touch.
+/// Deepest overlap of two grains, or of a grain and the intruder, from the positions; 0 if none touch.
 pub fn deepest_overlap(sim: &mut Simulation) -> f64 {
     let mut deepest = 0.0;
     for bond in sim.contact_histories() {

@@ -1,4 +1,4 @@
-//! Who looks on while a stage runs, keeps its states, checks them or prints them: whatever it does, no
+//! Observers watch a stage while it runs, keep its states, check them or print them: whatever they do, no
 //! bit of the stage changes.
 
 use bitgrain_kernel::ContactForce;
@@ -8,7 +8,7 @@ use crate::checkpoint::StageState;
 use crate::error::Result;
 use crate::simulation::Simulation;
 
-/// Looks on while a stage runs. Steps are the stage's own: of a drag from 0, of a bed from the first
+/// Watches a stage while it runs. Steps are the stage's own: of a drag from 0, of a bed from the first
 /// grain's release.
 pub trait Observer {
     /// The state that the stage begins or goes on from.
@@ -65,5 +65,5 @@ pub trait Observer {
     }
 }
 
-/// Nobody looks on.
+/// No observer.
 impl Observer for () {}

@@ -94,7 +94,7 @@ impl<R: Real> OwnedWorld<R> {
         self.image.push([0; 3]);
     }
 
-    /// Makes lists of at least so many entries.
+    /// Makes lists of at least this many entries.
     ///
     /// # Errors
     /// If there is no memory for them; what is longer stays longer.

@@ -1,4 +1,4 @@
-//! Random numbers keyed by what they are for, so that no draw depends on the order of the others.
+//! Random numbers keyed by their purpose, so that no draw depends on the order of the others.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};

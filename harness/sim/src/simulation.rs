@@ -34,7 +34,7 @@ pub struct Simulation {
 }
 
 impl Simulation {
-    /// A simulation of these grains, not yet started. Skin and reach are as [`Simulation::choose_skin`] has them.
+    /// A simulation of these grains, not yet started. Skin and reach are those of [`Simulation::choose_skin`].
     pub fn new(
         law: AnyLaw,
         domain: Domain<f64>,
@@ -108,7 +108,7 @@ impl Simulation {
         self.clock.step
     }
 
-    /// Sets the number of steps done, as when a saved state is taken up again.
+    /// Sets the number of steps done, as when a saved state is resumed.
     pub fn set_step_count(&mut self, step: u64) {
         self.clock.step = step;
     }
@@ -169,7 +169,7 @@ impl Simulation {
         self.range_bounds.clear();
     }
 
-    /// Runs `act`, enlarging the lists as often as it finds them full: capacity is never a result. Lists that would
+    /// Runs `act`, enlarging the lists as often as it finds them full: capacity affects no result. Lists that would
     /// be longer than bodies beside each other can make them, or than there is memory for, stay full, and that is
     /// returned.
     fn grow_while_full(
@@ -198,7 +198,7 @@ impl Simulation {
         }
     }
 
-    /// Refuses crowds of grains in each other, of whom all pairs would be listed first.
+    /// Refuses crowds of overlapping grains, before all their pairs are listed.
     ///
     /// # Errors
     /// [`KernelError::OverlapTooDeep`] with two of them.
@@ -299,8 +299,8 @@ impl Simulation {
         done
     }
 
-    /// Begins a stretch of steps of one who looks on at each, but writes to no row until [`Simulation::release`]:
-    /// the rows are sealed once, and not at each call. What is written to them all the same is not found.
+    /// Begins a stretch of steps for an observer of each step that writes to no row until [`Simulation::release`]:
+    /// the rows are sealed once, and not at each call. A write to them in between is not found.
     ///
     /// # Errors
     /// [`KernelError::Edited`], of rows that were written to since the last stretch ended.
@@ -334,7 +334,7 @@ impl Simulation {
         }
     }
 
-    /// Ranges of the last steps: how many threads had a part in them.
+    /// Ranges of the last steps: how many threads took part in them.
     pub fn ranges(&self) -> usize {
         self.range_bounds.len() + 1
     }
@@ -342,7 +342,7 @@ impl Simulation {
     /// The digest of the state, on a thread whose arithmetic is that of the bit contract.
     ///
     /// # Errors
-    /// [`KernelError::Arithmetic`], where something changed the processor's modes since the last step: what was
+    /// [`KernelError::Arithmetic`], if something changed the processor's modes since the last step: what was
     /// measured of the state since then may be wrong.
     pub fn digest(&mut self) -> Result<Digest, KernelError> {
         check_arithmetic::<f64>()?;

@@ -1,9 +1,9 @@
 //! How far to list pairs: chosen from what it costs, while a simulation runs. It has no effect on any
 //! bit.
 //!
-//! A wider skin has more pairs evaluated that do not touch; a narrower one has the list picked anew
-//! more often. Where the number of those pairs grows with a power `p` of the skin and the steps that a
-//! list lasts grow with the skin itself, the sum is least where picking costs `p` times as much as
+//! With a wider skin more pairs are evaluated that do not touch; with a narrower one the list is rebuilt
+//! more often. If the number of those pairs grows with a power `p` of the skin and the steps that a
+//! list lasts grow with the skin itself, the sum is least when picking costs `p` times as much as
 //! the pairs that do not touch. The reach of the candidates likewise weighs searches against picking.
 
 use std::time::{Duration, Instant};
@@ -13,7 +13,7 @@ use bitgrain_kernel::World;
 /// Power of the skin that the number of near pairs grows with, in a bed that was shaken or sheared.
 const POWER: f64 = 0.7;
 
-/// A change of the skin at a time: small, so that a wrong time of a busy machine does little.
+/// A change of the skin at a time: small, so that a wrong time of a busy machine has little effect.
 const CHANGE: f64 = 1.1;
 
 fn change(wider: bool) -> f64 {
@@ -55,12 +55,12 @@ impl Lists {
 }
 
 impl Skin {
-    /// Steps do not go on from here: what follows is no part of what a list costs.
+    /// Steps do not go on from here: what follows does not count towards the cost of a list.
     pub fn on_checkpoint(&mut self) {
         self.since = None;
     }
 
-    /// Takes note of a renewal, if there was one since `began`, when the lists were as `before`; changes
+    /// Records a renewal, if there was one since `began`, when the lists were as `before`; changes
     /// skin and reach for the next one.
     pub fn learn(&mut self, world: &mut World<'_, f64>, before: Lists, began: Instant) {
         let now = Lists::of(world);
@@ -69,7 +69,7 @@ impl Skin {
         }
         let renewing = began.elapsed();
         if now.outer_list_rebuilds > before.outer_list_rebuilds {
-            // Candidates grow with about the reach, and so does what picking looks at in vain.
+            // Candidates grow with about the reach, and so do the candidates that are examined but not picked.
             let vain = self.picking.mul_f64(0.5);
             if !self.picking.is_zero() {
                 world.outer_skin *= change(renewing > vain);

@@ -23,8 +23,8 @@ type Fallible<T> = std::result::Result<T, KernelError>;
 /// Fewest grains of a range: handing over less costs more than it saves.
 const RANGE_MIN: usize = 500;
 
-/// Grains of a range whose rows, 160 bytes each, are near enough by themselves: hints cost some twentieth of a step,
-/// and save a fifth of one if rows come from far.
+/// Grains of a range whose rows, 160 bytes each, stay in the cache: hints would cost about a twentieth of a step,
+/// and save a fifth of one if rows come from memory.
 const NEAR: usize = 30_000;
 
 /// How a simulation steps: speed only, never a bit.
@@ -34,16 +34,16 @@ pub struct Stepping {
     pub registers: Isa,
     /// Fewest grains of a thread's range.
     pub range_min: usize,
-    /// Whether skin and reach are chosen anew from what they cost while it steps.
+    /// Whether skin and reach are adjusted to what they cost while it steps.
     pub tunes: bool,
     skin: Skin,
-    /// Whether the owner began the stretch that is under way, and will end it.
+    /// Whether the owner began the present stretch, and will end it.
     held: bool,
     /// What pairs of two ranges give.
     cross_forces: Vec<CrossRangeForce<f64>>,
 }
 
-/// A copy has the knobs; what is fitted to a pair list stays with that list.
+/// A copy has the settings; what is fitted to a pair list stays with that list.
 impl Clone for Stepping {
     fn clone(&self) -> Self {
         Self {
@@ -103,7 +103,7 @@ impl Stepping {
             self.begin(world)?;
             self.held = false;
         }
-        // A full list may have stopped these steps on their way.
+        // A full list may have interrupted these steps.
         if world.clock.has_begun() {
             let (range_bounds, modes) = (world.range_bounds, Modes::of(world));
             let work = |m| modes.after(with.run(Move(m, MotionPhase::Drift)));
@@ -132,7 +132,7 @@ impl Stepping {
         }
     }
 
-    /// Begins a stretch of steps, where nothing was written to since the last one.
+    /// Begins a stretch of steps, if nothing was written to since the last one.
     pub(crate) fn begin(&mut self, world: &mut World<'_, f64>) -> Fallible<()> {
         let sealed = self.sealed(world);
         begin(world, sealed)?;
@@ -160,7 +160,7 @@ impl Stepping {
         )
     }
 
-    /// Renews the pair list where it is too old, and learns what that costs.
+    /// Renews the pair list if it is too old, and measures what that costs.
     fn refresh_pair_list(&mut self, world: &mut World<'_, f64>) -> Fallible<()> {
         if !self.tunes {
             return ensure_pair_list(world);
@@ -210,9 +210,9 @@ impl Stepping {
     }
 }
 
-/// Whether the threads of several ranges compute as the bit contract has it: each has processor modes of
-/// its own, and a library may change them at any time. The thread of a single range is looked at as the
-/// steps end, and a look costs as much as a few contacts.
+/// Whether the threads of several ranges compute by the bit contract: each has its own processor modes,
+/// and a library may change them at any time. The thread of a single range is checked when the
+/// steps end, and a check costs as much as a few contacts.
 struct Modes {
     looks: bool,
     found: OnceLock<KernelError>,
@@ -226,7 +226,7 @@ impl Modes {
         }
     }
 
-    /// What a share of a phase gave, after a look at the thread that did it.
+    /// The result of a share of a phase, after a check of the thread that did it.
     fn after<T>(&self, done: T) -> T {
         if self.looks
             && let Err(fault) = check_arithmetic::<f64>()
@@ -236,7 +236,7 @@ impl Modes {
         done
     }
 
-    /// Stops the world where any of the looks found something.
+    /// Stops the world if any of the checks found something.
     fn check_overlaps(&self, world: &mut World<'_, f64>) -> Fallible<()> {
         let Some(fault) = self.found.get() else {
             return Ok(());
@@ -385,7 +385,7 @@ mod tests {
     use bitgrain_kernel::contact::HertzHistory;
     use bitgrain_kernel::{Domain, Group};
 
-    /// Eight grains in a row along x, of diameter 1 and 2 apart, that move along z or x as told.
+    /// Eight grains in a row along x, of diameter 1 and 2 apart, that move along z or x as given.
     fn row(velocity: impl Fn(u32) -> [f64; 3]) -> Simulation {
         let law = HertzHistory {
             kn: 2e5,
@@ -419,7 +419,7 @@ mod tests {
         sim
     }
 
-    /// The fault that ends a row, and after how many steps, on so many threads.
+    /// The fault that ends a row, and after how many steps, on this many threads.
     fn end(threads: usize, velocity: impl Fn(u32) -> [f64; 3]) -> (Option<KernelError>, u64) {
         let mut sim = row(velocity);
         let ended = on_threads(threads, || sim.steps(2000)).unwrap();
@@ -442,7 +442,7 @@ mod tests {
         }
     }
 
-    /// Of several faults in one step the lowest grain's is told, whichever range finds it.
+    /// Of several faults in one step the lowest grain's is reported, whichever range finds it.
     #[test]
     fn faults_are_those_of_one_range() {
         // Grains 3, 5 and 8 leave the box through the top at the same step.

@@ -22,7 +22,7 @@ pub enum Cell<'a> {
     Word(&'a mut dyn Word),
 }
 
-/// One of a few words, as tables have them.
+/// One of a few words, as written in tables.
 pub trait Word {
     /// The word.
     fn word(&self) -> &'static str;
@@ -119,7 +119,7 @@ impl<R: Clone + Default> Table<R> {
     /// The rows of a file; a column that is left out has the value of a default row.
     ///
     /// # Errors
-    /// The line, counted from 1, that is no row of these columns, or does not name them.
+    /// The line, counted from 1, that is not a row of these columns, or does not name them.
     pub fn parse(&self, text: &str) -> Result<Vec<R>, usize> {
         let mut reader = csv::ReaderBuilder::new()
             .comment(Some(b'#'))

@@ -7,10 +7,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use bitgrain_kernel::{Error as KernelError, check_arithmetic};
 use rayon::ThreadPoolBuilder;
 
-/// Why a job was not done on so many threads.
+/// Why a job was not done on this many threads.
 #[derive(Debug, thiserror::Error)]
 pub enum ThreadsError {
-    /// So many could not be started.
+    /// This many could not be started.
     #[error("{threads} threads cannot be started: {why}")]
     Start {
         /// How many were wanted.
@@ -18,13 +18,13 @@ pub enum ThreadsError {
         /// What the system says.
         why: String,
     },
-    /// One of them computes otherwise than the bit contract has it.
+    /// One of them does not compute by the bit contract.
     #[error("{0}")]
     Arithmetic(KernelError),
 }
 
 impl ThreadsError {
-    /// That so many could not be started.
+    /// That this many could not be started.
     pub fn start(threads: usize, why: &dyn std::error::Error) -> Self {
         let why = why.to_string();
         Self::Start { threads, why }
@@ -53,7 +53,7 @@ pub fn on_threads<T: Send>(
     }
     let pool = ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.map_err(|e| ThreadsError::start(threads, &e))?;
-    // Each thread has a rounding mode of its own.
+    // Each thread has its own rounding mode.
     for checked in pool.broadcast(|_| check_arithmetic::<f64>()) {
         checked.map_err(ThreadsError::Arithmetic)?;
     }
@@ -63,7 +63,7 @@ pub fn on_threads<T: Send>(
 /// Does a job on one thread of a pool while the others keep looking for parts of it: a phase is so
 /// short that a thread which fell asleep would come too late.
 pub(crate) fn awake<T: Send>(job: impl FnOnce() -> T + Send) -> T {
-    /// Ends the looking, also where the job panics.
+    /// Stops the others from looking, also if the job panics.
     struct Done<'a>(&'a AtomicBool);
     impl Drop for Done<'_> {
         fn drop(&mut self) {
@@ -75,7 +75,7 @@ pub(crate) fn awake<T: Send>(job: impl FnOnce() -> T + Send) -> T {
     rayon::scope(|scope| {
         let done = &done;
         scope.spawn_broadcast(move |_, context| {
-            // Who waits here for a part of its own part would keep the job from its end by looking on.
+            // A thread that waits here for a part of its own part would keep the job from ending if it looked on.
             if PARTS.get() > 0 {
                 return;
             }
@@ -99,11 +99,11 @@ pub(crate) fn awake<T: Send>(job: impl FnOnce() -> T + Send) -> T {
 }
 
 thread_local! {
-    /// Joins under way on this thread, one within the other.
+    /// Joins in progress on this thread, one within the other.
     static PARTS: Cell<u32> = const { Cell::new(0) };
 }
 
-/// A join under way on this thread, also where it panics.
+/// A join in progress on this thread, also if it panics.
 struct JoinMark;
 
 impl JoinMark {
@@ -200,7 +200,7 @@ mod tests {
 
     /// Of three threads the second has begun a part in two halves when the first begins a job, which ends
     /// when the part has ended; the third does the other half. The second, which waits for the third, finds
-    /// that it is to look on until the job has ended.
+    /// that it is to keep looking until the job has ended.
     fn a_part_begun_before_looking_on() {
         let [begun, job_begun, other_begun, ended] = [const { AtomicBool::new(false) }; 4];
         let half = |stretch: Stretch| {
@@ -233,12 +233,12 @@ mod tests {
     #[test]
     fn no_thread_waits_for_itself() {
         let (over, is_over) = mpsc::channel();
-        // On a thread of its own, for one that hangs cannot be stopped.
+        // On a separate thread, since one that hangs cannot be stopped.
         thread::spawn(move || {
             let done = on_threads(3, a_part_begun_before_looking_on);
             over.send(done.is_ok()).expect("the test waits for it");
         });
-        // It takes a fifth of a second where nothing hangs.
+        // It takes a fifth of a second if nothing hangs.
         let is_over = is_over.recv_timeout(Duration::from_secs(60));
         assert_eq!(is_over, Ok(true), "a thread waits for itself");
     }

@@ -19,7 +19,7 @@ use bitgrain_sim::files::read_text;
 pub(super) struct Analyse {
     /// The folder of a campaign or of a run, or a table: results.csv of a campaign.
     from: PathBuf,
-    /// Count runs too whose bed slid along as a plug.
+    /// Also count runs whose bed slid along as a plug.
     #[arg(long)]
     plugs: bool,
     /// Write all findings into this file, as JSON, and no other [default: analysis.json in the folder; of a
@@ -51,7 +51,7 @@ pub(super) fn run(what: Analyse) -> Result<()> {
     let evidence = Evidence::read(&what.from, what.plugs)?;
     print(&describe(&evidence.analysis))?;
     let folder = CampaignFolder(&what.from);
-    // Who names a file wants no others.
+    // With a file named, no others are written.
     let own = is_folder(&what.from) && what.out.is_none() && what.report.is_none();
     let findings = what.out.or(own.then(|| folder.analysis()));
     let page = what

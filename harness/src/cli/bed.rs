@@ -66,7 +66,7 @@ fn row(bed: &CachedBed, recipe: &Recipe) -> String {
     ) + &lid(recipe)
 }
 
-/// What lies on a bed, at the end of its row.
+/// The lid of a bed, at the end of its row.
 fn lid(recipe: &Recipe) -> String {
     let Some(lid) = &recipe.lid else {
         return String::new();
@@ -92,7 +92,7 @@ fn show(library: &BedCache, name: &str) -> Result<String> {
     let path = bed.checkpoint.display().to_string();
     let Some(recipe) = &bed.recipe else {
         let problem = format!(
-            "has no sound recipe.toml; `bitgrain bed remove {}` clears it away",
+            "has no sound recipe.toml; `bitgrain bed remove {}` removes it",
             bed.name
         );
         return Err(Error::input(
@@ -151,7 +151,7 @@ fn show(library: &BedCache, name: &str) -> Result<String> {
 /// Removes the named beds, or all of them.
 ///
 /// # Errors
-/// [`Error::Input`] for a name that is none or of several beds, before any is removed;
+/// [`Error::Input`] for a name of no bed or of several, before any is removed;
 /// [`Error::Write`].
 fn remove(library: &BedCache, names: &[String], all: bool) -> Result<String> {
     let mut beds = if all {
@@ -166,7 +166,7 @@ fn remove(library: &BedCache, names: &[String], all: bool) -> Result<String> {
     for bed in &beds {
         let stays = match library.remove(bed)? {
             true => "",
-            false => "; its folder holds files of others, and stays with them",
+            false => "; its folder holds other files and stays",
         };
         let _ = writeln!(out, "removed {}, {}{stays}", bed.name, disk(bed));
     }
@@ -191,26 +191,26 @@ pub(super) struct Beds {
 }
 
 impl Beds {
-    /// The library of beds, which is at `home` where none is named.
+    /// The library of beds, which is at `home` if none is named.
     pub(super) fn library(self, home: &Path) -> BedCache {
         BedCache::new(self.folder.unwrap_or_else(|| home.to_path_buf()))
     }
 
-    /// That there are beds where earlier versions kept them, if they would not be found.
+    /// A note if there are beds in the place of earlier versions, which would not be found.
     pub(super) fn hint(&self, home: &Path) -> Option<String> {
         let here = Path::new("beds");
         let unseen = self.folder.is_none() && home != here;
         let beds = || BedCache::new(here.to_path_buf()).list();
         (unseen && is_folder(here) && beds().is_ok_and(|beds| !beds.is_empty())).then(|| {
             format!(
-                "settled beds are kept in {}; those in the folder beds here are not looked at: --beds beds uses them",
+                "settled beds are kept in {}; those in the folder beds here are not used: --beds beds uses them",
                 shown(home)
             )
         })
     }
 }
 
-/// Where settled beds are kept unless `--beds` says otherwise: in the user's cache, or, where the system names no
+/// Where settled beds are kept unless `--beds` says otherwise: in the user's cache, or, if the system names no
 /// such folder, in `beds` here.
 pub(super) fn own_beds() -> PathBuf {
     match choose_base_strategy() {

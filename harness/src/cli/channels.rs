@@ -11,11 +11,11 @@ use bitgrain_lab::plain::escaped;
 use bitgrain_lab::progress::Progress;
 use bitgrain_sim::error::{Error, Result};
 
-/// Signals that come within this time are one wish to stop.
+/// Signals that come within this time are one request to stop.
 const ONE_BREATH: Duration = Duration::from_millis(10);
 
-/// A file that outgrows what the system allows (`ulimit -f`) ends the process by a signal, without a word; where
-/// that is heeded the write fails instead, and is told of.
+/// A file that outgrows what the system allows (`ulimit -f`) ends the process by a signal, without a message; if
+/// that is handled the write fails instead, and is reported.
 #[cfg(unix)]
 pub(super) fn heed_full_files() -> Result<()> {
     let heeded = Arc::new(AtomicBool::new(false));
@@ -28,7 +28,7 @@ pub(super) fn heed_full_files() -> Result<()> {
     Ok(())
 }
 
-/// Prints a text. That nobody reads on (`| head`) hides no verdict: the command goes on to its own end.
+/// Prints a text. A closed reader (`| head`) hides no verdict: the command goes on to its own end.
 pub(super) fn print(text: &str) -> Result<()> {
     let mut out = std::io::stdout();
     let written = out
@@ -40,12 +40,12 @@ pub(super) fn print(text: &str) -> Result<()> {
     }
 }
 
-/// A path as it is printed.
+/// A path for printing.
 pub(super) fn shown(path: &Path) -> String {
     escaped(&path.display().to_string())
 }
 
-/// Progress of a command whose stages stop at Ctrl-C or a polite kill.
+/// Progress of a command whose stages stop at Ctrl-C or SIGTERM.
 pub(super) fn stoppable(verbose: bool) -> Progress {
     let progress = Progress::new(verbose);
     let stop = progress.stop_flag();
@@ -53,8 +53,8 @@ pub(super) fn stoppable(verbose: bool) -> Progress {
     // Without a handler the signal ends the process at once, which loses no file either.
     let _ = ctrlc::set_handler(move || {
         stop.store(true, Ordering::Relaxed);
-        // Asked again: now. Schedulers and `timeout` send a signal to a process and to its group in one breath,
-        // which is one wish.
+        // Asked again: now. Schedulers and `timeout` send a signal to a process and to its group at once,
+        // which is one request.
         if first.get_or_insert_with(Instant::now).elapsed() > ONE_BREATH {
             std::process::exit(130);
         }

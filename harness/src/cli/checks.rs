@@ -27,7 +27,7 @@ pub(super) struct Verify {
     /// several times [default: all].
     #[arg(long = "segment", value_name = "STAGE[:FROM-TO]")]
     segments: Vec<Segment>,
-    /// So many pieces only, chosen at random.
+    /// Only this many pieces, chosen at random.
     #[arg(long, value_name = "PIECES", value_parser = clap::value_parser!(u16).range(1..))]
     sample: Option<u16>,
     /// Seed of the choice [default: the time].

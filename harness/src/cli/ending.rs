@@ -1,4 +1,4 @@
-//! What a run says as it ends.
+//! What a run prints as it ends.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -26,7 +26,7 @@ pub(super) fn describe(out: &Path, beds: &Path, executed: bool) -> Result<(Strin
         let _ = writeln!(text, "before you believe it: {}. {words}", remark.title);
     }
     if !executed {
-        text += "nothing was executed: the run had come to its end before\n";
+        text += "nothing was executed: the run was complete already\n";
     }
     if let Some(last) = summary.runs.last() {
         let _ = writeln!(text, "last link of {}: {}", last.name, last.chain);
@@ -71,7 +71,7 @@ fn drags(summary: &Summary) -> String {
     text
 }
 
-/// A number to the second digit of its error, in signs that every terminal has.
+/// A number to the second digit of its error, in characters that every terminal has.
 fn plain(value: f64, error: f64) -> String {
     let text = number_with_error(value, error);
     text.replace('\u{a0}', " ")

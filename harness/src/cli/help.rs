@@ -18,7 +18,7 @@ pub(super) fn grouped(command: Command) -> Command {
         for name in names {
             let about = match command.find_subcommand(name) {
                 Some(found) => found.get_about().map_or(String::new(), |a| a.to_string()),
-                None => "Say this, or what a command takes".into(),
+                None => "Print this help, or that of a command".into(),
             };
             text += &format!("  {name:<12} {about}\n");
         }
@@ -35,11 +35,11 @@ Examples:
   bitgrain run --resume out/quick
 
 Results depend neither on --threads, nor on whether a bed was poured or reused, nor on whether a run was
-stopped: Ctrl-C (or SIGTERM) saves what is under way; the same command goes on from there, also after a
-kill or a full disk, from the last save; what has come to its end is kept. What is missing or damaged is
-made again. A folder with files of others by names that a run would write is refused.
+stopped: Ctrl-C (or SIGTERM) saves unfinished stages; the same command goes on from there, after a kill or
+a full disk from the last save; finished stages are kept. Missing or damaged files are made again. A folder
+with other files under names that a run would write is refused.
 
-Exit status: 0 done, 2 the scenario was refused, 3 a run went wrong, 1 results could not be written,
+Exit status: 0 done, 2 the scenario was refused, 3 a run failed, 1 results could not be written,
 130 interrupted.";
 
 pub(super) const SWEEP_HELP: &str = "\
@@ -49,9 +49,9 @@ Examples:
   bitgrain sweep my-campaign.toml --threads 16 --jobs 4
 
 A campaign's file holds a base scenario and grids of values; harness/lab/campaigns/kumar-small.toml is one to
-begin from. Each member (the runs that share a bed) is a run directory of its own, which `bitgrain verify`
-and `bitgrain run --resume` take. Runs that end are in results.csv and results.parquet at once; those that
-fail keep a row with the reason. A campaign that was stopped or killed goes on with the same command, and
+begin from. Each member (the runs that share a bed) is a separate run directory, which `bitgrain verify`
+and `bitgrain run --resume` accept. Finished runs are in results.csv and results.parquet at once; those that
+fail have a row with the reason. A campaign that was stopped or killed goes on with the same command, and
 ends with the same bytes.
 
 Exit status: 0 done, 2 the campaign was refused, 3 runs failed, 1 results could not be written,
@@ -63,8 +63,8 @@ Examples:
   bitgrain analyse out/quick
   bitgrain analyse results.csv --plugs --out findings.json
 
-Fits say their errors and how good they are, or why there is none: too few points, too short a range, an
-exponent known too badly.";
+Fits come with their errors and quality, or with the reason why there is none: too few points, too short a
+range, an exponent with too large an error.";
 
 pub(super) const CLAIMS_HELP: &str = "\
 Examples:
@@ -74,7 +74,7 @@ Examples:
   bitgrain claims out/kumar-small --book golden/claims.toml
 
 A claim agrees, disagrees, or is not resolved by the runs at hand: a number agrees within its tolerance if
-its standard error is no larger, and disagrees where two errors more do not reach it.";
+its standard error is no larger, and disagrees if two errors more do not reach it.";
 
 pub(super) const BED_HELP: &str = "\
 Examples:
@@ -102,11 +102,11 @@ Examples:
   bitgrain verify out/quick --sample 3
   bitgrain verify out/kumar-small --sample 5
 
-The folder is compared with its manifest: what is unfinished, missing, changed or too much is named. Of a
-campaign so are its members, and its table is made again. Then runs are executed again: between two
+The folder is compared with its manifest: unfinished stages and missing, changed or extra files are named.
+For a campaign its members are compared too, and its table is made again. Then runs are executed again: between two
 checkpoints of a run every link of its chain of digests is made again, and so is the checkpoint at the end
 with all that was measured, the tables and the snapshots; a bed is poured again. The summary is made again
-where all is verified. The report is not looked at (`bitgrain report DIR` makes it anew). Exit status: 0 all
+if all is verified. The report is not checked (`bitgrain report DIR` makes it again). Exit status: 0 all
 holds, 3 something does not, or the run has no manifest or is not finished, 2 the folder holds no run.";
 
 pub(super) const BISECT_HELP: &str = "\
@@ -124,8 +124,8 @@ Examples:
   bitgrain replay out/quick --stage run-1 --from 12345 --steps 1 --contacts
 
 A grain's motion in a case is \"free\", \"weightless\", \"frozen\", {\"carried\": [vx, vy, vz]} or, as a grain of
-a lid, {\"lid\": [vx, vy]}; the guide (harness/guide/src/cases-and-energy.md) shows a whole case, and what the
-terms of --energy are.";
+a lid, {\"lid\": [vx, vy]}; the guide (harness/guide/src/cases-and-energy.md) shows a whole case, and explains
+the terms of --energy.";
 
 #[cfg(test)]
 mod tests {

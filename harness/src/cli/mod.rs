@@ -1,4 +1,4 @@
-//! The command line: what each command takes, and how each ending is told.
+//! The command line: what each command takes, and how each ending is reported.
 
 mod analyse;
 mod bed;
@@ -66,7 +66,7 @@ enum Command {
     /// Say what two papers claim in numbers, what was measured of it, and whether they agree.
     #[command(after_help = CLAIMS_HELP)]
     Claims(analyse::Claims),
-    /// Write the report of a run directory anew from the files in it.
+    /// Write the report of a run directory again from the files in it.
     #[command(after_help = "Example:\n  bitgrain report out/quick")]
     Report {
         /// The folder with the results.
@@ -93,7 +93,7 @@ enum Command {
     /// Write a scenario file to begin from, with a comment on every key.
     #[command(after_help = "Example:\n  bitgrain new my-drag")]
     New(start::New),
-    /// Print what a shell needs to complete commands and options.
+    /// Print the completion script of a shell for commands and options.
     #[command(after_help = "Example:\n  bitgrain completions bash")]
     Completions(start::Completions),
     /// Write manual pages, one for the program and one for each command.
@@ -111,12 +111,12 @@ struct Run {
     /// Go on with the run in this folder from where it was stopped; its scenario is in it.
     #[arg(long, value_name = "DIR", conflicts_with_all = ["scenario", "out", "sets"])]
     resume: Option<PathBuf>,
-    /// Save stages under way so often, in minutes (5m) or in steps (20000) [default: 5m].
+    /// Save unfinished stages this often, in minutes (5m) or in steps (20000) [default: 5m].
     #[arg(long, value_name = "INTERVAL")]
     save_every: Option<SaveEvery>,
     #[command(flatten)]
     beds: Beds,
-    /// Threads, for beds and speeds side by side and for each where there are fewer [default: one
+    /// Threads, for beds and speeds side by side, and several for each if there are fewer of them [default: one
     /// for each processor].
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
@@ -130,15 +130,15 @@ struct Run {
     /// Print what it would take (steps, memory, disk, time, dimensionless groups), and run nothing.
     #[arg(long)]
     dry_run: bool,
-    /// A closing hash or the last link of a stage that was kept elsewhere: the run ends with status 3 where it
-    /// does not come to it; may be given several times.
+    /// A closing hash or the last link of a stage that was kept elsewhere: the run ends with status 3 if it
+    /// does not arrive at it; may be given several times.
     #[arg(long, value_name = "LINK", conflicts_with_all = ["only", "dry_run"])]
     expect: Vec<String>,
-    /// Another run's folder, the chain.csv of one of its stages, or a link: the run ends with status 3 where a
-    /// link is another one, and says at which step, body and number, here and in difference.json.
+    /// Another run's folder, the chain.csv of one of its stages, or a link: the run ends with status 3 if a
+    /// link differs, and says at which step, body and number, here and in difference.json.
     #[arg(long, value_name = "DIR|CHAIN|LINK", conflicts_with_all = ["only", "dry_run"])]
     against: Option<String>,
-    /// Print lines where standard error is no terminal: each minute, and as each stage ends.
+    /// Print lines if standard error is not a terminal: each minute, and as each stage ends.
     #[arg(long, short)]
     verbose: bool,
 }
@@ -155,10 +155,10 @@ struct Bench {
     /// Threads that step the bed.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: u16,
-    /// Repeat the bed so many times along x and along y, without its obstacles: larger beds of one kind.
+    /// Repeat the bed this many times along x and along y, without its obstacles: larger beds of one kind.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=200))]
     tiles: u16,
-    /// Copies of the bed to step side by side, each on so many threads.
+    /// Copies of the bed to step side by side, each on --threads threads.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
     copies: u16,
     /// Print one JSON object.
@@ -192,7 +192,7 @@ struct Case {
     /// List the contacts of each sample.
     #[arg(long)]
     contacts: bool,
-    /// Account for the energy: in each sample what there is, and since step 0 the work done, what was
+    /// Account for the energy: in each sample the energy, and since step 0 the work done, what was
     /// dissipated, and the residual.
     #[arg(long, conflicts_with_all = ["stage", "digests"])]
     energy: bool,
@@ -279,12 +279,12 @@ fn run_replay(case: Case) -> Result<()> {
         }
         (true, None) => {
             let past = RunArchive::open(&Folder(&case.case)).map(|past| past.names())?;
-            let problem = format!("is a run: say which --stage of it; there are {past}");
+            let problem = format!("is a run: name its --stage; there are {past}");
             Err(Error::input(case.case.display().to_string(), problem))
         }
         (false, Some(_)) => Err(Error::input(
             case.case.display().to_string(),
-            "is no folder; --stage is of a run's",
+            "is not a folder; --stage needs the folder of a run",
         )),
     }
 }
@@ -293,7 +293,7 @@ fn run_scenario(run: Run, home: &Path) -> Result<()> {
     if run.scenario.is_none() && run.resume.is_none() {
         return start::list();
     }
-    // A word that is wrong is told before hours of work.
+    // A wrong word is reported before hours of work.
     let against = run.against.as_deref().map(Reference::of).transpose()?;
     let (scenario, out) = match (&run.resume, &run.scenario) {
         (Some(folder), _) => (Folder(folder).saved_scenario()?, folder.clone()),
@@ -339,9 +339,8 @@ fn run_scenario(run: Run, home: &Path) -> Result<()> {
         None => Ok(()),
         Some(link) => {
             let place = out.display();
-            let problem = format!(
-                "{place}: {link} is neither the closing hash that it came to nor the last link of a stage"
-            );
+            let problem =
+                format!("{place}: {link} is neither its closing hash nor the last link of a stage");
             Err(Error::Unverified {
                 problem,
                 hint: UNEXPECTED,

@@ -1,4 +1,4 @@
-//! What a newcomer asks for first: which scenarios there are, a file to begin from, and what a shell and `man` want.
+//! First steps: the shipped scenarios, a file to begin from, shell completions and manual pages.
 
 use std::path::PathBuf;
 
@@ -37,12 +37,12 @@ pub(super) fn new(what: &New) -> Result<()> {
     let name = &what.name;
     let plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
     if name.is_empty() || name.len() > 64 || !name.chars().all(plain) {
-        let problem = "is no name for a scenario: take up to 64 letters, digits, - and _";
+        let problem = "is not a name for a scenario: use up to 64 letters, digits, - and _";
         return Err(Error::input(name, problem));
     }
     let path = PathBuf::from(format!("{name}.toml"));
     if disk::is_there(&path) {
-        let problem = "is there already: choose another name, or move it away";
+        let problem = "exists already: choose another name, or move it away";
         return Err(Error::input(shown(&path), problem));
     }
     write_whole(&path, scenario::template(name).as_bytes())?;
@@ -70,12 +70,12 @@ pub(super) fn list() -> Result<()> {
             size.name, size.grains, size.beds, size.drags, size.time
         );
     }
-    text += "\nbitgrain run NAME runs one of them, bitgrain run NAME --dry-run says more of it, and bitgrain new NAME \
-             writes a file to begin from.\n";
+    text += "\nbitgrain run NAME runs one of them, bitgrain run NAME --dry-run says more about it, and bitgrain new \
+             NAME writes a file to begin from.\n";
     print(&text)
 }
 
-/// Prints what a shell wants to complete commands.
+/// Prints the completion script of a shell.
 pub(super) fn completions(what: &Completions, mut program: Command) -> Result<()> {
     let mut text = Vec::new();
     clap_complete::generate(what.shell, &mut program, "bitgrain", &mut text);

@@ -26,14 +26,14 @@ pub(super) struct Sweep {
     out: Option<PathBuf>,
     #[command(flatten)]
     beds: Beds,
-    /// Threads, shared by the stages under way [default: one for each processor].
+    /// Threads, shared by the running stages [default: one for each processor].
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
-    /// Most stages under way at a time: fewer take less memory, and more threads each [default: as
+    /// Most stages at a time: fewer take less memory, and more threads each [default: as
     /// many as threads].
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
-    /// Save stages under way so often, in minutes (5m) or in steps (20000) [default: 5m].
+    /// Save unfinished stages this often, in minutes (5m) or in steps (20000) [default: 5m].
     #[arg(long, value_name = "INTERVAL")]
     save_every: Option<SaveEvery>,
     /// Change a key of the base scenario, as in --set bed.settled=1e-5; may be given several times.
@@ -44,16 +44,16 @@ pub(super) struct Sweep {
     #[arg(long, value_name = "NAME")]
     only: Vec<String>,
     /// Compare each run that is done with its row in this table of the same campaign, such as one of
-    /// those under golden/, and end with status 3 where a digit differs.
+    /// those under golden/, and end with status 3 if a digit differs.
     #[arg(long, value_name = "TABLE")]
     against: Option<PathBuf>,
-    /// Try again what failed before.
+    /// Try runs again that failed before.
     #[arg(long)]
     retry: bool,
     /// Print the plan with its cost in grain-steps and hours, and run nothing.
     #[arg(long)]
     dry_run: bool,
-    /// Print lines where standard error is no terminal: each minute, and as each stage ends.
+    /// Print lines if standard error is not a terminal: each minute, and as each stage ends.
     #[arg(long, short)]
     verbose: bool,
 }
@@ -101,9 +101,7 @@ pub(super) fn run(what: Sweep, home: &Path) -> Result<()> {
     if let Some((table, path)) = against {
         let place = path.display().to_string();
         let same = evidence.table.check_against(&table, &place)?;
-        print(&format!(
-            "{same} runs are those of {place}, digit by digit\n"
-        ))?;
+        print(&format!("{same} runs agree with {place} digit by digit\n"))?;
     }
     match outcome.failed {
         0 => Ok(()),

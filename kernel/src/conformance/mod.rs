@@ -1,4 +1,4 @@
-//! Small worlds whose digests are published: a machine that gives them keeps the bit contract.
+//! Small worlds whose digests are published: a machine that reproduces them keeps the bit contract.
 //!
 //! Between them they hold every law, obstacle and kind of group. They are written down here and read
 //! from nowhere, and all of them fit, one at a time, into one [`Room`]. Where grains begin is worked out by the
@@ -21,7 +21,7 @@ pub const EVERY: u64 = 50;
 /// Bytes of a line as text.
 pub const LINE: usize = 100;
 
-/// What a world has come to.
+/// The state that a world has reached.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Line {
     /// The number type, as `f64`.
@@ -104,7 +104,7 @@ pub enum World {
     Rig,
 }
 
-/// How a world goes on.
+/// A stage of a world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stage {
     /// Up to this step.
@@ -158,7 +158,7 @@ impl World {
     /// Makes it in `room`, whatever was there; not yet started.
     ///
     /// # Errors
-    /// None where [`Room`] is as large as it is.
+    /// None, since [`Room`] is large enough for every world.
     // Inlined, what it keeps on the stack would stay there through the steps.
     #[inline(never)]
     pub fn lay<R: Real>(self, room: &mut Room<R>) -> Result<(), Error> {
@@ -207,7 +207,7 @@ pub fn run<R: Real>(
     Ok(())
 }
 
-/// Goes on to step `last`, telling the digest of step 0 and of every [`EVERY`]th.
+/// Goes on to step `last`, reporting the digest of step 0 and of every [`EVERY`]th.
 #[inline(never)]
 fn follow<R: Real, L: Law<R>>(
     room: &mut Room<R>,

@@ -1,9 +1,9 @@
 //! A block of contacts evaluated together, in columns: rows of grains in, forces in rows out.
 //!
-//! Each step of the evaluation is a loop of its own over the block, short enough for a compiler to
+//! Each step of the evaluation is a separate loop over the block, short enough for a compiler to
 //! put into the widest registers it may use, and with short chains of operations, so that a
-//! processor need not wait for one root or division before it begins the next. What a loop leaves for
-//! the next one lies in columns that stay in the nearest cache. Nothing here branches on the data:
+//! processor need not wait for one root or division before it begins the next. The results of a loop
+//! for the next one lie in columns that stay in the nearest cache. Nothing here branches on the data:
 //! a pair that does not touch is evaluated too and gives +0.0, which changes no sum.
 
 use crate::contact::law::{
@@ -16,7 +16,7 @@ use crate::math::vec3::{Vec3, add, cross, dot, either, head, scale};
 use crate::state::domain::Domain;
 
 /// Pairs of a block: enough that filling and emptying it costs little, few enough for the nearest
-/// cache; fewer where the stack is small. A multiple of [`STRIDE`].
+/// cache; fewer if the stack is small. A multiple of [`STRIDE`].
 pub(crate) const BLOCK: usize = if cfg!(any(target_arch = "arm", target_arch = "riscv32")) {
     1
 } else {

@@ -10,8 +10,8 @@ use crate::math::vec3::{add, dot, either, scale, sub};
 /// `F_n = sqrt(R delta) (K_n delta - m gamma_n v_n)` and
 /// `F_t = -sqrt(R delta) (K_t s + m gamma_t v_t)` with `|F_t| <= mu |F_n|`.
 ///
-/// The normal force may pull while a contact opens. Where the cap bites, spring and damper together
-/// sit on it and the spring is shortened so that the same formula returns the capped force; a spring
+/// The normal force may pull while a contact opens. When the cap applies, spring and damper together
+/// are held to it and the spring is shortened so that the same formula returns the capped force; a spring
 /// of length exactly zero then gives no tangential force at all (the rule of LAMMPS'
 /// `gran/hertz/history`, whose numbers the paper reports). Levers are the full radii, so a pair's
 /// angular momentum is conserved only up to overlap times `F_t`.

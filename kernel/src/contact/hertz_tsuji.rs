@@ -33,7 +33,7 @@ impl<R: Real> HertzTsuji<R> {
     /// coefficient of restitution (0 to 1, 0 excluded) and the friction coefficient.
     ///
     /// `beta = ln e / sqrt(ln^2 e + pi^2)`, with the logarithm of the `libm` crate: for set-up, never
-    /// inside a step. Numbers out of their ranges give coefficients that are NaN or senseless.
+    /// inside a step. Numbers out of their ranges give coefficients that are NaN or meaningless.
     pub fn new(young: f64, poisson: f64, restitution: f64, mu: f64) -> Self {
         let y = young / (2.0 * (1.0 - poisson * poisson));
         let g = young / (4.0 * (2.0 - poisson) * (1.0 + poisson));

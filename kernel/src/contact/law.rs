@@ -1,10 +1,10 @@
 //! Contact laws: from how two bodies touch to the force between them.
 //!
 //! A law is two pure functions of one contact, the same for grain on grain and grain on obstacle, with
-//! no branch on the data: how hard the bodies normal_force each other, and how they resist being slid. What
-//! comes before, between and after is the same for every law and stands here once. A block of
+//! no branch on the data: how hard the bodies press on each other, and how they resist sliding. What
+//! comes before, between and after is the same for every law and is written here once. A block of
 //! contacts is evaluated in lanes, function by function: short chains of operations keep a processor
-//! busy where one long chain has it wait. A new law is one new file in this folder.
+//! busy when one long chain would make it wait. A new law is one new file in this folder.
 
 use crate::math::real::Real;
 use crate::math::vec3::{Vec3, add, cross, dot, scale, sub};
@@ -14,7 +14,7 @@ use crate::math::vec3::{Vec3, add, cross, dot, scale, sub};
 pub struct Contact<R> {
     /// Unit vector from the partner to the grain.
     pub normal: Vec3<R>,
-    /// Depth of the overlap (length); zero or less where the bodies do not touch.
+    /// Depth of the overlap (length); zero or less if the bodies do not touch.
     pub overlap: R,
     /// Radius of the grain.
     pub radius_i: R,
@@ -22,7 +22,7 @@ pub struct Contact<R> {
     pub radius_j: R,
     /// Effective radius `r_i r_j / (r_i + r_j)`; `r_i` on a flat surface.
     pub radius_effective: R,
-    /// Effective mass `1 / (1/m_i + 1/m_j)`; the other's mass where one is infinitely heavy.
+    /// Effective mass `1 / (1/m_i + 1/m_j)`; the other's mass if one is infinitely heavy.
     pub mass_effective: R,
     /// Velocity of the grain's centre less the partner's.
     pub velocity: Vec3<R>,
@@ -47,7 +47,7 @@ pub struct Reaction<R> {
     pub lever_arm_j: R,
 }
 
-/// A contact seen along its normal: what [`Law::normal_force`] is told.
+/// A contact seen along its normal: the input of [`Law::normal_force`].
 #[derive(Clone, Copy, Debug)]
 pub struct NormalState<R> {
     /// Depth of the overlap (length).
@@ -71,7 +71,7 @@ pub struct NormalForce<R> {
     pub force: R,
     /// `sqrt(R delta)`, the radius of Hertz's contact (length).
     pub contact_radius: R,
-    /// Tangential damping, in units of the law's own.
+    /// Tangential damping, in the law's own units.
     pub damping: R,
     /// Lever of the tangential force about the grain's centre.
     pub lever_arm_i: R,
@@ -79,7 +79,7 @@ pub struct NormalForce<R> {
     pub lever_arm_j: R,
 }
 
-/// A contact seen in its tangent plane: what [`Law::tangential_force`] is told.
+/// A contact seen in its tangent plane: the input of [`Law::tangential_force`].
 #[derive(Clone, Copy, Debug)]
 pub struct TangentialState<R> {
     /// Velocity of the grain's surface over the partner's.
@@ -99,7 +99,7 @@ pub struct TangentialForce<R> {
     pub spring: Vec3<R>,
 }
 
-/// A contact law. Where `overlap <= 0` its results are unspecified and the caller discards them.
+/// A contact law. If `overlap <= 0` its results are unspecified and the caller discards them.
 pub trait Law<R: Real>: Copy + Send + Sync {
     /// Along the normal.
     fn normal_force(&self, contact: &NormalState<R>) -> NormalForce<R>;
@@ -348,7 +348,7 @@ mod tests {
             let r = law.react(c, [0.0; 3], dt);
             let slip = slip(c, r.lever_arm_i, r.lever_arm_j);
             prop_assert!(dot(r.tangential, slip) <= 0.0);
-            // The friction is damping's own where it does not slide, so it is not nothing.
+            // Without sliding the friction is damping alone, so it is not zero.
             prop_assert!(dt == 0.0 || size(slip) < 1e-6 || size(r.tangential) > 0.0);
         }
         Ok(())
@@ -410,7 +410,7 @@ mod tests {
             }
         }
 
-        /// The spring alone is held to the cap; damping may add to it, but only where nothing
+        /// The spring alone is held to the cap; damping may add to it, but only if nothing
         /// slides. 1e-12 is for the rounding of the shortened spring.
         #[test]
         fn friction_is_capped_hertz_tsuji(c in contact(), s in spring()) {

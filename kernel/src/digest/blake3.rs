@@ -29,7 +29,7 @@ const START: Chain = [
     0x5be0_cd19,
 ];
 
-/// A hash under way.
+/// A hash in progress.
 #[derive(Clone, Debug)]
 pub struct Hasher {
     chain: Chain,
@@ -125,7 +125,7 @@ impl Hasher {
         }
     }
 
-    /// Joins a chunk with every subtree that it completes: one for each factor two of their number.
+    /// Joins a chunk with every subtree that it completes: one for each factor of two in their number.
     fn join_left(&mut self, chunk: Chain) {
         let mut root = chunk;
         let mut count = self.chunk;

@@ -1,4 +1,4 @@
-//! Hashes of states: the digest that users compare, and the seal that finds what was written to between steps.
+//! Hashes of states: the digest that users compare, and the seal that detects writes between steps.
 
 pub mod blake3;
 pub(crate) mod seal;

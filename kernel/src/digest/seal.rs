@@ -1,19 +1,19 @@
-//! The seal of a world at rest: what shows that nothing was written to between two steps.
+//! The seal of a world at rest: it shows that nothing was written to between two steps.
 //!
 //! The pair list and the bound of the next step's travel are made from the rows as a step left them. A
 //! host that writes a position, a velocity or a force after that would get a contact missed for a step
 //! or not, as the skin happens to be. So a world is sealed when a stretch of steps ends, and the next
-//! one is refused where the seal no longer fits.
+//! one is refused if the seal no longer fits.
 //!
 //! Sealed is all that the motion of a step comes from, but for the velocity of an obstacle: it may change
-//! between steps, and each step looks at it anew. The forces on grains are sealed too: the next drift
+//! between steps, and each step reads it again. The forces on grains are sealed too: the next drift
 //! begins with half a kick by them, so that the travel that was foreseen depends on them. Not sealed are
 //! names and crossings, which move nothing; the force and torque on an obstacle, which are results that no
 //! step reads; and pairs with their springs, storage that only the kernel writes.
 //!
 //! The seal is a sum over words, each mixed with where it stands, so that grains can be sealed range by
-//! range in any order. Of all ways to write to a row about one in 2^32 leaves it as it was. It is no
-//! digest: nobody is kept from finding two worlds with one seal who looks for them.
+//! range in any order. Of all ways to write to a row about one in 2^32 leaves the seal as it was. It is not
+//! a digest: two worlds with the same seal can be found on purpose.
 
 use crate::integrate::GrainMotion;
 use crate::math::real::Real;
@@ -93,7 +93,7 @@ fn mixed(word: u64, key: u64) -> u64 {
     (both & 0xffff_ffff).wrapping_mul(both >> 32)
 }
 
-/// Makes of the numbers of places keys that have nothing to do with each other.
+/// Turns the numbers of places into keys that are unrelated to each other.
 #[inline(always)]
 fn scattered(place: u64) -> u64 {
     let key = place.wrapping_mul(0x9e37_79b9_7f4a_7c15);

@@ -3,7 +3,7 @@
 //! The force on a grain is the sum from +0.0 over obstacles by ascending number, then over
 //! neighbours by ascending id. A half list walked with `i` and `j` ascending gives that order to
 //! both partners without a sort: contributions of earlier rows were added before, in order, when the
-//! row of grain `g` is walked. The chain of orderings, so that no change breaks one link unseen:
+//! row of grain `g` is walked. The chain of orderings, so that no change breaks one link unnoticed:
 //!
 //! * pairs are listed by `i` and then `j`, ascending;
 //! * a block of them is evaluated at once but summed pair by pair; a pair that does not touch gives
@@ -82,7 +82,7 @@ pub struct GrainRange<'a, R> {
 
 impl<R: Real> GrainRange<'_, R> {
     /// The first `grains` of the range, and the others. No listed pair may have one grain in each: cut
-    /// where the list was cut.
+    /// at the place where the list was cut.
     pub fn split(self, grains: usize) -> (Self, Self) {
         let middle = self.first.saturating_add(grains);
         let pairs = self.pairs.lower.partition_point(|&i| (i as usize) < middle);
@@ -119,7 +119,7 @@ pub struct GrainView<'a, R> {
     pub dt: R,
 }
 
-/// What a pair of two ranges gives its grains; +0.0 where it does not touch.
+/// What a pair of two ranges gives its grains; +0.0 if it does not touch.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CrossRangeForce<R> {
     /// Place of the lower grain.
@@ -145,7 +145,7 @@ pub enum Partner {
     Obstacle(u32),
 }
 
-/// One touching contact as it was evaluated, for whoever watches a step.
+/// One touching contact as it was evaluated, for the observer of a step.
 #[derive(Clone, Copy, Debug)]
 pub struct ContactForce<R> {
     /// Place of the grain (the lower one of two).
@@ -173,8 +173,8 @@ pub fn first_excessive_overlap(a: ExcessiveOverlap, b: ExcessiveOverlap) -> Exce
     }
 }
 
-/// Evaluates pairs of two ranges into `out`, one entry for each pair; entries that `out` has too
-/// few for are lost.
+/// Evaluates pairs of two ranges into `out`, one entry for each pair; entries for which
+/// `out` is too short are lost.
 #[inline(always)]
 pub fn cross_range<R: Real, L: Law<R>>(
     view: GrainView<'_, R>,
@@ -238,7 +238,7 @@ pub enum After {
 ///
 /// `lower` are spills whose higher grain is in the range, `own` those whose lower grain is, both in
 /// order. With one range over all grains both are empty, and this is the definition. `watch` sees
-/// every contact evaluated here (not the spills); it cannot change one. `fetch`, where there is one, is
+/// every contact evaluated here (not the spills); it cannot change one. `fetch`, if there is one, is
 /// called a block ahead with rows and a place that will be wanted: a hint to bring them near, for
 /// worlds larger than a cache.
 #[inline(always)]
@@ -253,7 +253,7 @@ pub fn accumulate<'s, R: Real, L: Law<R>>(
 ) -> (ExcessiveOverlap, MotionCheck<R>) {
     let (first, dt) = (range.first, range.dt);
     let GrainRange { grains, pairs, .. } = range;
-    // Copies of its own: the compiler must see that nothing written here can change them.
+    // Local copies: the compiler must see that nothing written here can change them.
     let (law, domain) = (*law, *grains.domain);
     // One length for all rows, so that a place is checked once for all of them.
     let all = grains.count();

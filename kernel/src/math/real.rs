@@ -36,7 +36,7 @@ pub trait Real:
     const LEAST: Self;
     /// The least positive normal number.
     const LEAST_NORMAL: Self;
-    /// How this type is called in Rust, as `f64` or `f32`.
+    /// The name of this type in Rust, as `f64`.
     const NAME: &'static str;
     /// Whether numbers are evenly spaced, [`Real::EPSILON`] apart, and those that are too large become an overflow
     /// mark that must not be lost. Floats pay nothing for it.

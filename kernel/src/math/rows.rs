@@ -30,7 +30,7 @@ pub(crate) fn row<R: Real>(v: Vec3<R>) -> Row<R> {
     [v[0], v[1], v[2], R::ZERO]
 }
 
-// Rows are computed whole where that changes no word that is used: each is one wide operation then.
+// Rows are computed whole if that changes no word that is used: each is one wide operation then.
 
 /// The sum of two rows.
 #[inline(always)]
@@ -78,7 +78,7 @@ pub(crate) fn front_mut<T>(slice: &mut [T], end: usize) -> &mut [T] {
     slice.get_mut(..end).unwrap_or_default()
 }
 
-/// Both sides of a place; all on the left where the slice is shorter.
+/// Both sides of a place; all on the left if the slice is shorter.
 #[inline(always)]
 pub(crate) fn split_at<T>(slice: &[T], place: usize) -> (&[T], &[T]) {
     slice.split_at_checked(place).unwrap_or((slice, &[]))
@@ -107,7 +107,7 @@ pub(crate) fn part_mut<T>(slice: &mut [T], begin: usize, end: usize) -> &mut [T]
     slice.get_mut(begin..end).unwrap_or_default()
 }
 
-/// Copies a slice to one of the same length; nothing where the lengths differ.
+/// Copies a slice to one of the same length; nothing if the lengths differ.
 #[inline(always)]
 pub(crate) fn copy<T: Copy>(to: &mut [T], from: &[T]) {
     // A compiler that sees one length makes one copy of it, and this cannot panic.

@@ -45,7 +45,7 @@ pub fn head<R: Real>(row: [R; 4]) -> Vec3<R> {
     [row[0], row[1], row[2]]
 }
 
-/// `a` where `first` holds, else `b`: three selections, not a branch.
+/// `a` if `first` holds, else `b`: three selections, not a branch.
 #[inline(always)]
 pub fn either<R: Real>(first: bool, a: Vec3<R>, b: Vec3<R>) -> Vec3<R> {
     [

@@ -1,7 +1,7 @@
 //! The list of pairs near enough to touch soon, and the tangential springs beside them.
 //!
 //! Grain pairs are listed once, by lower grain and then partner, both ascending. Obstacle contacts
-//! are a list of their own, by grain and then obstacle. A pair keeps its spring as long as its bodies
+//! are a separate list, by grain and then obstacle. A pair keeps its spring as long as its bodies
 //! touch; which further pairs are listed has no effect on any result.
 
 use crate::math::real::Real;

@@ -1,7 +1,7 @@
 //! The pairs near enough to touch soon, picked from the candidates of the last search.
 //!
 //! A search looks far, so that it is rare; the list that every step evaluates looks a short way, so
-//! that hardly a pair in it does not touch, and is renewed as often as that takes. The new list is
+//! that almost every pair in it touches, and is renewed as often as needed. The new list is
 //! made in the spare storage, takes over the springs of the old one and is copied back, so that a
 //! full list leaves the old one whole.
 

@@ -107,8 +107,8 @@ impl<R: Real> Domain<R> {
     }
 
     /// Brings `x` back into the box along periodic axes and counts the crossings in `image`.
-    /// Returns whether `x` is inside afterwards: `false` beyond a closed edge, for NaN, or where the
-    /// count of crossings has no room for another and stays what it was.
+    /// Returns whether `x` is inside afterwards: `false` beyond a closed edge, for NaN, or if the
+    /// count of crossings cannot grow and stays what it was.
     ///
     /// A coordinate that rounds to the upper edge becomes the lower edge, so that a place has one
     /// name only. A step may cross at most one period.
@@ -149,7 +149,7 @@ impl<R: Real> Domain<R> {
                 crossing = 0;
             }
         }
-        // A count that turned over would put the grain billions of periods away.
+        // A count that overflowed would put the grain billions of periods away.
         let Some(count) = image.checked_add(crossing) else {
             return false;
         };

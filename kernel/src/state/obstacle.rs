@@ -95,7 +95,7 @@ impl<R: Real> Obstacle<R> {
     /// Checks size, place and direction against the box: a ball lies in it with its centre and is
     /// no larger; so does a bar across its axis; directions have length 1.
     ///
-    /// A plane's normal may have no part along a periodic axis; where an axis is periodic, a bar
+    /// A plane's normal may have no part along a periodic axis; if an axis is periodic, a bar
     /// must lie along one of the three axes.
     ///
     /// # Errors

@@ -1,4 +1,4 @@
-//! Writes the notices of the crates that are linked into the command, anew from `Cargo.lock` and their sources.
+//! Rewrites the notices of the crates that are linked into the command, from `Cargo.lock` and their sources.
 
 use bitgrain_tests::{notices, root};
 

@@ -1,5 +1,5 @@
-//! Steps the settled bed of `quick` on one thread, with a fixed skin, and prints its digest: what the
-//! counts of instructions are taken of.
+//! Steps the settled bed of `quick` on one thread, with a fixed skin, and prints its digest: the program whose
+//! instructions are counted.
 //!
 //! `settled REGISTERS STEPS`, with `plain` or `avx2`.
 

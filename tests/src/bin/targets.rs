@@ -19,7 +19,7 @@ targets [--list] [--require NAME,...] [NAME ...]
 
   --list             names every target, with the Debian packages that it takes
   --require NAME,... it is an error that these cannot be tried
-  NAME ...           only these (and those required); all where none is named
+  NAME ...           only these (and those required); all if none is named
 
 Exit status: 0 all that ran is as it must be, 1 something is not or a required target cannot be tried,
 2 no such target or option.";
@@ -92,7 +92,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Runs what is wished and says whether all of it is as it must be.
+/// Runs what was asked for and returns whether all of it is as it must be.
 fn run(wish: &Wish) -> Result<bool, String> {
     let read = |name: &str| {
         let text = std::fs::read_to_string(golden(name));

@@ -84,7 +84,7 @@ impl Bytes<'_> {
     }
 }
 
-/// A vector of length 1 along another; up where there is none.
+/// A vector of length 1 along another; up if that has no length.
 pub(super) fn unit(v: [f64; 3]) -> [f64; 3] {
     let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
     if length > 0.0 {

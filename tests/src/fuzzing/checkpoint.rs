@@ -1,4 +1,4 @@
-//! Checkpoints from bytes, and checkpoints of states that no run would come to.
+//! Checkpoints from bytes, and checkpoints of states that no run would reach.
 
 use std::sync::OnceLock;
 
@@ -32,8 +32,8 @@ const CASES: [&str; 2] = [
             {"id": 9, "diameter": 1, "density": 1, "position": [0.1, 0.995, 0.994], "motion": "weightless"}]}"#,
 ];
 
-/// Bytes of a checkpoint after a 0; after anything else, changes to a sound state that is sealed as it is
-/// then, so that what reading checks behind the seal is reached; after a 255, the stage under way that
+/// Bytes of a checkpoint after a 0; after anything else, changes to a sound state that is sealed again
+/// so that the checks behind the seal are reached; after a 255, the unfinished stage that
 /// a checkpoint holds. What is read steps on, and is written
 /// and read again to the same bytes.
 pub fn checkpoint(data: &[u8]) -> bool {
@@ -47,7 +47,7 @@ pub fn checkpoint(data: &[u8]) -> bool {
     }
 }
 
-/// A stage under way, a drag's or a bed's, as its checkpoint holds it.
+/// An unfinished stage, a drag's or a bed's, as its checkpoint holds it.
 fn under_way(data: &[u8]) -> bool {
     let Ok(text) = std::str::from_utf8(data) else {
         return false;
@@ -145,7 +145,7 @@ fn altered(choice: usize, mut from: Bytes) -> Vec<u8> {
     bytes(&mut sim, "").expect("sound arithmetic")
 }
 
-/// Changes one thing of a state. Lists stay as long as each other: a writer's own contract.
+/// Changes one thing of a state. Lists stay as long as each other: the writer guarantees it.
 fn alter(sim: &mut Simulation, from: &mut Bytes) {
     let i = from.below(sim.count() as u8);
     let (word, number) = (from.below(4), any(from));

@@ -83,7 +83,7 @@ fn contact_case(bytes: &mut Bytes) -> Case {
     );
     let mut grain = |id: u32, diameter: f64, position: [f64; 3]| {
         let motion = bytes.motion(speed);
-        // Along which axes it may have a velocity of its own, and whether it may spin.
+        // Along which axes it may have its own velocity, and whether it may spin.
         let (moves, spins) = match motion {
             MotionSpec::Free | MotionSpec::Weightless => ([1.0; 3], 1.0),
             MotionSpec::Lid(_) => ([0.0, 0.0, 1.0], 1.0),

@@ -1,4 +1,4 @@
-//! Numbers that must be finite after whatever was done.
+//! Numbers that must be finite whatever was done.
 
 use bitgrain::simulation::Simulation;
 

@@ -129,7 +129,7 @@ fn sealed<R: Real>(bytes: &mut Bytes, lent: &mut Lent<R>) -> Sealed {
     Sealed::NONE.and(seal(&lent.world().grain_motion(), first))
 }
 
-/// The phase of the forces over all grains, with spills that are none of its own.
+/// The phase of the forces over all grains, with spills of other ranges.
 fn pushed<R: Real, L: Law<R>>(bytes: &mut Bytes, lent: &mut Lent<R>, law: &L) {
     let dt = number(bytes);
     let after = [After::Stay, After::Rest, After::FinishAndBegin][bytes.below(3)];
@@ -266,7 +266,7 @@ pub(super) fn plain<R: Real>(bytes: &mut Bytes) -> bool {
     stored(bytes, domain, &history)
 }
 
-/// A store filled and stepped in any order.
+/// A store that is filled and stepped in any order.
 fn stored<R: Real, L: Law<R>>(bytes: &mut Bytes, domain: Domain<R>, law: &L) -> bool {
     let mut store = Store::<R, 6, 16, 8, 3>::vacant();
     let mut stepped = false;

@@ -18,7 +18,7 @@ pub(super) fn add<R: Real>(
     lent.add(id, group, position, velocity, spin);
 }
 
-/// Gives the grains that were added their cells, and lists of at least so many entries.
+/// Gives the grains that were added their cells, and lists of at least this many entries.
 pub(super) fn reserve<R: Real>(
     lent: &mut Lent<R>,
     pairs: usize,
@@ -34,7 +34,7 @@ pub(super) fn reserve<R: Real>(
     made.expect("memory for a small world");
 }
 
-/// Room for whatever these grains and obstacles can list.
+/// Room for everything that these grains and obstacles can list.
 pub(super) fn reserve_all<R: Real>(lent: &mut Lent<R>) {
     let n = lent.position.len();
     let touches = n * lent.obstacles.len();

@@ -1,8 +1,8 @@
-//! The fuzz target `manifest`: what passes for a manifest has its own text, and leads nowhere else.
+//! The fuzz target `manifest`: whatever is accepted as a manifest has its own text, and leads nowhere else.
 
 use bitgrain::manifest::Manifest;
 
-/// Reads bytes as the text of a manifest, as they are and with the closing hash that fits them; says whether one
+/// Reads bytes as the text of a manifest, as they are and with the closing hash that fits them; returns whether one
 /// of them is sound.
 pub fn manifest(data: &[u8]) -> bool {
     let Ok(text) = std::str::from_utf8(data) else {

@@ -1,5 +1,5 @@
-//! Bodies of the fuzz targets: nothing that comes in as bytes may panic or hang, what is sound
-//! goes out and comes in again as it was, and every state of a run is finite.
+//! Bodies of the fuzz targets: no input bytes may cause a panic or a hang, sound input
+//! is written and read back unchanged, and every state of a run is finite.
 //!
 //! Each returns whether the bytes were sound (something was read, or at least one step done), so
 //! that the replay of the committed corpus cannot pass by refusing everything.

@@ -1,4 +1,4 @@
-//! What commands read back of their own: summaries, campaigns, tables and books of claims, and what they do with it.
+//! What commands read back of their own files: summaries, campaigns, tables and books of claims, and their use.
 
 use std::path::Path;
 use std::sync::OnceLock;
@@ -154,7 +154,7 @@ fn altered(record: bool, mut from: Bytes) -> String {
     tree.to_string()
 }
 
-/// Goes down into a tree at random and puts something else in the place where it ends.
+/// Goes down into a tree at random and replaces the value at which it ends.
 fn replace(tree: &mut Value, from: &mut Bytes) {
     match tree {
         Value::Object(map) if !map.is_empty() => {
@@ -174,7 +174,7 @@ fn replace(tree: &mut Value, from: &mut Bytes) {
                 replace(&mut list[place], from);
             }
         },
-        // Half of the time the kind stays, which more readers let pass.
+        // Half of the time the kind stays, which more readers accept.
         Value::Number(number) if from.below(2) == 0 => {
             let new = match number.is_f64() {
                 true => Value::from(from.scale(-20.0, 20.0)),
@@ -244,7 +244,7 @@ pub fn campaign(data: &[u8]) -> bool {
     true
 }
 
-/// A campaign's table: read, analysed, told in words, as JSON and as a page, and claims measured on it.
+/// A campaign's table: read, analysed, shown in words, as JSON and as a page, and claims measured on it.
 pub fn table(data: &[u8]) -> bool {
     let Ok(text) = std::str::from_utf8(data) else {
         return false;
@@ -269,7 +269,7 @@ pub fn table(data: &[u8]) -> bool {
     !evidence.analysis.curves.is_empty()
 }
 
-/// A book of claims: told as a table, and written and read again.
+/// A book of claims: shown as a table, and written and read again.
 pub fn book(data: &[u8]) -> bool {
     let Ok(text) = std::str::from_utf8(data) else {
         return false;

@@ -23,10 +23,10 @@ use super::lent::Lent;
 const GRAINS: u8 = 24;
 const STEPS: u8 = 16;
 
-/// Who meets whom: places of two grains, or of a grain and an obstacle above `TOUCHING`.
+/// Contacts: places of two grains, or of a grain and an obstacle above `TOUCHING`.
 type Met = Vec<(u32, u32)>;
 
-/// A law that pushes nothing, so that grains fly as they are told.
+/// A law without forces, so that grains fly straight.
 const NOTHING: HertzHistory<f64> = HertzHistory {
     kn: 0.0,
     kt: 0.0,
@@ -49,7 +49,7 @@ pub fn search(data: &[u8]) -> bool {
         match started {
             Ok(()) => break,
             Err(fault) if lent.grow(fault) => {}
-            // Grains may lie as deep in each other as they like: they were found, but it goes no further.
+            // Grains may overlap as deep as they like: they were found, but the steps end there.
             Err(KernelError::OverlapTooDeep { .. } | KernelError::ObstacleTooDeep { .. }) => {
                 compare(&lent.world(), &met);
                 return true;
@@ -77,7 +77,7 @@ fn named(one: bitgrain_kernel::ContactForce<f64>) -> (u32, u32) {
     }
 }
 
-/// One step by its phases, without its judgement; the list is looked at before the drift or after it.
+/// One step by its phases, without the check of overlaps; the list is looked at before the drift or after it.
 fn fly(lent: &mut Lent<f64>, before: bool, met: &mut Met) -> Result<(), KernelError> {
     let mut world = lent.world();
     let sealed = seal(&world.grain_motion(), 0);
@@ -174,7 +174,7 @@ fn gap_to(world: &World<'_, f64>, i: u32, k: usize) -> f64 {
     }
 }
 
-/// Compares what was met and what is listed with all pairs. Beside rounding, the images must agree: 1e-9
+/// Compares the contacts evaluated and those listed with all pairs. Beside rounding, the images must agree: 1e-9
 /// is far above that at coordinates of some hundred.
 fn compare(world: &World<'_, f64>, met: &Met) {
     let (g, n) = (&world.grains, world.grains.count() as u32);

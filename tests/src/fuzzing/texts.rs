@@ -1,4 +1,4 @@
-//! What comes as text: cases, scenarios, tables of a run's folder, data files and dumps of LAMMPS.
+//! Input that comes as text: cases, scenarios, tables of a run's folder, data files and dumps of LAMMPS.
 
 use std::path::Path;
 
@@ -128,7 +128,7 @@ fn units() -> Units {
     }
 }
 
-/// The debug form tells the two zeros apart, which equality does not, and names what is not finite.
+/// The debug form distinguishes the two zeros, which equality does not, and shows what is not finite.
 fn assert_same_rows<T: std::fmt::Debug>(got: &[T], want: &[T]) {
     let text = format!("{want:?}");
     assert_eq!(format!("{got:?}"), text);

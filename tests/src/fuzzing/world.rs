@@ -94,7 +94,7 @@ fn under_a_law<R: Real>(bytes: &mut Bytes, is_hostile: bool) -> bool {
     }
 }
 
-/// Runs a world with what storage it was drawn, and its twin with ample storage and another skin.
+/// Runs a world with the storage that was drawn, and its twin with ample storage and another skin.
 fn runs<R: Real, L: Law<R>>(bytes: &mut Bytes, lent: &mut Lent<R>, law: &L) -> bool {
     let mut twin = lent.clone();
     reserve_all(&mut twin);
@@ -190,7 +190,7 @@ fn assert_finite<R: Real>(lent: &Lent<R>) {
     }
 }
 
-/// One step as a host with threads takes it: every range for itself.
+/// One step as in a host with threads: every range for itself.
 fn in_ranges<R: Real, L: Law<R>>(lent: &mut Lent<R>, law: &L) -> Result<(), KernelError> {
     let mut world = lent.world();
     let sealed = seal_ranges(&mut world);

@@ -11,7 +11,7 @@ use crate::alone;
 #[global_allocator]
 static COUNTED: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 
-/// What one call of so many steps asks of the allocator, after a warm-up. Counts are of the whole
+/// What one call of this many steps asks of the allocator, after a warm-up. Counts are of the whole
 /// process, so this is one test.
 fn asked(threads: usize, steps: u64) -> usize {
     let mut sim = settled_quick();

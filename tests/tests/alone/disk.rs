@@ -1,5 +1,5 @@
 //! Every call to the file system fails once, or is the last before a kill or a power loss; then the
-//! same command ends with the bytes of a run that was left alone.
+//! same command ends with the bytes of an undisturbed run.
 //!
 //! The whole of it: `cargo test -p bitgrain-tests --release --test alone disk:: -- --ignored --nocapture`
 
@@ -21,7 +21,7 @@ use bitgrain_tests::wee::{WEE, WEE_CAMPAIGN};
 
 use crate::alone;
 
-/// How a call is spoilt.
+/// How a call is disturbed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Spoil {
     /// It fails; the process goes on.
@@ -30,13 +30,13 @@ enum Spoil {
     Short,
     /// The process is killed before it: no call after it is made.
     Kill,
-    /// Power is lost before it: what was not synced is gone too.
+    /// Power is lost before it: what was not synced is lost too.
     PowerLoss,
 }
 
 const SPOILS: [Spoil; 4] = [Spoil::Error, Spoil::Short, Spoil::Kill, Spoil::PowerLoss];
 
-/// Spoils one call, and keeps what a disk without power would have kept.
+/// Disturbs one call, and keeps what a disk without power would have kept.
 struct Spoiler {
     at: usize,
     spoil: Spoil,
@@ -47,9 +47,9 @@ struct Spoiler {
 struct State {
     calls: usize,
     spoilt: bool,
-    /// Whether the call that was spoilt reads.
+    /// Whether the disturbed call reads.
     read: bool,
-    /// The last calls that saved a bed and a drag on their way.
+    /// The last calls that saved an unfinished bed and drag.
     saves: [usize; 2],
     disk: FakeDisk,
 }
@@ -86,7 +86,7 @@ impl Watch for Spoiler {
     }
 }
 
-/// How the files end that only an unfinished run has: of a bed, and of a drag.
+/// Endings of the files that only an unfinished run has: of a bed, and of a drag.
 const PASSING: [&str; 2] = [".pouring.safetensors", "latest.safetensors"];
 
 /// A disk that forgets what was not synced: names by folder, as they are and as they last.
@@ -207,7 +207,7 @@ impl Work for Campaign {
             threads: 1,
             jobs: 1,
             save: SaveEvery::Steps(5000),
-            // A disk that failed is no reason to keep a failure.
+            // A failed disk is no reason to record a failure.
             retry: true,
             write_report: bitgrain::present::write_report,
             progress: &Progress::new(false),
@@ -232,7 +232,7 @@ fn spoiler(at: usize, spoil: Spoil) -> Arc<Spoiler> {
     Arc::new(Spoiler { at, spoil, state })
 }
 
-/// Runs it with one call spoilt, then again left alone; returns how many calls the first one made.
+/// Runs it with one call disturbed, then again undisturbed; returns how many calls the first one made.
 fn spoilt(work: &impl Work, at: usize, spoil: Spoil, want: Option<&Files>) -> (usize, Files) {
     let folder = tempfile::tempdir().unwrap();
     let room = folder.path();
@@ -244,11 +244,11 @@ fn spoilt(work: &impl Work, at: usize, spoil: Spoil, want: Option<&Files>) -> (u
     if spoil == Spoil::PowerLoss && state.spoilt {
         state.disk.restore(room);
     }
-    // What cannot be removed or is only a trial may fail unseen; nothing else may.
+    // Failures to remove, and of trials, may go unreported; no others may.
     if let Err(error) = ended {
         assert!(state.spoilt, "call {at}: {error}");
         let status = error.exit_status();
-        // What cannot be written is an error, what cannot be read is refused: of a dead process whichever is first.
+        // Failed writing is an error, failed reading a refusal: in a dead process whichever comes first.
         let refused = state.read || matches!(spoil, Spoil::Kill | Spoil::PowerLoss);
         assert!(
             status == 1 || refused && status == 2,
@@ -268,7 +268,7 @@ fn spoilt(work: &impl Work, at: usize, spoil: Spoil, want: Option<&Files>) -> (u
 
 type Files = BTreeMap<String, Vec<u8>>;
 
-/// Spoils every `nth` call in every way.
+/// Disturbs every `nth` call in every way.
 fn spoil_all(work: &impl Work, nth: usize) {
     let _alone = alone();
     let (calls, want) = spoilt(work, usize::MAX, Spoil::Kill, None);
@@ -308,7 +308,7 @@ fn a_campaign_survives_every_call_that_fails() {
     spoil_all(&campaign(), 1);
 }
 
-/// Whatever is damaged of a run that was killed in the midst of a bed or a drag is made again, or named and left as
+/// Whatever is damaged of a run that was killed in the middle of a bed or a drag is made again, or named and left as
 /// it is.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
@@ -326,7 +326,7 @@ fn an_interrupted_run_mends_what_is_damaged() {
         (state.saves, state.calls)
     };
     let (mut mended, mut named) = (0, 0);
-    // In the midst of the bed, of the first drag, and of the second.
+    // In the middle of the bed, of the first drag, and of the second.
     let points = [saves[0] + 2, saves[1] + 2, calls * 5 / 6];
     for (at, end) in points
         .into_iter()
@@ -351,10 +351,10 @@ fn an_interrupted_run_mends_what_is_damaged() {
     assert!(mended > 36 && named <= 4, "{mended} mended, {named} named");
 }
 
-/// A way to spoil the bytes of a file.
+/// A way to damage the bytes of a file.
 type Way = fn(&mut Vec<u8>);
 
-/// Every file is spoilt by a bit; those that only an unfinished run has in more ways.
+/// Every file is damaged by a bit; those that only an unfinished run has in more ways.
 fn ways(name: &str) -> Vec<(&str, Way)> {
     let mut ways: Vec<(&str, Way)> = vec![(name, |bytes| {
         let middle = bytes.len() / 2;
@@ -368,8 +368,8 @@ fn ways(name: &str) -> Vec<(&str, Way)> {
     ways
 }
 
-/// Goes on with a killed run of which one file is spoilt; says whether all came out as it should, and not that the
-/// file was named.
+/// Goes on with a killed run of which one file is damaged; returns whether all came out as it should, and not that
+/// the file was named.
 fn mend(work: &Run, killed: &Files, name: &str, spoil: Way, want: &Files) -> bool {
     let folder = tempfile::tempdir().unwrap();
     let room = folder.path();
@@ -394,7 +394,7 @@ fn mend(work: &Run, killed: &Files, name: &str, spoil: Way, want: &Files) -> boo
     false
 }
 
-/// Fails whatever would be written below a folder.
+/// Fails every write below a folder.
 struct ReadOnly(PathBuf);
 
 impl Watch for ReadOnly {
@@ -409,7 +409,7 @@ impl Watch for ReadOnly {
     }
 }
 
-/// A library that cannot be written to serves as long as it holds the beds.
+/// A library that cannot be written to suffices as long as it holds the beds.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
 fn a_library_that_is_read_only_serves() {

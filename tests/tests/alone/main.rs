@@ -1,5 +1,5 @@
-//! What needs a process of its own, a test at a time: calls to the file system that fail, processor modes,
-//! and what is asked of the allocator.
+//! Tests that need their own process, one at a time: calls to the file system that fail, processor modes,
+//! and calls to the allocator.
 
 use std::sync::{Mutex, MutexGuard};
 
@@ -7,7 +7,7 @@ mod allocations;
 mod disk;
 mod modes;
 
-/// One test at a time holds this: what they look at is of the whole process.
+/// One test at a time holds this: they examine the whole process.
 fn alone() -> MutexGuard<'static, ()> {
     static ALONE: Mutex<()> = Mutex::new(());
     ALONE.lock().unwrap_or_else(|broken| broken.into_inner())

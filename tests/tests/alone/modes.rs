@@ -1,4 +1,4 @@
-//! A processor mode that something in the process switches on while a run is under way is found at the
+//! A processor mode that something in the process switches on during a run is found at the
 //! next step, save or digest, on whichever thread it is, and nothing is written from then on.
 #![cfg(target_arch = "x86_64")]
 #![allow(unsafe_code)]
@@ -41,7 +41,7 @@ fn set(word: u32) {
     unsafe { asm!("ldmxcsr [{}]", in(reg) &word) };
 }
 
-/// Puts the control word of this thread back, also where a test fails.
+/// Puts the control word of this thread back, also if a test fails.
 struct Restored;
 
 impl Drop for Restored {
@@ -76,7 +76,7 @@ fn a_mode_between_two_calls_is_found_by_whichever_comes_first() {
     }
 }
 
-/// Switches a mode on when it is shown a step, and keeps what it is given after that.
+/// Switches a mode on when it is shown a step, and keeps what it is shown after that.
 struct BedCache {
     bits: u32,
     at: u64,
@@ -112,7 +112,7 @@ impl Observer for BedCache {
         sim: &mut Simulation,
         note: &dyn Fn() -> StageState,
     ) -> Result<()> {
-        // As a saver whose disk is full and who does not mind.
+        // Like a saver that ignores a full disk.
         let packed = checkpoint::pack(sim, &note());
         let refused = matches!(packed, Err(Error::Contract { .. }));
         self.packed.push((step, refused));
@@ -209,7 +209,7 @@ fn a_run_under_a_mode_writes_nothing_and_goes_on_after_it() {
 
 /// Stretches on three threads, with a mode on all but the one that calls: the steps that end well have the
 /// bits they should have, until a thread that computes otherwise gets a share. That is in the first drift of
-/// a stretch as often as in its forces where each stretch is of one step.
+/// a stretch as often as in its forces if each stretch is of one step.
 #[test]
 fn a_mode_of_another_thread_is_found_in_the_stretch_in_which_it_has_a_part() {
     let _alone = alone();

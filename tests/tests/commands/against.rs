@@ -1,4 +1,4 @@
-//! A run is held against another one, and what newcomers ask the command for first.
+//! A run is compared with another one, and the commands for first steps.
 
 use std::process::Command;
 
@@ -8,7 +8,7 @@ use bitgrain_tests::{output, root};
 
 use crate::{FURNISHED, PROGRAM};
 
-/// Status 0 only where every link is the same; else the first step, body and number, in words and in a file.
+/// Status 0 only if every link is the same; else the first step, body and number, in words and in a file.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
 fn a_run_is_held_against_another() {
@@ -89,9 +89,9 @@ fn a_run_is_held_against_another() {
         assert!(told.contains("run-2: different at step"), "{told}");
     }
 
-    // A word that is nothing is refused before any work.
+    // A word that names nothing is refused before any work.
     let told = room.says("run wee.toml --out none --against nothing", 2);
-    assert!(told.contains("is no folder of a run"), "{told}");
+    assert!(told.contains("is neither the folder of a run"), "{told}");
     assert!(!room.path("none").exists());
 }
 
@@ -117,7 +117,7 @@ fn the_regression_example_holds_and_finds_a_bit() {
         out.status.success() && told.contains("links are those of pinned.chain.csv"),
         "{told}"
     );
-    // What was computed before proves nothing of a program built since.
+    // Earlier results prove nothing about a program built since.
     let again = check(&[]);
     let told = String::from_utf8_lossy(&again.stdout);
     assert!(
@@ -131,8 +131,8 @@ fn the_regression_example_holds_and_finds_a_bit() {
     assert!(folder.path().join("out/difference.json").exists());
 }
 
-/// `new` writes a scenario that is one, `run` without a name lists those that there are, and shells and `man` are
-/// served.
+/// `new` writes a valid scenario, `run` without a name lists the shipped ones, and completions and manual pages are
+/// written.
 #[test]
 fn newcomers_are_served() {
     let room = Room::new(PROGRAM);
@@ -145,7 +145,7 @@ fn newcomers_are_served() {
         "{text}"
     );
     let told = room.says("new my-drag", 2);
-    assert!(told.contains("is there already"), "{told}");
+    assert!(told.contains("exists already"), "{told}");
     for name in ["a/b", "..", "a b"] {
         let out = output(PROGRAM, room.folder.path(), &["new", name]);
         assert_eq!(out.status.code(), Some(2), "{name}");

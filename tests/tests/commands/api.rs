@@ -1,7 +1,7 @@
-//! What each library offers: a change of it is seen, and stands in the changelog.
+//! The public interface of each library: a change of it is seen, and must be in the changelog.
 //!
 //! Listed are public functions, types with their public fields, variants, methods and traits, and what is exported
-//! again, as they stand in the sources; the kernel's list is what an embedder has.
+//! again, as they stand in the sources; the kernel's list is the interface for embedders.
 
 use std::collections::BTreeSet;
 

@@ -13,7 +13,7 @@ fn printed(folder: &Path, args: &[&str], status: i32) -> String {
     bitgrain_tests::printed(PROGRAM, folder, args, status)
 }
 
-/// Two runs that differ in one coefficient part where a contact first slides; the same run does not part.
+/// Two runs that differ in one coefficient part at the step where a contact first slides; the same run does not part.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours a small bed: seconds in release")]
 fn two_runs_part_at_a_contact() {
@@ -39,7 +39,7 @@ fn two_runs_part_at_a_contact() {
     let words: Vec<&str> = found.lines().next().unwrap().split(' ').collect();
     let (equal, differs) = (number(words[0]), number(words[words.len() - 1]));
     assert_eq!(equal + 1, differs, "{told}");
-    // Held against the slow way: both poured again, step by step.
+    // Compared with the slow way: both poured again, step by step.
     let state = |out: &str, step: u64| {
         let step = step.to_string();
         let args = [
@@ -94,7 +94,7 @@ fn two_builds_part_at_a_contact() {
     assert!(told.contains("bed: the same to step "), "{told}");
     assert!(told.contains("  first contact: "), "{told}");
 
-    // A record that its program does not give is told as such: from half way on this one is another's.
+    // A record that its program does not reproduce is reported as such: from half way on this one is another's.
     let path = folder.path().join("run").join(HALF);
     let (mut sim, note) = checkpoint::read_noted(&path).unwrap();
     sim.velocity[7][0] = sim.velocity[7][0].next_up();
@@ -122,7 +122,7 @@ fn two_builds_part_at_a_contact() {
         2,
     );
     for word in [
-        "run: recorded at step 8400 of run-1 what ",
+        "run: has a link at step 8400 of run-1 that ",
         "--program-b",
         "velocities",
     ] {

@@ -1,4 +1,4 @@
-//! Campaigns that are wrong, and what their user is told.
+//! Campaigns that are wrong, and their messages.
 
 use std::fmt::Write;
 
@@ -61,7 +61,7 @@ fn wrong() -> Vec<(&'static str, String)> {
     ]
 }
 
-/// What each kind of wrong campaign is told, for review.
+/// The message on each kind of wrong campaign, for review.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
 fn wrong_campaigns_are_told_what_is_wrong() {
@@ -96,7 +96,7 @@ fn wrong_campaigns_are_told_what_is_wrong() {
     )
     .unwrap();
     assert!(!desk.out().exists());
-    // Changed under a campaign that has begun.
+    // Changed after the campaign has begun.
     desk.write(
         "camp.toml",
         &CAMPAIGN.replace("mu = [0.1, 0.5]", "mu = 0.5"),

@@ -1,4 +1,4 @@
-//! What a command does with its channels: closed pipes, signals, files that may not grow, and text of others on a
+//! How a command treats its channels: closed pipes, signals, files that may not grow, and foreign text on a
 //! terminal.
 #![cfg(unix)]
 
@@ -29,7 +29,7 @@ fn status_unread(folder: &Path, args: &[&str]) -> Option<i32> {
     child.wait().unwrap().code()
 }
 
-/// A verdict is not hidden by a reader that went away; only what is printed for its own sake ends early with 0.
+/// A verdict is not hidden by a closed reader; only commands that merely print end early with 0.
 #[test]
 #[cfg_attr(
     debug_assertions,
@@ -53,7 +53,7 @@ fn a_closed_standard_output_hides_no_verdict() {
         "1",
     ];
     assert_eq!(status_unread(made.path(), &args), Some(0));
-    // Where nobody reads from the beginning the first sample ends it.
+    // If nobody reads from the beginning the first sample ends it.
     assert_eq!(status_unread(made.path(), &["claims"]), Some(0));
 }
 
@@ -102,7 +102,7 @@ fn a_second_signal_ends_it_now() {
             .status();
         assert!(killed.unwrap().success());
     };
-    // It has its handler by then, and takes many seconds from one look at the wish to stop to the next.
+    // It has its handler by then, and takes many seconds from one check of the request to stop to the next.
     std::thread::sleep(Duration::from_millis(1500));
     kill(child.id());
     std::thread::sleep(Duration::from_millis(50));
@@ -157,7 +157,7 @@ fn text_of_others_is_made_plain() {
     }
 }
 
-/// What is asked of the command line itself ends as before.
+/// Requests to the command line itself end as before.
 #[test]
 fn help_and_version_are_as_they_were() {
     let folder = tempfile::tempdir().unwrap();
@@ -170,7 +170,7 @@ fn help_and_version_are_as_they_were() {
     let none = run(&[]);
     assert_eq!(none.status.code(), Some(2));
     assert!(none.stdout.is_empty() && !none.stderr.is_empty());
-    // A reader that went away is no error of theirs.
+    // A closed reader is not an error for them.
     let mut child = Command::new(PROGRAM)
         .arg("--help")
         .stdout(Stdio::piped())

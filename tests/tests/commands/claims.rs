@@ -1,4 +1,4 @@
-//! The book of claims: every number in it that was measured comes from a golden, and comes out again.
+//! The book of claims: every number in it that was measured comes from a golden, and is reproduced.
 
 use bitgrain::claims::Verdict;
 use bitgrain::claims::book::{Book, table};
@@ -21,7 +21,7 @@ fn book() -> (Book, String) {
     (Book::parse(&text, "golden/claims.toml").unwrap(), text)
 }
 
-/// The book is what its recipe makes of the goldens: with INSTA_UPDATE=always it is written anew.
+/// The book is what its recipe makes from the goldens: with INSTA_UPDATE=always it is rewritten.
 #[test]
 fn what_was_measured_is_what_the_goldens_give() {
     let (mut book, before) = book();
@@ -36,7 +36,7 @@ fn what_was_measured_is_what_the_goldens_give() {
     }
     record_direct(&mut book);
     if std::env::var("INSTA_UPDATE").as_deref() == Ok("always") {
-        // In one go: other tests may be reading it.
+        // Atomically: other tests may be reading it.
         write_whole(&golden("claims.toml"), book.text(&before).as_bytes()).unwrap();
         return;
     }
@@ -48,7 +48,7 @@ fn what_was_measured_is_what_the_goldens_give() {
     assert!(measured > 5, "{measured}");
 }
 
-/// Claims name where they come from and what they allow, and why.
+/// Claims name their source and what they allow, and why.
 #[test]
 fn every_claim_can_be_checked() {
     let (book, _) = book();
@@ -107,7 +107,7 @@ fn the_command_prints_the_book() {
         count(Verdict::NotResolved)
     );
     assert!(text.trim_end().ends_with(&line), "{line}");
-    // A book of one's own is written to.
+    // A user's own book is written to.
     let own = folder.path().join("own.toml");
     std::fs::copy(golden("claims.toml"), &own).unwrap();
     let table = golden("guillard-small/summary.json");

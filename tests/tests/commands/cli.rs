@@ -1,4 +1,4 @@
-//! What a user is told: refusals with exit status 2, runs that go wrong with 3, and what stays.
+//! Messages to users: refusals with exit status 2, runs that fail with 3, and what stays.
 
 use std::path::Path;
 use std::process::Output;
@@ -80,7 +80,7 @@ fn wrong_scenarios_are_refused() {
     snapshot("scenarios", &text);
 }
 
-/// What is refused of a cylinder, of a lid and of a bed that moves.
+/// Refusals of a cylinder, of a lid and of a bed that moves.
 #[test]
 fn wrong_rigs_are_refused() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,5 +1,5 @@
-//! Every kind of file of a run, a campaign and a library, spoilt in every way, before every command: what is
-//! spoilt is made again or named, and nothing of others is touched.
+//! Every kind of file of a run, a campaign and a library, damaged in every way, before every command: what is
+//! damaged is made again or named, and foreign files are not touched.
 //!
 //! The whole of it: `cargo test -p bitgrain-tests --release --test commands damage:: -- --ignored --nocapture`
 
@@ -94,7 +94,7 @@ const CAMPAIGN_VERBS: [Verb; 4] = [
     },
 ];
 
-/// Everything below a folder: files by their bytes, what is no file by its kind.
+/// Everything below a folder: files by their bytes, others by their kind.
 fn inventory(root: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut found = BTreeMap::new();
     let mut open = vec![root.to_path_buf()];
@@ -142,13 +142,13 @@ static UNTOUCHED: LazyLock<Untouched> = LazyLock::new(|| {
     }
 });
 
-/// What was printed, without what differs from run to run.
+/// The output, without what differs from run to run.
 fn printed(text: &str) -> String {
     let lines = text.lines().filter(|line| !line.starts_with("seed "));
     lines.collect::<Vec<_>>().join("\n")
 }
 
-/// `bisect` compares with a run that was left alone.
+/// `bisect` compares with an undamaged run.
 fn give_twin(room: &Room, verb: &Verb) {
     let twin = room.path("twin");
     if verb.words.ends_with("twin") && !twin.exists() {
@@ -156,20 +156,20 @@ fn give_twin(room: &Room, verb: &Verb) {
     }
 }
 
-/// How a command met a file.
+/// How a command treated a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum End {
     /// Made again, with the bytes it had.
     Repaired,
-    /// Refused or told by name.
+    /// Refused or reported by name.
     Named,
-    /// Of no concern to the command, which said what it says of an untouched room.
+    /// Irrelevant to the command, which printed the same as for an untouched room.
     Unused,
 }
 
 /// Whether what a command said names the file, or the one that it was swapped with.
 fn names_it(text: &str, kind: &Kind, damage: Damage) -> bool {
-    // Names are told as paths or relative to their folder.
+    // Names are printed as paths or relative to their folder.
     let short = kind
         .name
         .split_once('/')
@@ -182,7 +182,7 @@ fn names_it(text: &str, kind: &Kind, damage: Damage) -> bool {
     let folder = kind.name.split('/').next().unwrap_or_default();
     text.contains(member)
         || damage == Damage::Swap && text.contains(twin)
-        // What names a manifest names its folder.
+        // A message that names a manifest names its folder.
         || member == "manifest.json" && text.contains(folder)
 }
 
@@ -271,7 +271,7 @@ fn try_one(kind: &Kind, damage: Damage, verb: &Verb) -> Option<End> {
         "{what}: verified: {text}"
     );
     let said = printed(&text);
-    // Where results lie is told, whatever they are.
+    // The place of results is printed, whatever they are.
     let same = said == UNTOUCHED.said[verb.words] || verb.checks_all && (machine || page);
     assert!(same || named, "{what}: silent: {said}");
     Some(if same { End::Unused } else { End::Named })
@@ -334,7 +334,7 @@ fn whatever_is_spoilt_is_repaired_or_named() {
     matrix(1);
 }
 
-/// A bed of the library, spoilt in every way: a run refuses it by name or pours it anew, and ends the same.
+/// A bed of the library, damaged in every way: a run refuses it by name or pours it again, and ends the same.
 #[test]
 #[cfg(unix)]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]

@@ -92,8 +92,8 @@ fn words(line: &str) -> Vec<String> {
 /// Commands that write nothing and that were run.
 static ONCE: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
 
-/// What every command of the documents finds: a bed, a run with as many steps as examples speak of, twice, a
-/// campaign that has come to its end, and its table.
+/// What the commands of the documents work on: a bed, a run with as many steps as examples speak of, twice, a
+/// finished campaign, and its table.
 static MADE: LazyLock<tempfile::TempDir> = LazyLock::new(|| {
     let folder = tempfile::tempdir().unwrap();
     let place = |name: &str| folder.path().join(name);
@@ -130,7 +130,7 @@ fn desk() -> tempfile::TempDir {
     folder
 }
 
-/// Runs commands of a document in a folder of their own. What makes or executes days of work is only planned.
+/// Runs commands of a document in their own folder. Those that take days are only planned.
 fn run_commands(lines: Vec<String>) {
     let folder = desk();
     let mut seen = BTreeSet::new();
@@ -176,7 +176,7 @@ fn run_commands(lines: Vec<String>) {
         if planned && !line.contains("--dry-run") {
             args.push("--dry-run".into());
         }
-        // What writes nothing says the same in every folder.
+        // A command that writes nothing prints the same in every folder.
         let file = |word: &String| word.contains(['/', '.']);
         let writes_nothing = args.iter().any(|word| word == "--dry-run")
             && !args[..2].iter().any(file)
@@ -228,7 +228,7 @@ fn commands_of_every_help_run() {
         };
         assert!(output(PROGRAM, Path::new("."), &help).status.success());
     }
-    // What takes beds away comes last.
+    // Commands that remove beds come last.
     lines.sort_by_key(|line| line.contains("remove"));
     lines.sort_by_key(|line| line.contains("remove --all"));
     run_commands(lines);
@@ -388,7 +388,7 @@ fn bed_name(folder: &Path) -> String {
     })
 }
 
-/// A cargo command of the documents: what it names is there.
+/// A cargo command of the documents: what it names exists.
 fn cargo_command(line: &str) {
     let words: Vec<&str> = line.split_whitespace().collect();
     let after = |flag: &str| words.iter().position(|w| *w == flag).map(|k| words[k + 1]);

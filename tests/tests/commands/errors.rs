@@ -1,6 +1,6 @@
-//! Every class of error that a user can meet, once: what is said, and the exit status.
+//! Every class of error that a user can meet, once: the message, and the exit status.
 //!
-//! `golden/messages/classes.snap` is the table. A message says what is wrong, where, why where that is
+//! `golden/messages/classes.snap` is the table. A message says what is wrong, where, why if that is
 //! not plain, and what to do.
 
 use std::fmt::Write;
@@ -48,7 +48,7 @@ impl Desk {
     }
 
     fn record(&mut self, name: &str, status: i32, args: &[&str], out: &Output) {
-        // Who may do nothing there is told so in one of three ways, by who asks and how it is mounted.
+        // The refusal is worded in one of three ways, depending on the user and the mount.
         let mut text = told(args, out);
         for other in [
             "Operation not permitted (os error 1)",
@@ -266,7 +266,7 @@ fn library(desk: &mut Desk) {
         &["run", "other.toml", "--out", "soft"],
     );
 
-    // The library's is looked for where the folder has none.
+    // The library's is looked for if the folder has none.
     std::fs::remove_file(desk.path("soft/beds/bed.safetensors")).unwrap();
     let checkpoint = only_bed(desk).join("bed.safetensors");
     let whole = std::fs::read(&checkpoint).unwrap();

@@ -1,4 +1,4 @@
-//! A bed as other programs are given it: nothing is lost on the way.
+//! A bed as exported to other programs: nothing is lost.
 
 use std::fmt::Debug;
 use std::str::FromStr;
@@ -13,7 +13,7 @@ use bitgrain_kernel::{ContactForce, Domain, Obstacle, Partner};
 use bitgrain_tests::fuzzing::assert_same_bits;
 use bitgrain_tests::{golden, golden_case, small_from_file};
 
-/// The peers' bed with an intruder across the periodic edge and a floor, 40 steps on, and the
+/// The reference codes' bed with an intruder across the periodic edge and a floor, 40 steps on, and the
 /// contacts of the last.
 fn bed() -> (Simulation, Vec<ContactForce<f64>>) {
     let mut sim = read_bed(&golden("peers/bed200.data")).unwrap();
@@ -70,7 +70,7 @@ fn a_bed_survives_a_data_file_and_a_dump() {
     assert_eq!(back, data);
 }
 
-/// The rig under way: its base is of type 3 and its lid of type 4, in every file that others open; what
+/// The rig in motion: its base is of type 3 and its lid of type 4, in every file for other programs; what
 /// has no place in a data file, cylinder and planes, is not in it.
 #[test]
 fn a_rig_tells_its_base_and_its_lid() {
@@ -107,7 +107,7 @@ fn a_rig_tells_its_base_and_its_lid() {
     assert_eq!(after::<u32>(&vtk, "SCALARS type unsigned_int 1", 54), kinds);
 }
 
-/// The lid of a bed of ours is refused where the bed is taken from a file, and the message says what it is.
+/// The lid of our own bed is refused if the bed is imported from a file, and the message says what it is.
 #[test]
 fn a_lid_in_a_file_is_no_lid() {
     let folder = tempfile::tempdir().unwrap();
@@ -122,7 +122,7 @@ fn a_lid_in_a_file_is_no_lid() {
     for atom in &mut data.atoms {
         atom.density = 1.0;
     }
-    // Of another program it is a type like any other.
+    // From another program it is a type like any other.
     data.atoms[190].kind = 4;
     let sim = read(&data).expect("a sound bed");
     assert_eq!(sim.count(), data.atoms.len() - 1);

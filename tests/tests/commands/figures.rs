@@ -1,9 +1,9 @@
-//! Figures in the documents, and in the inputs of the peers, are those of the goldens and the code.
+//! Figures in the documents, and in the inputs of the reference codes, are those of the goldens and the code.
 
 use bitgrain::bench::{SOFT_TIME_STEP, soft_law};
 use bitgrain_tests::{golden, hertz_history, root};
 
-/// The guide tells the reference digest and sizes of firmware that lie within the golden ranges.
+/// The guide states the reference digest and sizes of firmware that lie within the golden ranges.
 #[test]
 fn the_guide_has_the_goldens_numbers() {
     let page =
@@ -41,7 +41,7 @@ fn the_guide_has_the_goldens_numbers() {
     }
 }
 
-/// The peers are timed under the law and the time step that `bitgrain bench` takes.
+/// The reference codes are timed under the law and the time step that `bitgrain bench` uses.
 #[test]
 fn the_peers_inputs_have_our_numbers() {
     let [kn, kt, gamma_n, gamma_t, mu] = hertz_history(&soft_law());

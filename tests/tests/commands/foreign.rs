@@ -1,4 +1,4 @@
-//! Files of our own that somebody else wrote: refused with exit status 2, with file and key, and nothing beyond
+//! Files in our own formats that somebody else wrote: refused with exit status 2, with file and key, and nothing beyond
 //! the folder is touched. No panic, no list that a number in them made long, no path followed.
 
 use std::path::Path;
@@ -173,7 +173,7 @@ fn summaries_of_before_are_read() {
     }
 }
 
-/// What was an abort or a panic of a command, with little memory at hand.
+/// Input that once caused an abort or a panic of a command, with little memory at hand.
 #[test]
 #[cfg(target_os = "linux")]
 fn commands_refuse_what_they_read() {
@@ -206,7 +206,7 @@ fn commands_refuse_what_they_read() {
     assert_eq!(left.len(), 1, "nothing is written elsewhere");
 }
 
-/// A scenario's file is as foreign: numbers are looked at before lists are made of them.
+/// A scenario's file is foreign too: numbers are checked before lists are made from them.
 #[test]
 fn scenarios_that_ask_for_too_much_are_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -246,7 +246,7 @@ fn scenarios_that_ask_for_too_much_are_refused() {
     }
 }
 
-/// A grid's name that is no folder's right there, and more than can be planned.
+/// A grid's name that is not that of a folder in place, and more than can be planned.
 #[test]
 fn campaigns_that_reach_out_are_refused() {
     let sound = CAMPAIGN.replacen("base = \"small.toml\"", "base = \"quick\"", 1);

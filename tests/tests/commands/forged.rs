@@ -1,4 +1,4 @@
-//! Who changes results and makes their manifest again is found by execution, and each refusal says what to do.
+//! Changed results with a rebuilt manifest are found by execution, and each refusal says what to do.
 
 use std::path::Path;
 
@@ -19,7 +19,7 @@ fn remake_manifest(root: &Path) {
     std::fs::write(root.join("manifest.json"), manifest.text()).unwrap();
 }
 
-/// A forger who makes the manifest again is found by execution, and by a closing hash kept elsewhere.
+/// A forger who rebuilds the manifest is found by execution, and by a closing hash kept elsewhere.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
 fn a_forged_manifest_proves_nothing() {
@@ -37,7 +37,7 @@ fn a_forged_manifest_proves_nothing() {
     ));
     let other = "0".repeat(64);
     let told = room.says(&format!("run wee.toml --out again --expect {other}"), 3);
-    assert!(told.contains("neither the closing hash"), "{told}");
+    assert!(told.contains("neither its closing hash"), "{told}");
 
     let name = "runs/run-1/forces.csv";
     let text = String::from_utf8(room.read(&format!("run/{name}"))).unwrap();
@@ -115,7 +115,7 @@ fn forged_frames_are_found() {
     room.done("report run");
 }
 
-/// A link that a forger wrote into a manifest is held against the stage's own, and a member's summary against
+/// A link that a forger wrote into a manifest is compared with the stage's own, and a member's summary with
 /// its checkpoints.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
@@ -177,7 +177,7 @@ fn advice_fits_the_cause() {
         "{told}"
     );
 
-    // A file that is larger than what is read was not changed.
+    // A file that is too large to be read was not changed.
     let told = room.says("verify run --max-input 0", 2);
     assert!(
         told.contains("--max-input") && !told.contains("changed"),

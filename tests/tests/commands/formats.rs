@@ -1,4 +1,4 @@
-//! What others' scripts and kept digests rest on: recipes of beds, resolved scenarios, and every key and header on
+//! What users' scripts and kept digests depend on: recipes of beds, resolved scenarios, and every key and header on
 //! disk. A Rust name may change; these may not.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -97,7 +97,7 @@ fn kind(name: &str) -> String {
     text
 }
 
-/// What a file is known by: its keys, or its head.
+/// The signature of a file: its keys, or its head.
 fn head(name: &str, bytes: &[u8]) -> BTreeSet<String> {
     let mut keys = BTreeSet::new();
     let text = String::from_utf8_lossy(bytes);

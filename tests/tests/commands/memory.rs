@@ -1,4 +1,4 @@
-//! What asks for more than there is ends in a message, in seconds, and in little memory.
+//! Requests for more memory than there is end in a message, in seconds, and in little memory.
 #![cfg(target_os = "linux")]
 
 use std::fmt::Write;
@@ -10,7 +10,7 @@ use bitgrain_tests::{SMALL, output};
 
 use crate::PROGRAM;
 
-/// Runs the command with at most so many KiB of memory, on one thread.
+/// Runs the command with at most this many KiB of memory, on one thread.
 fn limited(folder: &Path, memory: u64, args: &str) -> Output {
     let line = format!("ulimit -v {memory}; RAYON_NUM_THREADS=1 exec \"$0\" {args}");
     output("sh", folder, &["-c", &line, PROGRAM])
@@ -75,7 +75,7 @@ fn walls_without_end_are_refused() {
     );
 }
 
-/// A scenario within every limit that this machine has no room for; its folder can be gone on with.
+/// A scenario within every limit that this machine has no room for; its folder can be continued.
 #[test]
 fn beds_and_fields_that_do_not_fit_are_told_of() {
     let folder = tempfile::tempdir().unwrap();
@@ -99,7 +99,7 @@ fn beds_and_fields_that_do_not_fit_are_told_of() {
         let told = told(&out);
         assert_eq!(out.status.code(), Some(3), "{told}");
         assert!(
-            told.contains(what) && told.contains("of memory are wanted"),
+            told.contains(what) && told.contains("of memory are needed"),
             "{told}"
         );
         // Both are called `small`.

@@ -4,7 +4,7 @@
 use bitgrain_tests::notices::{FILE, linked, text};
 use bitgrain_tests::root;
 
-const RECIPE: &str = "`cargo run -p bitgrain-tests --bin notices` writes it anew";
+const RECIPE: &str = "`cargo run -p bitgrain-tests --bin notices` rewrites it";
 
 #[test]
 fn notices_name_what_is_linked() {

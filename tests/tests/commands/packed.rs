@@ -1,6 +1,6 @@
 //! The contact block of a release binary, disassembled: its square roots and divisions are packed, so
 //! that a change which loses the wide registers is seen although it changes no bit. Compilers leave
-//! loops over single contacts beside the wide ones; that those are not what runs is seen in the
+//! loops over single contacts beside the wide ones; that those do not run is seen in the
 //! counts of `instructions.rs`.
 #![cfg(all(target_arch = "x86_64", target_os = "linux", not(debug_assertions)))]
 

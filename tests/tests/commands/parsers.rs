@@ -1,4 +1,4 @@
-//! Property tests of what is written and read: the numbers come back to the last bit.
+//! Property tests of writing and reading: the numbers come back to the last bit.
 
 use std::io::Write;
 use std::path::Path;
@@ -105,7 +105,7 @@ fn word(atom: &Atom, column: &str) -> String {
     }
 }
 
-/// Columns in any order, some that nobody knows among them.
+/// Columns in any order, some unknown ones among them.
 fn columns() -> impl Strategy<Value = Vec<&'static str>> {
     let size = prop::sample::select(vec!["radius", "diameter"]);
     let strange =
@@ -388,7 +388,7 @@ proptest! {
     #[test]
     fn cases(case in any_case()) {
         let back = case::parse(&serde_json::to_string(&case).unwrap(), "case").unwrap();
-        // The debug form tells the two zeros apart, which equality does not.
+        // The debug form distinguishes the two zeros, which equality does not.
         prop_assert_eq!(format!("{back:?}"), format!("{case:?}"));
     }
 

@@ -1,5 +1,5 @@
-//! Nothing is lost: runs that are stopped, killed or robbed of their files end with the bytes of a run
-//! that was left alone.
+//! Nothing is lost: runs that are stopped, killed or lose files end with the bytes of an
+//! undisturbed run.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -55,7 +55,7 @@ impl Desk {
     }
 }
 
-/// The files of a run that was left alone, and how long it took while it saved all the time.
+/// The files of an undisturbed run, and how long it took while it saved all the time.
 fn alone() -> (Files, Duration) {
     let desk = Desk::new();
     let began = Instant::now();
@@ -87,7 +87,7 @@ fn half_files(folder: &Path) -> usize {
     results(folder).keys().filter(ends).count()
 }
 
-/// Kills a run at an instant, goes on with it, and says whether it was killed in the middle of a save.
+/// Kills a run at an instant, goes on with it, and returns whether it was killed in the middle of a save.
 fn killed_at(instant: Duration, want: &Files) -> (bool, bool) {
     let desk = Desk::new();
     let mut child = desk.begin(&["--save-every", "20"]);
@@ -104,7 +104,7 @@ fn killed_at(instant: Duration, want: &Files) -> (bool, bool) {
     (died, saving)
 }
 
-/// So many instants over the time that a run takes, at random; returns how many hit one that was still at
+/// This many instants over the time that a run takes, at random; returns how many hit one that was still at
 /// work and how many of those in the middle of a save.
 fn killed(count: u32) -> (usize, usize) {
     let (want, whole) = alone();
@@ -134,7 +134,7 @@ fn a_hundred_killed_runs_end_with_the_same_bytes() {
     assert!(died >= 80 && saving >= 1, "{died} died, {saving} in a save");
 }
 
-/// Asked politely, a run saves itself at once; the same command goes on, as often as need be.
+/// On SIGTERM a run saves itself at once; the same command goes on, as often as needed.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
 fn stopped_runs_end_with_the_same_bytes() {
@@ -150,7 +150,7 @@ fn stopped_runs_end_with_the_same_bytes() {
     assert!(desk.finish() == want);
 }
 
-/// A run in the middle of its drags: one of them is through, the other was stopped.
+/// A run in the middle of its drags: one of them is finished, the other was stopped.
 fn half_done() -> Desk {
     let desk = Desk::new();
     assert!(desk.run(&["run", "small.toml"]).status.success());
@@ -212,7 +212,7 @@ fn missing_files_are_made_again() {
     }
 }
 
-/// A state that was changed since is told and passed over; the one before it serves as well.
+/// A state that was changed since is reported and passed over; the one before it is used instead.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
 fn damaged_states_are_told_and_passed_over() {
@@ -248,7 +248,7 @@ fn a_full_disk_loses_nothing() {
     let (want, _) = alone();
     let desk = Desk::new();
     let mut full = Vec::new();
-    // Files may grow to so many blocks of 512 bytes.
+    // Files may grow to this many blocks of 512 bytes.
     for blocks in [4, 60, 130, 190, 250, 330, 500, 2000] {
         let limited = format!(
             "trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" run small.toml --save-every 300"
@@ -293,7 +293,7 @@ fn a_folder_has_one_run() {
         let out = desk.run(&args);
         let told = String::from_utf8_lossy(&out.stderr);
         assert_eq!(out.status.code(), Some(2), "{told}");
-        assert!(told.contains("another run is under way"), "{told}");
+        assert!(told.contains("another run is at work"), "{told}");
     }
     let after = std::fs::read(desk.out().join("scenario.toml")).unwrap();
     assert!(before == after, "nothing of the first was touched");
@@ -338,7 +338,7 @@ fn what_does_not_belong_is_refused() {
     let mut other = whole.clone();
     other[at + head.len() - 1] = b'2';
     std::fs::write(&latest, other).unwrap();
-    // The seal is over the version too; what another program wrote has a seal of its own.
+    // The seal is over the version too; what another program wrote has its own seal.
     let out = desk.run(&["run", "--resume", "out/small"]);
     assert!(String::from_utf8_lossy(&out.stderr).contains("seal"));
     let head = br#"\"format\":3"#;

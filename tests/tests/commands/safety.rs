@@ -1,4 +1,4 @@
-//! What is not the program's own stays as it is, and what was changed is not believed.
+//! Foreign files stay as they are, and changed files are not trusted.
 
 use std::io::Write;
 
@@ -8,7 +8,7 @@ use bitgrain_tests::wee::Room;
 
 use crate::{FURNISHED, PROGRAM};
 
-/// Files that end like half files of ours, but are others', and files of other runs, stay where they are.
+/// Foreign files with the ending of our half-written files, and files of other runs, stay where they are.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
 fn files_of_others_are_not_removed() {
@@ -62,7 +62,7 @@ fn a_run_in_a_folder_below_goes_on() {
     inner.wait().unwrap();
 }
 
-/// A folder that holds a name which would be written, and is no run's, is refused as it is.
+/// A folder that holds a name which would be written, and is not a run's, is refused and left as it is.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
 fn a_folder_of_others_is_refused() {
@@ -84,19 +84,19 @@ fn a_folder_of_others_is_refused() {
         let room = Room::new(PROGRAM);
         room.write(&format!("home/{name}"), "mine");
         let told = room.says("sweep weecamp.toml --out home", 2);
-        assert!(told.contains("no folder of a campaign"), "{told}");
+        assert!(told.contains("not the folder of a campaign"), "{told}");
         assert_eq!(room.files("home").len(), 1);
     }
     let room = FURNISHED.copy();
     let told = room.says("run wee.toml --out run/runs/run-1", 2);
     assert!(told.contains("lies among the results"), "{told}");
     let told = room.says("run wee.toml --out camp", 2);
-    assert!(told.contains("no folder of a run"), "{told}");
+    assert!(told.contains("not the folder of a run"), "{told}");
     let told = room.says("run wee.toml --out new --beds new/beds", 2);
     assert!(told.contains("lies among the results"), "{told}");
 }
 
-/// `bed remove` takes the bed, and leaves what others laid beside it.
+/// `bed remove` takes the bed, and leaves foreign files beside it.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
 fn a_bed_is_removed_without_what_lies_beside_it() {
@@ -109,7 +109,7 @@ fn a_bed_is_removed_without_what_lies_beside_it() {
     room.write(&format!("beds/{name}/thesis.tex"), "mine");
     room.write("beds/0123456789abcdef/thesis.tex", "mine");
     let told = room.done("bed remove --all");
-    assert!(told.contains("holds files of others"), "{told}");
+    assert!(told.contains("holds other files"), "{told}");
     assert_eq!(room.files("beds").len(), 2);
 }
 
@@ -140,7 +140,7 @@ fn a_changed_scenario_is_refused_before_anything_is_written() {
     }
 }
 
-/// What says the same in other words is the same scenario.
+/// A scenario with other spaces and comments is the same.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
 fn a_space_more_is_no_other_scenario() {
@@ -203,7 +203,7 @@ fn a_run_with_less_or_more_than_it_wrote_does_not_verify() {
         assert!(told.contains(word), "{told}");
     }
 
-    // Whatever is done of a run, it is not whole.
+    // However much of a run is done, it is not whole.
     let room = FURNISHED.copy();
     room.done("run wee.toml --out part --only run-1");
     let told = room.says("verify part", 3);
@@ -267,7 +267,7 @@ fn a_campaign_believes_no_edited_member() {
     room.edit("camp/results.csv", drag, &format!("1{drag}"));
     let told = room.says("verify camp --sample 1", 3);
     assert!(
-        told.contains("not what its members' results give"),
+        told.contains("does not follow from the results of its members"),
         "{told}"
     );
     let told = room.says("analyse camp", 2);
@@ -319,7 +319,7 @@ fn a_resealed_bed_of_the_library_is_not_used() {
     assert!(told.contains("bitgrain bed remove"), "{told}");
 }
 
-/// A small file that unpacks to more than is read is refused, and more is read where that is asked for.
+/// A small file that unpacks to more than is read is refused, and more is read if that is asked for.
 #[test]
 fn what_unpacks_beyond_its_budget_is_refused() {
     let room = Room::new(PROGRAM);

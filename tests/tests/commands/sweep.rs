@@ -1,4 +1,4 @@
-//! Campaigns: one table of many runs, whatever happens on the way.
+//! Campaigns: one table of many runs, whatever happens meanwhile.
 
 use std::process::{Command, Stdio};
 use std::time::Duration;
@@ -209,7 +209,7 @@ fn two_campaigns_never_share_a_folder() {
     let refused = String::from_utf8_lossy(&second.stderr).into_owned();
     assert_eq!(second.status.code(), Some(2), "{refused}");
     assert!(
-        refused.contains("another run is under way in it"),
+        refused.contains("another run is at work in it"),
         "{refused}"
     );
     // A member of it is at work too.
@@ -224,7 +224,7 @@ fn two_campaigns_never_share_a_folder() {
     first.wait().unwrap();
 }
 
-/// One row is done again alone and held against the whole campaign's; the others can follow.
+/// One row is done again alone and compared with the whole campaign's; the others can follow.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
 fn a_row_is_done_alone_and_held_against_a_table() {
@@ -237,14 +237,14 @@ fn a_row_is_done_alone_and_held_against_a_table() {
     let out = desk.sweep(&row);
     let said = String::from_utf8_lossy(&out.stdout).into_owned();
     assert_eq!(out.status.code(), Some(0), "{said}");
-    assert!(said.contains("1 runs are those of"), "{said}");
+    assert!(said.contains("1 runs agree with"), "{said}");
     let table = desk.table();
     assert_eq!((table.len(), table.text(0, "run")), (1, "run-2"));
     let page = std::fs::read_to_string(desk.out().join("report.html")).unwrap();
     // Not all of the member is done, so that it has no report to be linked.
     assert!(page.contains("Runs: 1 of 4 planned") && !page.contains("href=\"members"));
     assert!(!desk.out().join("members/mu0.1/beds").exists());
-    // A last digit that differs is told.
+    // A last digit that differs is reported.
     let text = std::fs::read_to_string(golden).unwrap();
     let drag = table.text(0, "drag");
     let last = drag.chars().last().unwrap();
@@ -262,7 +262,7 @@ fn a_row_is_done_alone_and_held_against_a_table() {
     assert!(results(&desk.out()) == results(&whole.out()));
 }
 
-/// Files may grow to so many blocks of 512 bytes: what is done stays, and is gone on with.
+/// Files may grow to this many blocks of 512 bytes: what is done stays, and is continued.
 #[test]
 #[cfg(unix)]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
@@ -332,7 +332,7 @@ gamma_n = [400.0]
     assert_eq!(dt(2), quick.drag.dt);
 }
 
-/// A plan tells what it would cost, and touches nothing.
+/// A plan states its cost, and touches nothing.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
 fn a_dry_run_tells_the_cost() {

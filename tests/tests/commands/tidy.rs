@@ -149,7 +149,7 @@ fn a_step_calls_nothing_that_could_change_its_bits() {
     }
 }
 
-/// What must not reach a result file is not asked for where results are made: maps in the order of a
+/// Code that makes results does not use what must not reach a result file: maps in the order of a
 /// hash, the clock, names of machine, user and place, how many threads there are.
 #[test]
 fn nothing_of_the_machine_can_reach_a_result() {
@@ -179,7 +179,7 @@ fn nothing_of_the_machine_can_reach_a_result() {
         ("disk.rs", "process::id"),
         ("threads.rs", "current_num_threads"),
         ("cli/channels.rs", "available_parallelism"),
-        // Which pieces of a run are verified, where no seed is given.
+        // Which pieces of a run are verified, if no seed is given.
         ("cli/checks.rs", "SystemTime"),
         ("cli/channels.rs", "Instant"),
         ("run/saving.rs", "Instant"),
@@ -305,7 +305,7 @@ fn every_golden_has_a_recipe_and_a_test() {
     }
 }
 
-/// Laws and observables say where they come from; every public item is documented, by lint.
+/// Laws and observables name their source; every public item is documented, by lint.
 #[test]
 fn physics_names_its_source() {
     assert!(text("Cargo.toml").contains("missing_docs = \"warn\""));
@@ -365,7 +365,7 @@ fn files_are_touched_in_one_place() {
     ];
     let mut read = 0;
     for name in harness() {
-        // The memory of a process is no file of anyone's.
+        // The memory of a process is not a user's file.
         let spared = ["disk.rs", "disk/watch.rs", "bench.rs"]
             .iter()
             .any(|file| name.ends_with(&format!("src/{file}")));

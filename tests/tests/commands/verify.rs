@@ -104,7 +104,7 @@ fn chains_go_on_from_stage_to_stage() {
     }
 }
 
-/// Each way in which a run may not be what it says, and what is told of it.
+/// Each way in which a run may not be what it says, and what is reported.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours a small bed: seconds in release")]
 fn what_does_not_hold_is_told() {
@@ -145,7 +145,7 @@ fn what_does_not_hold_is_told() {
     note = dragging.note();
     std::fs::write(&path, checkpoint::pack(&mut sim, &note).unwrap()).unwrap();
     let told = verify(folder.path());
-    assert!(told.contains("what was measured on the way"), "{told}");
+    assert!(told.contains("what was measured before it"), "{told}");
 
     // A damaged checkpoint is a finding, and does not hide the others.
     let folder = copy();
@@ -167,7 +167,7 @@ fn what_does_not_hold_is_told() {
     assert!(told.contains("not what was written"), "{told}");
 }
 
-/// Of a run that has come to its end nothing may be missing or changed, whoever reads it.
+/// Nothing of a finished run may be missing or changed, whichever command reads it.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours a small bed: seconds in release")]
 fn what_is_missing_is_told() {
@@ -203,7 +203,7 @@ fn what_is_missing_is_told() {
     );
 }
 
-/// A bed's chain hangs on its recipe alone: scenarios that share the bed may have other links in their
+/// A bed's chain depends on its recipe alone: scenarios that share the bed may have other links in their
 /// drags.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours a small bed: seconds in release")]
@@ -224,13 +224,13 @@ fn a_shared_bed_has_one_chain() {
         |out: &str| std::fs::read(folder.path().join(out).join("beds/bed.safetensors")).unwrap();
     assert!(bed("run") == bed("seldom"));
     printed(folder.path(), &["verify", "seldom", "--segment", "bed"], 0);
-    // A library that is gone, or that holds something else, is of no concern to a bed that lies here.
+    // A library that is gone, or that holds something else, does not matter to a bed that lies here.
     let args = ["run", "--resume", "seldom", "--beds", "other-beds"];
     printed(folder.path(), &args, 0);
     assert!(bed("run") == bed("seldom"));
 }
 
-/// A bed of others is taken over again, not poured.
+/// An imported bed is imported again, not poured.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "seconds in release")]
 fn an_imported_bed_is_verified_and_replayed() {
@@ -273,10 +273,10 @@ fn what_cannot_be_verified_is_refused() {
         &["verify", "run", "--segment", "run-1:9-3"],
         "STAGE:FROM-TO",
     );
-    refused(&["replay", "run", "--steps", "3"], "say which --stage");
+    refused(&["replay", "run", "--steps", "3"], "name its --stage");
     refused(
         &["replay", "small.toml", "--steps", "3", "--stage", "bed"],
-        "is no folder",
+        "is not a folder",
     );
     let late = [
         "replay",
@@ -300,15 +300,15 @@ fn what_cannot_be_verified_is_refused() {
         "--steps",
         "10",
     ];
-    refused(&late, "has not so many steps");
+    refused(&late, "does not have so many steps");
     refused(
         &["bisect", "run", "nothing"],
-        "has no link of a stage in common",
+        "has no link of any stage in common",
     );
     refused(&["bisect", "nothing", "run"], "holds no chain of digests");
 }
 
-/// A stretch of a run, replayed from the checkpoint before it, is what the run went through: the digests
+/// A stretch of a run, replayed from the checkpoint before it, repeats the run: the digests
 /// of its chain, the rows of its series, the state that was kept.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours a small bed: seconds in release")]

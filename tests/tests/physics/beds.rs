@@ -1,4 +1,4 @@
-//! Beds: what packing they come to, and that they go to LAMMPS' files and back.
+//! Beds: their packing, and their way to LAMMPS' files and back.
 
 use std::path::Path;
 
@@ -56,7 +56,7 @@ fn packings_are_those_of_the_field() {
     }
 }
 
-/// A settled bed written as a LAMMPS data file and taken up from there: every grain the same to the
+/// A settled bed written as a LAMMPS data file and imported from there: every grain the same to the
 /// last bit, whatever its number now is.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "seconds in release, minutes in debug")]

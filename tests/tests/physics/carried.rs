@@ -1,5 +1,5 @@
 //! Beds that their base and lid carry past a cylinder: momentum, the lid's motion, what floats, frames of
-//! reference, checkpoints. The beds are small and hardly settled, for what is held here holds for any bed.
+//! reference, checkpoints. The beds are small and hardly settled, since what is tested here holds for any bed.
 
 use std::path::Path;
 use std::sync::LazyLock;
@@ -46,7 +46,7 @@ fn places(sim: &Simulation, role: Role) -> Vec<usize> {
     (0..sim.count()).filter(|&i| sim.role(i) == role).collect()
 }
 
-/// A run of so many steps, averaged after the first `discard` of them, which shows some of its states.
+/// A run of this many steps, averaged after the first `discard` of them, which shows some of its states.
 fn plan(
     scenario: &CheckedScenario,
     speed: f64,
@@ -60,7 +60,7 @@ fn plan(
     // Half a step early, so that rounding decides nothing.
     plan.discard = plan.motion.travel(discard) - 0.5 * plan.motion.travel(1);
     plan.motion = plan.motion.averaged_beyond(plan.discard, steps);
-    // Where a test looks.
+    // The steps at which a test looks.
     plan.snapshots = shown.to_vec();
     plan
 }
@@ -214,7 +214,7 @@ fn what_floats_above_the_lid_is_counted_and_held() {
     assert_eq!(counted(&without.flow.unwrap().rows), [0, 0]);
 }
 
-/// Saved under way and taken up again: the same digests from then on.
+/// Saved during the motion and resumed: the same digests from then on.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours a small bed: seconds in release")]
 fn a_bed_under_its_lid_goes_on_from_a_checkpoint() {
@@ -266,8 +266,8 @@ fn mirrored(sim: &Simulation) -> Simulation {
 }
 
 /// A cylinder that moves through a bed at rest, and the mirrored bed that goes by the cylinder as a whole:
-/// the same relative motion. What is read off is the same force exactly; the two runs, which round
-/// otherwise, agree in every measured number to what rounding has grown to.
+/// the same relative motion. The measured force is exactly the same; the two runs, which round
+/// differently, agree in every measured number up to the growth of rounding errors.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours a small bed: seconds in release")]
 fn who_moves_does_not_matter() {

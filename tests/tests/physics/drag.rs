@@ -8,8 +8,8 @@
 //! differ by parts in ten thousand.
 //!
 //! The whole of it takes half an hour on two quiet cores:
-//! `cargo test -p bitgrain-tests --release --test physics drag:: -- --ignored`. The ordinary tests hold the numbers
-//! that came out of it against LAMMPS'; `.ci/run long` runs fixed pieces of it again.
+//! `cargo test -p bitgrain-tests --release --test physics drag:: -- --ignored`. The ordinary tests compare its
+//! numbers with those of LAMMPS; `.ci/run long` runs fixed pieces of it again.
 
 use std::fmt::Write;
 
@@ -69,7 +69,7 @@ fn pull(scenario: &CheckedScenario, marks: &[u64]) -> (Means, Vec<SeriesRow>, Ve
     (means, record.series, states)
 }
 
-/// Mean drag over each eighth of so many steps.
+/// Mean drag over each eighth of this many steps.
 fn eighths(rows: &[SeriesRow], steps: u64) -> [f64; 8] {
     std::array::from_fn(|k| {
         let (from, to) = (steps / 8 * k as u64, steps / 8 * (k as u64 + 1));
@@ -114,15 +114,15 @@ fn points() -> impl Iterator<Item = (&'static Bed, f64)> {
         .flat_map(|bed| FROUDES.map(|froude| (bed, froude)))
 }
 
-/// Where a thread leaves a drag's line and states.
+/// The place for a drag's line and states from a thread.
 type Slot = std::sync::Mutex<Option<(String, Vec<Simulation>)>>;
 
 const RECIPE: &str = "cargo test -p bitgrain-tests --release --test physics drag:: -- --ignored";
 const HEAD: &str =
     "D mu  Fr  #       drag    error       lift    error  drag of each eighth of the run\n";
 
-/// Every drag, all over: the numbers that the other tests hold to. With INSTA_UPDATE=always it also
-/// writes the checkpoint of the slowest anew.
+/// Every drag, as a whole: the numbers that the other tests use. With INSTA_UPDATE=always it also
+/// rewrites the checkpoint of the slowest.
 #[test]
 #[ignore = "half an hour on two quiet cores"]
 fn all_drags_give_their_goldens() {
@@ -378,7 +378,7 @@ fn eighths_of_fast_drags_agree_with_lammps() {
     );
 }
 
-/// The begin of a drag at Fr 5 with LAMMPS' series of it: rows of both.
+/// The beginning of a drag at Fr 5 with LAMMPS' series of it: rows of both.
 fn first_rows(bed: &Bed, floor: bool, rows: u64) -> Result<Vec<[[f64; 2]; 2]>, Error> {
     let (_, theirs) = bed.lammps_series(5.0);
     let scenario = bed.scenario(5.0, 0).changed(|s| {

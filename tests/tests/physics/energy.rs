@@ -1,4 +1,4 @@
-//! The account of a simulation's energy: it closes, by terms that are all needed, and changes nothing.
+//! The energy budget of a simulation: it closes, by terms that are all needed, and changes nothing.
 
 use bitgrain::case::{GrainSpec, MotionSpec};
 use bitgrain::checkpoint;
@@ -7,7 +7,7 @@ use bitgrain::law::{HertzHistoryParameters, HertzTsujiParameters, LawSpec};
 use bitgrain::simulation::Simulation;
 use bitgrain_tests::{floor, golden_case, open_case, output, settled_quick};
 
-/// What the balance may leave, over the work done.
+/// The largest residual of the balance, over the work done.
 const CLOSED: f64 = 1e-3;
 
 fn kumar(kn: f64, gamma: f64, mu: f64) -> LawSpec {
@@ -61,7 +61,7 @@ fn meets(law: LawSpec, velocity: [f64; 2], offset: f64, spin: f64, dt: f64) -> S
     case.start("pair", |_| {}).expect("a sound case")
 }
 
-/// The account after so many steps, and the most that it was ever open by over the work done by then.
+/// The budget after this many steps, and its largest residual over the work done by then.
 fn followed(sim: &mut Simulation, steps: u64) -> (EnergyRow, f64) {
     let mut audit = Audit::new(sim);
     let mut worst = 0.0;
@@ -76,7 +76,7 @@ fn followed(sim: &mut Simulation, steps: u64) -> (EnergyRow, f64) {
 
 /// One grain or two under both laws, with and without friction and damping: some 45, 90 and 180 steps a
 /// contact; the fastest slide goes 40 times the spring's length in a step. Halving the time step
-/// leaves a quarter of what the balance is open by at its worst, while a contact lasts.
+/// leaves a quarter of the largest residual while a contact lasts.
 #[test]
 fn the_account_of_a_collision_closes_with_the_square_of_the_time_step() {
     let laws = [
@@ -117,7 +117,7 @@ fn check_convergence(open: impl Fn(f64) -> (EnergyRow, f64), what: &str, most: &
     *most = if worst[0] > *most { worst[0] } else { *most };
     // In the middle of a contact both ends of the trapezoidal rule show, at some 90 steps a contact.
     assert!(worst[1] < 1.5 * CLOSED, "{what}: {worst:?}");
-    // Sixteen, but where a contact begins, sticks or ends in another step; and what little is left then.
+    // Sixteen, unless a contact begins, sticks or ends in another step; and the little that is left then.
     assert!(
         worst[0] > 9.0 * worst[2] || worst[0] < 2e-6,
         "{what}: {worst:?}"
@@ -155,8 +155,8 @@ fn crowds() -> Vec<(&'static str, Simulation, u64, f64)> {
 }
 
 /// Carried bases and lids, cylinders, balls and planes, with and without weight, under both laws; and a
-/// settled bed that a ball is dragged through. Over the net work of the ball alone the last is open by
-/// as much.
+/// settled bed that a ball is dragged through. Over the net work of the ball alone the residual of the last is
+/// as large.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "seconds in release, minutes in debug")]
 fn the_account_of_many_grains_closes() {
@@ -181,7 +181,7 @@ fn the_account_of_many_grains_closes() {
     }
 }
 
-/// Names of the terms with their signs in the balance, which is what is left of their sum.
+/// Names of the terms with their signs in the balance, whose residual is their sum.
 fn terms(row: &EnergyRow) -> [(&'static str, f64); 12] {
     [
         ("kinetic", row.kinetic),
@@ -199,8 +199,8 @@ fn terms(row: &EnergyRow) -> [(&'static str, f64); 12] {
     ]
 }
 
-/// Every term is needed: for each there is a case whose balance closes with it and is open by more than
-/// a thousandth of the work done without it. (Of the three state terms that are not zero at the start
+/// Every term is needed: for each there is a case whose balance closes with it and without it has a residual above
+/// a thousandth of the work done. (Of the three state terms that are not zero at the start
 /// of a case, the change is left out.)
 #[test]
 #[cfg_attr(debug_assertions, ignore = "seconds in release, minutes in debug")]
@@ -261,7 +261,7 @@ fn without_any_one_term_the_account_is_open() {
     assert_eq!(needed.len(), all.len(), "{needed:?}");
 }
 
-/// What there is nothing of is booked as nothing, to rounding: each term is computed by itself.
+/// A term that must vanish is zero, to rounding: each term is computed by itself.
 #[test]
 fn terms_are_zero_where_the_law_has_nothing_of_them() {
     let zero = |what: &str, part: f64, row: &EnergyRow| {
@@ -276,7 +276,7 @@ fn terms_are_zero_where_the_law_has_nothing_of_them() {
     zero("sliding", row.sliding, &row);
     zero("damping", row.normal_damping, &row);
     zero("damping", row.tangential_damping, &row);
-    // Without friction a spring that alone sits on the cap holds nothing.
+    // Without friction a spring that alone is held to the cap holds nothing.
     let free = guillard(2e5, 0.6, 0.0);
     let (row, _) = followed(&mut hits_floor(free, [1.0, 0.0, -1.0], 1e-4), 1000);
     assert!(row.normal_damping > 0.1 * row.work);
@@ -306,8 +306,8 @@ fn terms_are_zero_where_the_law_has_nothing_of_them() {
     assert_eq!((row.normal, row.tangential), (0.0, 0.0));
 }
 
-/// A follower changes no bit of what it follows, and goes on from a saved copy of itself and of the
-/// state with the bits it would have had.
+/// The budget changes no bit of the simulation, and goes on from a saved copy of itself and of the
+/// state with the same bits as without saving.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "seconds in release, minutes in debug")]
 fn a_follower_changes_no_bit_and_can_be_saved() {
@@ -336,7 +336,7 @@ fn a_follower_changes_no_bit_and_can_be_saved() {
     }
 }
 
-/// `bitgrain replay --energy` prints the account with each sample, and the same states as without.
+/// `bitgrain replay --energy` prints the budget with each sample, and the same states as without.
 #[test]
 fn a_replay_prints_the_account() {
     let program = env!("CARGO_BIN_EXE_bitgrain-under-test");

@@ -1,4 +1,4 @@
-//! Fields and loads of whole drags: what they must be whatever the grains do, and whatever else is done
+//! Fields and loads of whole drags: properties that hold whatever the grains do, and whatever else is done
 //! meanwhile.
 
 use std::path::Path;
@@ -63,7 +63,7 @@ fn run_into(scenario: &CheckedScenario, out: &Path, beds: &Path, threads: usize)
     read_summary(&out.join("summary.json")).unwrap()
 }
 
-/// Sampled at every step, the load is the force on the cylinder: normal and tangential parts together come to
+/// Sampled at every step, the load is the force on the cylinder: normal and tangential parts together give
 /// the mean drag and lift, which other code sums in another order. Fields change no state.
 #[test]
 #[ignore = "half a minute: `.ci/run long`"]
@@ -90,7 +90,7 @@ fn loads_are_the_forces() {
         // The eight parts have as many steps to one or two in three hundred and seventy-five.
         let drag = load.mean(|sum| sum.drag).0 * area;
         assert!((drag / run.drag.mean - 1.0).abs() < 2e-3, "{drag}");
-        // What the front bears is pressure, several times the bed's; behind there is next to none. Were an angle of
+        // The front bears pressure, several times the bed's; behind there is almost none. If an angle had
         // the wrong sign, the normal forces would be taken for tangential ones.
         let behind = load.normal_near(std::f64::consts::PI, 0.5);
         assert!(
@@ -111,8 +111,8 @@ fn loads_are_the_forces() {
     assert!(bare.runs[0].flow.as_ref().unwrap().load.is_none());
 }
 
-/// A drag that is saved and taken up again in the middle of the window, on other threads, ends with the same
-/// files; so does one that is sampled while others look on.
+/// A drag that is saved and resumed in the middle of the window, on other threads, ends with the same
+/// files; so does one that is sampled while observers watch.
 #[test]
 #[ignore = "half a minute: `.ci/run long`"]
 fn a_drag_in_two_parts_has_the_fields_of_one() {
@@ -216,7 +216,7 @@ fn cluster(scenario: &CheckedScenario) -> Simulation {
 /// Radius of its cylinder.
 const RADIUS: f64 = 1.5;
 
-/// Sum of force times branch over all contacts; with the cylinder from a grain's centre to where they touch.
+/// Sum of force times branch over all contacts; with the cylinder from a grain's centre to the point of contact.
 fn virial(sim: &Simulation, contacts: &[ContactForce<f64>]) -> [[f64; 3]; 3] {
     let place = |i: u32| [0, 1, 2].map(|a| sim.position[i as usize][a]);
     let mut virial = [[0.0; 3]; 3];
@@ -239,7 +239,7 @@ fn virial(sim: &Simulation, contacts: &[ContactForce<f64>]) -> [[f64; 3]; 3] {
     virial
 }
 
-/// Fields come to what grains and contacts have: volume, momentum in the intruder's frame, and the virial.
+/// Fields add up to the totals of grains and contacts: volume, momentum in the intruder's frame, and the virial.
 #[test]
 fn fields_come_to_their_grains_and_contacts() {
     let fine = "measure.fields={grid=[50, 40, 120], window=1.3}";
@@ -283,7 +283,7 @@ fn fields_come_to_their_grains_and_contacts() {
     }
 }
 
-/// A resting bed carries its weight: sigma_zz = rho g (z_s - z), with the bed's own density, and its surface where
+/// A resting bed carries its weight: sigma_zz = rho g (z_s - z), with the bed's own density, and its surface is where
 /// that falls to half. (The median of the highest tops is a third of a diameter above it.)
 #[test]
 #[ignore = "half a minute: `.ci/run long`"]

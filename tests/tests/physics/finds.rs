@@ -1,4 +1,4 @@
-//! What fuzzing found, each as a case of its own.
+//! Bugs found by fuzzing, each as its own case.
 
 use bitgrain::checkpoint;
 use bitgrain::claims::book::Book;
@@ -46,11 +46,11 @@ fn a_state_with_an_obstacle_beyond_the_edge_is_read_back() {
         sim.steps(40).expect("sound steps");
     }
     assert_eq!(sim.digest(), again.digest());
-    // To begin there is refused as it was.
+    // A start there is still refused.
     assert!(again.start().is_err());
 }
 
-/// A state that says it has done as many steps as can be counted has no step left, and no sum turns over.
+/// A state that says it has done as many steps as can be counted has no step left, and no sum overflows.
 #[test]
 fn a_count_of_steps_does_not_turn_over() {
     let mut sim = started("full-list.json");

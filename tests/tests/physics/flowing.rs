@@ -1,5 +1,5 @@
-//! The whole result of `guillard-small`, which takes the better part of an hour: its first steps are done
-//! again here from the settled bed, and what its summary says is made again from its series.
+//! The whole result of `guillard-small`, which takes most of an hour: its first steps are done
+//! again here from the settled bed, and its summary is made again from its series.
 //!
 //! `golden/README.md` says how the files are made.
 
@@ -141,7 +141,7 @@ fn the_means_are_those_of_the_series() {
     }
 }
 
-/// What must hold of any such run before its numbers mean anything.
+/// Conditions of any such run for its numbers to mean anything.
 #[test]
 fn the_bed_follows_its_base_and_base_and_lid_carry_the_drag() {
     let whole = whole();

@@ -139,12 +139,12 @@ fn bursts_do_not_mislead() {
     }
 }
 
-/// The near field, a quarter of the box on either side, says nothing of the far one; nor do base and lid.
+/// The near field, a quarter of the box on either side, does not affect the far one; nor do base and lid.
 #[test]
 fn only_far_free_grains_count() {
     let near = |x: f64| (x - 8.0).abs() < 4.0;
     let mut grains = line(|x| if near(x) { 0.0 } else { 1.0 });
-    // In lanes of their own, so that nobody catches up with another.
+    // In separate lanes, so that no grain catches up with another.
     for (_, at, _) in grains.iter_mut().filter(|(_, at, _)| near(at[0])) {
         at[1] = 3.0;
     }
@@ -156,7 +156,7 @@ fn only_far_free_grains_count() {
     assert_eq!(gauge.profile.speeds(), [(2.0, 3.0, 1.0)]);
 }
 
-/// A grain floats where it is above the grain of the lid that is nearest to it from above, also where that is
+/// A grain floats if it is above the grain of the lid that is nearest to it from above, also if that is
 /// beyond the edge of the box.
 #[test]
 fn floating_grains_are_those_above_the_lids_nearest() {

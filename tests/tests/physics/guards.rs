@@ -67,7 +67,7 @@ fn an_undamped_collision_lasts_as_long_as_foreseen() {
     }
 }
 
-/// The reason for the bound: how far restitution is off, at worst over where in a step grains meet.
+/// The reason for the bound: how far restitution is off, at worst over the moments within a step at which grains meet.
 /// At a tenth of the duration it is off by 0.003, 0.005 and 0.022; at a sixth by 0.011, 0.027 and 0.058.
 #[test]
 fn at_the_longest_time_step_collisions_come_out_right() {
@@ -113,7 +113,7 @@ fn a_time_step_too_long_for_collisions_is_refused() {
         refused.contains("a collision at the speed of the drag, 30.0000"),
         "{refused}"
     );
-    // As long as it says.
+    // As long as stated.
     let limit = refused.split("of it, ").nth(1).unwrap();
     let limit: f64 = limit.split(',').next().unwrap().parse().unwrap();
     let just = format!("drag.dt={:e}", 0.999 * limit);
@@ -138,7 +138,7 @@ fn a_time_step_too_long_for_collisions_is_refused() {
     }
 }
 
-/// Both times are told before a run and as it starts.
+/// Both times are printed before a run and as it starts.
 #[test]
 fn both_times_are_printed() {
     let quick = scenario::load("quick", &[]).unwrap();
@@ -217,7 +217,7 @@ fn an_overlap_beyond_half_the_smaller_radius_is_refused() {
     }
 }
 
-/// Under way: a grain that hits as fast as its contact is too soft for stops the run in the step that
+/// During a run: a grain that hits as fast as its contact is too soft for stops the run in the step that
 /// goes too deep, whatever it hits; at a third of the speed it bounces.
 #[test]
 fn an_overlap_too_deep_stops_a_run() {
@@ -246,8 +246,8 @@ fn an_overlap_too_deep_stops_a_run() {
     assert_eq!(run(pair, 50.0).0, Ok(()));
 }
 
-/// The soft bed of quick goes deeper than Hertz's law is good for where its ball goes fast, and not where
-/// it goes slowly.
+/// In the soft bed of quick overlaps exceed the range of Hertz's law if its ball moves fast, and not if
+/// it moves slowly.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "seconds in release, minutes in debug")]
 fn a_fast_drag_through_soft_grains_is_remarked_on() {
@@ -340,7 +340,7 @@ fn a_grain_that_is_squeezed_out_stops_the_run() {
     assert!(sim.position[0][0] >= 4.0);
 }
 
-/// What users are told, by command.
+/// The messages, by command.
 #[test]
 fn guards_teach() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! What must not change a bit, and the digests that every build must give.
+//! Settings that must not change a bit, and the digests that every build must give.
 
 use std::io::Write;
 
@@ -25,7 +25,7 @@ const CASES: [&str; 4] = [
     "rig.json:hertz_history",
 ];
 
-/// What the goldens of the rig are worth: every kind of body that it has pushes every other that it
+/// What the goldens of the rig cover: every kind of body that it has pushes every other that it
 /// should, all of it goes round the box, and nothing gets lost.
 #[test]
 fn the_rig_has_every_contact_of_a_rig() {
@@ -118,7 +118,7 @@ fn watching_saving_and_the_length_of_a_call_change_nothing() {
     }
 }
 
-/// Saved and taken up again: equal at every later step, not only at the end.
+/// Saved and resumed: equal at every later step, not only at the end.
 #[test]
 fn a_checkpoint_goes_on_with_the_same_bits() {
     let folder = tempfile::tempdir().unwrap();
@@ -170,7 +170,7 @@ fn a_damaged_checkpoint_is_refused() {
     }
 }
 
-/// Any cut of the grains into ranges gives the bits of one range: what threads will rely on.
+/// Any cut of the grains into ranges gives the bits of one range: threads rely on it.
 #[test]
 fn cuts_into_ranges_change_nothing() {
     for name in CASES {

@@ -1,5 +1,5 @@
 //! The campaigns on Kumar 2018: `kumar-small`, under forty minutes on two cores, and `kumar-middle`, two hours.
-//! What their tables say is made again here, and of the small one two drags are done again.
+//! Their findings are made again from the tables here, and two drags of the small one are done again.
 //!
 //! `golden/README.md` says how the files are made.
 
@@ -71,7 +71,7 @@ fn rows_done_again_are_those_of_the_table() {
         assert!(lines.contains(how), "{how}: {lines}");
     }
     let said = String::from_utf8_lossy(&out.stdout).into_owned();
-    assert!(said.contains("2 runs are those of"), "{said}");
+    assert!(said.contains("2 runs agree with"), "{said}");
 }
 
 /// A table has a row for each run of its campaign as that is now, in its order.
@@ -101,7 +101,7 @@ fn tables_are_those_of_the_shipped_campaigns() {
     }
 }
 
-/// Numbers of two trees agree: to the bit here, to 1e-9 where another mathematical library is behind statrs.
+/// Numbers of two trees agree: to the bit here, to 1e-9 if another mathematical library is behind statrs.
 fn same(now: &Value, then: &Value, place: &str) {
     match (now, then) {
         (Value::Number(a), Value::Number(b)) => {
@@ -135,8 +135,8 @@ fn same(now: &Value, then: &Value, place: &str) {
     }
 }
 
-/// Every fitted number, with errors, covariance and residuals, comes out of the table again; what it comes to
-/// is there to read.
+/// Every fitted number, with errors, covariance and residuals, follows from the table again; the
+/// result is there to read.
 #[test]
 fn tables_say_what_they_said() {
     for name in TABLES {
@@ -156,7 +156,7 @@ fn tables_say_what_they_said() {
     }
 }
 
-/// The page shows every section, draws no number that is none, and is of a size to be opened.
+/// The page shows every section, draws no invalid number, and is small enough to be opened.
 #[test]
 fn tables_have_a_page() {
     for name in TABLES {
@@ -166,7 +166,7 @@ fn tables_have_a_page() {
             "Drag against Froude number",
             "Round the intruder",
             "Yield force",
-            "Does the bed above hold?",
+            "Does the bed above stay?",
             "Beside the paper",
             "Every fit",
             "The runs",

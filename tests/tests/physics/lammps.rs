@@ -23,7 +23,7 @@ use bitgrain::lammps::{
 use bitgrain::random::{Purpose, uniforms};
 use bitgrain_tests::{golden, largest};
 
-/// The 200 grains of the peers' bed moving, spinning and far from where they began, every fifth of
+/// The 200 grains of the reference codes' bed moving, spinning and far from where they began, every fifth of
 /// density 2500, and an intruder.
 fn sent() -> DataFile {
     let mut data = read_data(&golden("peers/bed200.data")).unwrap();

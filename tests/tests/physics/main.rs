@@ -1,4 +1,4 @@
-//! What is computed: laws, beds, drags and flows against closed forms, peers, goldens and themselves.
+//! Computed results: laws, beds, drags and flows against closed forms, reference codes, goldens and themselves.
 
 mod beds;
 mod carried;

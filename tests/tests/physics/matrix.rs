@@ -1,4 +1,4 @@
-//! Every knob that must not change a bit, on beds in motion, step by step: threads, lanes and
+//! Every setting that must not change a bit, on beds in motion, step by step: threads, lanes and
 //! instructions, skins and search schedules, what is watched and saved, and how much storage is lent.
 //! Run in debug and in release. The beds are `quick/settled.safetensors.gz`, `peers/bedA_D4.data.gz` and
 //! that of a rig.
@@ -27,7 +27,7 @@ fn tsuji(mut sim: Simulation) -> Simulation {
     sim
 }
 
-/// One way to step. What is not said is as by default.
+/// One way to step. The rest is as by default.
 #[derive(Clone, Copy, Debug)]
 struct Way {
     threads: usize,
@@ -40,7 +40,7 @@ struct Way {
     room: usize,
 }
 
-/// All knobs one by one, and then several at once.
+/// All settings one by one, and then several at once.
 fn ways() -> Vec<Way> {
     let registers = Isa::best();
     let plain = Way {
@@ -76,7 +76,7 @@ fn ways() -> Vec<Way> {
 impl Way {
     fn prepare(&self, sim: &mut Simulation) {
         sim.stepping.registers = self.registers;
-        // Also beds of fewer grains are to be cut into as many ranges as there are threads.
+        // Beds of fewer grains must also be cut into as many ranges as there are threads.
         sim.stepping.range_min = 1;
         let histories = sim.contact_histories();
         sim.skin *= self.skin;
@@ -164,7 +164,7 @@ fn no_knob_changes_a_bit_of_ten_thousand_grains() {
     compare("large, hertz_tsuji", steps(45), &tsuji(large()));
 }
 
-/// Threads may come and go between steps: ranges are cut anew, and nothing is left of the old ones.
+/// Threads may come and go between steps: ranges are cut again, and nothing is left of the old ones.
 #[test]
 fn the_number_of_threads_may_change_at_any_step() {
     let (mut plain, mut other) = (settled_quick(), settled_quick());
@@ -177,7 +177,7 @@ fn the_number_of_threads_may_change_at_any_step() {
     }
 }
 
-/// What the matrix would say of a state that is off by one unit in the last place.
+/// The finding on a state that is off by one unit in the last place.
 #[test]
 fn a_difference_is_named() {
     let plain = settled_quick();

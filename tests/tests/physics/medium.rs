@@ -1,5 +1,5 @@
-//! The 32 drags of `guillard-medium`, a quarter of an hour of a core each: what is kept of them belongs together, a
-//! piece of one is done again, and their fields keep what grains keep.
+//! The 32 drags of `guillard-medium`, a quarter of an hour of a core each: their files are consistent, a
+//! piece of one is done again, and their fields obey the conservation laws.
 //!
 //! `golden/README.md` says how the files are made.
 
@@ -19,7 +19,7 @@ use sha2::{Digest, Sha256};
 /// Steps between the links that are kept of a chain.
 const LINKS: u64 = 5_000;
 
-/// The drag of which a piece is done again, and the state that this begins with: just before the first sample of
+/// The drag of which a piece is done again, and its first state: just before the first sample of
 /// the fields.
 const PIECE: (&str, &str) = ("bed-9-run-1", "bed-9-run-1.safetensors.gz");
 
@@ -127,8 +127,8 @@ impl Observer for Until {
     }
 }
 
-/// From a state of its own a drag goes on to the link that the whole drag had there. The sums of fields and load,
-/// of which no link tells, are those that this test had when it was written.
+/// From a saved state a drag goes on to the link that the whole drag had there. The sums of fields and load,
+/// which no link covers, are those that this test had when it was written.
 #[test]
 #[ignore = "half a minute: `.ci/run long`"]
 fn a_piece_done_again_gives_the_same_links_and_sums() {
@@ -163,7 +163,7 @@ fn a_piece_done_again_gives_the_same_links_and_sums() {
 }
 
 /// A point of the plane: its place, and packing fraction, velocity along x and z, pressure and shear stress; none
-/// where nothing is known.
+/// if nothing is known.
 type Row = ([f32; 2], Option<[f64; 5]>);
 
 fn plane(file: &str) -> Vec<Row> {
@@ -180,7 +180,7 @@ fn plane(file: &str) -> Vec<Row> {
     text.lines().skip(1).map(row).collect()
 }
 
-/// What fields must be whatever the grains do. Grains that come in go out: through every plane across the flow
+/// Properties of fields whatever the grains do. Grains that enter leave: through every plane across the flow
 /// passes the same volume, but for half a per cent that is missing where points inside the cylinder are blank. The
 /// bed sinks as it grows denser by a fortieth on its way of 27 D: by a hundredth of the speed at most. Far from the
 /// cylinder it goes at the speed that displacements give, but for base and lid, which go at that of the motion. The

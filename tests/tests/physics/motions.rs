@@ -1,5 +1,5 @@
-//! How the grains of a case move, carried, weightless or as a lid: closed forms, what is refused of
-//! them, and the replay of the rig.
+//! How the grains of a case move, carried, weightless or as a lid: closed forms,
+//! refusals, and the replay of the rig.
 
 use bitgrain::case::{BoxSpec, Case, GrainSpec, MotionSpec, ObstacleSpec};
 use bitgrain::law::{HertzHistoryParameters, HertzTsujiParameters, LawSpec};
@@ -51,8 +51,8 @@ fn column(law: LawSpec, bulk: MotionSpec) -> Simulation {
     sim
 }
 
-/// The lid's weight is what it presses with, and the weightless bulk adds nothing to it, on the floor
-/// neither. A place is known to 4e-19, a rounding of numbers near 0.003, which is 4e-14 of an overlap of
+/// The lid presses with its weight, and the weightless bulk adds nothing to it, nor on the
+/// floor. A place is known to 4e-19, a rounding of numbers near 0.003, which is 4e-14 of an overlap of
 /// 1e-5: so the forces at rest are the weight to 1e-12.
 #[test]
 fn a_lid_at_rest_presses_with_its_weight() {
@@ -337,7 +337,7 @@ fn the_rig_is_replayed() {
     assert!(pushed > 2, "the cylinder is pushed: {pushed}");
 }
 
-/// The bar of a case is endless, so its place along its axis is of no account.
+/// The bar of a case is endless, so its place along its axis does not matter.
 #[test]
 fn a_bar_has_no_place_along_its_axis() {
     let at = |y: f64| {

@@ -1,4 +1,4 @@
-//! LAMMPS and LIGGGHTS measured the same contacts; these tests hold our numbers to theirs.
+//! LAMMPS and LIGGGHTS measured the same contacts; these tests compare our numbers with theirs.
 //!
 //! Forces at step 0 agree to 1e-12 of the largest in the case: the same formula in another order of
 //! evaluation. Trajectories agree to 1e-9: a few hundred steps of a collision amplify that rounding.
@@ -13,7 +13,7 @@ use serde_json::Value;
 const STEP_0: f64 = 1e-12;
 const TRAJECTORY: f64 = 1e-9;
 
-/// One row of a peer's trajectory: step, position, velocity, spin, force, torque.
+/// One row of a reference code's trajectory: step, position, velocity, spin, force, torque.
 type PeerRow = Vec<f64>;
 
 fn grain(id: u32, diameter: f64, density: f64, row: &[f64], motion: MotionSpec) -> GrainSpec {
@@ -63,7 +63,7 @@ fn compare(name: &str, case: &Case, traj: &[Vec<PeerRow>], skip_force: &[bool]) 
                 sim.torque[i],
             ];
             for (q, ours) in ours.iter().enumerate() {
-                // The peers blank the force on spheres that they freeze.
+                // The reference codes blank the force on spheres that they freeze.
                 if q >= 3 && skip_force[i] {
                     continue;
                 }
@@ -398,7 +398,7 @@ fn check_contacts(sim: &Simulation, seen: &[bitgrain_kernel::ContactForce<f64>],
     }
 }
 
-/// The tail of chi-square that drags are judged by.
+/// The tail of chi-square by which drags are judged.
 #[test]
 fn tails_are_those_of_tables() {
     for (chi_square, degrees, p) in [(32.0, 16, 0.01), (23.542, 16, 0.1), (9.210, 2, 0.01)] {

@@ -21,7 +21,7 @@ fn snapshot(name: &str, recipe: &str, text: &str) {
     settings(recipe).bind(|| insta::assert_snapshot!(name, text));
 }
 
-/// The first picture of a report as a file of its own: the one that the README shows.
+/// The first picture of a report as a separate file: the one that the README shows.
 fn first_picture(report: &[u8]) -> Vec<u8> {
     let page = std::str::from_utf8(report).unwrap();
     let begin = page.find("<svg class=\"slice\"").unwrap();
@@ -152,7 +152,7 @@ fn the_quick_scenario_gives_its_goldens() {
     settings(recipe).bind(|| insta::assert_binary_snapshot!("bed.svg", bed));
 }
 
-/// A small run three times: other thread counts, folders, time zones and locales, and at last with
+/// A small run three times: other thread counts, folders, time zones and locales, and finally with
 /// the bed that the run before it poured; the same bytes.
 #[test]
 fn a_second_run_gives_the_same_bytes() {

@@ -1,5 +1,5 @@
 //! The rig of Guillard 2014, section III, at a size of seconds, from end to end: its goldens, its beds and
-//! lids, and what they must obey whatever the grains do.
+//! lids, and laws that they obey whatever the grains do.
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -69,7 +69,7 @@ impl Made {
     }
 }
 
-/// A drag that is asked for alone has its bed and nothing else made; the whole run goes on from there to the same
+/// For a drag that is asked for alone only its bed is made as well; the whole run goes on from there to the same
 /// files.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours beds: seconds in release")]
@@ -102,7 +102,7 @@ fn a_drag_done_alone_is_that_of_the_whole() {
             "{name}"
         );
     }
-    // What is done can be looked at before the rest is.
+    // What is done can be viewed before the rest is.
     let so_far = read_folder(&Folder(&out), &vouched(&out)).unwrap().1;
     assert_eq!([so_far.beds.len(), so_far.runs.len()], [1, 1]);
     assert_eq!(so_far.runs[0], MADE.whole.runs[2]);
@@ -201,7 +201,7 @@ fn run_lines(run: &DragSummary) -> String {
     )
 }
 
-/// The numbers to read, the first rows of what is written on the way, and the hash of each file but the
+/// The numbers to read, the first rows of what is written during the drags, and the hash of each file but the
 /// report, whose looks may change while its numbers do not.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "seconds in release, minutes in debug")]
@@ -276,14 +276,14 @@ fn beds_begin_at_rest() {
         let bulk = bed.packing_fraction * scenario.bed.density;
         let buoyancy = bulk * G * scenario.intruder_volume(of(bed).diameter);
         let change = (sim.obstacles[0].force[2] - begin).abs() / buoyancy;
-        // Twice what a bed may change by between the two looks that find it at rest.
+        // Twice the change allowed between the two looks that find a bed at rest.
         assert!(change < 0.2, "{}: {change} buoyancies", bed.name);
         let (_, weight, support) = weight_and_support(&sim);
         assert!((support / weight - 1.0).abs() < 1e-3, "{}", bed.name);
     }
 }
 
-/// Base and lid carry the drag, but for what went into the bed's momentum. What is left is the kick of half
+/// Base and lid carry the drag, except for the change of the bed's momentum. The rest is the kick of half
 /// a step at either end of the window: a force like the drag, over the window's thousands of steps.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "seconds in release, minutes in debug")]
@@ -299,7 +299,7 @@ fn base_and_lid_carry_the_drag_of_every_run() {
 }
 
 /// What lids of 60 and 210 times the grains' density add at a packing of 0.6 and D/d = 3.3: the paper's
-/// `h~ = h + (pi d/6)(rho_lid/rho)` with the bulk density, to the digits it is told with.
+/// `h~ = h + (pi d/6)(rho_lid/rho)` with the bulk density, to the digits that it is given with.
 #[test]
 fn lids_add_the_depth_of_the_paper() {
     let paper = scenario::load("guillard-2014", &[]).unwrap();
@@ -311,7 +311,7 @@ fn lids_add_the_depth_of_the_paper() {
     }
 }
 
-/// Each lid gives the depth that is asked for; without a gradient it is all that presses, and the weight
+/// Each lid gives the depth that is asked for; without a gradient only the lid presses, and the weight
 /// above the axis is rho g h~ to rounding. With one, that weight is less by the surface's roughness:
 /// h reaches to the highest grains, above which half a layer is missing.
 #[test]
@@ -345,7 +345,7 @@ fn lids_press_as_planned() {
             assert!(missing.abs() < 1e-13 * expected, "{missing}");
         }
     }
-    // Nothing of that changes on the way where the lid alone has weight.
+    // None of that changes during the motion if the lid alone has weight.
     for run in &MADE.whole.runs {
         let flow = run.flow.as_ref().unwrap();
         let off = (flow.pressure_measured / flow.pressure - 1.0).abs();
@@ -355,7 +355,7 @@ fn lids_press_as_planned() {
     }
 }
 
-/// `--dry-run` prints Table I of the paper, with what stands in it for grains of this size.
+/// `--dry-run` prints Table I of the paper, with its values for grains of this size.
 #[test]
 fn a_dry_run_prints_the_papers_table() {
     let folder = tempfile::tempdir().unwrap();
@@ -394,11 +394,11 @@ fn a_damaged_flow_series_is_refused() {
         std::fs::write(place(&name), &text[..cut]).unwrap();
         let told = present::write_report(&whole).unwrap_err().to_string();
         assert!(told.contains(file) && told.contains("--resume"), "{told}");
-        // Also where a manifest vouches for it.
+        // Also if a manifest vouches for it.
         forge_manifest(whole.0, FolderKind::Run, &[]);
         let told = present::write_report(&whole).unwrap_err().to_string();
         let at = format!(
-            "{file}:{}: is no row of finite numbers",
+            "{file}:{}: is not a row of finite numbers",
             text.lines().count()
         );
         assert!(

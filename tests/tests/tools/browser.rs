@@ -2,7 +2,7 @@
 //! unit on every axis, no error, on a desk and on a phone.
 //!
 //! Needs a Chromium: `cargo test -p bitgrain-tests --release --test tools browser:: -- --ignored`. The
-//! variable `CHROMIUM` names its program where that is not `chromium`.
+//! variable `CHROMIUM` names its program if that is not `chromium`.
 
 use std::path::Path;
 use std::process::Command;

@@ -3,7 +3,7 @@
 mod browser;
 mod count;
 mod instructions;
-// What the program `targets` is made of, which uses the rest.
+// The modules of the program `targets`, which uses the rest.
 #[allow(dead_code)]
 #[path = "../../machines/mod.rs"]
 mod machines;

@@ -1,7 +1,7 @@
-//! The kernel's tests catch what they are there to catch: each named mutant is one wrong piece of
-//! source, and the tests named beside it must go red on it, while the unchanged copy stays green.
+//! The kernel's tests catch what they should: each named mutant is one wrong piece of
+//! source, and the tests named beside it must fail on it, while the unchanged copy passes.
 //!
-//! The kernel is copied into a folder of its own with a workspace that builds fast; what it builds
+//! The kernel is copied into its own folder with a workspace that builds fast; the build
 //! is kept in `target/mutants`.
 
 use std::fs;
@@ -18,7 +18,7 @@ struct Mutant {
     from: &'static str,
     /// Text in its place.
     to: &'static str,
-    /// What must catch it: a module of `kernel/tests/kernel`, or [`UNIT`].
+    /// The target that must catch it: a module of `kernel/tests/kernel`, or [`UNIT`].
     target: &'static str,
     /// Tests of that target that must fail.
     red: &'static [&'static str],
@@ -304,14 +304,14 @@ fn copy_folder(from: &Path, to: &Path) {
         if path.is_dir() {
             copy_folder(&path, &copy);
         } else {
-            // Written anew rather than copied, so that it is newer than what was built before.
+            // Rewritten rather than copied, so that it is newer than what was built before.
             let text = fs::read(&path).expect("a readable file");
             fs::write(copy, text).expect("a new file");
         }
     }
 }
 
-/// The kernel in a workspace of its own.
+/// The kernel in its own workspace.
 struct Copy {
     folder: PathBuf,
     build: PathBuf,
@@ -398,7 +398,7 @@ impl Copy {
     }
 }
 
-/// Found out in seconds: a change of the kernel that leaves a mutant without its text.
+/// Found in seconds: a change of the kernel that removes a mutant's text.
 #[test]
 fn every_mutant_has_its_text() {
     let kernel = bitgrain_tests::root().join("kernel/src");

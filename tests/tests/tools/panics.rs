@@ -1,4 +1,4 @@
-//! No panic can be reached through the kernel's public functions, whatever they are given.
+//! No panic can be reached through the kernel's public functions, whatever their input.
 
 #![cfg(target_os = "linux")]
 
@@ -8,10 +8,10 @@ use bitgrain_tests::root;
 
 use crate::machines::machine::asked_by_the_kernel;
 
-/// What the rig's panic handler calls, and nobody defines.
+/// The function that the rig's panic handler calls, and nobody defines.
 const PANICS: &str = "a_panic_is_reachable";
 
-/// The library of all public functions asks for no panic; with one careless function more, it does.
+/// The library of all public functions needs no panic handler; with one careless function more, it does.
 #[test]
 fn no_public_function_of_the_kernel_can_panic() {
     let careless = asked_by_the_kernel("control").unwrap();
@@ -39,7 +39,7 @@ fn public_functions(source: &str) -> BTreeSet<String> {
     found
 }
 
-/// The rig lags behind nothing: each public function of the kernel is named in it.
+/// The rig is complete: each public function of the kernel is named in it.
 #[test]
 fn the_rig_names_every_public_function() {
     let read = |name: &str| std::fs::read_to_string(root().join(name)).unwrap();

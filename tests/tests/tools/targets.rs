@@ -40,7 +40,7 @@ fn collect<R: Real>(all: &mut Hasher, text: &mut Vec<u8>) {
     conformance::run(&mut room, all, show).expect("every reference world runs to its end");
 }
 
-/// `INSTA_UPDATE=always` makes the golden text anew, as wherever a bit changed for a reason.
+/// `INSTA_UPDATE=always` rewrites the golden text, for changes of bits that have a reason.
 #[test]
 fn this_machine_gives_the_reference_text() {
     same_text("reference", lines());
@@ -109,7 +109,7 @@ fn the_list_has_every_target_with_its_packages() {
     }
 }
 
-/// Without its emulator a target is skipped, which is an error only where it is required.
+/// Without its emulator a target is skipped, which is an error only if it is required.
 #[test]
 fn what_is_not_here_is_skipped_and_its_packages_named() {
     let bare = |args: &[&str]| {

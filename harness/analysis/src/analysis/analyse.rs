@@ -23,7 +23,7 @@ pub struct Analysis {
     pub failed: usize,
     /// Rows whose bed slid along as a plug.
     pub sliding: usize,
-    /// Whether these count all the same.
+    /// Whether these count nevertheless.
     pub plugs: bool,
     /// Drag against speed: intruder, depth and grains the same.
     pub curves: Vec<Curve>,

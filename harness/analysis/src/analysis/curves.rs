@@ -7,10 +7,10 @@ use bitgrain_lab::campaign::columns::MOST_CONTACTS;
 use bitgrain_lab::campaign::table::CampaignTable;
 use bitgrain_lab::plug_flow::PlugFlow;
 
-/// Least D/d of an intruder with contacts enough for a law: the paper's smallest scatters too.
+/// Least D/d of an intruder with enough contacts for a law: the paper's smallest scatters too.
 const LEAST_DIAMETER: f64 = 2.0;
 
-/// What grains are made of.
+/// The material of the grains.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Material {
@@ -42,13 +42,13 @@ pub struct Point {
     pub plug_ratio: f64,
     /// Contact angle, over all contacts.
     pub angle: Option<Value>,
-    /// The same where contacts begin.
+    /// The same of contacts as they begin.
     pub new_angle: Option<Value>,
     /// Normalised coordination number.
     pub kappa: Option<Value>,
     /// Share of near grains without contacts.
     pub floating: Option<Value>,
-    /// Grains that go along.
+    /// Grains that move along.
     pub moving: Option<Value>,
     /// Speed of the layers above over the intruder's.
     pub drift: Option<Value>,
@@ -80,7 +80,7 @@ impl Curve {
         self.diameter + self.mean_diameter
     }
 
-    /// Whether its intruder has contacts enough for a law of what goes on round it.
+    /// Whether its intruder has enough contacts for a law of the near field.
     pub fn is_wide(&self) -> bool {
         self.diameter >= LEAST_DIAMETER * self.mean_diameter
     }
@@ -180,7 +180,7 @@ fn point(table: &CampaignTable, row: usize) -> Option<Point> {
     let value = |column: &str| {
         let value = table.real(row, column)?;
         let error = table.real(row, &format!("{column}_error"))?;
-        // Below zero it is no error.
+        // An error below zero is none.
         (error >= 0.0).then_some(Value { value, error })
     };
     let shares = (0..=MOST_CONTACTS).map(|k| table.real(row, &format!("coordination_{k}")));

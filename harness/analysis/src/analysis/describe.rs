@@ -32,7 +32,7 @@ pub(crate) fn material(m: &Material) -> String {
     }
 }
 
-/// What they are beside their friction; nothing under a law without these numbers.
+/// Their properties besides friction; nothing under a law without these numbers.
 pub(crate) fn grains(m: &Material) -> String {
     match m.kn {
         0.0 => String::new(),

@@ -8,7 +8,7 @@ use crate::fit::{DECADES_MIN, Datum, EXPONENT_ERROR_MAX, Exact, Fit, Refusal};
 
 /// Numbers that differ by less than this part are one.
 const SAME: f64 = 1e-6;
-/// Fewest forces for a prefactor, two exponents and what they are known to.
+/// Fewest forces for a prefactor, two exponents and their errors.
 const FEWEST: usize = 4;
 
 /// Exponents of size and depth from many forces.
@@ -121,7 +121,7 @@ pub(super) fn geometric_mean(values: &[Value]) -> Value {
 mod tests {
     use super::*;
 
-    /// Beds that are a few per cent off each other, in steps that add up to nothing.
+    /// Beds that differ by a few per cent, in steps that add up to zero.
     fn forces(off: f64) -> Vec<Force> {
         let places = [
             (2.0, 8.0),

@@ -22,7 +22,7 @@ impl<T> Finding<T> {
         }
     }
 
-    /// Refused by a sentence.
+    /// Refused with a sentence.
     pub fn refused(why: impl Into<String>) -> Self {
         Finding::Refused(Refusal(why.into()))
     }

@@ -1,5 +1,5 @@
-//! What the runs of a campaign say together (Kumar 2018, section III): regimes of the drag, what goes on
-//! round the intruder, yield forces and how they scale.
+//! What the runs of a campaign say together (Kumar 2018, section III): regimes of the drag, the near
+//! field of the intruder, yield forces and how they scale.
 //!
 //! Everything is a pure function of the campaign's table, and every fit says how good it is or why there is
 //! none.

@@ -1,4 +1,4 @@
-//! What goes on round the intruder: contact angle, coordination, grains without contacts (Kumar 2018,
+//! The near field of the intruder: contact angle, coordination, grains without contacts (Kumar 2018,
 //! section III B).
 
 use serde::{Deserialize, Serialize};
@@ -42,11 +42,11 @@ pub struct Floating {
     pub slowest: Value,
     /// At the highest.
     pub fastest: Value,
-    /// How many times the share falls from a speed to the next by more than two errors.
+    /// How often the share falls from one speed to the next by more than two errors.
     pub falls: usize,
 }
 
-/// What goes on in one material.
+/// The near field in one material.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NearField {
@@ -54,7 +54,7 @@ pub struct NearField {
     pub material: Material,
     /// Angle over all contacts.
     pub contacts: Contacts,
-    /// Angle where contacts begin.
+    /// Angle of contacts as they begin.
     pub new_contacts: Contacts,
     /// `kappa = a + b Fr` (Kumar 2018, Fig. 8).
     pub kappa: Finding<Fit>,
@@ -80,7 +80,7 @@ fn data(curves: &[(&Curve, &Yield)], of: Reading) -> (Vec<Datum>, Vec<f64>) {
     all.into_iter().unzip()
 }
 
-/// Weighted mean residual of each diameter, with errors that the scatter has a part in.
+/// Weighted mean residual of each diameter, with errors that include the scatter.
 fn offsets(data: &[Datum], diameters: &[f64], fit: &Fit) -> Vec<Offset> {
     let mut kinds: Vec<f64> = diameters.to_vec();
     kinds.sort_by(f64::total_cmp);

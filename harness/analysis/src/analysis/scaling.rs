@@ -44,11 +44,11 @@ pub struct Spread {
     pub runs: usize,
     /// Root mean square deviation from their mean, over it.
     pub spread: f64,
-    /// The same as the errors of the runs alone would have it.
+    /// The same from the errors of the runs alone.
     pub expected: f64,
 }
 
-/// How well curves fall on one another.
+/// How well the curves collapse.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Collapse {
@@ -58,7 +58,7 @@ pub struct Collapse {
     pub speeds: Vec<Spread>,
     /// Root mean square over all.
     pub spread: f64,
-    /// The same as errors alone would have it.
+    /// The same from errors alone.
     pub expected: f64,
 }
 
@@ -68,9 +68,9 @@ pub struct Collapse {
 pub struct Scaling {
     /// The grains.
     pub material: Material,
-    /// phi: yield force against D + d at each depth asked for, to which those of the settled beds are brought.
+    /// phi: yield force against D + d at each depth asked for, to which the forces of the settled beds are scaled.
     pub phi: Vec<Exponent>,
-    /// The exponent of the depth by which they are: alpha of both at once, of yields or of slow drags, or 1 where
+    /// The exponent of depth in this scaling: alpha of both at once, of yields or of slow drags, or 1 if
     /// there is none.
     pub brought_by: f64,
     /// alpha: yield force against depth at each diameter.
@@ -85,13 +85,13 @@ pub struct Scaling {
     /// depths grow alike with the speed, these are the exponents of the yield force without it.
     pub slow: Finding<Scaled>,
     /// Drags of all diameters at a depth, over (D + d)^phi (Kumar 2018, Fig. 15); phi of the yields, or of slow
-    /// drags where these give none. So is alpha below.
+    /// drags if these give none. So is alpha below.
     pub by_size: Finding<Collapse>,
     /// Drags of all depths at a diameter, over h^alpha (Kumar 2018, Fig. 19).
     pub by_depth: Finding<Collapse>,
-    /// The same of depths beyond 25 d alone, where the paper has its collapse.
+    /// The same of depths beyond 25 d alone, where the paper finds its collapse.
     pub by_depth_deep: Finding<Collapse>,
-    /// And of those up to 25 d, where it has none.
+    /// And of those up to 25 d, where it finds none.
     pub by_depth_shallow: Finding<Collapse>,
 }
 
@@ -103,7 +103,7 @@ pub(super) fn scaling(material: Material, curves: &[Pair]) -> Scaling {
     let slow: Finding<Scaled> = slow(curves).into();
     let at_once =
         |found: &Finding<Scaled>, name| found.found()?.fit.parameter(name).map(Value::from);
-    // Beds do not settle to the depth that was asked for: yields are brought to one depth.
+    // Beds do not settle to the depth that was asked for: yields are scaled to one depth.
     let slope = at_once(&both, "alpha").or(at_once(&slow, "alpha"));
     let slope = slope.map_or(1.0, |alpha| alpha.value);
     let phi = phi(curves, slope);
@@ -285,7 +285,7 @@ fn slow(curves: &[Pair]) -> Result<Scaled, Refusal> {
     scaled(&forces, "curves of slow drags")
 }
 
-/// How well the drags over their scale agree at equal Froude numbers, among curves that `group` puts together.
+/// How well the drags over their scale agree at equal Froude numbers, among curves of one `group`.
 fn collapse(
     curves: &[Pair],
     group: impl Fn(&Curve) -> f64,

@@ -12,7 +12,7 @@ use crate::fit::{Datum, Fit};
 /// The paper's crossovers: from the first regime to the line, and to the quadratic.
 pub const CROSSOVERS: [f64; 2] = [1.0, 5.0];
 
-/// What one curve says.
+/// The findings of one curve.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Speeds {

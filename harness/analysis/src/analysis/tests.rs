@@ -1,4 +1,4 @@
-//! A campaign whose laws are known: what the analysis must find again.
+//! A campaign whose laws are known: the analysis must find them again.
 
 use super::*;
 use crate::fit::Fit;
@@ -76,7 +76,7 @@ impl Made {
                     for &asked in &self.depths {
                         for &froude in &self.froudes {
                             row += 1;
-                            // Beds settle a little off.
+                            // Beds settle a little off their depth.
                             let h = asked * if mu < 0.05 { 0.88 } else { 1.1 };
                             let [phi, alpha] = exponents(mu);
                             let scale = libm::pow(d + 1.0, phi) * libm::pow(h, alpha);
@@ -161,7 +161,7 @@ fn known_exponents_and_yield_forces_are_found() {
             .for_each(|e| near(e.fit.found().unwrap(), "p", alpha));
         let mean = scaling.alpha_mean.found().unwrap();
         assert!((mean.value - alpha).abs() < 4.0 * mean.error, "{mean:?}");
-        // What is left of the spread is what errors and exponents leave.
+        // The remaining spread comes from errors and exponents.
         for collapse in [&scaling.by_size, &scaling.by_depth] {
             let collapse = collapse.found().unwrap();
             assert!(collapse.spread < 3.0 * NOISE, "{}", collapse.spread);

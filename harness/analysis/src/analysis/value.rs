@@ -1,4 +1,4 @@
-//! Numbers with standard errors, and what is made of several.
+//! Numbers with standard errors, and combinations of several.
 
 use serde::{Deserialize, Serialize};
 
@@ -50,7 +50,7 @@ impl Value {
     /// This over another, independent of it.
     pub fn over(self, other: Value) -> Value {
         let value = self.value / other.value;
-        // Nothing has no relative error.
+        // Zero has no relative error.
         let error = match self.value == 0.0 {
             true => self.error / other.value.abs(),
             false => value.abs() * both(self.relative(), other.relative()),
@@ -63,7 +63,7 @@ impl Value {
         Value::new(self.value - other.value, both(self.error, other.error))
     }
 
-    /// Mean weighted by the errors, which alone make its own; `None` of none.
+    /// Mean weighted by the errors, from which alone its own follows; `None` of no values.
     pub fn mean(values: impl Iterator<Item = Value>) -> Option<Value> {
         let (mut weights, mut sum) = (0.0, 0.0);
         for v in values {
@@ -74,7 +74,7 @@ impl Value {
         (weights > 0.0 && mean.value.is_finite()).then_some(mean)
     }
 
-    /// What it weighs in a mean.
+    /// Its weight in a mean.
     pub fn weight(&self) -> f64 {
         1.0 / (self.error * self.error)
     }
@@ -89,7 +89,7 @@ fn both(a: f64, b: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Errors of quotients are those of both, in proportion; that of nothing over something is its own.
+    /// Errors of quotients are those of both, in proportion; that of zero over something is its own.
     #[test]
     fn quotients_have_the_errors_of_both() {
         let two = Value::new(-2.0, 0.2);

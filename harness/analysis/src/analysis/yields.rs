@@ -1,4 +1,4 @@
-//! The yield force of an intruder: the drag in the limit of no speed (Kumar 2018, section III E).
+//! The yield force of an intruder: the drag in the limit of zero speed (Kumar 2018, section III E).
 
 use serde::{Deserialize, Serialize};
 

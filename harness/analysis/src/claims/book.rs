@@ -60,7 +60,7 @@ pub struct Claim {
 pub struct Measured {
     /// Name of the scenario or campaign; `direct` for what is computed on the spot.
     pub by: String,
-    /// The number; none if the runs cannot carry it.
+    /// The number; none if the runs cannot give it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub value: Option<f64>,
     /// Its standard error.
@@ -84,7 +84,7 @@ impl Book {
     /// Reads a book; `place` is what errors call it.
     ///
     /// # Errors
-    /// [`Error::Input`] with the line, or the claim, that is wrong.
+    /// [`Error::Input`] with the line or the claim that is wrong.
     pub fn parse(text: &str, place: &str) -> Result<Self> {
         let book: Book = toml::from_str(text).map_err(|e| wrong_toml(place, text, &e))?;
         if book.claim.len() > CLAIMS_MAX {
@@ -169,7 +169,7 @@ impl Measured {
 }
 
 impl Claim {
-    /// TOML has numbers that are not finite, of which nothing could be said.
+    /// TOML has numbers that are not finite, which cannot be compared.
     fn check_numbers(&self, place: &str) -> Result<()> {
         let own = [self.value, self.tolerance, self.least, self.most];
         let measured = self.measured.iter().flat_map(|m| [m.value, m.error]);
@@ -205,8 +205,8 @@ impl Claim {
     }
 
     /// Whether a measurement agrees. A number agrees within the tolerance if its error is no larger, and
-    /// disagrees where two errors more do not reach it. It keeps a bound if it does with one error, and
-    /// breaks it where it does with two.
+    /// disagrees if two errors more do not reach it. It keeps a bound if it does so within one error, and
+    /// breaks it if it does so by two.
     pub fn agreement(&self, measured: &Measured) -> Verdict {
         let (Some(x), Some(error)) = (measured.value, measured.error) else {
             return Verdict::NotResolved;
@@ -408,7 +408,7 @@ mod tests {
         assert_eq!(verdict(both, 0.5, 0.1), Agrees);
         assert_eq!(verdict(both, 1.5, 0.1), Disagrees);
         assert_eq!(verdict(both, 0.95, 0.1), NotResolved);
-        // Runs that cannot carry a number do not take back what others measured.
+        // Runs that cannot give a number do not revoke what others measured.
         let mut claim = claim(one);
         let value = |value| Ok((Value::new(value, 0.05), String::new()));
         claim.measured = [value(1.5), value(1.0), Err("too few".to_string())]

@@ -1,4 +1,4 @@
-//! What claims are measured on: a campaign, its table alone, or a run.
+//! The evidence of claims: a campaign, its table alone, or a run.
 
 use std::path::Path;
 
@@ -16,10 +16,10 @@ use bitgrain_sim::disk;
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::files::read_text;
 
-/// Name of what is measured on no run, but computed.
+/// Name of what is computed instead of measured on runs.
 pub const DIRECT: &str = "direct";
 
-/// Results, what they say, and what claims they bear on.
+/// Results, what they say, and which claims they concern.
 pub struct Evidence {
     /// Name of the scenario or campaign.
     pub by: String,
@@ -36,7 +36,7 @@ pub struct Evidence {
 }
 
 impl Evidence {
-    /// Reads a campaign's folder, a run's folder (of what is done, where it has not come to its end) or summary, or a
+    /// Reads a campaign's folder, a run's folder (of what is done, if it is unfinished) or summary, or a
     /// table, which is named after its folder; summary and table may be packed by gzip. Runs whose bed slid along as
     /// a plug are left out unless `plugs`.
     ///
@@ -61,7 +61,7 @@ impl Evidence {
 
     /// A summary or a table, by its text.
     fn of_text(text: String, path: &Path, beside: Option<Beside>, plugs: bool) -> Result<Self> {
-        // A summary is JSON, which no table begins like.
+        // A summary is JSON; no table begins like that.
         if text.starts_with('{') {
             let summary = parse_summary(&text, path)?;
             return Self::of_summary(&text, summary, path, plugs);
@@ -100,15 +100,15 @@ impl Evidence {
         text(&self.analysis)
     }
 
-    /// How much of a run is done, where it has not come to its end.
+    /// How much of a run is done, if it is unfinished.
     fn part(&self) -> Option<String> {
         let summary = self.summary.as_ref()?;
         let (done, planned) = (summary.runs.len(), summary.inputs.drags().len());
         (done < planned).then(|| format!("{done} of {planned} drags"))
     }
 
-    /// Measures what it can of a book's claims and puts it there; of claims that name others as what tests
-    /// them nothing, unless this is none of those that ship.
+    /// Measures what it can of a book's claims and enters it there; nothing of claims that are tested by
+    /// others, unless this is not one of those that ship.
     pub fn record(&self, book: &mut Book) {
         let known = book
             .claim
@@ -151,14 +151,14 @@ fn name_of_folder(file: &Path) -> Result<String> {
     Ok(folder.unwrap_or_default().to_string_lossy().into_owned())
 }
 
-/// Puts what is computed on the spot into a book.
+/// Enters what is computed on the spot into a book.
 pub fn record_direct(book: &mut Book) {
     let found = restitution::measure();
     book.record("kumar-restitution", Measured::new(DIRECT, "", found));
 }
 
-/// The book with the numbers that a run gives for claims about flowing beds: none of a sphere, of which they do not
-/// speak.
+/// The book with the numbers that a run gives for claims about flowing beds: none of a sphere, which they do not
+/// concern.
 pub fn book_of_run(summary: &Summary) -> Book {
     let mut book = Book::shipped();
     for claim in &mut book.claim {

@@ -1,8 +1,8 @@
-//! Numbers that several points make: the slope of the drag, the plateau of the lift.
+//! Numbers from several points: the slope of the drag, the plateau of the lift.
 
 use super::points::{Group, Point};
 
-/// Depths that differ by less than this part are one depth: what seeds and packing make of it.
+/// Depths that differ by less than this part are one depth: seeds and packing vary it.
 pub const SAME_DEPTH: f64 = 0.05;
 
 /// Whether two depths are one.
@@ -63,7 +63,7 @@ pub(super) fn both(a: f64, b: f64) -> f64 {
     (a * a + b * b).sqrt()
 }
 
-/// How many depths were asked for that are not the same to [`SAME_DEPTH`]: what comes of one differs a little.
+/// How many depths were asked for that are not the same to [`SAME_DEPTH`]: beds of one depth differ a little.
 pub fn depths(points: &[&Point]) -> usize {
     let mut all: Vec<f64> = points.iter().map(|p| p.asked).collect();
     all.sort_by(f64::total_cmp);
@@ -91,8 +91,8 @@ pub struct Plateau {
 }
 
 /// The deepest points, which come by depth, that agree with the deepest within two combined errors: at
-/// least two, at two depths, whose mean is told from zero by two errors, and the shallowest of which is
-/// told by two errors from what a lift that grows with depth would have there; else `None`.
+/// least two, at two depths, whose mean differs from zero by two errors, and the shallowest of which
+/// differs by two errors from what a lift that grows with depth would have there; else `None`.
 pub fn plateau(points: &[&Point]) -> Option<Plateau> {
     let flat = flat(points)?;
     let count = flat.len();
@@ -100,7 +100,7 @@ pub fn plateau(points: &[&Point]) -> Option<Plateau> {
     let lift = flat.iter().map(|p| p.lift.mean).sum::<f64>() / n;
     let squares = flat.iter().map(|p| p.lift.error * p.lift.error);
     let error = squares.sum::<f64>().sqrt() / n;
-    // Whatever is known too badly agrees with everything.
+    // A value with too large an error agrees with everything.
     let told = lift.abs() > 2.0 * error;
     let (shallow, deep) = (flat[0], flat[count - 1]);
     let part = shallow.effective_depth / deep.effective_depth;
@@ -240,7 +240,7 @@ mod tests {
         assert!(plateau(&points[3..]).is_none(), "one point is no plateau");
         // All flat: the depth at which it saturates is not among those measured.
         assert_eq!(plateau(&points[2..]).unwrap().depth, None);
-        // A lift that grows with depth agrees with itself where errors are large.
+        // A lift that grows with depth agrees with itself if errors are large.
         let mut growing = [2.0, 3.5, 5.5].map(|h| point(h, 1.0, 6.5 * h));
         for (p, error) in growing.iter_mut().zip([4.0, 5.0, 8.0]) {
             p.lift.error = error;
@@ -250,7 +250,7 @@ mod tests {
         assert!(plateau(&growing).is_none());
         let vague = [3.0, 4.0].map(|h| point(h, 1.0, 0.1));
         assert!(plateau(&[&vague[0], &vague[1]]).is_none());
-        // Two points at one depth say nothing of its growth.
+        // Two points at one depth do not show growth.
         assert!(plateau(&[points[3], points[3]]).is_none());
     }
 

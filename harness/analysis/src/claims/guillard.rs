@@ -43,7 +43,7 @@ pub fn measure(id: &str, summary: &Summary) -> Option<Found> {
     Some(found.and_then(|found| steady(group, found)))
 }
 
-/// Nothing counts that rests on a bed that slips, or on too little travel.
+/// Runs with a bed that slips or with too little travel do not count.
 fn steady(group: &Group, found: (Value, String)) -> Found {
     let slowest = least(group.points.iter().map(|p| p.far_field));
     let shortest = least(group.points.iter().map(|p| p.travel));
@@ -81,7 +81,7 @@ impl From<Spread> for Value {
     }
 }
 
-/// A quantity of each pair, without a gradient over with it: what is farthest from a number.
+/// A quantity of each pair, without a gradient over with it: the one farthest from a number.
 fn ratio(pairs: &[(&Point, &Point)], from: f64, of: fn(&Point) -> Spread) -> Found {
     let over = |(with, without): &(&Point, &Point)| {
         let ratio = Value::from(of(without)).over(of(with).into());
@@ -99,7 +99,7 @@ fn seeds(points: &[&Point]) -> Result<(), String> {
     }
 }
 
-/// The plateau, or the deepest points where they are deep enough for one.
+/// The plateau, or the deepest points if they are deep enough for one.
 fn lift(group: &Group) -> Found {
     let points = group.with_gradient(true);
     seeds(&points)?;
@@ -138,7 +138,7 @@ fn no_lift(group: &Group) -> Found {
 }
 
 /// How far the bed is disturbed above over below with a gradient, over the same without one: base and surface are
-/// not as far from the cylinder, which does its part in both. Mean over the effective depths.
+/// not as far from the cylinder, which affects both. Mean over the effective depths.
 fn zone(summary: &Summary, group: &Group) -> Found {
     let (with, without) = (zones(summary, group, true)?, zones(summary, group, false)?);
     let same = |a: &Point, b: &Point| same_depth(a.asked, b.asked);
@@ -162,15 +162,15 @@ fn zone(summary: &Summary, group: &Group) -> Found {
     Ok((Spread::of(&both).into(), note))
 }
 
-/// The same without a gradient: of the effective depths what is farthest from one.
+/// The same without a gradient: of the effective depths the one farthest from one.
 fn symmetry(summary: &Summary, group: &Group) -> Found {
     let note = |p: &Point| format!("h~/D = {:.0}", p.effective_depth / group.diameter);
     let all = zones(summary, group, false)?.into_iter();
     farthest(all.map(|(p, value)| (value, note(p))).collect(), 1.0, "")
 }
 
-/// How far the bed is disturbed above over below, at each effective depth under a lid. Few seeds tell little of their
-/// spread: it is taken over all depths.
+/// How far the bed is disturbed above over below, at each effective depth under a lid. The spread of few seeds is
+/// poorly known: it is taken over all depths.
 fn zones<'a>(
     summary: &Summary,
     group: &'a Group,
@@ -225,7 +225,7 @@ fn zones<'a>(
 fn halves(summary: &Summary) -> Found {
     let one = |run: &DragSummary| {
         let [first, second] = run.flow.as_ref()?.drag_halves;
-        // Each half is known a root of two worse than the whole.
+        // The error of each half is larger by a root of two.
         let error = (2.0 * run.drag.standard_error / run.drag.mean).abs();
         let note = "first half of the window over the second".to_string();
         Some((Value::new(first / second, error), note))
@@ -241,7 +241,7 @@ mod tests {
     use bitgrain_lab::summary::Flow;
     use bitgrain_sim::coarse_graining::load::{Load, POINTS, Sum, theta};
 
-    /// Fields of the form that the paper has: 15 P_0 cos(theta) in front, a disturbed zone of 3 above and 2 below
+    /// Fields of the paper's form: 15 P_0 cos(theta) in front, a disturbed zone of 3 above and 2 below
     /// with a gradient.
     fn with_fields(flow: &mut Flow) {
         let p = flow.pressure_measured;
@@ -301,7 +301,7 @@ mod tests {
             (value.value, value.error, &note[..]),
             (1.2, 0.0, "h~/D = 32")
         );
-        // The lift of a synthetic run tells its seed apart.
+        // The lift of a synthetic run differs by seed.
         let seeds = |flow: &mut Flow| {
             let more =
                 flow.lift_over_buoyancy > 30.0 || (0.1..20.0).contains(&flow.lift_over_buoyancy);

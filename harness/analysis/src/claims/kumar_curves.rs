@@ -3,7 +3,7 @@
 use crate::analysis::{Analysis, Curve, Finding, NearField, Pooled, Scaling, Speeds, Value, Yield};
 use crate::fit::Fit;
 
-/// A number with what it rests on, or why there is none.
+/// A number with its basis, or why there is none.
 pub type Found = Result<(Value, String), String>;
 
 /// Friction coefficient of most of the paper.

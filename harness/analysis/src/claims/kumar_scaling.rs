@@ -30,7 +30,7 @@ pub(super) fn yields(id: &str, of: &Of) -> Option<Found> {
         "frictionless-yield" => {
             let over = |(curve, _, own): (&Curve, &Speeds, &Yield)| {
                 let force = own.force.found()?;
-                // So many errors, known to one.
+                // In units of its error, so that its own error is one.
                 Some((Value::new(force.value / force.error, 1.0), name(curve)))
             };
             least(
@@ -94,7 +94,7 @@ fn exponent(list: &[Exponent], what: &str) -> Found {
     mean(&all, &why).map(|(v, _)| (v, of(all.len())))
 }
 
-/// An exponent from the slow drags at equal Froude numbers, where the yield forces give none.
+/// An exponent from the slow drags at equal Froude numbers, if the yield forces give none.
 fn slow(scaling: &Scaling, name: &str, why: String) -> Found {
     let found = scaling.slow.found().ok_or(why.clone())?;
     let note =

@@ -9,8 +9,8 @@ use crate::fit::{Datum, Fit};
 use bitgrain_lab::summary::Summary;
 use bitgrain_sim::coarse_graining::load::{Load, POINTS, Sum, odd, theta};
 
-/// Least error of a stress over the largest of its curve: where hardly a grain touches, eight parts say nothing of
-/// one.
+/// Least error of a stress over the largest of its curve: where hardly a grain touches, eight parts give no
+/// error.
 const LEAST_ERROR: f64 = 0.05;
 
 /// The load of one run over the pressure there: the vertical stress at the cylinder's axis, as the drag is compared.
@@ -39,7 +39,7 @@ pub struct PointLoad {
     pub normal: Vec<Value>,
     /// Tangential stress.
     pub tangential: Vec<Value>,
-    /// The force that no contact's normal one makes, over the whole.
+    /// The force without the contacts' normal forces, over the whole.
     pub tangential_part: Value,
     /// What eq. 4 would make of the load: lift over buoyancy.
     pub simple_lift: Value,
@@ -145,7 +145,7 @@ pub fn pairs(loads: &[PointLoad]) -> Vec<(&PointLoad, &PointLoad)> {
 
 /// `(sigma_n - sigma_n without gradient)/(rho g D)` by angle (Guillard 2014, Fig. 12), the stress without gradient
 /// brought to the pressure of the one with it, in proportion. Runs of one seed share a bed: they are compared seed
-/// by seed where there are such.
+/// by seed if there are such.
 pub fn difference(pair: &(&PointLoad, &PointLoad)) -> Vec<Value> {
     let (with, without) = pair;
     let less = |a: &[Value], b: &[Value], pressure: f64| -> Vec<Value> {

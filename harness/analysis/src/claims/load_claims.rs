@@ -1,4 +1,4 @@
-//! What loads say of each claim of Guillard 2014, section IV and appendix B.
+//! The loads and each claim of Guillard 2014, section IV and appendix B.
 
 use super::kumar_curves::{Found, farthest};
 use super::load::{PointLoad, deep, difference, equation_4, highest, is_deep, odd_part, pairs};
@@ -9,12 +9,12 @@ use crate::fit::Datum;
 use crate::fit::linear::line;
 use bitgrain_sim::coarse_graining::load::{POINTS, WIDTH, theta};
 
-/// A difference is told from none from so many errors on.
+/// A difference counts as one from this many errors on.
 const TOLD: f64 = 5.0;
 
 const NO_LOAD: &str = "no run has a load: measure.fields asks for them";
 
-/// The measurement of a claim about loads; `None` if this is none.
+/// The measurement of a claim about loads; `None` if this is not one.
 pub(super) fn measure(id: &str, loads: &[PointLoad]) -> Option<Found> {
     let without = || loads.iter().filter(|l| !l.gradient);
     let all = |of: &dyn Fn(&PointLoad) -> Value| -> Found {
@@ -121,7 +121,7 @@ fn largest_tangential(load: &PointLoad) -> Value {
 }
 
 /// Spread over depths of the differences beyond their errors, over the mean of them all, both as root mean squares
-/// over the angles. Refused where the mean is not told from none: then noise alone would make the spread.
+/// over the angles. Refused if the mean is not distinct from zero: then noise alone would make the spread.
 fn collapse(pairs: &[(&PointLoad, &PointLoad)]) -> Found {
     let curves: Vec<Vec<Value>> = pairs.iter().map(difference).collect();
     let n = curves.len() as f64;
@@ -168,7 +168,7 @@ fn collapse(pairs: &[(&PointLoad, &PointLoad)]) -> Found {
     };
     let own = noise(known, left, angles * (n - 1.0));
     let spread = left.sqrt();
-    // The error of a root, but for one near zero.
+    // The error of a root, unless it is near zero.
     let (slope, most) = (0.5 * own / spread, own.sqrt());
     let error = if slope < most { slope } else { most };
     let mean = square.sqrt();
@@ -176,7 +176,7 @@ fn collapse(pairs: &[(&PointLoad, &PointLoad)]) -> Found {
     Ok((Value::new(spread, error).over(mean), told))
 }
 
-/// How much of eq. 4's curve the differences hold, as least squares have it: mean over the depths; the odd parts of
+/// How much of eq. 4's curve the differences hold, by least squares: mean over the depths; the odd parts of
 /// the loads with a gradient are a second estimate.
 fn over_equation_4(pairs: &[(&PointLoad, &PointLoad)]) -> Found {
     if pairs.is_empty() {
@@ -210,7 +210,7 @@ fn share(curve: &[Value], shape: &[f64]) -> Value {
         noise += v.error * v.error * x * x;
         own += x * x;
     }
-    // Neighbouring angles go up and down as one.
+    // Neighbouring angles vary together.
     Value::new(both, (noise * POINTS as f64 / SUMS).sqrt()).divided(own)
 }
 
@@ -222,7 +222,7 @@ const SQUARES: f64 = ROOT_TWO_PI / WIDTH;
 /// sqrt(2 pi).
 const ROOT_TWO_PI: f64 = 2.506_628_274_631;
 
-/// Lift over drag of the part of the normal forces that goes with the pressure: appendix B has it symmetric.
+/// Lift over drag of the part of the normal forces that goes with the pressure: it is symmetric in appendix B.
 fn lift_of_slope(loads: &[PointLoad]) -> Found {
     let deep = deep(loads)?;
     let slope = |of: fn(&PointLoad) -> Value| -> Result<Value, String> {
@@ -250,7 +250,7 @@ mod tests {
     use crate::fit::synthetic::normal;
     use bitgrain_sim::coarse_graining::load::weights;
 
-    /// A load of the form that appendix B has: `P_0 15 cos(theta)` in front and a part `rho g D 20 sin(theta)`
+    /// A load of the form in appendix B: `P_0 15 cos(theta)` in front and a part `rho g D 20 sin(theta)`
     /// there with a gradient.
     fn load(depth: f64, gradient: bool, off: f64) -> PointLoad {
         let at = |m: usize| {
@@ -338,15 +338,15 @@ mod tests {
             (apart.value - (3.0 - 2.0 * 0.05 * 2.0_f64.sqrt()) / 18.0).abs() < 0.01,
             "{apart:?}"
         );
-        // One of three lies 105 cos off: 60.6 cos of deviation, 30.3 over the turn, where the mean is 20 sin cos less
+        // One of three lies 105 cos off: 60.6 cos of deviation, 30.3 over the turn; the mean is 20 sin cos less
         // 35 cos, 18.2 over the turn.
         assert!((value("collapse", &loads).value - 30.3 / 18.2).abs() < 0.01);
     }
 
-    /// A difference that goes with the pressure does not collapse; nor is one near the surface asked whether it does.
+    /// A difference that goes with the pressure does not collapse; one near the surface is not tested for collapse.
     #[test]
     fn a_part_in_proportion_to_the_pressure_is_seen() {
-        // So well known that nothing of the spread is noise.
+        // Errors so small that none of the spread is noise.
         let sure = |mut l: PointLoad| {
             for v in &mut l.normal {
                 v.error = 1e-3;
@@ -389,7 +389,7 @@ mod tests {
         load
     }
 
-    /// Of curves that are alike but for noise that grows with the depth, the spread is none within its error; where
+    /// Of curves that are alike but for noise that grows with the depth, the spread is zero within its error; if
     /// there is no difference at all, noise does not make one.
     #[test]
     fn noise_does_not_collapse() {

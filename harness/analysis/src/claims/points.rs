@@ -9,15 +9,15 @@ pub const FAR_FIELD_LEAST: f64 = 0.95;
 /// Least travel of a window in grain diameters: of the paper's 40 cylinder diameters, 132 grain diameters
 /// at D/d = 3.3, a little less than half (Guillard 2014, section III A).
 pub const TRAVEL_LEAST: f64 = 60.0;
-/// The least; NaN if one is no number, which is worse than any.
+/// The least; NaN if one is not a number, which is worse than any.
 pub(super) fn least(values: impl Iterator<Item = f64>) -> f64 {
     let less = |a: f64, x: f64| if x < a || x.is_nan() { x } else { a };
     values.fold(f64::INFINITY, less)
 }
 
-/// Effective depth over D from which a lift counts as saturated without a plateau to tell it.
+/// Effective depth over D from which a lift counts as saturated without a plateau.
 pub(super) const DEEP: f64 = 16.0;
-/// Fewest seeds of every point whose lift is told.
+/// Fewest seeds of every point whose lift is reported.
 pub(super) const SEEDS: usize = 2;
 
 /// How an effective depth is made (Guillard 2014, section III A).
@@ -27,7 +27,7 @@ pub enum Way {
     Own,
     /// (ii): a lid on a bed with weight.
     Lid,
-    /// (iii): a lid on a bed without weight, where there is no pressure gradient.
+    /// (iii): a lid on a bed without weight, so that there is no pressure gradient.
     LidAlone,
 }
 
@@ -161,10 +161,10 @@ pub(super) struct Passage<'a> {
     rig: &'a Rig,
 }
 
-/// A way, what is asked for but for the seed, and the runs that are alike in both.
+/// A way, what is asked for except the seed, and the runs that are alike in both.
 type Kind<'a> = (Way, (f64, Option<LidPlan>), Vec<Passage<'a>>);
 
-/// The runs of flowing beds by cylinder and speed, and in each by what but the seed makes them differ.
+/// The runs of flowing beds by cylinder and speed, and in each by everything but the seed.
 /// Runs whose bed the scenario does not plan are left out.
 pub fn groups(summary: &Summary) -> Vec<Group> {
     let plans = summary.inputs.beds();

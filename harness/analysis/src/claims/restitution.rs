@@ -1,4 +1,4 @@
-//! Restitution on a flat wall, as the law gives it, against the series for viscoelastic spheres
+//! Restitution on a flat wall by the law, against the series for viscoelastic spheres
 //! (Kumar 2018, Fig. 2).
 
 use bitgrain_kernel::contact::{HertzHistory, Law, NormalState};

@@ -23,7 +23,7 @@ pub(crate) struct Asked {
     pub far_field: f64,
     /// Travel in grain diameters.
     pub travel: f64,
-    /// What is done to every run at last.
+    /// What is done to every run at the end.
     pub change: fn(&mut Flow),
 }
 

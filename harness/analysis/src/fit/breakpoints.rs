@@ -21,7 +21,7 @@ pub enum First {
     Given(f64),
 }
 
-/// Where one regime goes over into the next.
+/// Where one regime passes into the next.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Crossover {
@@ -76,7 +76,7 @@ pub(super) fn least(from: f64, to: f64, of: impl Fn(f64) -> f64) -> (f64, f64) {
     best
 }
 
-/// The best place of the other breakpoint, and the chi-square, where one is held.
+/// The best place of the other breakpoint, and the chi-square, if one is held.
 fn other(table: &Table, [from, to]: [f64; 2], breakpoint: usize, at: f64) -> (f64, f64) {
     match breakpoint {
         0 => least(at, to, |x2| table.chi_square(at, x2)),
@@ -95,7 +95,7 @@ pub(super) struct Breakpoints {
 pub(super) struct Search {
     sorted: Vec<Datum>,
     pub ends: [f64; 2],
-    /// One for each exponent that may fit; one alone where the first regime is flat.
+    /// One for each exponent that may fit; one alone if the first regime is flat.
     tables: Vec<Table>,
 }
 

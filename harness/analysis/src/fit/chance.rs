@@ -1,14 +1,14 @@
 //! How likely a chi-square or a ratio of variances is by chance.
 //!
 //! The tails are statrs's, which takes logarithms from the platform; results are rounded to ten digits, so
-//! that they are the same on another but for one in some hundred thousand that lies at an edge.
+//! that they are the same on another, except for about one in a hundred thousand that lies at an edge.
 
 use statrs::distribution::{ContinuousCDF, FisherSnedecor, StudentsT};
 use statrs::function::{beta, gamma};
 
 use bitgrain_sim::format::round10;
 
-/// Chance of a chi-square so large or larger with so many degrees of freedom; 1 without any.
+/// Chance of a chi-square so large or larger with this many degrees of freedom; 1 without any.
 pub fn chi_square_tail(chi_square: f64, degrees: usize) -> f64 {
     if degrees == 0 || chi_square <= 0.0 {
         return 1.0;
@@ -17,7 +17,7 @@ pub fn chi_square_tail(chi_square: f64, degrees: usize) -> f64 {
     round10(tail.unwrap_or(0.0))
 }
 
-/// Chance of a ratio of variances so large or larger, with so many degrees of freedom above and below the
+/// Chance of a ratio of variances so large or larger, with this many degrees of freedom above and below the
 /// line, both above zero.
 pub fn fisher_tail(ratio: f64, above: usize, below: usize) -> f64 {
     if ratio <= 0.0 || above == 0 || below == 0 {

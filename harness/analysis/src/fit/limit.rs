@@ -1,4 +1,4 @@
-//! The limit of a drag where the speed goes to zero.
+//! The limit of a drag as the speed goes to zero.
 
 use serde::{Deserialize, Serialize};
 
@@ -12,13 +12,13 @@ const ROUNDS: usize = 4;
 /// Exponents at which it is then looked for.
 const PROFILE: usize = 200;
 
-/// What `y` goes to where x goes to zero.
+/// What `y` goes to as x goes to zero.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Limit {
     /// The offset `a` of the best `a + b x^c`.
     pub value: f64,
-    /// Its standard error: half of `high - low`, or that of the covariance where that is larger.
+    /// Its standard error: half of `high - low`, or that of the covariance if that is larger.
     pub error: f64,
     /// Least offset whose best chi-square over b and c is within one (scaled) of the least.
     pub low: f64,
@@ -26,8 +26,8 @@ pub struct Limit {
     pub high: f64,
     /// The best exponent, however well it is known.
     pub exponent: f64,
-    /// Whether an end of [`EXPONENTS`] is among the exponents that fit so well: then `low` or `high` is what
-    /// that end makes of it, and would go on.
+    /// Whether an end of [`EXPONENTS`] is among the exponents that fit so well: then `low` or `high` is that
+    /// of this end, and would lie farther out.
     pub open: bool,
     /// Chi-square of the best curve.
     pub chi_square: f64,
@@ -59,11 +59,11 @@ fn accepted(data: &[Datum], range: [f64; 2], best: f64, most: f64) -> Result<[f6
     ])
 }
 
-/// The limit of `y` where x goes to zero, by `a + b x^c` with whatever exponents fit.
+/// The limit of `y` as x goes to zero, by `a + b x^c` with whatever exponents fit.
 ///
 /// Its interval is that of all offsets whose best chi-square, over b and over all c of [`EXPONENTS`], is
-/// above the least by at most one (times the reduced chi-square where that is above 1).
-/// Refused: points that are no numbers; x not above zero; fewer than
+/// above the least by at most one (times the reduced chi-square if that is above 1).
+/// Refused: points that are not numbers; x not above zero; fewer than
 /// [`POINTS_MIN`](super::offset_power::POINTS_MIN) values of x; an error beyond half of the value.
 pub fn extrapolated(data: &[Datum]) -> Result<Limit, Refusal> {
     let limit = limit(data)?;
@@ -138,7 +138,7 @@ mod tests {
     use super::*;
 
     /// The interval of the limit holds the truth as often as one standard error does, 68 % and a little more
-    /// since errors are never scaled down; also where the exponent is known too badly to be reported.
+    /// since errors are never scaled down; also if the exponent is known too badly to be reported.
     #[test]
     fn the_limit_is_within_its_interval_two_times_in_three() {
         for (part, exponent_too) in [(0.01, true), (0.15, false)] {
@@ -165,7 +165,7 @@ mod tests {
             "{limit:?}"
         );
         assert!(limit.low < 440.0 && limit.high > 440.0 && !limit.open);
-        // Where the model is nearly linear in its numbers the interval is the covariance's.
+        // If the model is nearly linear in its numbers the interval is that of the covariance.
         let sharp = drags(60, 1e-4);
         let (limit, fit) = (extrapolated(&sharp).unwrap(), offset_power(&sharp).unwrap());
         let ratio = (limit.high - limit.low) / 2.0 / fit.parameters[0].error;

@@ -30,7 +30,7 @@ pub(super) struct Solution {
     pub chi_square: f64,
 }
 
-/// Best numbers of columns for `y`, at least as many points as columns; `Err(k)` where column `k` depends
+/// Best numbers of columns for `y`, at least as many points as columns; `Err(k)` if column `k` depends
 /// on those before it.
 pub(super) fn solve(columns: &[Vec<f64>], y: &[f64], data: &[Datum]) -> Result<Solution, usize> {
     let (rows, n) = (data.len(), columns.len());
@@ -54,7 +54,7 @@ pub(super) fn solve(columns: &[Vec<f64>], y: &[f64], data: &[Datum]) -> Result<S
         } else {
             0.0
         };
-        // Also where it is no number.
+        // Also if it is not a number.
         if left.is_nan() || left < RANK_LEAST {
             return Err(j);
         }
@@ -116,8 +116,8 @@ pub(super) fn solve(columns: &[Vec<f64>], y: &[f64], data: &[Datum]) -> Result<S
 
 /// Best numbers of any columns, at most [`NUMBERS_MAX`]: `y = sum of number times column`.
 ///
-/// Refused: points that are no numbers; fewer points than numbers, or as many where that is not permitted;
-/// columns that are not one value for each point; columns that are told from each other by no point.
+/// Refused: points that are not numbers; fewer points than numbers, or as many if that is not permitted;
+/// columns that are not one value for each point; columns that no point distinguishes from each other.
 pub fn columns(
     data: &[Datum],
     model: &str,
@@ -388,7 +388,7 @@ mod tests {
             error: 1e-200,
         });
         assert!(told(line(&huge)).len() > 20);
-        // Two points make a line where that is permitted: errors are the points' own.
+        // Two points make a line if that is permitted: errors are the points' own.
         let slope = Column {
             name: "b",
             values: vec![two[0].x, two[1].x],

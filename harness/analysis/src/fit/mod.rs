@@ -1,13 +1,13 @@
 //! Curves through measured points: straight lines, powers, powers with an offset, three regimes.
 //!
 //! Pure functions over plain data. Every fit is by weighted least squares with the points' own standard
-//! errors, says how well it fits, and is refused by a sentence where the points cannot carry it: a
-//! [`Refusal`] says what is wanting. The same points give the same bits everywhere: loops are fixed, powers
+//! errors, says how well it fits, and is refused with a sentence if the points do not suffice: a
+//! [`Refusal`] says what is missing. The same points give the same bits everywhere: loops are fixed, powers
 //! and logarithms are libm's; only [`chance`] rests on the platform's, and rounds.
 //!
-//! **Errors.** The covariance is that of the points' errors, multiplied by the reduced chi-square where that
-//! is above 1, that is where points scatter more than their errors say. It is never made smaller, so that
-//! points that lie on a curve by luck do not become exact. With few degrees of freedom this makes errors
+//! **Errors.** The covariance is that of the points' errors, multiplied by the reduced chi-square if that
+//! is above 1, that is if points scatter more than their errors say. It is never made smaller, so that
+//! points that lie on a curve by chance do not become exact. With few degrees of freedom this makes errors
 //! too large on the average, since chance scatter counts and chance agreement does not: by 9 % with ten
 //! degrees of freedom, by 3 % with a hundred.
 
@@ -76,7 +76,7 @@ pub struct Fit {
     pub chi_square: f64,
     /// The same over the degrees of freedom; zero without any.
     pub reduced_chi_square: f64,
-    /// Chance of a chi-square so large or larger where model and errors are right, to ten digits; 1 without
+    /// Chance of a chi-square so large or larger if model and errors are right, to ten digits; 1 without
     /// degrees of freedom.
     pub probability: f64,
     /// Data minus model, in the order of the data.
@@ -112,7 +112,7 @@ impl Fit {
     }
 }
 
-/// Why points cannot carry a fit and what would, in a plain sentence.
+/// Why points do not suffice for a fit and what would, in a plain sentence.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct Refusal(pub String);
@@ -134,7 +134,7 @@ pub enum Exact {
     Refused,
 }
 
-/// Refuses what is no number, and errors that are not above zero.
+/// Refuses what is not a number, and errors that are not above zero.
 fn check(data: &[Datum]) -> Result<(), Refusal> {
     for (k, d) in data.iter().enumerate() {
         let n = k + 1;
@@ -158,7 +158,7 @@ fn check(data: &[Datum]) -> Result<(), Refusal> {
     Ok(())
 }
 
-/// Refuses points that a power of x has no meaning for.
+/// Refuses points for which a power of x has no meaning.
 fn check_positive(data: &[Datum], what: &str) -> Result<(), Refusal> {
     match data.iter().position(|d| d.x <= 0.0) {
         None => Ok(()),
@@ -272,7 +272,7 @@ impl Found<'_> {
     }
 }
 
-/// Refuses fewer points than a fit of so many numbers takes.
+/// Refuses fewer points than a fit of this many numbers takes.
 fn enough(points: usize, numbers: usize, exact: Exact) -> Result<(), Refusal> {
     let least = numbers + usize::from(exact == Exact::Refused);
     if points < least {

@@ -96,7 +96,7 @@ pub(super) fn best(data: &[Datum]) -> Result<Best, Refusal> {
             Ok(step) if !at_end => step.values[2],
             _ => break,
         };
-        // A step is for the last digits: golden section knows eight.
+        // A step refines the last digits: golden section gives eight.
         if step.is_nan() || step.abs() > 1e-4 * exponent {
             break;
         }
@@ -124,7 +124,7 @@ pub(super) fn jacobian(data: &[Datum], at: &Solution, exponent: f64) -> [Vec<f64
     [vec![1.0; data.len()], power, bent]
 }
 
-/// Refuses points of which no curve with three numbers can be made.
+/// Refuses points that do not suffice for a curve with three numbers.
 pub(super) fn check_points(data: &[Datum]) -> Result<(), Refusal> {
     check(data)?;
     check_positive(data, "x")?;
@@ -137,9 +137,9 @@ pub(super) fn check_points(data: &[Datum]) -> Result<(), Refusal> {
     Ok(())
 }
 
-/// `a + b x^c` for the sake of the exponent.
+/// `a + b x^c`, fitted for the exponent.
 ///
-/// Refused: points that are no numbers; x not above zero; fewer than [`POINTS_MIN`] values of x; a range of
+/// Refused: points that are not numbers; x not above zero; fewer than [`POINTS_MIN`] values of x; a range of
 /// x below [`DECADES_MIN`](super::DECADES_MIN); a best exponent at an end of [`EXPONENTS`]; a y that does
 /// not change with x; a standard error of c beyond [`EXPONENT_ERROR_MAX`](super::EXPONENT_ERROR_MAX).
 pub fn offset_power(data: &[Datum]) -> Result<Fit, Refusal> {
@@ -180,7 +180,7 @@ pub fn offset_power(data: &[Datum]) -> Result<Fit, Refusal> {
 /// The angle of the drag, in radians, against the Froude number: `theta = Y1 Fr^Y2 + pi / Y3` (Kumar 2018,
 /// eq. 7).
 ///
-/// Refused: whatever [`offset_power`] refuses; an angle at rest with an error beyond half of it, which
+/// Refused: anything that [`offset_power`] refuses; an angle at rest with an error beyond half of it, which
 /// leaves Y3 undetermined.
 pub fn angle_law(data: &[Datum]) -> Result<Fit, Refusal> {
     let fit = offset_power(data)?;

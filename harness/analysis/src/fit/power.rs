@@ -10,8 +10,8 @@ pub const POINTS_MIN: usize = 3;
 /// `A x^p` by weighted least squares of `ln y` against `ln x`, with the errors `error/y`; `what` names x in
 /// the sentences.
 ///
-/// Chi-square and its chance are those of the logarithms; residuals are data minus model all the same.
-/// Refused: points that are no numbers; x or y not above zero; fewer than [`POINTS_MIN`] values of x; a
+/// Chi-square and its chance are those of the logarithms; residuals are nevertheless data minus model.
+/// Refused: points that are not numbers; x or y not above zero; fewer than [`POINTS_MIN`] values of x; a
 /// range of x below [`DECADES_MIN`](super::DECADES_MIN); a standard error of p beyond
 /// [`EXPONENT_ERROR_MAX`](super::EXPONENT_ERROR_MAX).
 pub fn power(data: &[Datum], what: &str) -> Result<Fit, Refusal> {

@@ -51,7 +51,7 @@ pub const POINTS_MIN: usize = 8;
 /// Fewest values of x in a regime; one more in a first one that is not flat.
 pub const POINTS_OF_A_REGIME: usize = 2;
 
-/// Chance below which a simpler curve is not believed.
+/// Chance below which a simpler curve is rejected.
 pub const SIGNIFICANCE: f64 = 0.05;
 
 /// A curve with fewer regimes beside that with three.
@@ -65,7 +65,7 @@ pub struct Simpler {
     /// Its least chi-square.
     pub chi_square: f64,
     /// Chance of three regimes being so much better or more by noise alone, by the F test; an approximation,
-    /// as breakpoints are no ordinary numbers: where a plateau and a line are the truth it is below 0.05 in one
+    /// as breakpoints are not ordinary numbers: if a plateau and a line are the truth it is below 0.05 in one
     /// set of twelve, not of twenty.
     pub probability: f64,
 }
@@ -89,8 +89,8 @@ pub struct Regimes {
 }
 
 impl Regimes {
-    /// Crossovers with their intervals in words, and whether fewer regimes would do. The numbers' own errors of
-    /// the crossovers are not told: chi-square is not smooth in them.
+    /// Crossovers with their intervals in words, and whether fewer regimes would do. The covariance's errors of
+    /// the crossovers are not reported: chi-square is not smooth in them.
     pub fn text(&self) -> String {
         let end = |x: Option<f64>| x.map_or("open".to_string(), short);
         let one = |c: &Crossover| format!("{} ({} to {})", short(c.at), end(c.low), end(c.high));
@@ -221,8 +221,8 @@ impl Curve {
         (small && ordered && exponent.is_none_or(searched)).then_some(next)
     }
 
-    /// The last digits, by Gauss-Newton steps on breakpoints and exponent, and the best numbers there; none where
-    /// the points do not tell them apart.
+    /// The last digits, by Gauss-Newton steps on breakpoints and exponent, and the best numbers there; none if
+    /// the points do not distinguish them.
     fn polished(mut self, data: &[Datum], ends: [f64; 2]) -> Option<(Curve, Solution)> {
         let y: Vec<f64> = data.iter().map(|d| d.y).collect();
         let mut at = solve(&self.columns(data), &y, data).ok()?;
@@ -273,7 +273,7 @@ fn check_regimes(data: &[Datum], [x1, x2]: [f64; 2], first: First) -> Result<(),
 /// The exponent of a first regime that is not flat is searched in
 /// [`EXPONENTS`] and not judged:
 /// [`offset_power`](super::offset_power::offset_power) of the first regime does that. Refused: points that
-/// are no numbers; x not above zero; fewer than [`POINTS_MIN`] values of x (one more for each of b and c);
+/// are not numbers; x not above zero; fewer than [`POINTS_MIN`] values of x (one more for each of b and c);
 /// best crossovers that leave a regime fewer than [`POINTS_OF_A_REGIME`] values of x (three for a first one
 /// that is not flat); regimes that are one.
 pub fn regimes(data: &[Datum], first: First) -> Result<Regimes, Refusal> {
@@ -348,7 +348,7 @@ fn simpler(data: &[Datum], search: &Search, first: First, fit: &Fit) -> Vec<Simp
     let over = |of: &dyn Fn(&Table, f64) -> f64| {
         search.over_exponents(|t| least(from, to, |x| of(t, x)).1)
     };
-    // What the first regime has beside its constant: b, and c where it is fitted.
+    // What the first regime has beside its constant: b, and c if it is fitted.
     let (name, more) = match first {
         First::Flat => ("a", 0),
         First::Given(_) => ("a + b x^c", 1),

@@ -149,7 +149,7 @@ fn numbers_scatter_as_their_errors_say() {
 }
 
 /// Points on a line, a parabola, a plateau with a line: sets in which three regimes are called needed. That
-/// is to be one in twenty or fewer; for the last it is one in twelve, as breakpoints are no ordinary numbers.
+/// is to be one in twenty or fewer; for the last it is one in twelve, as breakpoints are not ordinary numbers.
 #[test]
 fn fewer_regimes_do_where_there_are_fewer() {
     let line = |x: f64| 400.0 + 130.0 * x;

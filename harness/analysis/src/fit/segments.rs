@@ -3,15 +3,15 @@
 //! The curve is `a + b min(x, x1)^c + s (clamp(x, x1, x2) - x1) + q max(x^2 - x2^2, 0)`. With the sums over
 //! points from the first to any other of a few products, the normal equations of a, b, s and q at any
 //! breakpoints are a few multiplications, however many points there are: a search can afford hundreds of
-//! thousands of breakpoints. The last digits are not from here: what is reported is fitted by QR.
+//! thousands of breakpoints. The last digits do not come from here: reported numbers are fitted by QR.
 
 use super::Datum;
 
 /// Part of a column's square that must be left when what the columns before it explain is taken out; with
-/// less, the column does nothing.
+/// less, the column has no effect.
 const RANK_LEAST: f64 = 1e-10;
 
-/// What differences of sums over all points are known to, as part of these.
+/// Relative accuracy of differences of sums over all points.
 const ROUNDING: f64 = 1e-13;
 
 /// Sums over points of weight times: 1, x, x^2, x^4, y, x y, x^2 y, and p, p^2, p y with `p = x^c`.
@@ -66,7 +66,7 @@ impl Table {
         }
     }
 
-    /// Least chi-square with the breakpoints at `x1 <= x2`. Where a piece has no points its numbers do nothing.
+    /// Least chi-square with the breakpoints at `x1 <= x2`. If a piece has no points its numbers have no effect.
     pub fn chi_square(&self, x1: f64, x2: f64) -> f64 {
         let [one, two] = [x1, x2].map(|at| self.x.partition_point(|x| *x <= at));
         let last = self.x.len();

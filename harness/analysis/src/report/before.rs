@@ -1,4 +1,4 @@
-//! What stands at the top of a run's page: what to know before its numbers are believed, and where they come from.
+//! The top of a run's page: what to know before its numbers are believed, and where they come from.
 
 use super::page::{remark, row};
 use super::table::folded;
@@ -6,7 +6,7 @@ use super::text::escape;
 use crate::remarks::remarks as found;
 use bitgrain_lab::summary::Summary;
 
-/// What speaks against the numbers, as HTML.
+/// The remarks on the numbers, as HTML.
 pub(super) fn remarks(summary: &Summary) -> Vec<String> {
     let all = found(summary).into_iter();
     all.map(|one| remark(&escape(&one.title), &keys(&one.words)))
@@ -24,7 +24,7 @@ fn keys(text: &str) -> String {
 }
 
 /// Where the numbers come from: command, versions, links, and the files beside the page. The closing hash is there
-/// once the run has come to its end.
+/// once the run is finished.
 pub(super) fn about(summary: &Summary, closing: &str) -> String {
     let mut out = row(
         "Made by",
@@ -47,8 +47,8 @@ pub(super) fn about(summary: &Summary, closing: &str) -> String {
     }
     out += &row(
         "Check it",
-        "<code>bitgrain verify .</code> in the folder of this page runs all of it again and holds it against every \
-         link; with <code>--expect</code> and the closing hash it is this run and no other, with a last link that drag",
+        "<code>bitgrain verify .</code> in the folder of this page runs all of it again and compares every link; \
+         <code>--expect</code> with the closing hash checks that it is this run, with a last link that drag",
     );
     out + &row("Files", &files(summary))
 }

@@ -11,7 +11,7 @@ use bitgrain_lab::series::SeriesRow;
 use bitgrain_lab::summary::DragSummary;
 use bitgrain_sim::units::Units;
 
-/// Points of all curves of a page together: a page of many runs stays small.
+/// Points of all curves of a page together: so a page of many runs stays small.
 const POINTS: usize = 40_000;
 
 /// One point of a force curve.
@@ -110,7 +110,7 @@ pub(super) fn along_travel(
     }))
 }
 
-/// Means of the drag with standard errors against Froude number, a marker shape for each of `beds`, hollow where the
+/// Means of the drag with standard errors against Froude number, a marker shape for each of `beds`, hollow if the
 /// error did not converge; a cross is the mean from the start.
 /// `None` if there is nothing to draw.
 pub(super) fn froude(runs: &[DragSummary], beds: &[&str], units: &Units) -> Option<String> {

@@ -17,7 +17,7 @@ pub(super) fn count(book: &Book, by: &str, verdict: Verdict) -> usize {
         .count()
 }
 
-/// A row for each claim that was measured by the run or campaign of this name; `note` is added to what is said of them.
+/// A row for each claim that was measured by the run or campaign of this name; `note` is added to the text about them.
 pub(super) fn section(book: &Book, by: &str, note: &str) -> String {
     let own = own(book, by);
     if own.is_empty() {

@@ -1,5 +1,5 @@
 //! How a bed changes as it flows, and whether it follows its base: packing and drag in successive parts
-//! of the way, and the speed of the far grains by height.
+//! of the travel, and the speed of the far grains by height.
 
 use super::scaling::{legend, shape, subject};
 use super::scatter::{Line, Mark, Range, scatter};
@@ -8,7 +8,7 @@ use crate::claims::{FAR_FIELD_LEAST, Group};
 use bitgrain_lab::flow::FlowRow;
 use bitgrain_lab::summary::Summary;
 
-/// What a run wrote down of its flow.
+/// What a run recorded of its flow.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FlowSeries {
     /// The flow series.
@@ -17,7 +17,7 @@ pub struct FlowSeries {
     pub profile: Vec<(f64, f64, f64)>,
 }
 
-/// Parts into which a way is cut.
+/// Parts into which the travel is cut.
 const PARTS: usize = 10;
 
 /// Means over equal parts of the rows: middle of the travel, and what `of` gives.
@@ -42,11 +42,11 @@ pub(super) fn section(summary: &Summary, groups: &[Group], courses: &[FlowSeries
         let charts = [
             (
                 packing_chart(group, summary, courses),
-                "Packing fraction of successive tenths of the way.",
+                "Packing fraction in successive tenths of the travel.",
             ),
             (
                 drag_chart(group, summary, courses),
-                "Drag over D L and the pressure as it is measured, of the same tenths.",
+                "Drag over D L and the measured pressure, in the same tenths.",
             ),
             (
                 far_chart(group, summary, courses),
@@ -74,7 +74,7 @@ pub(super) fn section(summary: &Summary, groups: &[Group], courses: &[FlowSeries
     )
 }
 
-/// A line with markers for each run of a group, from what `of` reads off its course.
+/// A line with markers for each run of a group, from what `of` takes from its course.
 fn lines(
     group: &Group,
     courses: &[FlowSeries],

@@ -7,7 +7,7 @@ use crate::report::Film;
 use crate::report::FlowPicture;
 use bitgrain_lab::series::SeriesRow;
 
-/// What a page draws beside the numbers of a summary; where one is missing, the page says so.
+/// What a page draws beside the numbers of a summary; if one is missing, the page says so.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Drawings<'a> {
     /// Closing hash of the run; empty before its end.

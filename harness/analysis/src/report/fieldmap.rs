@@ -6,7 +6,7 @@ use bitgrain_sim::coarse_graining::IntruderOutline;
 use bitgrain_sim::coarse_graining::grid::Grid;
 use bitgrain_sim::format::short;
 
-/// Matplotlib's viridis at twelve steps: equal steps look equally far apart, to the colour-blind and in grey too.
+/// Matplotlib's viridis at twelve steps: equal steps look equally far apart, also to the colour-blind and in grey.
 const RAMP: [&str; 12] = [
     "#440154", "#482173", "#433e85", "#38598c", "#2d708e", "#25858e", "#1e9b8a", "#2ab07f",
     "#52c569", "#86d549", "#c2df23", "#fde725",
@@ -20,7 +20,7 @@ const REACHED: f64 = 0.995;
 
 /// What a map shows.
 pub(super) struct Map<'a> {
-    /// Its name for those who do not see it.
+    /// Its name for screen readers.
     pub title: &'a str,
     /// Where the points are.
     pub grid: Grid,
@@ -45,7 +45,7 @@ pub(super) struct Map<'a> {
 /// The colour of a value.
 fn level(value: f64, most: f64) -> usize {
     let part = value / most * RAMP.len() as f64;
-    // Not a number and below zero are the first.
+    // Values that are not numbers or below zero get the first.
     (part.max(0.0) as usize).min(RAMP.len() - 1)
 }
 

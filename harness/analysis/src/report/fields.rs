@@ -64,7 +64,7 @@ fn size([x, y, z]: [f64; 3]) -> f64 {
     (x * x + y * y + z * z).sqrt()
 }
 
-/// The section; nothing where no run has fields.
+/// The section; empty if no run has fields.
 pub(super) fn section(summary: &Summary, groups: &[Group], pictures: &[FieldPicture]) -> String {
     if pictures.is_empty() {
         return String::new();
@@ -77,11 +77,11 @@ pub(super) fn section(summary: &Summary, groups: &[Group], pictures: &[FieldPict
     }
     format!(
         "<section>\n<h2>Fields round the intruder</h2>\n<p>Means over the steady state in spherical windows, and \
-         along y, without a pressure gradient at the left and with one at the right where there are both; one \
+         along y, without a pressure gradient at the left and with one at the right if there are both; one \
          scale for both. V is the speed of the motion. Inside the dashed \
          circle the intruder fills a part of the windows, and the pressure is too low. Dashed line: free surface of \
          the settled bed. One of the seeds of each kind; <code>fields.vti</code> in the folder of each run is for \
-         ParaView, <code>plane.csv</code> has what is drawn here.</p>\n{body}</section>\n"
+         ParaView, <code>plane.csv</code> has the numbers drawn here.</p>\n{body}</section>\n"
     )
 }
 
@@ -138,7 +138,7 @@ fn figures(
         return String::new();
     };
     let mut out = String::new();
-    // One window for all, so that one length is one length.
+    // One window for all, so that lengths are comparable.
     let farther = |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|k| a[k].max(b[k]));
     let reach = row
         .iter()

@@ -56,7 +56,7 @@ pub(super) fn section(summary: &Summary, films: &[Film]) -> String {
     )
 }
 
-/// Every so many frames, so that they have at most as many circles.
+/// Every k-th frame, so that they have at most as many circles.
 fn thinned(frames: &[Frame], most: usize) -> Vec<&Frame> {
     let circles: usize = frames.iter().map(|frame| frame.cuts.len()).sum();
     let apart = circles.div_ceil(most.max(1)).max(1);

@@ -52,7 +52,7 @@ pub struct FlowGrain {
 /// Bounds between the colours, as speed over V: half-decades, because speeds fall off by decades
 /// away from the intruder.
 const BOUNDS: [f64; 4] = [0.03, 0.1, 0.3, 1.0];
-/// ColorBrewer's YlGnBu: told apart by the colour-blind, and darker with every step in grey too.
+/// ColorBrewer's YlGnBu: distinct to the colour-blind, and darker with every step in grey too.
 pub(super) const RAMP: [&str; 5] = ["#ffffd4", "#a1dab4", "#41b6c4", "#2c7fb8", "#253494"];
 /// Names of the colours in the key.
 pub(super) const NAMES: [&str; 5] = [
@@ -64,9 +64,9 @@ pub(super) const NAMES: [&str; 5] = [
 ];
 /// Grains faster than this part of V have an arrow.
 pub(super) const MOVING: f64 = 0.1;
-/// Length of an arrow of speed V over the intruder's radius: the intruder's own looks out of it.
+/// Length of an arrow of speed V over the intruder's radius: the intruder's own arrow reaches out of it.
 const ARROW: f64 = 1.5;
-/// What is round a light grain so that it is seen on white.
+/// The outline of a light grain, so that it is seen on white.
 pub(super) const OUTLINE: &str = "stroke=\"#75786f\"";
 
 /// What all pictures of a page show about the intruder's centre, so that their scale is one.
@@ -163,7 +163,7 @@ fn class(ratio: f64) -> usize {
     BOUNDS.iter().filter(|bound| ratio >= **bound).count()
 }
 
-/// Groups of circles of one look: those of the speeds, base, lid.
+/// Groups of circles of one style: those of the speeds, base, lid.
 pub(super) const GROUPS: usize = RAMP.len() + 2;
 
 /// The place of the group that a grain belongs to, by its speed over V.
@@ -175,7 +175,7 @@ pub(super) fn group(role: Role, ratio: f64) -> usize {
     }
 }
 
-/// The cuts of each group in its look, and the intruder in the middle.
+/// The cuts of each group in its style, and the intruder in the middle.
 pub(super) fn coloured(
     out: &mut String,
     scale: &Scale,
@@ -271,7 +271,7 @@ fn arrows(out: &mut String, scale: &Scale, seen: &[Seen], length: f64, forward: 
     out.push_str("\"/>");
 }
 
-/// The edges of the window, thick where one is the floor.
+/// The edges of the window, thick if one is the floor.
 pub(super) fn frame(out: &mut String, scale: &Scale, floor: f64) {
     let (x0, x1) = (scale.x(scale.lo[0]), scale.x(scale.hi[0]));
     let (z0, z1) = (scale.z(scale.lo[1]), scale.z(scale.hi[1]));

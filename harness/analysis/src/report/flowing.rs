@@ -21,7 +21,7 @@ use bitgrain_sim::motion::Moves;
 pub fn flowing_page(summary: &Summary, scenario_text: &str, drawings: &Drawings<'_>) -> String {
     let groups = groups(summary);
     let book = evidence::book_of_run(summary);
-    // One run of each point stands for its seeds where grains are drawn.
+    // One run of each point stands for its seeds in pictures of grains.
     let first: Vec<usize> = groups
         .iter()
         .flat_map(|group| group.points.iter().filter_map(|p| p.runs.first().copied()))
@@ -79,7 +79,7 @@ fn lead_text(summary: &Summary, groups: &[Group], book: &Book) -> String {
     let flow = |of: fn(&Flow) -> f64| span(passages(summary).map(|(_, f)| of(f)), "");
     let seeds = inputs.all_seeds().len();
     let moves = match inputs.drag.moves {
-        Moves::Bed => "rests while base and lid carry the bed past it",
+        Moves::Bed => "is at rest while base and lid carry the bed past it",
         Moves::Intruder => "moves through the bed",
     };
     let lids = match rigs().any(|rig| rig.lid_grains > 0) {
@@ -161,7 +161,7 @@ fn bed_figures(summary: &Summary, pictures: &[BedPicture], first: &[usize]) -> S
     }
     let bed_moves = summary.inputs.drag.moves == Moves::Bed;
     let moving = match bed_moves {
-        true => "the motion of bed, base and lid past the intruder, which rests",
+        true => "the motion of bed, base and lid past the intruder, which is at rest",
         false => "the motion of the intruder",
     };
     out.push_str(&format!(
@@ -227,7 +227,7 @@ fn force_figures(summary: &Summary, series: &[Vec<SeriesRow>]) -> String {
     )
 }
 
-/// What this page has beside the others.
+/// What this page has in addition.
 const STYLE: &str = "\nsvg.scale{width:22rem;max-width:100%;vertical-align:middle}\n\
     \n.statements td{min-width:14rem;max-width:24rem}\n\
     .statements td:nth-child(2){min-width:6rem}\n";

@@ -37,7 +37,7 @@ const GROUPS: [Group; 7] = [
             ("name", Kind::Bare, "of the scenario and its folder"),
             ("units", Kind::Bare, "system in which all inputs are given"),
             ("seed", Kind::Bare, "of every random number"),
-            ("seeds", Kind::Bare, "several: beds of their own for each"),
+            ("seeds", Kind::Bare, "several: each has its own beds"),
             ("gravity", Kind::Acceleration, "along &minus;z"),
         ],
     ),
@@ -199,14 +199,14 @@ const GROUPS: [Group; 7] = [
             (
                 "history",
                 Kind::Bare,
-                "tangential springs of the settled bed as the drag begins: kept, or empty as LAMMPS \
-                 begins a run from a file",
+                "tangential springs of the settled bed as the drag begins: kept, or empty as in a \
+                 LAMMPS run from a file",
             ),
         ],
     ),
     (
         "measure",
-        "What is written down",
+        "Output",
         &[
             (
                 "every",
@@ -257,11 +257,11 @@ const GROUPS: [Group; 7] = [
 ];
 
 /// The section of the page with every input of a resolved scenario. Keys that are not known here
-/// are listed without a meaning; a text that is no TOML gives one line that says so.
+/// are listed without a meaning; a text that is not TOML gives one line that says so.
 pub(super) fn section(scenario_text: &str, units: &Units) -> String {
     let head = "<section>\n<h2>Inputs</h2>\n";
     let Ok(scenario) = scenario_text.parse::<Table>() else {
-        return format!("{head}<p class=\"none\">The scenario is no TOML.</p>\n</section>\n");
+        return format!("{head}<p class=\"none\">The scenario is not TOML.</p>\n</section>\n");
     };
     if scenario.is_empty() {
         return format!("{head}<p class=\"none\">None.</p>\n</section>\n");
@@ -295,7 +295,7 @@ fn groups(scenario: &Table) -> Vec<(String, Vec<(String, &Value)>)> {
 }
 
 /// Puts the values of `table`, whose keys in its group begin with `prefix`, under `group`. Tables
-/// of the top level are groups of their own, deeper ones are part of their keys' paths.
+/// of the top level are separate groups, deeper ones are part of their keys' paths.
 fn collect<'a>(
     group: &str,
     prefix: &str,
@@ -332,7 +332,7 @@ fn body(table: &str, rows: &[(String, &Value)], units: &Units) -> String {
         let known = group.and_then(|g| g.2.iter().find(|row| row.0 == key));
         let (kind, meaning) = known.map_or((Kind::Bare, ""), |row| (row.1, row.2));
         let meaning = match (table, key.as_str()) {
-            // A shape is written out where it is no sphere.
+            // A shape is written out if it is not a sphere.
             ("intruder", "diameter") if rows.iter().any(|row| row.0 == "shape") => {
                 "D of the cylinder"
             }
@@ -349,7 +349,7 @@ fn body(table: &str, rows: &[(String, &Value)], units: &Units) -> String {
     out + "</tbody>\n"
 }
 
-/// A value to read; numbers with all their digits in the markup.
+/// A value for reading; numbers with all their digits in the markup.
 fn shown(value: &Value) -> String {
     match value {
         Value::Integer(n) => match u64::try_from(*n) {
@@ -368,7 +368,7 @@ pub(super) fn pressure_unit(units: &Units) -> &str {
     unit(Kind::Pressure, units)
 }
 
-/// The unit of a kind of number. Those that no result has are known by the system of units.
+/// The unit of a kind of number. Those of no result follow from the system of units.
 fn unit(kind: Kind, units: &Units) -> &str {
     let reduced = units.length == "d";
     let either = |in_reduced, in_si| if reduced { in_reduced } else { in_si };
@@ -436,6 +436,6 @@ mod tests {
             assert!(html.contains(part), "{part} in {html}");
         }
         assert!(!html.contains("<i>"));
-        assert!(section("= no", &units).contains("is no TOML"));
+        assert!(section("= no", &units).contains("is not TOML"));
     }
 }

@@ -20,7 +20,7 @@ const APART: usize = 4;
 /// Size of a polar drawing, and the radius of the cylinder in it.
 const POLAR: (f64, f64) = (420.0, 46.0);
 
-/// The section; nothing where no run has a load.
+/// The section; empty if no run has a load.
 pub(super) fn section(summary: &Summary, groups: &[Group]) -> String {
     let mut figures = String::new();
     for group in groups {
@@ -291,8 +291,8 @@ fn differences(loads: &[PointLoad], name: &str) -> String {
     added.html() + &odd.html()
 }
 
-/// The part that goes with the pressure and that which goes with its gradient (appendix B), or why it cannot be
-/// told.
+/// The part that goes with the pressure and that which goes with its gradient (appendix B), or why it is not
+/// known.
 fn parts(loads: &[PointLoad], name: &str) -> String {
     let fits = match split(loads) {
         Ok(fits) => fits,

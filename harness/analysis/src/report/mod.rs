@@ -205,9 +205,9 @@ fn froude_figure(summary: &Summary) -> String {
     format!(
         "{head}<p class=\"legend\">{keys}<span>{}mean of the averaging window</span><span>{}its error did not \
          converge</span><span>{}mean from the start</span></p>\n<figure class=\"narrow\">{svg}<figcaption>Bars: one \
-         standard error each way. No curve is fitted: {points} cannot carry one. Kumar&rsquo;s Table I and Fig. 5 are \
-         not drawn: they are drags in beds of other depth and stiffness, and only fits over many depths and sizes, \
-         which a campaign makes, can be held against them.</figcaption></figure>\n</section>\n",
+         standard error each way. No curve is fitted: {points} do not suffice for one. Kumar&rsquo;s Table I and \
+         Fig. 5 are not drawn: they are drags in beds of other depth and stiffness, and only fits over many depths \
+         and sizes, as a campaign makes them, can be compared with them.</figcaption></figure>\n</section>\n",
         plot::marker(0, false),
         plot::marker(0, true),
         plot::CROSS,

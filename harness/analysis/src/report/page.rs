@@ -6,17 +6,17 @@ use super::text::escape;
 
 const CSS: &str = include_str!("style.css");
 
-/// What stands above the sections of a page. All but the name is HTML.
+/// The part above the sections of a page. All but the name is HTML.
 pub(super) struct Top<'a> {
     /// Of the scenario or campaign, plain text.
     pub name: &'a str,
     /// What the page is, beginning with a capital.
     pub kind: &'a str,
-    /// Rules of its own beside those of all pages.
+    /// Its own style rules besides those of all pages.
     pub style: &'a str,
     /// The main numbers as a paragraph.
     pub lead: String,
-    /// What speaks against the numbers: [`remark`]s.
+    /// Remarks on the numbers: [`remark`]s.
     pub remarks: Vec<String>,
     /// Names and what they stand for: [`row`]s.
     pub about: String,
@@ -39,7 +39,7 @@ pub(super) fn assembled(top: &Top<'_>, sections: &str) -> String {
     let title = first.to_lowercase() + rest;
     let (contents, sections) = with_contents(sections);
     let remarks = match top.remarks.is_empty() {
-        true => "<p>Nothing that was checked speaks against these numbers.</p>\n".to_owned(),
+        true => "<p>No check found anything against these numbers.</p>\n".to_owned(),
         false => format!("<ul>\n{}</ul>\n", top.remarks.concat()),
     };
     let script = match sections.contains("<figure class=\"played") {

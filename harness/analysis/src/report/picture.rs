@@ -85,7 +85,7 @@ fn kinds(bed: &BedPicture, y: f64) -> [Vec<Cut>; 4] {
 /// The scale of a slice, to what is filled of the box; `None` if that has no extent.
 fn scale(bed: &BedPicture, drawn: &[Vec<Cut>; 4]) -> Option<Scale> {
     let drawn = || drawn.iter().flatten();
-    // The box may reach far above the bed, to where the grains fell from: draw what is filled.
+    // The box may reach far above the bed, to the height of the fall: draw the filled part.
     let top = drawn().fold(bed.surface, |top, c| top.max(c.z + c.radius));
     let low = drawn().fold(bed.lo[2], |low, c| low.min(c.z - c.radius));
     let top = if top > low { top } else { bed.hi[2] };
@@ -115,7 +115,7 @@ pub(super) fn stepped(
     }
     let home = kinds(bed, bed.intruder.0[1]);
     let scale = scale(bed, &home)?;
-    // Where the intruder's own plane comes among the others.
+    // The position of the intruder's own plane among the others.
     let middle = bed.intruder.0[1];
     let mut planes: Vec<f64> = (0..count)
         .map(|k| lo + size * (k as f64 + 0.5) / count as f64)

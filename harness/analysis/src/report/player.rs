@@ -1,5 +1,5 @@
 //! Figures that can be stepped through and played: a drawing whose circles a small script of the page puts
-//! in other places. Without scripts, and in print, the drawing is as it was drawn.
+//! in other places. Without scripts, and in print, the drawing stays as it is.
 
 use super::scale::{Cut, Scale};
 use super::text::escape;
@@ -11,7 +11,7 @@ const SIGNS: &str =
 const PARTS: f64 = 9.0;
 const ADDED: f64 = 30.0;
 
-/// One state of a figure: what it is called, and its circles with the place of their group of colour.
+/// One state of a figure: its name, and its circles with the place of their group of colour.
 pub(super) struct State {
     /// Plain text.
     pub label: String,
@@ -69,7 +69,7 @@ fn packed(cuts: &[(Cut, usize)], scale: &Scale) -> String {
             scale.factor * cut.radius,
         ];
         for length in lengths {
-            // What is no number, or far outside, becomes one at the edge.
+            // What is not a number, or far outside, becomes one at the edge.
             let n = ((length * PARTS).round().max(0.0) as usize).min(base * base - 1);
             out.push(char::from(signs[n / base]));
             out.push(char::from(signs[n % base]));

@@ -1,4 +1,4 @@
-//! What charts are drawn with: axes with round ticks, grid, error bars, markers.
+//! The parts of charts: axes with round ticks, grid, error bars, markers.
 
 use plotters::chart::ChartContext;
 use plotters::coord::Shift;
@@ -61,7 +61,7 @@ pub(super) fn log_axis(low: f64, high: f64) -> Axis {
     } else {
         (1.0, 10.0)
     };
-    // A range of nothing would have no ratio.
+    // An empty range would have no ratio.
     let room = libm::pow(high / low, 0.06).max(1.06);
     let (lo, hi) = (low / room, high * room);
     let decades = libm::log10(hi / lo);
@@ -290,7 +290,7 @@ fn corners(shape: usize) -> &'static [(i32, i32)] {
     }
 }
 
-/// Draws a marker, hollow where a point is less sure than the others.
+/// Draws a marker, hollow if a point is less certain than the others.
 pub(super) fn draw_marker(chart: &mut Chart, at: (f64, f64), shape: usize, hollow: bool) -> Drawn {
     let corners = corners(shape);
     let fill = if hollow { WHITE } else { INK };

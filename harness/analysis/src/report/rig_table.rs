@@ -45,7 +45,8 @@ pub(super) fn rig_table(beds: &[BedSummary], units: &Units) -> String {
     });
     let note = "&rho;, packing fraction times density of a grain";
     row("Bulk density", density, note, &|r| exact(r.bulk_density));
-    let note = "h\u{303} = h + (&pi; d/6)(&rho;<sub>lid</sub>/&rho;), without h where there is no gradient";
+    let note =
+        "h\u{303} = h + (&pi; d/6)(&rho;<sub>lid</sub>/&rho;), without h if there is no gradient";
     row("Effective depth", length, note, &|r| {
         exact(r.effective_depth)
     });
@@ -176,7 +177,7 @@ fn unit(name: &str) -> String {
         .fold(name.to_owned(), |text, (from, to)| text.replace(from, to))
 }
 
-/// The coefficients of the contact law as the paper's table has them; nothing for another law.
+/// The coefficients of the contact law as in the paper's table; nothing for another law.
 pub(super) fn law_table(summary: &Summary) -> String {
     let inputs = &summary.inputs;
     let Some(rows) = table_one(&inputs.law, inputs.mean_diameter(), inputs.bed.density) else {

@@ -28,7 +28,7 @@ pub(super) struct Cut {
     pub x: f64,
     /// Of its centre.
     pub z: f64,
-    /// Smaller than the sphere's where the plane misses the centre.
+    /// Smaller than the sphere's if the plane misses the centre.
     pub radius: f64,
 }
 
@@ -98,7 +98,7 @@ pub(super) fn open(out: &mut String, class: &str, title: &str, id: &str, scale: 
     );
 }
 
-/// Writing into a string has no way to fail.
+/// Writing into a string cannot fail.
 pub(super) fn push(out: &mut String, text: std::fmt::Arguments) {
     let _ = out.write_fmt(text);
 }

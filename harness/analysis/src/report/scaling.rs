@@ -72,12 +72,12 @@ pub(super) fn section(summary: &Summary, groups: &[Group]) -> String {
     add(
         size_chart(groups),
         "C<sub>l</sub>, the lift over buoyancy with a pressure gradient, against the size of the \
-         cylinder. Filled: mean of a plateau; hollow: the deepest point, where there is no plateau. Bars: \
+         cylinder. Filled: mean of a plateau; hollow: the deepest point, if there is no plateau. Bars: \
          least and largest of the runs of these points."
             .to_owned(),
     );
     format!(
-        "<section>\n<h2>Drag and lift against depth</h2>\n{}<p>Hollow: a point of which a run&rsquo;s error did not \
+        "<section>\n<h2>Drag and lift against depth</h2>\n{}<p>Hollow: the error of one of the runs did not \
          converge.</p>\n<div class=\"grid\">\n{figures}</div>\n\
          </section>\n",
         legend(groups)
@@ -101,7 +101,7 @@ fn bars(group: &Group) -> String {
 fn slope_text(group: &Group) -> String {
     let fit = drag_slope(group).map_or(String::new(), |fit| {
         format!(
-            "Thick line: least squares through the origin, every point alike, with a slope \
+            "Thick line: least squares through the origin, all points with equal weight, with a slope \
              C<sub>d</sub>&nbsp;=&nbsp;{}. ",
             number_with_error(fit.slope, fit.error)
         )
@@ -146,8 +146,8 @@ fn plateau_text(group: &Group) -> String {
             number_with_error(flat.lift, flat.error)
         ),
         None => {
-            "No plateau is drawn: that takes two depths or more whose lifts agree, are told from zero and \
-             from a growth with depth."
+            "No plateau is drawn: it takes two depths or more whose lifts agree and are distinct from \
+             zero and from a growth with depth."
                 .to_owned()
         }
     }
@@ -185,7 +185,7 @@ fn lift_chart(group: &Group) -> Option<String> {
     )
 }
 
-/// C_l against D/d, where there are several cylinders.
+/// C_l against D/d, if there are several cylinders.
 fn size_chart(groups: &[Group]) -> Option<String> {
     let found: Vec<_> = groups.iter().filter_map(lift_coefficient).collect();
     let first = found.first()?;

@@ -15,7 +15,7 @@ pub(super) struct Mark {
     pub bar: (f64, f64),
     /// Its marker.
     pub shape: usize,
-    /// Whether it is less sure than the others.
+    /// Whether it is less certain than the others.
     pub hollow: bool,
 }
 
@@ -43,11 +43,11 @@ pub(super) struct Line {
 /// What a chart is to show of the range of its values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Range {
-    /// From zero, or below it where values are.
+    /// From zero, or from below it if there are such values.
     FromZero,
-    /// Only where values are.
+    /// The range of the values.
     Tight,
-    /// Only where values are, which are above zero; equal steps are equal ratios.
+    /// The range of the values, which are above zero; equal steps are equal ratios.
     Ratios,
 }
 
@@ -68,7 +68,7 @@ impl Range {
     }
 }
 
-/// Draws lines and over them marks; what is no number is left out, and what is not above zero on an axis of
+/// Draws lines and over them marks; what is not a number is left out, and what is not above zero on an axis of
 /// ratios. `None` if no mark is left.
 pub(super) fn scatter(
     title: &str,

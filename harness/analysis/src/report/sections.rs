@@ -60,7 +60,7 @@ pub(super) fn numbers(summary: &Summary, rigs: &str, flows: &str) -> String {
         .iter()
         .map(|(kind, unit)| format!("{kind} in {}", escape(&typeset(unit))))
         .collect();
-    // In reduced units these three are the measures of everything.
+    // In reduced units these three are the units of everything.
     let symbols = match units.length.as_str() {
         "d" => "; d is the mean diameter of a grain, &rho; its density, g gravity",
         _ => "",
@@ -84,7 +84,7 @@ pub(super) fn repeat(summary: &Summary, scenario_text: &str) -> String {
         "<section>\n<h2>How to repeat it</h2>\n<p>Save the scenario below as \
          <code>scenario.toml</code> and, in the same folder, run</p>\n\
          <pre>bitgrain run scenario.toml</pre>\n{imported}<p>Made with bitgrain {}, arithmetic version {}: \
-         runs with the same arithmetic version end in the digests above.</p>\n<h3>CheckedScenario</h3>\n\
+         runs with the same arithmetic version end in the digests above.</p>\n<h3>Scenario</h3>\n\
          <pre tabindex=\"0\">{}</pre>\n</section>\n",
         escape(&summary.version),
         summary.bits_version,

@@ -52,12 +52,12 @@ impl<'a, T> Table<'a, T> {
     }
 }
 
-/// A digest of which the first digits are shown, and all where it is opened.
+/// A digest of which the first digits are shown, and all once it is opened.
 fn digest(hex: &str) -> String {
     folded(hex, &escape(hex))
 }
 
-/// HTML that is shown where the first digits of a digest are opened.
+/// HTML that is shown once the first digits of a digest are opened.
 pub(super) fn folded(hex: &str, html: &str) -> String {
     match hex.get(..8) {
         Some(first) => format!(
@@ -195,7 +195,7 @@ pub(super) fn run_table(runs: &[DragSummary], units: &Units) -> String {
     t.row(
         "Blocks of the drag",
         "",
-        "that its error comes from: doubled in length until that changes it no more; not converged: the window is \
+        "from which its error comes: doubled in length until the error no longer changes; not converged: the window is \
          too short for that, or the force drifts",
         |r| blocks(&r.drag),
     );
@@ -218,7 +218,7 @@ fn around_rows(t: &mut Table<DragSummary>, runs: &[DragSummary]) {
         (
             "Contact angle, new",
             "rad",
-            "where contacts with the intruder begin",
+            "of contacts with the intruder as they begin",
             |r| r.new_contact_angle,
         ),
         (
@@ -293,7 +293,7 @@ fn digest_rows(t: &mut Table<DragSummary>, runs: &[DragSummary]) {
     }
 }
 
-/// Rows of where the energy of each drag went.
+/// Rows of the energy budget of each drag.
 fn energy_rows(t: &mut Table<DragSummary>, runs: &[DragSummary], unit: &str) {
     type Term = (&'static str, &'static str, fn(&EnergyRow) -> f64);
     let terms: [Term; 9] = [
@@ -332,8 +332,7 @@ fn energy_rows(t: &mut Table<DragSummary>, runs: &[DragSummary], unit: &str) {
     for (name, note, of) in terms {
         t.row(name, unit, note, |r| cell(r, &of));
     }
-    let note =
-        "what the balance of energy leaves, over the work done: the integrator&rsquo;s error";
+    let note = "residual of the energy budget, over the work done: the integrator&rsquo;s error";
     t.row("Energy unaccounted for", "", note, |r| {
         cell(r, &EnergyRow::closure)
     });

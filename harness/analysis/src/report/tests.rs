@@ -1,4 +1,4 @@
-//! What the page promises, on made-up numbers.
+//! Properties of the page, on made-up numbers.
 
 use super::*;
 use bitgrain_sim::block_averaging::Mean;

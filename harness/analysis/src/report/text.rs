@@ -22,7 +22,7 @@ pub(super) fn typeset(unit: &str) -> String {
         .fold(unit.to_owned(), |text, (from, to)| text.replace(from, to))
 }
 
-/// Six digits to read, all of them in the markup.
+/// Six digits are shown, all of them are in the markup.
 pub(super) fn exact(x: f64) -> String {
     match x.is_finite() {
         true => format!("<data value=\"{x:?}\">{}</data>", number(x)),
@@ -30,7 +30,7 @@ pub(super) fn exact(x: f64) -> String {
     }
 }
 
-/// Four digits to read, all of them in the markup.
+/// Four digits are shown, all of them are in the markup.
 pub(super) fn brief(x: f64) -> String {
     match x.is_finite() {
         true => format!("<data value=\"{x:?}\" title=\"{x:?}\">{}</data>", short(x)),

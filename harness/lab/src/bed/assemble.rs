@@ -75,7 +75,7 @@ pub(super) fn assemble(
     Ok(new)
 }
 
-/// Where the grains and obstacles of the old state went.
+/// The new places of the grains and obstacles of the old state.
 struct Renamed<'a> {
     new: &'a Simulation,
     place: &'a [Option<u32>],

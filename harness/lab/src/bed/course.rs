@@ -1,4 +1,4 @@
-//! What one look at a bed on its way hands to the next.
+//! What one look at a bed that settles hands to the next.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,15 +7,15 @@ use bitgrain_sim::chain::Chain;
 use bitgrain_sim::checkpoint::StageState;
 use bitgrain_sim::simulation::Simulation;
 
-/// Where a bed is on its way.
+/// The phase that a bed is in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Phase {
     /// Grains fall, all of them or those below the intruder.
     Fall,
-    /// The rest of them falls, over the intruder.
+    /// The others fall, over the intruder.
     Fill,
-    /// What motion is left is taken out with more damping.
+    /// The remaining motion is damped out with more damping.
     Quench,
     /// The bed rests under its own law.
     Rest,
@@ -27,7 +27,7 @@ pub enum Phase {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PouringState {
-    /// Digest of the bed's recipe; empty for a bed of others.
+    /// Digest of the bed's recipe; empty for an imported bed.
     pub(super) key: String,
     pub(super) phase: Phase,
     /// Step at which the phase began.
@@ -40,7 +40,7 @@ pub struct PouringState {
     pub(super) chain: Chain,
 }
 
-/// A bed under way.
+/// A bed in progress.
 pub struct Pouring {
     /// The state.
     pub sim: Simulation,
@@ -49,7 +49,7 @@ pub struct Pouring {
 }
 
 impl PouringState {
-    /// What a checkpoint holds of it. Only a settled bed has its recipe's digest.
+    /// What a checkpoint holds of it. Only that of a settled bed has its recipe's digest.
     pub fn note(&self) -> StageState {
         let settled = self.phase == Phase::Settled;
         StageState {

@@ -3,7 +3,7 @@
 /// Group of the grains that move.
 pub const FREE: u8 = 0;
 
-/// Group of the base: frozen, or carried where the bed moves.
+/// Group of the base: frozen, or carried if the bed moves.
 pub const BASE: u8 = 1;
 
 /// Group of the lid.

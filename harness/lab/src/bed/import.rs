@@ -1,4 +1,4 @@
-//! Beds of others: grains and intruder from a LAMMPS data file or dump, dragged through without
+//! Imported beds: grains and intruder from a LAMMPS data file or dump, dragged through without
 //! pouring. Type 2 is the intruder, type 3 is frozen, every other type moves.
 
 use std::path::Path;
@@ -70,7 +70,7 @@ fn with_names(fault: KernelError, names: &[u32]) -> KernelError {
     }
 }
 
-/// Diameters and densities must be those that the scenario counts with.
+/// Diameters and densities must be those of the scenario.
 fn check_grains(scenario: &CheckedScenario, grains: &[Atom]) -> std::result::Result<(), String> {
     let [least, most] = scenario.bed.diameters;
     for a in grains {
@@ -123,8 +123,8 @@ pub fn world(
         return Err("is not periodic along x and y and closed along z; beds are".into());
     }
     let [x, y, z] = data.hi;
-    // Beds are cut close; grains that fly up must not leave the box. Measured by the bed, so that a
-    // bed that goes out and in again does not get an ever higher box.
+    // The boxes of files end close above the bed; grains that fly up must not leave the box. The height is
+    // taken from the bed, so that a bed that is exported and imported again does not get an ever higher box.
     let top = atoms
         .iter()
         .fold(data.lo[2], |top, a| top.max(a.position[2]));

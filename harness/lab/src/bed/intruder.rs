@@ -1,4 +1,4 @@
-//! The body that a bed is made round.
+//! The body round which a bed is made.
 
 use crate::scenario::{BedPlan, CheckedScenario, IntruderShape};
 use bitgrain_kernel::Obstacle;

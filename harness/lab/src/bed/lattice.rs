@@ -19,7 +19,7 @@ pub(super) struct Lattice {
 }
 
 impl Lattice {
-    /// `count` sites from the height `from` up, clear of the plan's intruder where there is one.
+    /// `count` sites from the height `from` up, clear of the plan's intruder if there is one.
     pub fn new(
         scenario: &CheckedScenario,
         count: usize,

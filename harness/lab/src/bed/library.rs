@@ -59,7 +59,7 @@ impl BedCache {
     /// The bytes of the checkpoint made from this recipe, or `None` if there is none.
     ///
     /// # Errors
-    /// [`Error::Input`] if the bed is there but cannot be read, is damaged or another's; the
+    /// [`Error::Input`] if the bed is there but cannot be read, is damaged or is another bed; the
     /// message says how to remove it.
     pub fn find(&self, recipe: &Recipe) -> Result<Option<Vec<u8>>> {
         let digest = recipe.digest();
@@ -74,7 +74,7 @@ impl BedCache {
             Err(other) => Err(Error::input(
                 path.display().to_string(),
                 format!(
-                    "{}; `bitgrain bed remove {}` clears it away, and the next run pours it anew",
+                    "{}; `bitgrain bed remove {}` removes it, and the next run pours it again",
                     other.describe_at(&name),
                     &digest[..NAME]
                 ),
@@ -148,19 +148,19 @@ impl BedCache {
             0 => Err(Error::input(
                 begin,
                 format!(
-                    "no bed in {} has a name that begins so; `bitgrain bed list` shows them",
+                    "no bed in {} has a name that begins like this; `bitgrain bed list` shows them",
                     self.folder.display()
                 ),
             )),
             n => Err(Error::input(
                 begin,
-                format!("{n} beds have names that begin so; give more"),
+                format!("{n} beds have names that begin like this; give more of it"),
             )),
         }
     }
 
-    /// Removes a bed: the files that were written for it, and its folder. Says whether that is gone: where it
-    /// holds files of others it stays with them.
+    /// Removes a bed: the files that were written for it, and its folder. Says whether the folder is gone: if it
+    /// holds other files it stays with them.
     ///
     /// # Errors
     /// [`Error::Write`].

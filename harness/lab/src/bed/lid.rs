@@ -11,11 +11,11 @@ use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::simulation::{Grain, Simulation};
 use bitgrain_sim::spatial_order::spatial_order;
 
-/// Gap between a grain of the lid and what it is laid on, in mean diameters: it is put down, not let
-/// fall.
+/// Gap between a grain of the lid and what it is laid on, in mean diameters: it is put down, not
+/// dropped.
 const GAP: f64 = 1e-3;
 
-/// Least density of the lid's grains over that of the bed's: a lighter one is no lid.
+/// Least density of the lid's grains over that of the bed's: a lighter one is not a lid.
 const LIGHTEST: f64 = 1.0;
 
 /// Mass density of the lid's grains: as planned, or so that it gives the planned effective depth
@@ -46,7 +46,7 @@ pub fn lid_density(scenario: &CheckedScenario, plan: &LidPlan, bare: &BedSummary
         )
     } else {
         format!(
-            "a lid no lighter than the bed's grains gives {:.5} or more: ask for that",
+            "a lid at least as dense as the bed's grains gives {:.5} or more: ask for that",
             scenario.lid_depth(LIGHTEST * scenario.bed.density, bulk)
         )
     };
@@ -215,7 +215,7 @@ mod tests {
             density: None,
             pressure_gradient,
         };
-        // What one grain's density adds decides: pi d/6 over the packing fraction.
+        // The contribution of one grain's density decides: pi d/6 over the packing fraction.
         let least = scenario.lid_depth(scenario.bed.density, bulk);
         assert!((least - std::f64::consts::PI * 1.5e-3 / 6.0 / 0.6).abs() < 1e-15);
         let describe_at = [

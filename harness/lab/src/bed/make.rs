@@ -1,4 +1,4 @@
-//! What is made of grains as a bed is poured: the world they fall in, its frozen base, the rest over the intruder.
+//! What is built from grains as a bed is poured: the world they fall in, its frozen base, the rest over the intruder.
 
 use super::assemble::{Member, assemble};
 use super::groups::*;
@@ -12,7 +12,7 @@ use bitgrain_sim::observe;
 use bitgrain_sim::simulation::Simulation;
 use bitgrain_sim::spatial_order::spatial_order;
 
-/// Freezes the grains whose centres lie below the base's height, takes the floor away where the bed
+/// Freezes the grains whose centres lie below the base's height, takes the floor away if the bed
 /// has none, and numbers all grains in spatial order.
 pub(super) fn freeze_base(
     old: &mut Simulation,
@@ -85,7 +85,7 @@ pub(super) fn buried(
     Ok((assemble(lower, &members, groups, obstacles)?, rest.top))
 }
 
-/// The grains of a lattice as a world: with the intruder where all are poured at once.
+/// The grains of a lattice as a world: with the intruder if all are poured at once.
 pub(super) fn dropped(
     scenario: &CheckedScenario,
     plan: &BedPlan,
@@ -112,7 +112,7 @@ pub(super) fn dropped(
         Order::AtOnce => vec![intruder(scenario, plan)],
         Order::InTurn => vec![],
     };
-    // Without a floor of its own the bed is poured on one all the same: the base is frozen from it.
+    // A bed without a floor is poured on one nevertheless: the base is frozen from it.
     obstacles.push(Obstacle::plane([0.0; 3], [0.0, 0.0, 1.0]));
     let base = match scenario.drag.moves {
         Moves::Intruder => Group::frozen(),

@@ -1,11 +1,11 @@
 //! Beds: poured by gravity and settled ([`pour`]), or taken over from a file ([`import`]), and kept
-//! for the next run ([`library`]) under the digest of their [`recipe`]. What comes out is a checkpoint.
+//! for the next run ([`library`]) under the digest of their [`recipe`]. The result is a checkpoint.
 //!
 //! Pouring is Kumar 2018, section II: grains fall in layers from a loose lattice round the fixed
 //! intruder, with random diameters, places and velocities, so that the lattice leaves no trace. When
 //! the fall is over the lowest are frozen and all are numbered in spatial order; they keep those
-//! numbers from then on. What motion is left then, rattling and sound, carries no memory of the
-//! pouring and would die slowly: it is taken out with stronger damping, and the bed comes to rest
+//! numbers from then on. The motion left then, rattling and sound, carries no memory of the
+//! pouring and would decay slowly: it is removed with stronger damping, and the bed comes to rest
 //! once more under its own law.
 
 mod assemble;
@@ -75,7 +75,7 @@ impl CheckedScenario {
         PACKING_GUESS * self.bed.density * self.gravity * self.intruder_volume(diameter)
     }
 
-    /// What surveys of its beds must know.
+    /// What surveys of its beds need to know.
     pub fn measures(&self) -> Measures {
         Measures {
             diameter: self.mean_diameter(),
@@ -86,7 +86,7 @@ impl CheckedScenario {
 }
 
 impl recipe::Recipe {
-    /// What a survey of its bed must know.
+    /// What a survey of its bed needs to know.
     pub fn measures(&self) -> Measures {
         Measures {
             diameter: 0.5 * (self.diameters[0] + self.diameters[1]),

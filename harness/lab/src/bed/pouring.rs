@@ -1,4 +1,4 @@
-//! A bed on its way from the first grain's release to rest: phase by phase, from a checkpoint on where it
+//! A bed from the first grain's release to rest: phase by phase, from a checkpoint on if it
 //! was stopped.
 
 use super::course::{Phase, Pouring, PouringState};
@@ -21,7 +21,7 @@ use bitgrain_sim::simulation::Simulation;
 const LINKS: u64 = 1000;
 
 impl Pouring {
-    /// The grains of a bed as they are let fall; its lid is not yet on it.
+    /// The grains of a bed as they are released; its lid is not yet on it.
     ///
     /// # Errors
     /// [`bitgrain_sim::error::Error::Input`] and [`bitgrain_sim::error::Error::Run`] if they cannot be.
@@ -50,7 +50,7 @@ impl Pouring {
     /// bed's chain.
     ///
     /// # Errors
-    /// [`bitgrain_sim::error::Error::Input`] if the bed is deep enough without, and as [`Pouring::begin`].
+    /// [`bitgrain_sim::error::Error::Input`] if the bed is deep enough without one, and as [`Pouring::begin`].
     pub fn cover(
         bare: &mut Simulation,
         link: &str,
@@ -64,7 +64,7 @@ impl Pouring {
         Self::new(key, sim, Phase::Quench, link.into(), &plan.name)
     }
 
-    /// A bed of others, which is taken as it is: by no recipe of ours. Its chain begins with the digest of
+    /// An imported bed, which is taken as it is, without a recipe. Its chain begins with the digest of
     /// its file.
     ///
     /// # Errors
@@ -111,10 +111,10 @@ impl Pouring {
         }
     }
 
-    /// Goes on until the bed is settled. Says whether it is: not where `observer` has seen enough before.
+    /// Goes on until the bed is settled. Returns whether it is: `false` if `observer` has seen enough before.
     ///
     /// # Errors
-    /// [`bitgrain_sim::error::Error::Run`] where grains escape or overlap too deep,
+    /// [`bitgrain_sim::error::Error::Run`] if grains escape or overlap too deep,
     /// [`bitgrain_sim::error::Error::Unsettled`], [`bitgrain_sim::error::Error::Interrupted`], after which the bed can
     /// go on from here, and what `observer` returns.
     pub fn go_on(
@@ -171,7 +171,7 @@ impl Pouring {
         self.course.before = upward(&self.sim);
     }
 
-    /// After a look that was not the last of its phase: the next link, where it is due, and a moment to save.
+    /// After a look that was not the last of its phase: the next link, if it is due, and an opportunity to save.
     pub(super) fn looked(&mut self, plan: &BedPlan, observer: &mut impl Observer) -> Result<()> {
         if self.course.chain.is_due(self.sim.step_count()) {
             self.link(plan, observer)?;

@@ -1,4 +1,4 @@
-//! Whether the bytes of a checkpoint are a settled bed by a recipe, as far as they themselves can tell.
+//! Whether the bytes of a checkpoint are a settled bed by a recipe, as far as the bytes alone can show.
 
 use super::course::{Phase, PouringState};
 use super::recipe::Recipe;
@@ -9,8 +9,8 @@ use bitgrain_sim::error::{Error, Result};
 /// Checks that a checkpoint is whole, is of this recipe, and that its state is the one of the last link of its
 /// chain of digests; `name` is what errors call it.
 ///
-/// That finds accidents, and states that were changed and sealed again. Seals and links have no key: who forges
-/// the whole chain is found by `verify` alone, which pours the bed again.
+/// That finds accidents, and states that were changed and sealed again. Seals and links have no key: a forgery of
+/// the whole chain is found only by `verify`, which pours the bed again.
 ///
 /// # Errors
 /// [`Error::Damaged`] if it is not whole or not the state of its chain, [`Error::Input`] if it is another
@@ -28,7 +28,7 @@ pub fn prove(bytes: &[u8], name: &str, recipe: &Recipe) -> Result<()> {
     let course = PouringState::of(&note).map_err(damaged)?;
     let chain = course.chain();
     let same = Chain::parse(&chain.text(), name).is_ok_and(|read| read.links == chain.links);
-    // A bed under a lid goes on from the chain of the one below, whose last link no recipe says.
+    // A bed under a lid goes on from the chain of the one below, whose last link is in no recipe.
     let begins = recipe.lid.is_some() || chain.begins == chain::beginning(&recipe.digest());
     let digest = sim.digest();
     let digest = digest.map_err(|fault| Error::run(name, sim.step_count(), fault))?;

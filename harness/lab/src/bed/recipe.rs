@@ -20,7 +20,7 @@ pub struct Recipe {
     pub bits_version: u32,
     /// Version of the procedure, [`POURING`].
     pub pouring: u32,
-    /// Version of the checkpoint's layout: beds in another are poured anew.
+    /// Version of the checkpoint's layout: beds in another are poured again.
     pub format: u32,
     /// Units of the numbers below.
     pub units: UnitSystem,
@@ -45,10 +45,10 @@ pub struct Recipe {
     pub floor: bool,
     /// Bound of the kinetic energy per grain, over its weight times the mean diameter.
     pub settled: f64,
-    /// Whether it was stopped at maxima of the kinetic energy, where the scenario says.
+    /// Whether it was stopped at maxima of the kinetic energy, if the scenario says.
     #[serde(rename = "halting", default, skip_serializing_if = "Option::is_none")]
     pub kinetic_damping: Option<bool>,
-    /// Whether the grains were let fall all at once or in turn.
+    /// Whether the grains were released all at once or in turn.
     #[serde(default, skip_serializing_if = "is_default")]
     pub order: PouringOrder,
     /// What moves: the base of a bed that moves is carried, that of another frozen.
@@ -116,7 +116,7 @@ impl Recipe {
         }
     }
 
-    /// The recipe as TOML: what the digest is of.
+    /// The recipe as TOML: the text that is digested.
     pub fn text(&self) -> String {
         toml::to_string(self).expect("a recipe has only string keys and finite numbers")
     }
@@ -132,7 +132,7 @@ mod tests {
     use super::*;
     use crate::scenario;
 
-    /// Every input that shapes a bed changes its digest; what only concerns the drag does not.
+    /// Every input that shapes a bed changes its digest; an input that only concerns the drag does not.
     #[test]
     fn the_digest_follows_what_shapes_a_bed() {
         let of = |sets: &[&str]| {

@@ -1,4 +1,4 @@
-//! Rest: when the fall is over, how the motion left is taken out, and when a bed counts as settled.
+//! Rest: when the fall is over, how the motion left is removed, and when a bed counts as settled.
 
 use bitgrain_kernel::Error as KernelError;
 
@@ -15,7 +15,7 @@ use bitgrain_sim::simulation::Simulation;
 /// Steps between looks at the kinetic energy. Part of the recipe: it decides where settling ends.
 const LOOK: u64 = 500;
 
-/// Steps between glances at the kinetic energy where maxima are looked for: a small part of the period
+/// Steps between looks at the kinetic energy when maxima are searched for: a small part of the period
 /// with which a bed of some tens of grains breathes.
 const GLANCE: u64 = 50;
 
@@ -47,7 +47,7 @@ pub struct Goal {
     kinetic_damping: bool,
     /// Fewest steps.
     least: u64,
-    /// Steps of the fall, by which patience is measured.
+    /// Steps of the fall, on which the limit of steps is based.
     fall_steps: u64,
 }
 
@@ -71,8 +71,8 @@ pub fn rest(scenario: &CheckedScenario, plan: &BedPlan, quench: bool) -> Goal {
     }
 }
 
-/// Whether all motion is stopped at maxima of the kinetic energy. It hangs on what the recipe of the bed
-/// holds alone: the bare bed under a lid is one that other scenarios use without.
+/// Whether all motion is stopped at maxima of the kinetic energy. It depends only on what the recipe of the bed
+/// holds: other scenarios use the bare bed under a lid without one.
 fn is_damped(scenario: &CheckedScenario, plan: &BedPlan) -> bool {
     let still =
         scenario.intruder.shape == IntruderShape::Sphere && scenario.drag.moves == Moves::Intruder;
@@ -102,7 +102,7 @@ pub fn fallen(scenario: &CheckedScenario, height: f64) -> Goal {
     }
 }
 
-/// Steps on until the goal is reached. Says whether it was: not where `observer` has seen enough before.
+/// Steps on until the goal is reached. Returns whether it was: `false` if `observer` has seen enough before.
 ///
 /// # Errors
 /// [`Error::Run`], [`Error::Unsettled`], [`Error::Interrupted`], and what `observer` returns.
@@ -169,7 +169,7 @@ pub(super) fn upward(sim: &Simulation) -> f64 {
 }
 
 /// Steps on, showing `observer` the steps that it looks at; `last` is done to the state after the last of
-/// them, before it is shown, and says what is wrong with what it made of it.
+/// them, before it is shown, and says what is wrong with the result.
 fn stride(
     sim: &mut Simulation,
     bed: &str,
@@ -202,7 +202,7 @@ fn stride(
     Ok(())
 }
 
-/// Steps on to the next look; stops every grain where the kinetic energy has just begun to fall.
+/// Steps on to the next look; stops every grain if the kinetic energy has just begun to fall.
 fn halt_at_maxima(sim: &mut Simulation, bed: &str, observer: &mut impl Observer) -> Result<()> {
     let mut before = sim.kinetic_energy();
     let mut rising = false;
@@ -221,7 +221,7 @@ fn halt_at_maxima(sim: &mut Simulation, bed: &str, observer: &mut impl Observer)
     Ok(())
 }
 
-/// Stops every grain where it is, with its contacts and forces.
+/// Stops every grain in its place, with its contacts and forces.
 fn halt(sim: &mut Simulation) -> std::result::Result<(), KernelError> {
     let histories = sim.contact_histories();
     let world = &mut **sim;
@@ -288,12 +288,12 @@ mod tests {
     /// A grain that breathes on the floor, undamped, goes on as it is; stopped at maxima it comes to rest.
     #[test]
     fn stopping_at_maxima_takes_an_oscillation_out() {
-        // A quarter of what its weight presses it in: half its period is some 600 steps.
+        // A quarter of the overlap under its weight: half its period is some 600 steps.
         let mut sim = bouncing(&[[0.01, 0.5 * D - 1.3e-7]]);
         let begin = fastest(&mut sim.clone());
         let mut free = sim.clone();
         free.steps(10 * LOOK).unwrap();
-        // Seen every 50 steps, a maximum is met to a part in fifty.
+        // Seen every 50 steps, a maximum is found to a part in fifty.
         assert!((fastest(&mut free) / begin - 1.0).abs() < 0.02);
         for _ in 0..10 {
             halt_at_maxima(&mut sim, "bed", &mut ()).unwrap();
@@ -303,7 +303,7 @@ mod tests {
         assert!(left < 0.02, "{left}");
     }
 
-    /// Who has two contacts bears a load; who rolls alone or flies does not, and counts among all only.
+    /// A grain with two contacts bears a load; one that rolls alone or flies does not, and counts among all only.
     #[test]
     fn who_flies_bears_nothing() {
         let measures = Measures {

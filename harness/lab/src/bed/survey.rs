@@ -1,4 +1,4 @@
-//! What is read off a settled bed.
+//! What is measured of a settled bed.
 
 use crate::summary::BedSummary;
 use bitgrain_kernel::{ContactHistory, Error as KernelError};
@@ -6,7 +6,7 @@ use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::observe::{self, INTRUDER};
 use bitgrain_sim::simulation::{Role, Simulation, hex, sphere_mass};
 
-/// What a survey must know besides the state.
+/// What a survey needs to know besides the state.
 #[derive(Clone, Copy, Debug)]
 pub struct Measures {
     /// Mean grain diameter.
@@ -17,7 +17,7 @@ pub struct Measures {
     pub gravity: f64,
 }
 
-/// Reads off a settled bed what its summary says.
+/// Measures of a settled bed what its summary says.
 ///
 /// # Errors
 /// [`bitgrain_sim::error::Error::Contract`].
@@ -53,7 +53,7 @@ pub fn stopped(bed: &str, sim: &Simulation, fault: KernelError) -> Error {
 }
 
 /// Kinetic energy of the grains with two contacts or more, per free grain, over a grain's mean weight
-/// times its mean diameter: what says that a bed without weight rests, for a grain that was squeezed
+/// times its mean diameter: it shows that a bed without weight rests, since a grain that was squeezed
 /// out of one flies on.
 pub fn energy_of_borne(sim: &mut Simulation, measures: &Measures) -> f64 {
     let mut contacts = vec![0u32; sim.count()];

@@ -156,8 +156,8 @@ impl Observer for Digests {
     }
 }
 
-/// What a observer sees of a bed is what its chain holds, also where all motion is stopped now and then;
-/// and that it looks changes nothing.
+/// What an observer sees of a bed is what its chain holds, also if all motion is stopped now and then;
+/// and observing changes nothing.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours a small bed: seconds in release")]
 fn a_witness_sees_the_states_of_the_chain() {
@@ -171,7 +171,7 @@ fn a_witness_sees_the_states_of_the_chain() {
     assert_eq!(bed.sim.digest(), alone.digest());
     let links = &bed.course.chain().links;
     assert!(links.len() > 10);
-    // The first is that of the start; where a phase ends the state is put together anew after the look.
+    // The first is that of the start; when a phase ends the state is rebuilt after the look.
     let same = links
         .iter()
         .filter(|link| seen.0.get(&link.step) == Some(&link.parts));

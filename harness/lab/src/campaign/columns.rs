@@ -6,19 +6,19 @@ use crate::summary::{DragRecord, Flow};
 use bitgrain_sim::block_averaging::Mean;
 use bitgrain_sim::format::round10;
 
-/// Grains with so many contacts or more share the last of the columns of coordination numbers.
+/// Grains with this many contacts or more share the last of the columns of coordination numbers.
 pub const MOST_CONTACTS: usize = 12;
 
 /// How a run ended.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Status {
-    /// It did.
+    /// It succeeded.
     Done(Box<DragRecord>),
-    /// It went wrong, or its bed did, and why.
+    /// It failed, or its bed did, and why.
     Failed(String),
 }
 
-/// One run of a campaign that has come to its end.
+/// One finished run of a campaign.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row<'a> {
     /// Its member.
@@ -31,7 +31,7 @@ pub struct Row<'a> {
     pub status: &'a Status,
 }
 
-/// One cell; what is not there is empty in CSV and null in Parquet.
+/// One cell; a missing value is empty in CSV and null in Parquet.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cell {
     /// Words.
@@ -199,7 +199,7 @@ fn inputs(all: &mut Vec<Column>) {
     real(all, "depth_asked", Unit::Length, move |row| {
         let bed = plan(row);
         let depth = row.scenario.expected_surface(bed.diameter) - bed.center[2];
-        // As it was given: the last digits are those of the way to a height and back.
+        // As it was given: converting it to a height and back changes the last digits.
         Some(round10(depth))
     });
     real(all, "effective_depth_asked", Unit::Length, move |row| {
@@ -216,7 +216,7 @@ fn inputs(all: &mut Vec<Column>) {
 
 fn law(all: &mut Vec<Column>) {
     text(all, "law", |row| Some(row.scenario.law.kind()));
-    // Columns have these names for ever; a key that a law lacks is empty.
+    // These column names never change; a key that a law lacks is empty.
     for name in [
         "mu",
         "kn",

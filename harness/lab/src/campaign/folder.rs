@@ -31,7 +31,7 @@ pub const CAMPAIGN: Contents = Contents {
     ],
 };
 
-/// Why a run or a bed failed, kept so that it is not tried again with the same end.
+/// Why a run or a bed failed, kept so that it is not tried again with the same result.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Failure {
@@ -63,7 +63,7 @@ impl CampaignFolder<'_> {
     /// What lies beside the table.
     ///
     /// # Errors
-    /// [`Error::Input`] if the campaign's file is not there, not as it was written, or is none.
+    /// [`Error::Input`] if the campaign's file is missing, not as it was written, or not a campaign.
     pub fn beside(&self, vouched: &Vouched) -> Result<Beside> {
         let path = self.campaign();
         let text = vouched.text(&path)?;
@@ -94,7 +94,7 @@ impl CampaignFolder<'_> {
         self.0.join("analysis.json")
     }
 
-    /// The same to look at.
+    /// The same as a page.
     pub fn report(&self) -> PathBuf {
         self.0.join("report.html")
     }
@@ -130,7 +130,7 @@ impl CampaignFolder<'_> {
         let path = self.campaign();
         let known = ledger.expects(&path, text.as_bytes());
         if known == Some(true) || !disk::is_there(&self.0.join("members")) {
-            // One that ended before it had any result binds nobody.
+            // One that ended before it had any result does not count.
             return Ok(());
         }
         let old = disk::read_if_there(&path)?.unwrap_or_default();

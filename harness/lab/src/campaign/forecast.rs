@@ -13,15 +13,15 @@ use bitgrain_sim::format::short;
 /// Grain-steps of a job that are counted as one, so that sums stay far below 2^64.
 const GRAIN_STEPS: f64 = 1e6;
 
-/// Parts of the speed on a small bed that beds of so many grains and more go at: rows of grains leave the
+/// Speed of beds of that many grains and more, over that of a small bed: the rows of grains leave the
 /// caches one after the other.
 const LARGE: [(usize, f64); 3] = [(5_000, 0.85), (50_000, 0.7), (500_000, 0.6)];
 
-/// The forecast of the wanted runs of a campaign as text: `jobs` stages side by side on so many threads, beds
+/// The forecast of the wanted runs of a campaign as text: `jobs` stages side by side on this many threads, beds
 /// from `library`.
 ///
 /// # Errors
-/// What the trial of this machine's speed may meet.
+/// Errors of the trial of this machine's speed.
 pub fn forecast(
     plan: &Plan,
     only: &Only,
@@ -75,7 +75,7 @@ pub fn forecast(
         (pours.iter().sum::<u64>() + drags.iter().sum::<u64>()) as f64 / 1000.0 * GRAIN_STEPS;
     let side = jobs.min(threads).max(1);
     let longest = side_by_side(&pours, side) + side_by_side(&drags, side);
-    // Where jobs are fewer than threads, a job goes on several at half their speed each.
+    // If there are fewer jobs than threads, a job runs on several at half their speed each.
     let gain = 1.0 + 0.5 * (threads as f64 / side as f64 - 1.0);
     let hours = longest as f64 / 1000.0 * GRAIN_STEPS / speed / gain / 3600.0;
     say(String::new());
@@ -163,7 +163,7 @@ fn dragging(scenario: &CheckedScenario, runs: &[DragPlan]) -> Vec<f64> {
         .collect()
 }
 
-/// How fast a bed of so many grains goes, over the small one of the trial.
+/// Speed of a bed of this many grains, over that of the small one of the trial.
 fn slower(grains: usize) -> f64 {
     let below = LARGE.iter().rev().find(|(least, _)| grains >= *least);
     below.map_or(1.0, |(_, part)| *part)

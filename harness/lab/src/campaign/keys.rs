@@ -12,7 +12,7 @@ use crate::scenario::OneOrMany;
 pub struct Campaign {
     /// What the campaign's folder is called.
     pub name: String,
-    /// What stays as it is in the base where a grid varies what it is made of, unless the grid says
+    /// Combinations that keep their value in the base when a grid varies a part of them, unless the grid says
     /// otherwise.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub keep: Vec<Rule>,
@@ -36,12 +36,12 @@ pub enum Base {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ParameterGrid {
-    /// What it is for, in a word or two.
+    /// Its purpose, in a word or two.
     pub name: String,
     /// Keys of the scenario that are the same in all of it, as `{ "bed.box" = [28.0, 14.0, 26.0] }`.
     #[serde(default, skip_serializing_if = "Table::is_empty")]
     pub set: Table,
-    /// What stays as it is in the base, instead of the campaign's `keep`.
+    /// Combinations that keep their value in the base, instead of the campaign's `keep`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub keep: Option<Vec<Rule>>,
     /// Stiffness `law.kn`.
@@ -69,7 +69,7 @@ pub struct ParameterGrid {
     /// Height of its centre above the floor, instead of `depth`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub height: Option<OneOrMany>,
-    /// Seeds; each pours beds of its own.
+    /// Seeds; each pours its own beds.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seed: Option<Vec<u64>>,
     /// Froude numbers.
@@ -116,7 +116,7 @@ impl ParameterGrid {
                 values: values.values(),
             }));
         }
-        // Seeds beyond 2^53 are refused where they are read.
+        // Seeds beyond 2^53 are refused when they are read.
         axes.extend(self.seed.as_ref().map(|seeds| Axis {
             name: "seed",
             short: "s",

@@ -1,7 +1,7 @@
 //! Campaigns: one base scenario and the values that are varied, run as one, into one table.
 //!
-//! A campaign's file says what is varied ([`keys`]), [`plan`] makes of it the members, each a scenario of
-//! its own whose speeds share a bed, [`sweep`] runs what is left of them, and [`table`] holds a row for
+//! A campaign's file says what is varied ([`keys`]), [`plan`] turns it into members, each its own
+//! scenario whose speeds share a bed, [`sweep`] runs what is left of them, and [`table`] holds a row for
 //! every drag: inputs, observables, digest. [`written`] reads back what lies in a campaign's folder.
 
 pub mod columns;

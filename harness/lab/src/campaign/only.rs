@@ -1,9 +1,9 @@
-//! Which runs of a campaign are wanted, where not all are.
+//! Which runs of a campaign are wanted, if not all are.
 
 use super::plan::Plan;
 use bitgrain_sim::error::{Error, Result};
 
-/// Names of members, or of their runs as `MEMBER/RUN`; all runs where there is none.
+/// Names of members, or of their runs as `MEMBER/RUN`; all runs if there is none.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Only(Vec<String>);
 
@@ -26,7 +26,7 @@ impl Only {
         if let Some(name) = names.iter().find(|name| !known(name)) {
             let members: Vec<&str> = plan.members.iter().map(|m| &m.name[..]).collect();
             let problem = format!(
-                "`{name}` is no member of the campaign and no run of one, as {}/run-1 is; members are {}",
+                "`{name}` is neither a member of the campaign nor a run of one, such as {}/run-1; members are {}",
                 members[0],
                 members.join(", ")
             );

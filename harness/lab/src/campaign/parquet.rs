@@ -14,7 +14,7 @@ use super::columns::{Cell, Column, Row, columns};
 /// The table as the bytes of a Parquet file, packed with Snappy: the same bytes every time.
 ///
 /// # Errors
-/// What the encoder says.
+/// The error of the encoder.
 pub fn bytes(rows: &[Row<'_>]) -> io::Result<Vec<u8>> {
     let columns = columns();
     let cells: Vec<Vec<Cell>> = columns
@@ -56,7 +56,7 @@ fn write(columns: &[Column], cells: &[Vec<Cell>]) -> parquet::errors::Result<Vec
         let Some(mut column) = group.next_column()? else {
             break;
         };
-        // 1 where there is a value, 0 where there is none.
+        // 1 for a value, 0 for none.
         let (mut there, mut texts, mut wholes, mut reals) = (vec![], vec![], vec![], vec![]);
         for cell in cells {
             there.push(match cell {
@@ -86,7 +86,7 @@ fn write(columns: &[Column], cells: &[Vec<Cell>]) -> parquet::errors::Result<Vec
     writer.into_inner()
 }
 
-/// Keeps a value where there is one, and says whether.
+/// Keeps a value if there is one, and returns whether there was.
 fn note<T>(value: Option<T>, values: &mut Vec<T>) -> i16 {
     let there = value.is_some();
     values.extend(value);

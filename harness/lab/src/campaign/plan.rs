@@ -12,7 +12,7 @@ use bitgrain_sim::disk;
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::files::read_text;
 
-/// Most members: a guard against a slip of the pen.
+/// Most members: a guard against typing errors.
 const MEMBERS_MAX: usize = 10_000;
 /// Most drags of all members together: the same.
 const RUNS_MAX: usize = 100_000;
@@ -86,7 +86,7 @@ pub(super) fn plan_of(
     }
     campaign.base = Base::Written(base.clone());
     if campaign.grid.is_empty() {
-        let problem = "is empty; give at least one [[grid]], with what is varied";
+        let problem = "is empty; give at least one [[grid]] with the quantities that vary";
         return Err(Error::input(format!("{place}: `grid`"), problem));
     }
     let mut cells: Vec<Cell> = Vec::new();
@@ -146,7 +146,7 @@ fn base_table(base: &Base, place: &str, folder: &Path) -> Result<Table> {
     let (text, name) = match base {
         Base::Written(table) => {
             let mut table = table.clone();
-            // The campaign and its members have names of their own.
+            // The campaign and its members must have their own names.
             table
                 .entry("name")
                 .or_insert_with(|| Value::String("base".into()));
@@ -158,7 +158,7 @@ fn base_table(base: &Base, place: &str, folder: &Path) -> Result<Table> {
                 let path = folder.join(name);
                 if !disk::is_file(&path) {
                     let problem = format!(
-                        "is `{name}`: no shipped scenario has that name, and {} is no file",
+                        "is `{name}`: no shipped scenario has that name, and {} is not a file",
                         path.display()
                     );
                     return Err(Error::input(format!("{place}: `base`"), problem));
@@ -177,7 +177,7 @@ fn check(grid: &ParameterGrid, place: &str) -> Result<()> {
     let mut given: Vec<(&str, &str)> = axes.iter().map(|a| (a.name, a.key)).collect();
     given.extend(grid.froude.is_some().then_some(("froude", "speed")));
     given.extend(grid.speed.is_some().then_some(("speed", "speed")));
-    // Two words for one quantity.
+    // Two keys for one quantity.
     for pair in [
         ["depth", "height"],
         ["froude", "speed"],
@@ -296,7 +296,7 @@ fn cells_of<'a>(grid: &'a ParameterGrid, place: &str) -> Result<Vec<Cell<'a>>> {
 fn set_of(axis: &Axis, value: f64) -> String {
     match axis.name {
         "seed" => format!("seed={}", value as u64),
-        // Where the stiffness is varied too, another follows it later.
+        // If the stiffness is varied too, another follows it later.
         "gamma_n/kn^0.6" => format!("{DAMPING}={value:?}"),
         _ => format!("{}={value:?}", axis.key),
     }
@@ -372,9 +372,9 @@ impl Maker<'_> {
             s
         };
         if let Some(line) = difference(&bare(&member.scenario), &bare(&other)) {
-            return refuse(format!("two grids make it, but not alike: {line}"));
+            return refuse(format!("two grids make it, but they differ: {line}"));
         }
-        // Where one gives speeds and another Froude numbers, they become speeds, of the one diameter.
+        // If one gives speeds and another Froude numbers, these become speeds, of the one diameter.
         let froude = [&member.scenario, &other].map(|s| s.intruder.froude.is_some());
         if froude[0] != froude[1] && other.intruder.diameter.values().len() > 1 {
             return refuse(
@@ -384,7 +384,7 @@ impl Maker<'_> {
         }
         let by_froude = froude == [true; 2];
         let speeds = |s: &CheckedScenario| -> Vec<(f64, f64)> {
-            // The runs of every bed are alike: the first bed's tell.
+            // The runs of every bed are alike: those of the first bed suffice.
             let runs = s.drags().iter().filter(|run| run.bed == 0);
             let speed = |run: &DragPlan| {
                 if by_froude {
@@ -400,7 +400,7 @@ impl Maker<'_> {
             match all.iter().find(|known| known.0 == speed) {
                 Some(known) if known.1 != distance => {
                     return refuse(format!(
-                        "two grids drag it at {speed}, over {} and over {distance}; give one distance",
+                        "two grids drag it at speed {speed}, over {} and over {distance}; give one distance",
                         known.1
                     ));
                 }

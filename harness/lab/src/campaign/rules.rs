@@ -1,4 +1,4 @@
-//! What stays as it is where another quantity is varied: ratios that Kumar 2018 holds fixed.
+//! What stays as it is when another quantity is varied: ratios that Kumar 2018 holds fixed.
 
 use serde::{Deserialize, Serialize};
 
@@ -32,7 +32,7 @@ pub fn damping(ratio: f64, kn: f64) -> f64 {
     ratio * libm::pow(kn, RESTITUTION)
 }
 
-/// The keys that `rules` set where stiffness and damping are no longer those of the `base`; none where
+/// The keys that `rules` set if stiffness and damping are no longer those of the `base`; none if
 /// they are. `damping` is the damping that was asked for, if it was.
 ///
 /// Only `hertz_history` has such keys: of another law none is set.

@@ -38,13 +38,13 @@ pub struct Sweep<'a> {
     pub threads: usize,
     /// Most stages at a time, which share the threads.
     pub jobs: usize,
-    /// How often a stage under way is saved.
+    /// How often an unfinished stage is saved.
     pub save: SaveEvery,
-    /// Whether what failed before is tried again.
+    /// Whether runs that failed before are tried again.
     pub retry: bool,
     /// Writes the report of a member whose drags are all done.
     pub write_report: WriteReport,
-    /// Bars, lines and the wish to stop.
+    /// Bars, lines and the request to stop.
     pub progress: &'a Progress,
 }
 
@@ -59,7 +59,7 @@ pub struct Outcome {
     pub table: PathBuf,
 }
 
-/// A campaign under way.
+/// A campaign in progress.
 struct Under<'a> {
     what: &'a Sweep<'a>,
     folder: CampaignFolder<'a>,
@@ -74,7 +74,7 @@ struct Under<'a> {
 /// Runs a campaign into its folder, or what is left of it.
 ///
 /// # Errors
-/// If its folder cannot be had or written to, or it is interrupted; runs that fail are told of in the
+/// If its folder is in use or cannot be written to, or it is interrupted; runs that fail are reported in the
 /// table and stop nothing.
 pub fn sweep(what: &Sweep<'_>) -> Result<Outcome> {
     let jobs = jobs(what.plan, what.only);
@@ -82,7 +82,7 @@ pub fn sweep(what: &Sweep<'_>) -> Result<Outcome> {
     let claim = folder.claim(what.plan)?;
     if !claim.sure {
         what.progress.warn(&format!(
-            "{} cannot be locked: see that no other campaign is at work in it",
+            "{} cannot be locked: make sure that no other campaign is running in it",
             what.out.display()
         ));
     }
@@ -214,14 +214,14 @@ impl Under<'_> {
         let path = self.run_folder(job).join("summary.json");
         let ledger = self.ledger_of(job.member);
         let damaged = ledger.damaged(&format!("runs/{}/", job.plan.name));
-        // What no manifest vouches for is not believed.
+        // What no manifest vouches for is not trusted.
         if !damaged.is_empty() || !ledger.is_finished(&job.plan.name) || !ledger.vouches(&path) {
             return Ok(None);
         }
         let record = parse_record(&read_text(&path)?, &path).ok();
         let folder = Folder(&self.places[job.member]);
         let inputs = folder.inputs(self.scenario(job.member));
-        // Half a file, or another program's: the run is taken up from its checkpoints.
+        // Half a file, or another program's: the run goes on from its checkpoints.
         let whole =
             record.filter(|record| record.inputs == inputs && !record.run.plug.is_unknown());
         Ok(whole.map(|record| Status::Done(Box::new(record))))
@@ -329,7 +329,7 @@ impl Under<'_> {
         scenario.beds().iter().map(one).sum()
     }
 
-    /// The same, or 0 where they are at hand.
+    /// The same, or 0 if they are at hand.
     fn planned(&self, member: usize) -> u64 {
         let scenario = self.scenario(member);
         let at_hand = |bed: &BedPlan| self.at_hand(member, bed);
@@ -360,7 +360,7 @@ impl Under<'_> {
             .overall(name, total, before, wanted, ended)
     }
 
-    /// A stage's end: what it gave, or why it failed, which is written down; whatever else stopped it stops
+    /// A stage's end: its result, or why it failed, which is written down; anything else that stopped it stops
     /// the campaign.
     fn end<T>(
         &self,
@@ -377,7 +377,7 @@ impl Under<'_> {
             Error::Run { .. } | Error::Unsettled { .. } | Error::Input { .. }
         );
         if !failed {
-            // Nothing more is begun, and what is under way is saved.
+            // Nothing more is begun, and unfinished stages are saved.
             self.what
                 .progress
                 .stop_flag()
@@ -411,7 +411,7 @@ impl Under<'_> {
     }
 }
 
-/// All results, or what stopped the first of them; an interruption only where nothing else did.
+/// All results, or what stopped the first of them; an interruption only if nothing else did.
 fn first_cause<T>(results: Vec<Result<T>>) -> Result<Vec<T>> {
     let (mut given, mut interrupted) = (Vec::with_capacity(results.len()), None);
     for result in results {

@@ -132,15 +132,14 @@ impl CampaignTable {
             .collect();
         for needed in ["member", "run", "status", "froude", "drag", "drag_error"] {
             if !names.iter().any(|n| n == needed) {
-                let problem = format!("has no column `{needed}`: it is no table of a campaign");
+                let problem = format!("has no column `{needed}`: it is not a campaign table");
                 return Err(Error::input(name, problem));
             }
         }
         let mut rows: Vec<Vec<String>> = Vec::new();
         for record in reader.records() {
             if rows.len() == ROWS_MAX {
-                let problem =
-                    format!("has more than {ROWS_MAX} rows: it is no table of a campaign");
+                let problem = format!("has more than {ROWS_MAX} rows: it is not a campaign table");
                 return Err(Error::input(name, problem));
             }
             rows.push(record.map_err(wrong)?.iter().map(String::from).collect());

@@ -18,12 +18,12 @@ use bitgrain_sim::disk;
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::files::read_text;
 
-/// Verifies a campaign, and tells of each finding as a line of `say`; `expect` as in
+/// Verifies a campaign, and reports each finding as a line of `say`; `expect` as in
 /// [`crate::verify::verify`].
 ///
 /// # Errors
-/// [`Error::Unverified`] if something does not hold or is not finished, after all was told; [`Error::Input`]
-/// where there is nothing to verify.
+/// [`Error::Unverified`] if something does not hold or is not finished, after all was reported; [`Error::Input`]
+/// if there is nothing to verify.
 pub fn verify(
     folder: &CampaignFolder<'_>,
     scope: &Scope,
@@ -34,8 +34,7 @@ pub fn verify(
 ) -> Result<()> {
     let place = folder.0.display().to_string();
     if !scope.segments.is_empty() {
-        let problem =
-            "is a campaign: --segment is of a run, so give the folder of one of its members";
+        let problem = "is a campaign: --segment takes stages of a run, so give the folder of one of its members";
         return Err(Error::input(place, problem));
     }
     let path = folder.campaign();
@@ -153,7 +152,7 @@ fn table_holds(folder: &CampaignFolder<'_>, plan: &Plan) -> std::result::Result<
     ] {
         if disk::read(&path).ok() != Some(made) {
             return Err(format!(
-                "{} is not what its members' results give",
+                "{} does not follow from the results of its members",
                 path.display()
             ));
         }

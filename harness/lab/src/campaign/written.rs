@@ -1,4 +1,4 @@
-//! A campaign as its own folder has it: with its base written out, and no path in it followed to anywhere else.
+//! A campaign as read from its own folder: with its base written out, and no path in it followed elsewhere.
 
 use std::path::{Path, PathBuf};
 
@@ -13,12 +13,12 @@ use bitgrain_sim::error::{Error, Result};
 /// file of an imported bed is the copy that a member in this folder has.
 ///
 /// # Errors
-/// [`Error::Input`] if it is no campaign's, or names its base.
+/// [`Error::Input`] if it is not a campaign, or names its base.
 pub fn parse(text: &str, place: &str, folder: &Path) -> Result<Plan> {
     let mut campaign: Campaign = parse_campaign(text, place)?;
     let Base::Written(base) = &mut campaign.base else {
         let problem = "expected the keys of a scenario: in its folder a campaign has its base written out; the \
-                       same `bitgrain sweep` writes it anew";
+                       same `bitgrain sweep` writes it again";
         return Err(Error::input(format!("{place}: `base`"), problem));
     };
     let copied = |file: &mut Value| copy(file, folder);
@@ -40,7 +40,7 @@ fn copy(file: &mut Value, folder: &Path) -> std::result::Result<(), String> {
         return Ok(());
     };
     let Some(name) = Path::new(path).file_name() else {
-        return Err(format!("`{path}` names no file"));
+        return Err(format!("`{path}` does not name a file"));
     };
     let members = folder.join("members");
     let names = disk::list(&members).map_err(|e| e.to_string())?.into_iter();

@@ -1,4 +1,4 @@
-//! What is refused of a case before it starts: its parts one by one, each with its key.
+//! Checks of a case before it starts: its parts one by one, each with its key.
 
 use super::keys::{Case, GrainSpec, ObstacleSpec};
 use super::motion::MotionSpec;
@@ -53,8 +53,8 @@ fn check_grain(g: &GrainSpec, place: &str) -> Check {
             if along == [0.0; 2] || along == v {
                 return Ok(());
             }
-            let problem = "a lid's grain has another velocity along x or y than it is carried at; \
-                           give 0 for both";
+            let problem = "a lid's grain has a velocity along x or y besides the one that carries \
+                           it; give 0 for both";
             Err((place.into(), problem.into()))
         }
         MotionSpec::Frozen if rests => Ok(()),
@@ -67,7 +67,7 @@ fn check_grain(g: &GrainSpec, place: &str) -> Check {
             if g.spin == [0.0; 3] && (g.velocity == [0.0; 3] || g.velocity == v) {
                 Ok(())
             } else {
-                let problem = "a carried grain has a spin or another velocity; leave them out";
+                let problem = "a carried grain has a spin or a further velocity; leave them out";
                 Err((place.into(), problem.into()))
             }
         }

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 pub struct Case {
     /// Contact law.
     pub law: LawSpec,
-    /// The box; open space where it is missing.
+    /// The box; open space if it is missing.
     #[serde(rename = "box", default, skip_serializing_if = "Option::is_none")]
     pub bounds: Option<BoxSpec>,
     /// Acceleration of gravity on free grains.
@@ -57,7 +57,7 @@ pub enum ObstacleSpec {
         center: [f64; 3],
         /// Diameter.
         diameter: f64,
-        /// Mass density; a null is no way to leave it out.
+        /// Mass density; null does not leave it out.
         #[serde(
             default,
             deserialize_with = "number",

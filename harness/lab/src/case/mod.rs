@@ -1,4 +1,4 @@
-//! Case files: a whole state and its law in one JSON file, the smallest unit of work to hand around.
+//! Case files: a whole state and its law in one JSON file, the smallest unit of work to exchange.
 
 use std::path::Path;
 
@@ -74,7 +74,7 @@ impl Case {
     /// A coordinate within one period outside a periodic axis is wrapped into the box.
     ///
     /// # Errors
-    /// [`Error::Input`] where grains, obstacles and box do not fit together; [`Error::Run`] where
+    /// [`Error::Input`] if grains, obstacles and box do not fit together; [`Error::Run`] if
     /// grains overlap too deep to begin with.
     pub fn start(
         &self,
@@ -140,7 +140,7 @@ impl Case {
 }
 
 /// What the kernel finds before the first step is the input's fault, except overlaps: those are the
-/// first step of a run that went wrong.
+/// first step of a run that failed.
 pub fn refuse(name: &str, fault: KernelError, place_of: impl Fn(u32) -> String) -> Error {
     let problem = match fault {
         KernelError::Escaped { id } => format!("{} lies outside the box", place_of(id)),

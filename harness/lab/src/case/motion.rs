@@ -24,7 +24,7 @@ pub enum MotionSpec {
 
 const WORDS: [&str; 5] = ["free", "frozen", "weightless", "carried", "lid"];
 
-// By hand, because what a derived reader says of a wrong motion speaks of units and variants.
+// By hand, because the errors of a derived reader speak of units and variants.
 impl<'de> Deserialize<'de> for MotionSpec {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
         from.deserialize_any(Spelling)

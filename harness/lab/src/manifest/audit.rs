@@ -6,7 +6,7 @@ use super::record::{Departure, FolderKind, Manifest, NAME, RESULTS};
 use bitgrain_sim::disk::{self, Kind, is_partial};
 use bitgrain_sim::error::Result;
 
-/// Files beside the results: made anew at will, or facts of the machine.
+/// Files beside the results: they can be rebuilt at any time, or hold facts of the machine.
 const BESIDE: [&str; 4] = [NAME, "performance.json", "report.html", "analysis.json"];
 
 /// What was found.
@@ -14,9 +14,9 @@ const BESIDE: [&str; 4] = [NAME, "performance.json", "report.html", "analysis.js
 pub struct FolderAudit {
     /// What does not hold, a line each.
     pub wrong: Vec<String>,
-    /// Stages that have not come to their end.
+    /// Stages that are unfinished.
     pub unfinished: Vec<String>,
-    /// Files that the manifest does not cover and that are no results.
+    /// Files that the manifest does not cover and that are not results.
     pub uncovered: Vec<String>,
     /// Files that it covers and that are as it says.
     pub sound: usize,
@@ -66,13 +66,13 @@ pub fn audit(root: &Path, manifest: &Manifest, planned: &[String]) -> Result<Fol
                 true => name.clone(),
                 false => format!("{below}/{name}"),
             };
-            // A member is a run with a manifest of its own.
+            // A member is a run with its own manifest.
             let member = manifest.of == FolderKind::Campaign && below == "members";
             if member && kind == Kind::Folder {
                 if !planned.contains(&name) {
                     found
                         .wrong
-                        .push(format!("{path} is extra: no member is called so"));
+                        .push(format!("{path} is extra: no member has this name"));
                 }
                 continue;
             }
@@ -82,7 +82,7 @@ pub fn audit(root: &Path, manifest: &Manifest, planned: &[String]) -> Result<Fol
                 _ if covered => {}
                 _ if below.is_empty() && BESIDE.contains(&&name[..]) => found.uncovered.push(path),
                 _ if is_working(&path) || is_partial(&name) => found.uncovered.push(path),
-                // What lies among results passes for one.
+                // A file among results is taken for one.
                 _ if path
                     .split('/')
                     .next()

@@ -1,4 +1,4 @@
-//! The manifest of a run or campaign under way.
+//! The manifest of a run or campaign in progress.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -10,8 +10,8 @@ use super::record::{
 use bitgrain_sim::disk::{self, write_whole};
 use bitgrain_sim::error::{Error, Result};
 
-/// The manifest of a folder that is this process's: files are written through it, and what lies in the folder
-/// counts only where it vouches for it.
+/// The manifest of a folder that this process owns: files are written through it, and what lies in the folder
+/// counts only if it vouches for it.
 ///
 /// It is saved before each state that a stage is to go on from, so that it vouches for all that was written up
 /// to that state.
@@ -46,8 +46,8 @@ impl Ledger {
     /// compared. Nothing is written.
     ///
     /// # Errors
-    /// [`Error::Input`] if it is of something else, or it or a file in it cannot be read. A damaged one counts
-    /// as none, and is returned beside as what to warn of; so is one that is missing where there are results.
+    /// [`Error::Input`] if it belongs to something else, or it or a file in it cannot be read. A damaged one counts
+    /// as none, and is returned as a warning; so is one that is missing although there are results.
     pub fn open(root: &Path, of: FolderKind, stages: &[String]) -> Result<(Self, Option<Error>)> {
         let (old, damage) = match Manifest::of(root) {
             Ok(None) if RESULTS.iter().any(|name| disk::is_there(&root.join(name))) => {
@@ -133,12 +133,12 @@ impl Ledger {
             .collect()
     }
 
-    /// Whether a stage has come to its end.
+    /// Whether a stage is finished.
     pub fn is_finished(&self, stage: &str) -> bool {
         self.known().manifest.has_finished(stage)
     }
 
-    /// Whether all of it has come to its end and every file is as it was written.
+    /// Whether all of it is finished and every file is as it was written.
     pub fn is_whole(&self) -> bool {
         let known = self.known();
         known.manifest.finished && known.sound.len() == known.entries.len()
@@ -159,7 +159,7 @@ impl Ledger {
             }
         } else if before.is_some() && !may_change(&name) {
             let problem = format!(
-                "{}, made again, is not what {NAME} has of it",
+                "{}, made again, does not match its entry in {NAME}",
                 path.display()
             );
             return Err(Error::Unverified {
@@ -188,7 +188,7 @@ impl Ledger {
         disk::remove(path)
     }
 
-    /// Takes note that a stage has come to its end with this link, and saves.
+    /// Records that a stage is finished with this link, and saves.
     ///
     /// # Errors
     /// [`Error::Write`].
@@ -209,7 +209,7 @@ impl Ledger {
         self.save_known(known)
     }
 
-    /// Takes note that all of it has come to its end, saves, and returns the closing hash.
+    /// Records that all of it is finished, saves, and returns the closing hash.
     ///
     /// # Errors
     /// [`Error::Write`].
@@ -225,7 +225,7 @@ impl Ledger {
         self.known().manifest().closed()
     }
 
-    /// Writes the manifest, where it is not what lies on the disk.
+    /// Writes the manifest, if it differs from the one on the disk.
     ///
     /// # Errors
     /// [`Error::Write`].
@@ -245,8 +245,8 @@ impl Ledger {
     }
 }
 
-/// Where a file cannot be both what the manifest says and what the run gives.
-const CONFLICT: &str = "manifest.json was changed, or what the file is made from was, or another build or machine \
+/// If a file cannot be both what the manifest says and what the run gives.
+const CONFLICT: &str = "manifest.json or the input of the file was changed, or another build or machine \
                         that does not keep the bit contract wrote it; it was left as it was. To have all of it made \
                         again from the scenario, move manifest.json away and give the same command";
 

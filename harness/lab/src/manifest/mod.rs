@@ -2,11 +2,11 @@
 //!
 //! It has every file of results with its length and hash, every stage with the last link of its chain of
 //! digests, what is finished, and a closing hash over all of that; no time and nothing of the machine, so
-//! that two runs of one scenario have the same. It guards against accidents: whoever changes a file and
-//! makes the manifest again is not found by it, but by executing the run again, or by a closing hash that was
+//! that two runs of one scenario have the same. It guards against accidents: if somebody changes a file and
+//! rebuilds the manifest, only executing the run again finds it, or a closing hash that was
 //! kept elsewhere.
 //!
-//! [`Ledger`] is the manifest of what is under way, [`Vouched`] reads what a manifest vouches for, and
+//! [`Ledger`] is the manifest in progress, [`Vouched`] reads what a manifest vouches for, and
 //! [`audit`] says how a folder departs from it.
 
 pub mod audit;

@@ -13,13 +13,13 @@ use bitgrain_sim::simulation::hex;
 /// Name of the file.
 pub const NAME: &str = "manifest.json";
 
-/// Folders of results: whatever lies in them passes for one.
+/// Folders of results: every file in them is taken for one.
 pub(crate) const RESULTS: [&str; 3] = ["beds", "runs", "members"];
 
 /// Version of its layout.
 pub const FORMAT: u32 = 1;
 
-/// What a manifest is of.
+/// What a manifest belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FolderKind {
@@ -45,7 +45,7 @@ impl FolderKind {
 pub struct StageRecord {
     /// Its name.
     pub name: String,
-    /// Whether it has come to its end.
+    /// Whether it is finished.
     pub finished: bool,
     /// The last link of its chain of digests, of a member its closing hash; empty before its end.
     pub link: String,
@@ -71,9 +71,9 @@ pub struct Manifest {
     pub format: u32,
     /// Version of the kernel's arithmetic.
     pub bits_version: u32,
-    /// What it is of.
+    /// What it belongs to.
     pub of: FolderKind,
-    /// Whether all of it has come to its end.
+    /// Whether all of it is finished.
     pub finished: bool,
     /// Its stages, in the order in which they are run.
     pub stages: Vec<StageRecord>,
@@ -88,7 +88,7 @@ pub struct Manifest {
 pub enum Departure {
     /// It is missing, of another kind, or holds other bytes: in words.
     Changed(String),
-    /// It may be as it was: the system does not give it, or it is larger than what is read.
+    /// It may be unchanged: the system cannot read it, or it is larger than what is read.
     Unreadable(Error),
 }
 
@@ -135,7 +135,7 @@ impl FileRecord {
         }
         if disk::size(&at) != self.bytes {
             let size = disk::size(&at);
-            return changed(format!("has {size} bytes, and had {}", self.bytes));
+            return changed(format!("has {size} bytes instead of {}", self.bytes));
         }
         let bytes = disk::read(&at).map_err(Departure::Unreadable)?;
         match self.is_of(&bytes) {
@@ -209,7 +209,7 @@ impl Manifest {
         }
         let read: Self = serde_json::from_str(text).map_err(|e| e.to_string())?;
         if read.raw() != text || read.closed() != read.closing {
-            return Err("its closing hash is not that of what it holds".into());
+            return Err("its closing hash does not fit its content".into());
         }
         if !read.files.is_sorted_by(|a, b| a.path < b.path) {
             return Err("its files are not in order".into());
@@ -249,7 +249,7 @@ impl Manifest {
         place.ok().map(|k| &self.files[k])
     }
 
-    /// Whether a stage of this name has come to its end.
+    /// Whether a stage of this name is finished.
     pub fn has_finished(&self, name: &str) -> bool {
         let mut stages = self.stages.iter();
         stages.any(|stage| stage.name == name && stage.finished)
@@ -267,7 +267,7 @@ impl Manifest {
     }
 }
 
-/// Whether a path goes down from a folder and nowhere else.
+/// Whether a path stays below its folder.
 fn is_below(path: &str) -> bool {
     let plain = |c: Component<'_>| matches!(c, Component::Normal(_));
     !path.is_empty() && !path.contains(['\\', '\0']) && {

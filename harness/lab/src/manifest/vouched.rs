@@ -6,7 +6,7 @@ use super::record::{Departure, FolderKind, Manifest, NAME, relative};
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::files::text_of;
 
-/// A folder with its manifest: files are read only where they are as the manifest says.
+/// A folder with its manifest: files are read only if they are as the manifest says.
 #[derive(Clone, Debug)]
 pub struct Vouched {
     root: PathBuf,
@@ -18,13 +18,13 @@ impl Vouched {
     /// The folder of a run or campaign.
     ///
     /// # Errors
-    /// [`Error::Input`] if it has no manifest or one of something else, [`Error::Manifest`] if that is
+    /// [`Error::Input`] if it has no manifest or that of something else, [`Error::Manifest`] if that is
     /// damaged.
     pub fn open(root: &Path, of: FolderKind) -> Result<Self> {
         let place = root.display().to_string();
         let manifest = Manifest::of(root)?.ok_or_else(|| {
             let problem = format!(
-                "has no {NAME}: it is no {}, or what lies in it cannot be vouched for; `{}` makes it",
+                "has no {NAME}: it is not a {}, or its files cannot be checked; `{}` makes it",
                 of.word(),
                 remedy(of)
             );
@@ -32,7 +32,7 @@ impl Vouched {
         })?;
         if manifest.of != of {
             let problem = format!(
-                "holds a {}, and a {} was expected",
+                "holds a {}, but a {} was expected",
                 manifest.of.word(),
                 of.word()
             );
@@ -52,7 +52,7 @@ impl Vouched {
     /// The bytes of a file.
     ///
     /// # Errors
-    /// [`Error::Input`] if it is missing, not in the manifest, not as that says, or cannot be read.
+    /// [`Error::Input`] if it is missing, not in the manifest, not as the manifest says, or cannot be read.
     pub fn read(&self, path: &Path) -> Result<Vec<u8>> {
         let name = relative(&self.root, path).unwrap_or_default();
         let departed = match self
@@ -73,7 +73,7 @@ impl Vouched {
     /// The text of a file, unpacked.
     ///
     /// # Errors
-    /// As [`Vouched::read`], and where it is no text.
+    /// As [`Vouched::read`], and if it is not text.
     pub fn text(&self, path: &Path) -> Result<String> {
         text_of(self.read(path)?, &path.display().to_string())
     }

@@ -105,7 +105,7 @@ pub(super) fn settle_one(
 /// A settled bed as a LAMMPS data file: its path and its bytes.
 ///
 /// # Errors
-/// [`Error::Write`] where packing goes wrong.
+/// [`Error::Write`] if packing fails.
 pub fn data_file(
     folder: &Folder<'_>,
     scenario: &CheckedScenario,
@@ -155,8 +155,8 @@ pub fn surveyed(
     Ok(summary)
 }
 
-/// Puts the checkpoint of a settled bed where the run wants it, and says where it came from and how many
-/// steps that took now.
+/// Puts the checkpoint of a settled bed where the run needs it, and says where it came from and how many
+/// steps were executed for it.
 fn fetch_bed(
     setting: Setting<'_>,
     ledger: &Ledger,
@@ -179,7 +179,7 @@ fn fetch_bed(
         return Ok(("imported", 0));
     }
     let recipe = Recipe::new(scenario, plan);
-    // What lies here first: its drags may be under way.
+    // The bed here comes first: its drags may have begun.
     if let Some(bytes) = settled_here(setting, ledger, path, &recipe)? {
         ledger.write(path, &bytes)?;
         // An earlier run may have poured it and then found no room in the library.
@@ -216,7 +216,7 @@ fn fetch_bed(
         return Err(error.saved());
     }
     let bytes = checkpoint::pack(&mut bed.sim, &bed.course.note())?;
-    // First where it is used: what was poured for days is not lost for want of a library.
+    // First in the folder that uses it: days of pouring are not lost if there is no library.
     ledger.write(path, &bytes)?;
     saver.clear();
     library.keep(&recipe, &bytes)?;
@@ -227,7 +227,7 @@ fn fetch_bed(
 /// from a file.
 ///
 /// # Errors
-/// If the file is no such bed, or the bed below the lid cannot be read.
+/// If the file is not such a bed, or the bed below the lid cannot be read.
 pub fn begin_bed(
     folder: &Folder<'_>,
     scenario: &CheckedScenario,
@@ -257,7 +257,7 @@ fn settled_here(
     }
     let name = path.display().to_string();
     if ledger.lists(path) && !ledger.vouches(path) {
-        let told = format!("{name} was changed after it was written; it is made anew");
+        let told = format!("{name} was changed after it was written; it is made again");
         setting.progress.warn(&told);
         return Ok(None);
     }
@@ -265,14 +265,16 @@ fn settled_here(
     match bed::prove(&bytes, &name, recipe) {
         Ok(()) => Ok(Some(bytes)),
         Err(damage @ Error::Damaged { .. }) => {
-            setting.progress.warn(&format!("{damage}; it is made anew"));
+            setting
+                .progress
+                .warn(&format!("{damage}; it is made again"));
             Ok(None)
         }
         Err(other) => Err(other),
     }
 }
 
-/// The bed that was saved on its way, if it is this one and whole.
+/// The bed that was saved unsettled, if it is this one and whole.
 fn unsettled_here(setting: Setting<'_>, plan: &BedPlan, path: &Path) -> Result<Option<Pouring>> {
     if disk::kind(path) != Some(Kind::File) {
         return Ok(None);
@@ -282,13 +284,13 @@ fn unsettled_here(setting: Setting<'_>, plan: &BedPlan, path: &Path) -> Result<O
         Ok((sim, note)) => Pouring::of(sim, &note, setting.scenario, plan)
             .map(Some)
             .map_err(|problem| {
-                let what = format!("{problem}; remove it to pour anew");
+                let what = format!("{problem}; remove it to pour again");
                 Error::input(place, what)
             }),
         Err(damage @ Error::Damaged { .. }) => {
             setting
                 .progress
-                .warn(&format!("{damage}; the bed is poured from its beginning"));
+                .warn(&format!("{damage}; the bed is poured from the beginning"));
             Ok(None)
         }
         Err(other) => Err(other),

@@ -1,4 +1,4 @@
-//! A run directory as this process's own: what lies in it is held against the scenario before anything is
+//! A run directory that this process owns: its content is compared with the scenario before anything is
 //! written.
 
 use std::path::Path;
@@ -20,7 +20,7 @@ use bitgrain_sim::error::{Error, Result};
 /// bed is copied into it, so that the folder stands alone.
 ///
 /// # Errors
-/// [`Error::Input`] if it is somebody else's, holds another scenario's results, or another run is at work in
+/// [`Error::Input`] if it is not ours, holds another scenario's results, or another run is at work in
 /// it; [`Error::Write`].
 pub fn claim(folder: &Folder<'_>, scenario: &CheckedScenario) -> Result<DirectoryLock> {
     let claim = DirectoryLock::take(folder.0, &RUN, &stages(scenario), |ledger| {
@@ -29,7 +29,7 @@ pub fn claim(folder: &Folder<'_>, scenario: &CheckedScenario) -> Result<Director
         ledger.write(&folder.scenario(), text.as_bytes())
     })?;
     if claim.sure {
-        // What a killed process was writing; nobody else writes here now.
+        // Left by a killed process; nobody else writes here now.
         for own in folder.own_folders(scenario) {
             disk::clear_partials(&own);
         }
@@ -85,7 +85,7 @@ fn survey(folder: &Folder<'_>, scenario: &CheckedScenario, ledger: &Ledger) -> R
     each.summary::<Summary<Scenario>>(&folder.summary(), |whole| whole.inputs == *inputs)
 }
 
-/// Whether a state is one of this bed: by its recipe, or by the file that it was taken over from.
+/// Whether a state is one of this bed: by its recipe, or by the file it was imported from.
 fn is_bed(
     note: &StageState,
     scenario: &CheckedScenario,
@@ -108,7 +108,7 @@ fn refuse_other_scenario(
     let text = folder.scenario_text(scenario);
     let known = ledger.expects(&path, text.as_bytes());
     if known == Some(true) || !folder.has_results() {
-        // A run that ended before it had any result binds nobody.
+        // A run that ended before it had any result does not count.
         return Ok(());
     }
     let old = match disk::kind(&path) {
@@ -123,7 +123,7 @@ fn refuse_other_scenario(
     let place = folder.0.display().to_string();
     if same_file {
         let problem = "holds the results of another scenario: its scenario.toml was changed since the run \
-                       began. Put it back, choose another --out, or remove the folder";
+                       began. Restore it, choose another --out, or remove the folder";
         return Err(Error::input(place, problem));
     }
     Err(Error::input(
@@ -136,20 +136,20 @@ fn refuse_other_scenario(
     ))
 }
 
-/// Whether the text of a folder's scenario says the same in other words: with another space or comment.
+/// Whether the text of a folder's scenario means the same with other spaces or comments.
 fn same_scenario(folder: &Folder<'_>, text: &str, scenario: &CheckedScenario) -> bool {
     let place = folder.scenario().display().to_string();
     let read = crate::scenario::parse(text, &place, &[], folder.0);
     read.is_ok_and(|read| folder.inputs(&read) == folder.inputs(scenario))
 }
 
-/// Looks at the files that the manifest does not vouch for.
+/// Checks the files that the manifest does not vouch for.
 struct Looking<'a> {
     ledger: &'a Ledger,
 }
 
 impl Looking<'_> {
-    /// The bytes of a file that is to be looked at; `None` if it is vouched for, or is not there.
+    /// The bytes of a file that is to be checked; `None` if it is vouched for, or is not there.
     fn bytes(&self, path: &Path) -> Result<Option<Vec<u8>>> {
         if self.ledger.vouches(path) {
             return Ok(None);
@@ -157,14 +157,14 @@ impl Looking<'_> {
         match disk::kind(path) {
             None | Some(Kind::Link | Kind::Other) => Ok(None),
             Some(Kind::Folder) => {
-                let problem = "is a folder, where a file of the run belongs: move it away";
+                let problem = "is a folder in the place of a file of the run: move it away";
                 Err(Error::input(path.display().to_string(), problem))
             }
             Some(Kind::File) => disk::read(path).map(Some),
         }
     }
 
-    /// A checkpoint, which must be what `belongs` says where it is whole; a damaged one is made again.
+    /// A checkpoint, which must be what `belongs` says if it is whole; a damaged one is made again.
     fn state(
         &self,
         path: &Path,
@@ -180,12 +180,12 @@ impl Looking<'_> {
         };
         match belongs(&note) {
             Ok(false) => Err(of_others(place)),
-            // Without its course it cannot be gone on with, and is made again.
+            // Without its course it cannot be continued, and is made again.
             Ok(true) | Err(_) => Ok(()),
         }
     }
 
-    /// A summary, which must be what `belongs` says where it can be read; else it is made again.
+    /// A summary, which must be what `belongs` says if it can be read; else it is made again.
     fn summary<T: serde::de::DeserializeOwned>(
         &self,
         path: &Path,
@@ -202,7 +202,7 @@ impl Looking<'_> {
 }
 
 fn of_others(place: String) -> Error {
-    let problem = "was saved by a run of another scenario or stage: was scenario.toml changed since? Put it back, \
-                   choose another folder, or remove this file, and it is made again";
+    let problem = "was saved by a run of another scenario or stage: was scenario.toml changed since? Restore it, \
+                   choose another folder, or remove this file so that it is made again";
     Error::input(place, problem)
 }

@@ -1,4 +1,4 @@
-//! The drags of a run: begun, or taken up from the latest of their checkpoints, and written down.
+//! The drags of a run: begun, or resumed from the latest of their checkpoints, and written down.
 
 use std::path::Path;
 
@@ -79,7 +79,7 @@ pub(super) fn drag_one(
             scenario.measure.columns(),
             &dragging.record.series,
         );
-        // To look at, and to bisect; why the drag stopped is what must be told.
+        // For inspection and bisection; the error to report is why the drag stopped.
         let _ = ledger.write(&folder.partial_series(&plan.name), text.as_bytes());
         let chain = dragging.chain.text();
         let _ = ledger.write(&folder.chain(&plan.name), chain.as_bytes());
@@ -118,7 +118,7 @@ pub fn begin(drag: DragTask<'_>) -> Result<(Simulation, Dragging)> {
 }
 
 /// The drag as its furthest sound checkpoint has it, but for those that come after a file which is missing or
-/// not as it was written; `None` if there is none. Damaged ones are told and passed over.
+/// not as it was written; `None` if there is none. Damaged ones are reported and passed over.
 fn take_up(
     drag: DragTask<'_>,
     ledger: &Ledger,
@@ -174,13 +174,13 @@ pub fn read(drag: DragTask<'_>, path: &Path) -> Result<(Simulation, Dragging)> {
         problem,
     })?;
     if dragging.key != drag.scenario.key(&drag.plan.name) {
-        let problem = "was saved by a run of another scenario: was scenario.toml changed since? Put it \
-                       back, or choose another folder";
+        let problem = "was saved by a run of another scenario: was scenario.toml changed since? \
+                       Restore it, or choose another folder";
         return Err(Error::input(place, problem));
     }
     if dragging.chain.begins != drag.bed.chain {
-        let problem = "was dragged through another bed than lies here now; choose another folder, or \
-                       remove this one to drag anew";
+        let problem = "was dragged through a bed other than the one here now; choose another folder, \
+                       or remove this file to drag again";
         return Err(Error::input(place, problem));
     }
     Ok((sim, dragging))
@@ -196,7 +196,7 @@ impl DragTask<'_> {
             let name = &self.plan.name;
             (self.folder.checkpoint(name, n), self.folder.frames(name, n))
         });
-        // There may be no frames: they are there to look at, and not all runs have them.
+        // There may be no frames: they are for viewing only, and not all runs have them.
         shown.all(|path| ledger.vouches(&path))
             && kept.all(|(state, frames)| {
                 ledger.vouches(&state) && (!ledger.lists(&frames) || ledger.vouches(&frames))
@@ -233,7 +233,7 @@ impl DragTask<'_> {
     /// and bytes.
     ///
     /// # Errors
-    /// [`Error::Write`] where packing goes wrong.
+    /// [`Error::Write`] if packing fails.
     pub fn snapshot_files(
         &self,
         step: u64,
@@ -254,7 +254,7 @@ impl DragTask<'_> {
     }
 }
 
-/// Writes what a drag leaves behind on its way.
+/// Writes the files of a drag while it runs.
 struct Files<'a> {
     drag: DragTask<'a>,
     ledger: &'a Ledger,
@@ -307,7 +307,7 @@ impl Observer for Files<'_> {
     }
 }
 
-/// The tables of a drag that has come to its end, by file, and its numbers.
+/// The tables of a finished drag, by file, and its numbers.
 ///
 /// # Errors
 /// [`Error::Input`] if the window is too short for a mean.
@@ -397,8 +397,8 @@ fn report(
             run.drift.map(|drift| drift.mean),
         );
         progress.line(&format!(
-            "{}: {found}: the bed slides along, and the drag is the box's as much as the intruder's; make bed.box \
-             wider",
+            "{}: {found}: the bed slides along, and the drag depends on the box as much as on the intruder; make \
+             bed.box wider",
             run.name
         ));
     }

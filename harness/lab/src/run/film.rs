@@ -1,5 +1,5 @@
-//! The frames of a drag on their way to their files, one for each checkpoint that is kept. In between they
-//! go with the checkpoint that the drag is saved in, so that a drag that is stopped writes the same.
+//! The frames of a drag before they are written, one file for each checkpoint that is kept. In between they
+//! are stored in the checkpoint that the drag is saved in, so that a drag that is stopped writes the same.
 
 use super::task::DragTask;
 use crate::drag::Dragging;
@@ -16,7 +16,7 @@ pub struct Frames {
 }
 
 impl Frames {
-    /// Those of a drag that begins or goes on, if they are `wanted`. Where a drag was saved without them, none
+    /// Those of a drag that begins or goes on, if they are `wanted`. If a drag was saved without them, none
     /// are written up to its next kept checkpoint.
     pub fn go_on(drag: DragTask<'_>, wanted: bool, dragging: &mut Dragging) -> Self {
         let rows = std::mem::take(&mut dragging.frames);
@@ -42,7 +42,7 @@ impl Frames {
         self.rows += &frames::rows(sim, &drag.plan.motion, step);
     }
 
-    /// What is saved of a drag, these with it.
+    /// What is saved of a drag, with these frames.
     pub fn note(&self, note: StageState) -> StageState {
         StageState {
             frames: if self.whole {

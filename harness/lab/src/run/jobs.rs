@@ -10,11 +10,11 @@ use bitgrain_sim::threads::{ThreadsError, on_threads};
 
 /// Does `count` jobs, the longest first, at most `most` at a time, and returns their results in order.
 ///
-/// Each job has a thread while there are at least as many jobs as threads. Where there are fewer, the
-/// threads are shared out as each job begins, and it steps on those of a pool of its own.
+/// Each job has a thread while there are at least as many jobs as threads. If there are fewer, the
+/// threads are shared out as each job begins, and it steps on those of its own pool.
 ///
 /// # Errors
-/// [`bitgrain_sim::error::Error::Input`] where so many threads cannot be started.
+/// [`bitgrain_sim::error::Error::Input`] if this many threads cannot be started.
 pub(crate) fn side_by_side<T: Send>(
     threads: usize,
     most: usize,

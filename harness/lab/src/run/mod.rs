@@ -41,7 +41,7 @@ use bitgrain_sim::disk::{check_writable, write_whole};
 use bitgrain_sim::error::{Error, Result};
 use drags::drag_one;
 
-/// What came of a run whose drags are all done.
+/// The outcome of a run whose drags are all done.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Done {
     /// Its report.
@@ -50,15 +50,15 @@ pub struct Done {
     pub executed: bool,
 }
 
-/// Runs a scenario into its folder, or what is left of it, and says where its report is; `None` where only some of
+/// Runs a scenario into its folder, or what is left of it, and says where its report is; `None` if only some of
 /// its drags were wanted, and summary and report are left to the others.
 ///
 /// Beds come from the library or are poured and kept there, side by side and then the drags, on so many
-/// threads, several for each where there are fewer of them. Each goes on from where it was saved.
+/// threads, several for each if there are fewer of them. Each goes on from where it was saved.
 /// Results depend on none of this.
 ///
 /// # Errors
-/// The first stage that went wrong, in the order of the scenario; what the others wrote stays.
+/// The first stage that failed, in the order of the scenario; what the others wrote stays.
 pub fn run_in(setting: Setting<'_>) -> Result<Option<Done>> {
     let Setting {
         scenario,
@@ -154,7 +154,7 @@ fn wanted(setting: Setting<'_>) -> Result<Vec<DragPlan>> {
     {
         let names: Vec<&str> = all.iter().map(|run| &run.name[..]).collect();
         let problem = format!(
-            "`{name}` is no drag of the scenario; there are {}",
+            "`{name}` is not a drag of the scenario; there are {}",
             names.join(", ")
         );
         return Err(Error::input("--only", problem));
@@ -163,7 +163,7 @@ fn wanted(setting: Setting<'_>) -> Result<Vec<DragPlan>> {
     Ok(all.iter().filter(wants).cloned().collect())
 }
 
-/// The folder as this process's own.
+/// The folder, owned by this process.
 ///
 /// # Errors
 /// As [`claim`].
@@ -172,7 +172,7 @@ pub fn claimed(setting: Setting<'_>) -> Result<DirectoryLock> {
     claim.warn_of_damage(setting.progress);
     if !claim.sure {
         setting.progress.warn(&format!(
-            "{} cannot be locked: see that no other run is at work in it",
+            "{} cannot be locked: make sure that no other run is at work in it",
             setting.folder.0.display()
         ));
     }
@@ -182,7 +182,7 @@ pub fn claimed(setting: Setting<'_>) -> Result<DirectoryLock> {
 /// The settled beds of a run at these places of its plans, in a folder that is [`claimed`].
 ///
 /// # Errors
-/// The first that went wrong.
+/// The first that failed.
 pub fn beds(
     setting: Setting<'_>,
     ledger: &Ledger,
@@ -223,7 +223,7 @@ pub fn beds(
 /// One drag through a settled bed, or what is left of it.
 ///
 /// # Errors
-/// If it goes wrong or is interrupted.
+/// If it fails or is interrupted.
 pub fn drag(
     setting: Setting<'_>,
     ledger: &Ledger,
@@ -258,7 +258,7 @@ pub fn conclude(
     Ok(closing)
 }
 
-/// Tells of a stage that went wrong while others of several go on, which may take days.
+/// Reports a stage that failed while others of several go on, which may take days.
 fn report_now(error: &Error, stages: usize, progress: &Progress) {
     if stages > 1 && !matches!(error, Error::Interrupted { .. }) {
         progress.warn(&format!("{error}; the others go on"));

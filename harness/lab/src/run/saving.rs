@@ -1,4 +1,4 @@
-//! When a stage under way is saved. How often changes no result.
+//! When an unfinished stage is saved. How often changes no result.
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -10,7 +10,7 @@ use bitgrain_sim::error::Result;
 use bitgrain_sim::observer::Observer;
 use bitgrain_sim::simulation::Simulation;
 
-/// Time between saves where nothing else is asked for.
+/// Time between saves unless something else is asked for.
 const DEFAULT: Duration = Duration::from_secs(300);
 
 /// How often a stage is saved.
@@ -18,7 +18,7 @@ const DEFAULT: Duration = Duration::from_secs(300);
 pub enum SaveEvery {
     /// After so much time.
     Time(Duration),
-    /// After so many steps.
+    /// After this many steps.
     Steps(u64),
 }
 
@@ -46,13 +46,13 @@ impl std::str::FromStr for SaveEvery {
     }
 }
 
-/// Saves a stage under way, again and again, into one file.
+/// Saves an unfinished stage, again and again, into one file.
 pub(super) struct Saver<'a> {
     ledger: &'a Ledger,
     every: SaveEvery,
     path: PathBuf,
     step: u64,
-    /// Of a clock that never goes back, whatever becomes of the time of day.
+    /// Of a clock that never goes back, even if the time of day is changed.
     time: Instant,
 }
 
@@ -68,7 +68,7 @@ impl<'a> Saver<'a> {
         }
     }
 
-    /// Takes note that the stage was saved at this step, here or elsewhere.
+    /// Records that the stage was saved at this step, here or elsewhere.
     pub fn saved(&mut self, step: u64) {
         (self.step, self.time) = (step, Instant::now());
     }
@@ -80,14 +80,14 @@ impl<'a> Saver<'a> {
         write_whole(&self.path, &checkpoint::pack(sim, note)?)
     }
 
-    /// Removes what was saved, of a stage that has come to its end.
+    /// Removes what was saved, of a stage that is finished.
     pub fn clear(&self) {
-        // Where it stays it is older than the end, and no harm.
+        // If it stays it is older than the end, and harmless.
         let _ = disk::remove(&self.path);
     }
 }
 
-/// Saves the stage where it is time to.
+/// Saves the stage if it is due.
 impl Observer for Saver<'_> {
     fn on_checkpoint(
         &mut self,

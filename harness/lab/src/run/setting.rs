@@ -18,15 +18,15 @@ pub struct Setting<'a> {
     pub library: &'a BedCache,
     /// Threads.
     pub threads: usize,
-    /// How often a stage under way is saved.
+    /// How often an unfinished stage is saved.
     pub save: SaveEvery,
     /// Whether frames of the drags are written, for a moving picture.
     pub frames: bool,
-    /// Names of the drags to do, with their beds; all where there is none.
+    /// Names of the drags to do, with their beds; all if there is none.
     pub only: &'a [String],
     /// Writes the report of a run whose stages are all done: pages are drawn above this layer.
     pub write_report: WriteReport,
-    /// Bars, lines and the wish to stop.
+    /// Bars, lines and the request to stop.
     pub progress: &'a Progress,
 }
 

@@ -16,7 +16,7 @@ use bitgrain_sim::simulation::{Role, Simulation, hex};
 /// Layers next to base and lid that do not count as the bed's, in mean diameters.
 const EDGE: f64 = 2.0;
 
-/// What a settled bed that flows has besides.
+/// The further numbers of a settled bed that flows.
 pub(super) fn rig(
     scenario: &CheckedScenario,
     plan: &BedPlan,
@@ -53,7 +53,7 @@ pub(super) fn rig(
     rig
 }
 
-/// `h + (pi d/6)(rho_lid/rho)`, without h where the bed has no weight (Guillard 2014, section III A).
+/// `h + (pi d/6)(rho_lid/rho)`, without h if the bed has no weight (Guillard 2014, section III A).
 fn effective_depth(scenario: &CheckedScenario, rig: &Rig, depth: f64, bulk_density: f64) -> f64 {
     let own = if rig.pressure_gradient { depth } else { 0.0 };
     own + scenario.lid_depth(rig.lid_density, bulk_density)
@@ -124,8 +124,8 @@ fn flow(
     })
 }
 
-/// Normalised coordination number and its standard error, of an intruder so many grains wide (Kumar 2018,
-/// eq. 8); `None` where nothing touches it.
+/// Normalised coordination number and its standard error, of an intruder this many grains wide (Kumar 2018,
+/// eq. 8); `None` if nothing touches it.
 fn kappa(means: &Means, diameter: f64) -> Option<(f64, f64)> {
     let (bulk, own) = (means.around.coordination?, means.contacts);
     let shape = (diameter + 1.0) * (diameter + 1.0) / (2.0 * 3f64.sqrt());

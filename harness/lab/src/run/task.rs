@@ -4,7 +4,7 @@ use crate::folder::Folder;
 use crate::scenario::{CheckedScenario, DragPlan};
 use crate::summary::BedSummary;
 
-/// One drag: where it lies and what it is.
+/// One drag: its place and what it is.
 #[derive(Clone, Copy)]
 pub struct DragTask<'a> {
     /// The run directory.

@@ -29,7 +29,7 @@ impl Scenario {
         }
     }
 
-    /// Everything that is refused, whatever the numbers are.
+    /// All checks of a scenario.
     ///
     /// # Errors
     /// The key that is wrong, and what is wrong with it.
@@ -47,7 +47,7 @@ impl Scenario {
             return refuse("seeds", "give seed or seeds, not both");
         }
         if (1..self.seeds.len()).any(|k| self.seeds[..k].contains(&self.seeds[k])) {
-            return refuse("seeds", "has a value twice; each pours beds of its own");
+            return refuse("seeds", "has a value twice; each pours its own beds");
         }
         self.check_bed()?;
         self.check_units()?;
@@ -117,7 +117,10 @@ impl Scenario {
         }
         if self.bed.file.is_some() {
             return match (self.bed.fill_height, self.bed.kinetic_damping) {
-                (Some(_), _) => refuse("bed.fill_height", "a bed from a file is as full as it is"),
+                (Some(_), _) => refuse(
+                    "bed.fill_height",
+                    "a bed from a file has its own height; leave it out",
+                ),
                 (_, Some(_)) => refuse(
                     "bed.halting",
                     "a bed from a file is not poured; leave it out",
@@ -155,11 +158,11 @@ impl Scenario {
         if (1..diameters.len()).any(|k| diameters[..k].contains(&diameters[k])) {
             return refuse(
                 "intruder.diameter",
-                "has a value twice; each gets beds of its own",
+                "has a value twice; each gets its own beds",
             );
         }
         match (i.shape, i.density) {
-            // A file's density belongs to its sphere, and that it is one is told below.
+            // A file's density belongs to its sphere; whether it is one is checked below.
             (IntruderShape::Cylinder, Some(_)) if self.bed.file.is_none() => {
                 return refuse(
                     "intruder.density",
@@ -204,7 +207,7 @@ impl Scenario {
         if self.bed.file.is_some() && !one(&self.intruder.height) {
             return refuse(
                 "intruder.height",
-                "expected one number: the intruder of a bed from a file is where that has it",
+                "expected one number: the bed's file fixes the place of the intruder",
             );
         }
         for diameter in self.intruder.diameter.values() {
@@ -287,7 +290,7 @@ impl Scenario {
             return refuse(key, "is empty; expected at least one value");
         }
         if (1..heights.len()).any(|k| heights[..k].contains(&heights[k])) {
-            return refuse(key, "has a value twice; each gets a bed of its own");
+            return refuse(key, "has a value twice; each gets its own bed");
         }
         for height in heights {
             // Written so that NaN is refused too.
@@ -368,7 +371,7 @@ impl Scenario {
                     "drag.distance",
                     format!(
                         "is {distance}, beyond one box length, {}: the intruder would meet its own \
-                         wake; if that is what is wanted, set drag.own_wake = true",
+                         wake; if that is intended, set drag.own_wake = true",
                         self.bed.size[0]
                     ),
                 );

@@ -33,9 +33,9 @@ impl From<(String, String)> for Refusal {
     }
 }
 
-/// A scenario all of whose values were checked, with what it comes to: its law, its beds and its drags.
+/// A scenario all of whose values were checked, with what follows from it: its law, its beds and its drags.
 ///
-/// Everything that pours, drags and measures takes this and nothing else. It is made by [`Scenario::check`] and
+/// Everything that pours, drags and measures takes only this. It is made by [`Scenario::check`] and
 /// cannot be changed; [`CheckedScenario::changed`] makes another.
 #[derive(Clone, Debug)]
 pub struct CheckedScenario {
@@ -113,7 +113,7 @@ impl CheckedScenario {
         self.law
     }
 
-    /// The law under which the last motion is taken out of a bed.
+    /// The law under which the last motion of a bed is damped out.
     pub fn quenching_law(&self) -> AnyLaw {
         self.quenching
     }

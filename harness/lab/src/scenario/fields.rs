@@ -7,7 +7,7 @@ use bitgrain_sim::coarse_graining::grid::Grid;
 use bitgrain_sim::coarse_graining::load::PARTS;
 use bitgrain_sim::format::short;
 
-/// Travel between samples where nothing is said, in mean diameters.
+/// Default travel between samples, in mean diameters.
 const EVERY: f64 = 0.1;
 
 /// Most points of a grid: 13 numbers each, in memory and in every checkpoint.
@@ -17,7 +17,7 @@ const POINTS_MAX: usize = 4_000_000;
 const SAMPLES_MIN: u64 = 2;
 
 impl Scenario {
-    /// Points of the fields; `None` where none are asked for.
+    /// Points of the fields; `None` if none are asked for.
     pub fn fields_grid(&self) -> Option<Grid> {
         self.measure.fields.as_ref().map(|asked| Grid {
             counts: asked.grid,
@@ -25,7 +25,7 @@ impl Scenario {
         })
     }
 
-    /// The fields of a drag at this speed; `None` where none are asked for.
+    /// The fields of a drag at this speed; `None` if none are asked for.
     pub fn fields_sampling(&self, speed: f64) -> Option<Sampling> {
         Some(Sampling {
             grid: self.fields_grid()?,
@@ -34,8 +34,8 @@ impl Scenario {
         })
     }
 
-    /// Velocity along x of the far grains in the intruder's frame: they go by against the way that it goes
-    /// through them.
+    /// Velocity along x of the far grains in the intruder's frame: against the direction in which it
+    /// moves through them.
     pub fn far_velocity(&self, speed: f64) -> f64 {
         -self.drag.moves.forward() * speed
     }
@@ -89,7 +89,7 @@ impl Scenario {
         Ok(())
     }
 
-    /// A drag with samples before its steady state, or too few. (A cylinder's is seen to where it has no fields too.)
+    /// A drag with samples before its steady state, or too few. (For a cylinder it is checked without fields too.)
     pub(super) fn check_fields_of(&self, run: &DragPlan) -> Check {
         if self.measure.fields.is_none() {
             return Ok(());

@@ -19,7 +19,7 @@ pub struct Scenario {
     /// Seed of every random number.
     #[serde(default)]
     pub seed: u64,
-    /// Several seeds instead of `seed`: each pours beds of its own.
+    /// Several seeds instead of `seed`: each pours its own beds.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub seeds: Vec<u64>,
     /// Acceleration of gravity, along -z.
@@ -40,7 +40,7 @@ pub struct Scenario {
     /// What is written down.
     #[serde(default)]
     pub measure: Measure,
-    /// Where the bed's file is, where the bed comes from one.
+    /// Where the bed's file is, if the bed comes from one.
     #[serde(skip)]
     pub source: Option<PathBuf>,
 }
@@ -59,7 +59,7 @@ pub enum UnitSystem {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Bed {
-    /// A bed of others instead of pouring: a LAMMPS data file or dump, plain or gzip, relative to the
+    /// An imported bed instead of pouring: a LAMMPS data file or dump, plain or gzip, relative to the
     /// scenario's file. Its box, grains and intruder give the values of the keys that are left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub file: Option<String>,
@@ -87,7 +87,7 @@ pub struct Bed {
     /// Whether a plane at z = 0 lies under the base.
     #[serde(default = "yes")]
     pub floor: bool,
-    /// How the grains are let fall.
+    /// How the grains are released.
     #[serde(default, skip_serializing_if = "is_default")]
     pub pouring: PouringOrder,
     /// The bed is settled when the kinetic energy per free grain, over its mean weight times the
@@ -95,8 +95,8 @@ pub struct Bed {
     #[serde(default = "settled")]
     pub settled: f64,
     /// Whether all motion is stopped, while the bed settles under more damping, each time the kinetic
-    /// energy passes a maximum: high beds without friction breathe for long. Where it is not said: round a
-    /// cylinder, under a lid and where the bed moves.
+    /// energy passes a maximum: high beds without friction breathe for long. By default: round a
+    /// cylinder, under a lid and if the bed moves.
     #[serde(rename = "halting", default, skip_serializing_if = "Option::is_none")]
     pub kinetic_damping: Option<bool>,
 }
@@ -153,14 +153,14 @@ impl OneOrMany {
     }
 }
 
-/// How the grains of a poured bed are let fall.
+/// How the grains of a poured bed are released.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PouringOrder {
     /// All at once, round the intruder in its place (Kumar 2018, section II).
     #[default]
     AtOnce,
-    /// Up to the intruder's lowest point first; the intruder is put in when they lie, and the rest
+    /// Up to the intruder's lowest point first; the intruder is put in when they lie still, and the rest
     /// poured over it (Guillard 2014, section III A).
     InTurn,
 }
@@ -182,7 +182,7 @@ pub struct Intruder {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub height: Option<OneOrMany>,
     /// Depth of its centre below the free surface expected at a packing fraction of 0.6; the depth
-    /// in the settled bed is measured. Each depth gets a bed of its own.
+    /// in the settled bed is measured. Each depth gets its own bed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub depth: Option<OneOrMany>,
     /// Speeds along x; or give `froude`.
@@ -212,7 +212,7 @@ pub enum IntruderShape {
 #[serde(deny_unknown_fields)]
 pub struct Lid {
     /// Effective depths `h + (pi d/6)(rho_lid/rho)` of the intruder's centre; the density of the lid
-    /// follows from what is measured on the poured bed. The one that is the bed's own depth, to half
+    /// follows from what is measured on the poured bed. One that equals the bed's own depth, to half
     /// a grain, needs no lid.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub effective_depth: Option<OneOrMany>,
@@ -248,7 +248,7 @@ pub struct Drag {
     pub moves: Moves,
     /// Travel of the intruder through the bed: one for all speeds, or one for each.
     pub distance: OneOrMany,
-    /// Whether the travel may go beyond one box length, where the intruder is in its own wake.
+    /// Whether the travel may exceed one box length, after which the intruder is in its own wake.
     #[serde(default, skip_serializing_if = "is_default")]
     pub own_wake: bool,
     /// Travel left out of the averages [default: the larger of D and a tenth of the distance; for a
@@ -268,7 +268,7 @@ pub enum History {
     /// They stay.
     #[default]
     Kept,
-    /// They are emptied, and the forces evaluated anew before the intruder takes on its speed: how
+    /// They are emptied, and the forces recomputed before the intruder takes on its speed: as
     /// LAMMPS begins a run from a data file.
     Empty,
 }

@@ -13,7 +13,7 @@ const VALUES_MAX: usize = 1000;
 /// Most drags of one scenario: a campaign takes more.
 const RUNS_MAX: usize = 1000;
 
-/// Most snapshots of one drag: a guard of the disk against a slip of the pen.
+/// Most snapshots of one drag: a guard of the disk against typing errors.
 const SNAPSHOTS_MAX: u64 = 100_000;
 
 /// Most checkpoints kept of one drag: the same for larger files.
@@ -112,7 +112,7 @@ impl Scenario {
         if name.is_empty() || name == ".." || name == "." || name.contains(['/', '\\', '\0']) {
             return refuse(
                 "bed.file",
-                format!("expected a file in {IMPORTED}, where a run directory has it"),
+                format!("expected a file in {IMPORTED}, its place in a run directory"),
             );
         }
         let hash = self.bed.hash.as_deref().unwrap_or_default();

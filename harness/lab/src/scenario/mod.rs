@@ -124,7 +124,7 @@ pub fn parse(text: &str, place: &str, sets: &[String], folder: &Path) -> Result<
         let together = serde_path_to_error::deserialize(toml::Value::Table(table));
         match (together, alone) {
             (Ok(scenario), _) => scenario,
-            // A file that is wrong by itself is told with its line.
+            // An error of the file alone is reported with its line.
             (Err(_), Err(own)) if source.is_none() => return Err(from_file(own)),
             (Err(e), _) => {
                 let with = if sets.is_empty() { "" } else { " with --set" };
@@ -160,7 +160,7 @@ fn refuse_reduced_defaults(table: &toml::Table, place: &str) -> Result<()> {
         "bed.base",
         "intruder.density",
     ];
-    // A cylinder has no density, and of what is neither more will be said.
+    // A cylinder has no density; what is neither is refused later.
     let needed = &needed[..needed.len() - usize::from(!sphere)];
     for &key in needed {
         let found = match key.split_once('.') {
@@ -177,13 +177,13 @@ fn refuse_reduced_defaults(table: &toml::Table, place: &str) -> Result<()> {
     Ok(())
 }
 
-/// Most parts of a key: tables in tables without end would be more than can be taken apart again.
+/// Most parts of a key: endlessly nested tables could not be dropped again.
 const DEEPEST: usize = 8;
 
 /// Changes a key of a scenario, as `key.subkey=value` says.
 ///
 /// # Errors
-/// [`Error::Input`] if it is no such pair.
+/// [`Error::Input`] if it is not such a pair.
 pub(crate) fn apply(table: &mut toml::Table, set: &str) -> Result<()> {
     let place = || format!("--set {set}");
     let Some((key, text)) = set.split_once('=') else {
@@ -230,7 +230,7 @@ pub(crate) fn apply(table: &mut toml::Table, set: &str) -> Result<()> {
         at = inner;
     }
     let last = words[words.len() - 1];
-    // One of two spellings replaces the other: asking for speeds drops the Froude numbers.
+    // One of two alternatives replaces the other: giving speeds drops the Froude numbers.
     for (a, b) in [
         ("speed", "froude"),
         ("height", "depth"),

@@ -1,4 +1,4 @@
-//! What a scenario amounts to: units, numbers of grains, beds to pour and drags to run.
+//! What follows from a scenario: units, numbers of grains, beds to pour and drags to run.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,7 +8,7 @@ use bitgrain_sim::coarse_graining::Sampling;
 use bitgrain_sim::motion::{Motion, Moves};
 use bitgrain_sim::units::Units;
 
-/// Most steps of one drag: a guard against a slip of the pen, a year on one core.
+/// Most steps of one drag: a guard against typing errors, a year on one core.
 pub(super) const STEPS_MAX: u64 = 1_000_000_000_000;
 
 /// Packing fraction that plans assume before a bed has been poured.
@@ -82,7 +82,7 @@ pub struct DragPlan {
     pub energy: bool,
     /// Whether the flow of its bed is measured too.
     pub flows: bool,
-    /// Fields that are averaged on the way.
+    /// Fields that are averaged during the drag.
     pub fields: Option<Sampling>,
     /// Steps after which a snapshot is taken, ascending.
     pub snapshots: Vec<u64>,
@@ -107,7 +107,7 @@ impl DragPlan {
     }
 }
 
-/// Frames of a drag, and the most travel from one to the next in mean diameters: what moves further jumps.
+/// Frames of a drag, and the most travel from one to the next in mean diameters: a larger one looks like a jump.
 const FRAMES: u64 = 60;
 const FRAME: f64 = 0.25;
 
@@ -164,7 +164,7 @@ impl Scenario {
         std::f64::consts::PI / 6.0 * 0.25 * (a + b) * (a * a + b * b)
     }
 
-    /// Whether the bed's flow is measured too: round a cylinder, under a lid, and where it moves.
+    /// Whether the bed's flow is measured too: round a cylinder, under a lid, and if it moves.
     pub fn flows(&self) -> bool {
         let sphere = self.intruder.shape == IntruderShape::Sphere;
         !sphere || self.lid.is_some() || self.drag.moves == Moves::Bed
@@ -286,7 +286,7 @@ impl Scenario {
         let mut lids = Vec::new();
         for (effective_depth, density) in asked {
             for &pressure_gradient in gradients {
-                // At the bed's own depth its own weight does.
+                // At the bed's own depth its own weight suffices.
                 let bare = pressure_gradient
                     && effective_depth
                         .is_some_and(|h| (h - depth).abs() <= 0.5 * self.mean_diameter());
@@ -373,7 +373,7 @@ impl Scenario {
                     grain_diameter: self.mean_diameter(),
                     window: [steps, steps],
                 };
-                // Of a drag without end, which is refused, nothing is counted step by step.
+                // For an endless drag, which is refused, nothing is counted step by step.
                 let sane = steps <= STEPS_MAX && (speed * self.drag.dt).is_normal();
                 let motion = match sane {
                     true => motion.averaged_beyond(discard, steps),
@@ -424,7 +424,7 @@ impl Scenario {
         }
     }
 
-    /// Travel left out of the averages where the scenario does not say: the larger of D and a tenth
+    /// Travel left out of the averages unless the scenario gives it: the larger of D and a tenth
     /// of the distance; for a cylinder 2 D (Guillard 2014, section III A).
     fn default_discard(&self, diameter: f64, distance: f64) -> f64 {
         match self.intruder.shape {

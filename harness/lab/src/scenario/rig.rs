@@ -1,4 +1,4 @@
-//! What is refused of a cylinder, of a lid, and of a bed that its base carries.
+//! Checks of a cylinder, of a lid, and of a bed that its base carries.
 
 use super::limits::STEADY;
 use super::refusal::{Check, positive, refuse};
@@ -26,7 +26,7 @@ const HIGHER: f64 = 0.03;
 /// Least averaging window of a bed that flows, in mean diameters: three rows of the flow series.
 const WINDOW: f64 = 1.5;
 
-/// A length to be copied, without the last digits that a product has.
+/// A length for messages, without the last digits of a product.
 fn digits(length: f64) -> f64 {
     format!("{length:.11e}").parse().unwrap_or(length)
 }
@@ -69,7 +69,7 @@ impl Scenario {
         if self.drag.moves == Moves::Bed && self.bed.base == 0.0 {
             return refuse(
                 "bed.base",
-                "is 0, but with drag.moves = \"bed\" the base is what carries the bed; give a height, \
+                "is 0, but with drag.moves = \"bed\" the base carries the bed; give a height, \
                  such as 0.6 of a grain's diameter",
             );
         }
@@ -163,14 +163,14 @@ impl Scenario {
         for (k, &value) in values.iter().enumerate() {
             positive(key, value)?;
             if values[..k].contains(&value) {
-                return refuse(key, "has a value twice; each makes beds of its own");
+                return refuse(key, "has a value twice; each makes its own beds");
             }
             if lid.density.is_some() && value < self.bed.density {
                 return refuse(
                     key,
                     format!(
-                        "is {value}, lighter than the bed's grains, {}: such grains are no lid; give \
-                         more, or leave the lid out",
+                        "is {value}, lighter than the bed's grains, {}: such grains are not a lid; \
+                         give more, or leave the lid out",
                         self.bed.density
                     ),
                 );
@@ -185,7 +185,7 @@ impl Scenario {
                     "bed.box",
                     format!(
                         "is {length} along {axis}, which a lid of grains of diameter {d} does not \
-                         tile; the nearest length that it does is {}",
+                         tile; the nearest length that it tiles is {}",
                         digits(sites as f64 * d)
                     ),
                 );
@@ -202,8 +202,8 @@ impl Scenario {
                 return refuse(
                     key,
                     format!(
-                        "is {h}; a lid no lighter than the bed's grains gives about {} or more to an \
-                         intruder {} deep: ask for that or for its own depth, raise it, or ask for it \
+                        "is {h}; a lid at least as dense as the bed's grains gives about {} or more \
+                         to an intruder {} deep: ask for that or for its own depth, raise it, or ask for it \
                          without a pressure gradient",
                         short(depth),
                         short(surface - plan.center[2])

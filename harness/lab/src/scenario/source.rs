@@ -15,11 +15,11 @@ use bitgrain_sim::simulation::hex;
 /// the same: programs that store a mass give a density back with its last digits changed.
 pub(crate) const SAME: f64 = 1e-9;
 
-/// Fills in, where `bed.file` names a file, the keys that the file knows and the scenario leaves out,
+/// If `bed.file` names a file, fills in the keys that the file knows and the scenario leaves out,
 /// and refuses those that it contradicts. Returns where the file is.
 ///
 /// # Errors
-/// [`Error::Input`] if the file cannot be read, is no bed, or is not what the scenario says.
+/// [`Error::Input`] if the file cannot be read, is not a bed, or is not what the scenario says.
 pub(super) fn fill_in(table: &mut Table, place: &str, folder: &Path) -> Result<Option<PathBuf>> {
     let Some(Value::String(file)) = table.get("bed").and_then(|bed| bed.get("file")) else {
         return Ok(None);
@@ -27,8 +27,8 @@ pub(super) fn fill_in(table: &mut Table, place: &str, folder: &Path) -> Result<O
     let path = folder.join(file);
     if !disk::is_file(&path) {
         let problem = format!(
-            "{} is not there or no file; a path is looked for from where the scenario's file is, \
-             or with --set from where the command is given",
+            "{} does not exist or is not a file; paths are relative to the folder of the \
+             scenario's file, with --set to the current folder",
             path.display()
         );
         return Err(Error::input(format!("{place}: `bed.file`"), problem));
@@ -83,7 +83,7 @@ impl Keys<'_> {
         Error::input(
             format!("{}: `{outer}.{inner}`", self.place),
             format!(
-                "is {given}, but the bed's file has {found}; leave it out, or see which is meant"
+                "is {given}, but the bed's file has {found}; leave it out, or check which is right"
             ),
         )
     }

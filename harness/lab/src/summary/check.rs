@@ -1,4 +1,4 @@
-//! What is refused of a summary that was read: whatever could not be of a run of its own inputs.
+//! Checks of a summary that was read: anything is refused that a run of its own inputs could not give.
 //!
 //! Numbers are finite already, for JSON has no others.
 
@@ -19,10 +19,10 @@ type Wrong = (String, String);
 /// Largest relative difference at which two numbers are one: other programs may write fewer digits.
 const SAME: f64 = 1e-9;
 
-/// Longest of the words that a summary says of itself, in bytes.
+/// Longest name or version in a summary, in bytes.
 const WORDS_MAX: usize = 1000;
 
-/// Most numbers of contacts that shares are counted of: no grain has so many neighbours.
+/// Most numbers of contacts that shares are counted of: no grain has this many neighbours.
 const SHARES_MAX: usize = 1000;
 
 /// Digits of a digest in hex.
@@ -41,7 +41,7 @@ impl Summary<Scenario> {
         check_head(&self.version, &self.standard_error_method)?;
         let inputs = check_inputs(self.inputs, &self.units)?;
         if self.scenario != inputs.name {
-            let problem = format!("is not `{}`, as the inputs say", inputs.name);
+            let problem = format!("is not `{}`, the value of the inputs", inputs.name);
             refuse("scenario", problem)?;
         }
         let (beds, runs) = (inputs.beds(), inputs.drags());
@@ -68,7 +68,7 @@ impl Summary<Scenario> {
                 refuse(format!("{at}.name"), "is there twice")?;
             }
             let Some(bed) = self.beds.iter().find(|bed| bed.name == run.bed) else {
-                let problem = "is none of the beds in this file";
+                let problem = "is not one of the beds in this file";
                 return Err((format!("{at}.bed"), problem.into()));
             };
             check_run(run, bed, (beds, runs), &inputs, &at)?;
@@ -128,32 +128,38 @@ fn check_inputs(inputs: Scenario, units: &Units) -> Result<CheckedScenario, Wron
         .check_resolved()
         .map_err(|wrong| (format!("inputs.{}", wrong.key), wrong.problem))?;
     if *units != inputs.units() {
-        refuse("units", "are not those of the inputs")?;
+        refuse("units", "do not belong to the inputs")?;
     }
     Ok(inputs)
 }
 
-/// A number that is not the one the inputs come to.
+/// A number that is not the one that follows from the inputs.
 fn same(key: String, given: f64, planned: f64) -> Check {
     if (given - planned).abs() <= SAME * planned.abs() {
         return Ok(());
     }
-    refuse(key, format!("is {given}, but the inputs come to {planned}"))
+    refuse(
+        key,
+        format!("is {given}, but {planned} follows from the inputs"),
+    )
 }
 
-/// A digest in hex; an empty one where files of before had none.
+/// A digest in hex; empty if the file is of a version without it.
 fn digest(key: String, text: &str, may_be_empty: bool) -> Check {
     let digits =
         text.len() == DIGITS && text.bytes().all(|c| matches!(c, b'0'..=b'9' | b'a'..=b'f'));
     if digits || may_be_empty && text.is_empty() {
         return Ok(());
     }
-    refuse(key, format!("is no digest; expected {DIGITS} hex digits"))
+    refuse(
+        key,
+        format!("is not a digest; expected {DIGITS} hex digits"),
+    )
 }
 
 fn check_bed(bed: &BedSummary, plans: &[BedPlan], inputs: &CheckedScenario, at: &str) -> Check {
     let Some(plan) = plans.iter().find(|plan| plan.name == bed.name) else {
-        return refuse(format!("{at}.name"), "is no bed that the inputs plan");
+        return refuse(format!("{at}.name"), "is not a bed that the inputs plan");
     };
     if bed.frozen > bed.grains {
         let problem = format!("is {}, of {} grains", bed.frozen, bed.grains);
@@ -189,7 +195,7 @@ fn check_run(
 ) -> Check {
     let key = |name: &str| format!("{at}.{name}");
     let Some(plan) = runs.iter().find(|plan| plan.name == run.name) else {
-        return refuse(key("name"), "is no drag that the inputs plan");
+        return refuse(key("name"), "is not a drag that the inputs plan");
     };
     let planned = &beds[plan.bed];
     if run.bed != planned.name {

@@ -13,7 +13,7 @@ use bitgrain_sim::files::read_text;
 /// Reads `summary.json` of a run directory.
 ///
 /// # Errors
-/// [`Error::Input`] if it is missing or no sound summary.
+/// [`Error::Input`] if it is missing or not a sound summary.
 pub fn read_summary(path: &Path) -> Result<Summary> {
     parse_summary(&read_text(path)?, path)
 }
@@ -42,11 +42,11 @@ pub fn parse_record(text: &str, path: &Path) -> Result<DragRecord> {
 fn refused(place: &str, (key, problem): (String, String)) -> Error {
     Error::input(
         format!("{place}: `{key}`"),
-        format!("{problem}; was the file changed? The run that made it writes it anew"),
+        format!("{problem}; was the file changed? The run that made it writes it again"),
     )
 }
 
-/// The summary of a run directory, and what it was read from: `summary.json`, or where a run has not come to its
+/// The summary of a run directory, and what it was read from: `summary.json`, or if a run has not come to its
 /// end those of the drags that have.
 ///
 /// # Errors
@@ -69,7 +69,7 @@ pub fn read_folder(folder: &Folder, vouched: &Vouched) -> Result<(String, Summar
         let record = parse_record(&text, &path)?;
         if record.run.name != *name {
             let problem = format!(
-                "is `{}`, in the folder of `{name}`: put the file back where it belongs",
+                "is `{}`, in the folder of `{name}`: put the file back in its place",
                 record.run.name
             );
             return Err(Error::input(
@@ -95,7 +95,7 @@ pub fn read_folder(folder: &Folder, vouched: &Vouched) -> Result<(String, Summar
         match summary.beds.iter().find(|bed| bed.name == record.bed.name) {
             Some(bed) if *bed != record.bed => {
                 let problem = format!(
-                    "holds drags that say two things of `{}`: put back those of one run",
+                    "holds drags that contradict each other about `{}`: put back those of one run",
                     bed.name
                 );
                 return Err(Error::input(folder.0.display().to_string(), problem));

@@ -67,7 +67,7 @@ pub struct BedSummary {
     pub rig: Option<Rig>,
 }
 
-/// What a bed that flows has besides.
+/// The further numbers of a bed that flows.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rig {
@@ -85,11 +85,11 @@ pub struct Rig {
     pub lid_density: f64,
     /// Bulk density rho = phi rho_g of the settled bed.
     pub bulk_density: f64,
-    /// Effective depth h + (pi d/6)(rho_lid/rho), without h where there is no pressure gradient.
+    /// Effective depth h + (pi d/6)(rho_lid/rho), without h if there is no pressure gradient.
     pub effective_depth: f64,
     /// Weight above the height of the intruder's centre over the area of the box.
     pub pressure: f64,
-    /// Upward force on the resting intruder over its buoyancy: what of the bed it carries, negative.
+    /// Upward force on the resting intruder over its buoyancy: the part of the bed it carries, negative.
     pub reaction_over_buoyancy: f64,
 }
 
@@ -132,7 +132,7 @@ pub struct DragSummary {
     /// Contacts of a grain within 2 d of the intruder's surface, over all such grains of the samples.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coordination: Option<Mean>,
-    /// The same angle where contacts begin, over all that began in the window.
+    /// The same angle of contacts as they begin, over all that began in the window.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub new_contact_angle: Option<Mean>,
     /// Share of the grains within 2 d of the intruder's surface that have no contact.
@@ -151,13 +151,13 @@ pub struct DragSummary {
     /// Free grains that go at half the intruder's speed or faster.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub moving: Option<Mean>,
-    /// Speed along x of the layers above the intruder's top over its own: 0 where they stay, 1 where all
+    /// Speed along x of the layers above the intruder's top over its own: 0 if they stay, 1 if all
     /// slide along as a plug.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drift: Option<Mean>,
     /// Mean drag over all steps, nothing cut.
     pub drag_uncut: f64,
-    /// Drag over the weight of the bed above the intruder's lowest point. Nothing but friction holds
+    /// Drag over the weight of the bed above the intruder's lowest point. Only friction holds
     /// that part back in a periodic box: the larger the ratio, the more of it slides along.
     pub plug_ratio: f64,
     /// What that ratio says; of a bed that flows it says nothing, for base and lid carry it.
@@ -167,7 +167,7 @@ pub struct DragSummary {
     /// mean diameter.
     #[serde(default)]
     pub overlap_max: f64,
-    /// Where the energy of the drag went, where that was asked for.
+    /// Where the energy of the drag went, if that was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub energy: Option<EnergyRow>,
     /// How the bed flowed, and forces over what they scale with.
@@ -227,7 +227,7 @@ pub struct Flow {
     pub drag_halves: [f64; 2],
     /// Lift over buoyancy over them.
     pub lift_halves: [f64; 2],
-    /// Stress on the cylinder by angle, mean over the samples of the fields, where these were asked for.
+    /// Stress on the cylinder by angle, mean over the samples of the fields, if these were asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub load: Option<Load>,
     /// How far the bed is disturbed above the intruder's centre and below it, over D^2: the integral of the

@@ -1,4 +1,4 @@
-//! One piece executed again, held against what was recorded of it.
+//! One piece executed again, compared with what was recorded of it.
 
 use std::fmt::Write;
 
@@ -12,15 +12,15 @@ use bitgrain_sim::error::Result;
 use bitgrain_sim::observer::Observer;
 use bitgrain_sim::simulation::Simulation;
 
-/// What a piece gave: how many links held, and what does not.
+/// The result of a piece: how many links held, and what does not.
 pub(super) struct Finding {
     pub text: String,
     pub links: usize,
     pub holds: bool,
 }
 
-/// Holds links against the recorded ones, and stops at the first that does not hold; holds snapshots
-/// against those that were written.
+/// Compares links with the recorded ones, and stops at the first that does not hold; compares snapshots
+/// with those that were written.
 pub(super) struct Check<'a> {
     pub drag: Option<DragTask<'a>>,
     pub frames: String,
@@ -82,7 +82,7 @@ impl Observer for Check<'_> {
         let Some(drag) = self.drag else {
             return Ok(());
         };
-        // A file begins after the planned checkpoint before its own, also where that one is lost.
+        // A file begins after the planned checkpoint before its own, also if that one is lost.
         if drag.films(step) && step > self.frames_after {
             self.frames += &frames::rows(sim, &drag.plan.motion, step);
         }
@@ -116,7 +116,7 @@ impl Check<'_> {
             None if !same => {
                 let _ = write!(
                     text,
-                    "{} hold, but the state at the end, or what was measured on the way, is not what \
+                    "{} hold, but the state at the end, or what was measured before it, is not what \
                      was written",
                     links(self.held)
                 );

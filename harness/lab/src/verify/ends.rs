@@ -1,4 +1,4 @@
-//! What a run says of its ends, held against its last states.
+//! What a run says of its ends, compared with its last states.
 
 use super::{Cause, Problems};
 use crate::manifest::{Manifest, NAME};
@@ -8,8 +8,8 @@ use bitgrain_sim::checkpoint;
 use bitgrain_sim::disk;
 use bitgrain_sim::error::{Error, Result};
 
-/// Holds what a run says of its ends against its last states, none of which is executed for it: the last link of
-/// each finished stage, and the summary. Tells what was found, and returns what does not hold.
+/// Compares what a run says of its ends with its last states, without executing any: the last link of
+/// each finished stage, and the summary. Reports what was found, and returns what does not hold.
 ///
 /// # Errors
 /// What `say` returns.
@@ -26,7 +26,7 @@ pub(crate) fn check_ends(
     };
     for stage in manifest.map_or(&[][..], |manifest| &manifest.stages) {
         let Ok(part) = archive.part(&stage.name) else {
-            continue; // Not planned, which was told.
+            continue; // Not planned, which was reported.
         };
         let path = match part {
             RunPart::Bed(plan) => archive.folder.bed(&plan.name),

@@ -6,10 +6,10 @@ use crate::manifest::audit::audit;
 use crate::manifest::{FolderKind, Manifest, NAME};
 use bitgrain_sim::error::{CHANGED, Error, Result, UNEXPECTED};
 
-/// Why a folder is not verified; the last that was found tells what to do.
+/// Why a folder is not verified; the last that was found says what to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Cause {
-    /// It has not come to its end.
+    /// It is unfinished.
     Unfinished(FolderKind),
     /// It is not the one that was expected.
     Unexpected,
@@ -20,11 +20,9 @@ pub(crate) enum Cause {
 impl Cause {
     fn hint(self) -> &'static str {
         match self {
-            Cause::Unfinished(FolderKind::Run) => {
-                "`bitgrain run --resume FOLDER` brings it to its end"
-            }
+            Cause::Unfinished(FolderKind::Run) => "`bitgrain run --resume FOLDER` finishes it",
             Cause::Unfinished(FolderKind::Campaign) => {
-                "`bitgrain sweep CAMPAIGN --out FOLDER` brings it to its end"
+                "`bitgrain sweep CAMPAIGN --out FOLDER` finishes it"
             }
             Cause::Unexpected => UNEXPECTED,
             Cause::Changed => CHANGED,
@@ -60,7 +58,7 @@ impl Problems {
     }
 }
 
-/// Compares a folder with its manifest, tells what was found, and returns the manifest, where it is sound, and what
+/// Compares a folder with its manifest, reports what was found, and returns the manifest, if it is sound, and what
 /// does not hold.
 ///
 /// # Errors
@@ -96,7 +94,7 @@ pub(crate) fn check_manifest(
         0 => {}
         n => problems.add(
             Cause::Changed,
-            format!("its folder departs from {NAME} in {n} places"),
+            format!("its folder differs from {NAME} in {n} places"),
         ),
     }
     if !found.unfinished.is_empty() {

@@ -36,7 +36,7 @@ impl std::str::FromStr for Segment {
 /// What to verify.
 #[derive(Clone, Debug, Default)]
 pub struct Scope {
-    /// Stages, or stretches of them; all where there are none.
+    /// Stages, or stretches of them; all if there are none.
     pub segments: Vec<Segment>,
     /// How many pieces, chosen at random by a seed, of these.
     pub sample: Option<(usize, u64)>,

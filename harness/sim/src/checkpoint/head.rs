@@ -11,7 +11,7 @@ pub struct StageState {
     pub recipe: String,
     /// The last link of the chain of digests up to this state; empty if there is none.
     pub link: String,
-    /// The stage under way, as JSON: its accumulators, series and chain so far; empty for a bare state.
+    /// The unfinished stage, as JSON: its accumulators, series and chain so far; empty for a bare state.
     pub course: String,
     /// The sums of its fields, little-endian words; empty if there are none.
     pub fields: Vec<u8>,
@@ -34,7 +34,7 @@ pub(super) struct Head {
     pub(super) obstacles: Vec<Obstacle<f64>>,
     pub(super) recipe: String,
     pub(super) link: String,
-    /// Digest of the state, which reading computes anew.
+    /// Digest of the state; reading recomputes it.
     pub(super) digest: String,
     /// The arrays, by name.
     pub(super) parts: Vec<PartSeal>,

@@ -7,7 +7,7 @@ const NEAR: f64 = 0.25;
 
 /// `integral |v - v_far|/V dA` above the intruder's centre and below it, over its diameter squared: V is the
 /// speed of the motion, v_far the mean velocity of the far field at the same height, and both areas reach to
-/// `reach` from the centre. The same of the far field, which is what noise makes of it, is taken off. `None` where
+/// `reach` from the centre. The same of the far field, which is the noise, is subtracted. `None` if
 /// nothing is known of one of them.
 pub fn disturbance(
     fields: &Fields,
@@ -98,7 +98,7 @@ mod tests {
             (0..2).all(|k| (shared[k] - want[k]).abs() < 1e-12),
             "{shared:?}"
         );
-        // No farther than asked for counts.
+        // Nothing beyond the reach asked for counts.
         assert_eq!(disturbance(&fields, hole, 1.0, 1.0).unwrap(), [2.0, 1.0]);
         for k in 0..1600 {
             if place(k)[1] < 0.0 {

@@ -1,4 +1,4 @@
-//! Fields and load of a drag, averaged as it goes: nothing but sums is stored.
+//! Fields and load of a drag, averaged during the drag: nothing but sums is stored.
 
 use bitgrain_kernel::{ContactForce, Partner, Shape};
 use serde::{Deserialize, Serialize};
@@ -22,7 +22,7 @@ pub struct Sampling {
     pub every: u64,
 }
 
-/// What is summed on the way.
+/// What is summed during the drag.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CoarseGraining {
@@ -30,7 +30,7 @@ pub struct CoarseGraining {
     every: u64,
     /// First and last step that are averaged.
     steps: [u64; 2],
-    /// 1 where the intruder moves along +x, -1 where the bed does.
+    /// 1 if the intruder moves along +x, -1 if the bed does.
     forward: f64,
     sums: Sums,
     load: LoadSums,

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// Where the points are: each in the middle of its cell.
 ///
-/// Along x and y places are told from the intruder, which is in the middle of the box; along z from the floor.
+/// Along x and y places are measured from the intruder, which is in the middle of the box; along z from the floor.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Grid {
@@ -36,7 +36,7 @@ impl Grid {
     }
 
     /// Numbers of the points along an axis within `reach` of a place, and how far each lies from it. Along x
-    /// and y they go on round the box, of which `reach` is at most half.
+    /// and y they wrap round the box, of which `reach` is at most half.
     pub fn near(
         &self,
         axis: usize,

@@ -62,7 +62,7 @@ pub struct Sum {
 }
 
 impl Sum {
-    /// The length of the force that is no contact's normal one, over that of the whole.
+    /// The length of the force without the contacts' normal forces, over that of the whole.
     pub fn tangential_part(&self) -> f64 {
         let length = |x: f64, z: f64| (x * x + z * z).sqrt();
         let rest = length(self.drag - self.normal_drag, self.lift - self.normal_lift);
@@ -189,7 +189,7 @@ impl Load {
             .sum()
     }
 
-    /// Drag and lift over `L D`: what the stresses come to, normal and tangential parts together.
+    /// Drag and lift over `L D`: the sums of the stresses, normal and tangential parts together.
     pub fn forces(&self) -> [f64; 2] {
         let (n, t) = (&self.normal, &self.tangential);
         [
@@ -268,7 +268,7 @@ mod tests {
         assert!(all[0] > all[1] && all[20] < 1e-20);
     }
 
-    /// Whatever forces are added, the stresses come to their sum: to rounding, and along both axes.
+    /// For any forces added, the stresses add up to their sum: to rounding, and along both axes.
     #[test]
     fn stresses_come_to_the_forces() {
         let mut sums = LoadSums::default();
@@ -304,7 +304,7 @@ mod tests {
         assert_eq!(half.load(d, l), None);
     }
 
-    /// Drag and lift over `L D` that the normal stresses alone come to.
+    /// Drag and lift over `L D` of the normal stresses alone.
     fn normal_forces(load: &Load) -> [f64; 2] {
         [libm::cos, libm::sin].map(|w| Load::half_integral(&load.normal, w))
     }

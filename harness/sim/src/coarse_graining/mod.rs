@@ -1,8 +1,8 @@
 //! Continuous fields of a bed that flows past its intruder, by coarse-graining, and the load on a cylinder
 //! (Guillard 2014, sections III C and IV and appendix A).
 //!
-//! [`CoarseGraining`] sums samples of a drag as it goes; [`plane`](plane::plane) and [`Load`] are what the sums
-//! come to, [`text`] their files and [`read`] those files again.
+//! [`CoarseGraining`] sums samples during a drag; [`plane`](plane::plane) and [`Load`] are the means that follow,
+//! [`text`] writes their files and [`read`] reads them again.
 
 pub mod disturbed_zone;
 pub mod gauge;

@@ -3,7 +3,7 @@
 use super::grid::Grid;
 use super::sums::{NUMBERS, Sums};
 
-/// Least packing fraction of a mean: below it is a grain that passed by, no flow.
+/// Least packing fraction of a mean: less is a grain that passed by, not a flow.
 const THINNEST: f64 = 0.01;
 
 /// What is known at a point.
@@ -73,7 +73,7 @@ pub struct Fields {
     pub grid: Grid,
     /// What is known there, x fastest.
     pub flags: Vec<Flag>,
-    /// The fields; of no meaning where nothing is known.
+    /// The fields; meaningless if nothing is known.
     pub points: Vec<FieldPoint>,
 }
 
@@ -102,7 +102,7 @@ pub fn points(sums: &Sums, hole: IntruderOutline) -> Fields {
 }
 
 /// The fields in the plane x, z: round a cylinder the mean along y too, round a ball those through its centre
-/// (or just beside it, where the points along y are even in number).
+/// (or just beside it, if the points along y are even in number).
 pub fn plane(sums: &Sums, hole: IntruderOutline) -> Fields {
     let [nx, ny, nz] = sums.grid.counts;
     let mut grid = sums.grid;
@@ -164,7 +164,7 @@ impl Fields {
     }
 
     /// Norm of the shear rate, `sqrt(2 e:e)` with e the symmetric gradient of the velocity in the plane, at
-    /// each point; `None` if a gradient cannot be told.
+    /// each point; `None` if a gradient is not known.
     pub fn shear_rates(&self) -> Vec<Option<f64>> {
         let [nx, _, nz] = self.grid.counts;
         let all = (0..nz).flat_map(|kz| (0..nx).map(move |kx| (kx, kz)));

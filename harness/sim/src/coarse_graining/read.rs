@@ -7,7 +7,7 @@ use super::text::{PLANE, PlaneRow};
 /// The fields of a table with a row for each point of this grid's plane.
 ///
 /// # Errors
-/// The line that is not the row that should be there, counted from 1; where rows are missing, the one after
+/// The line that is not the row that should be there, counted from 1; if rows are missing, the one after
 /// the last.
 pub fn plane(text: &str, grid: Grid) -> Result<Fields, usize> {
     let grid = Grid {

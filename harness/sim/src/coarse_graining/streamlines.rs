@@ -3,7 +3,7 @@
 use super::plane::Fields;
 
 /// The velocity along x and z at a place, linear between the four points round it; `None` beyond the points,
-/// and where one of them is empty.
+/// and if one of the four is empty.
 pub fn velocity(fields: &Fields, [x, z]: [f64; 2]) -> Option<[f64; 2]> {
     let [nx, _, nz] = fields.grid.counts;
     let ([step_x, _, step_z], low) = (fields.grid.step(), fields.grid.low());

@@ -46,7 +46,7 @@ pub struct Sums {
     pub window: f64,
     /// How many samples.
     pub samples: u64,
-    /// The sums of each point; a checkpoint keeps them as an array of its own.
+    /// The sums of each point; a checkpoint keeps them in a separate array.
     #[serde(skip)]
     pub values: Vec<[f64; NUMBERS]>,
 }
@@ -195,7 +195,7 @@ mod tests {
         all
     }
 
-    /// Every grain is shared out among the windows: volumes and momenta come to the grains' own, across the
+    /// Every grain is shared out among the windows: volumes and momenta add up to those of the grains, across the
     /// edges of the box too.
     #[test]
     fn volume_and_momentum_are_those_of_the_grains() {

@@ -11,7 +11,7 @@ use crate::files::bits;
 use crate::table::{Cell, Table, Word, column};
 use crate::units::Units;
 
-/// A point of a plane, as a table has it: nothing stands where nothing is known.
+/// A point of a plane, as a row of a table: unknown fields are empty.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PlaneRow {
     /// Along x from the intruder's centre, and height above the floor.
@@ -116,11 +116,11 @@ pub struct Scales<'a> {
 /// ParaView's mark of a point that has no value.
 const HIDDEN: u8 = 2;
 
-/// What stands there all the same: the value that NetCDF takes for none, which no reader takes for data.
+/// The value stored there: the one that NetCDF takes for none, which no reader takes for data.
 const FILL: f64 = 9.969_209_968_386_869e36;
 
 /// VTK image data (XML, little-endian): packing fraction, velocity in the intruder's frame and in that of the
-/// far grains, stress, pressure and shear stress at every point, and what is known there; places are told from the
+/// far grains, stress, pressure and shear stress at every point, and what is known there; places are measured from the
 /// intruder's centre, heights from the floor.
 ///
 /// Points without data are marked as VTK marks them, by `vtkGhostType` 2, and ParaView leaves them blank.
@@ -203,7 +203,7 @@ fn array(name: &str, kind: &str, components: usize, bytes: &[u8]) -> String {
     )
 }
 
-/// The table of a plane: a line of units, the column names, a row for each point; a cell is empty where
+/// The table of a plane: a line of units, the column names, a row for each point; a cell is empty if
 /// nothing is known.
 pub fn plane_text(fields: &Fields, scales: Scales) -> String {
     let comment = format!(
@@ -299,7 +299,7 @@ mod tests {
         })
     }
 
-    /// What is written is read again, and nothing stands where nothing is known.
+    /// What is written is read again, and unknown fields are empty.
     #[test]
     fn tables_are_read_again() {
         let text = with_scales(|scales| plane_text(&fields(), scales));
@@ -386,7 +386,7 @@ mod tests {
         assert_eq!(reals("pressure")[..3], [2.0, 7.0 / 3.0, 8.0 / 3.0]);
         // sqrt((1 + 0 + 1 + 2 (3/8)^2)/2) of a pressure of 2 and deviations of 1 and 3/8.
         assert!((reals("shear_stress")[0] - 1.0_f32.hypot(0.375)).abs() < 1e-6);
-        // No number that could be one is where nothing is known.
+        // Where nothing is known no number stands that could be taken for data.
         for name in ["packing_fraction", "pressure", "shear_stress"] {
             let all = reals(name);
             assert!(

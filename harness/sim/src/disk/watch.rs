@@ -1,4 +1,4 @@
-//! The calls to the file system, watched by tests of what becomes of files where they fail.
+//! The calls to the file system, watched by tests of what happens to files if they fail.
 
 use std::fs::File;
 use std::io::{self, Write};
@@ -6,7 +6,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, RwLock};
 
-/// A call to the file system, as it is about to be made. Questions whether a file is there are none.
+/// A call to the file system, as it is about to be made. Checks whether a file exists do not count.
 #[derive(Clone, Copy, Debug)]
 pub enum Call<'a> {
     /// A file that is there is read.
@@ -33,35 +33,35 @@ pub enum Call<'a> {
     RemoveFolder(&'a Path),
 }
 
-/// What becomes of a call.
+/// What happens to a call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CallOutcome {
     /// It is made.
     Go,
     /// It fails without having been made.
     Fail(io::ErrorKind),
-    /// Of the bytes that it writes only so many arrive, and it fails.
+    /// Of the bytes that it writes only this many arrive, and it fails.
     Short(usize),
 }
 
-/// Who is asked before each call.
+/// What is asked before each call.
 pub trait Watch: Send + Sync {
-    /// What is to become of it.
+    /// What is to happen to it.
     fn before(&self, call: &Call<'_>) -> CallOutcome;
 }
 
 static WATCHED: AtomicBool = AtomicBool::new(false);
 static WATCHER: RwLock<Option<Arc<dyn Watch>>> = RwLock::new(None);
 
-/// Has every call of this process watched from now on, or by nobody: for tests of what becomes of files
-/// where calls fail.
+/// Has every call of this process watched from now on, or none: for tests of what happens to files
+/// if calls fail.
 pub fn watch(watcher: Option<Arc<dyn Watch>>) {
     WATCHED.store(watcher.is_some(), Ordering::Release);
     let mut place = WATCHER.write().unwrap_or_else(|broken| broken.into_inner());
     *place = watcher;
 }
 
-/// Asks whether a call is to be made, and makes half of it where it is to be cut short.
+/// Asks whether a call is to be made, and makes half of it if it is to be cut short.
 ///
 /// # Errors
 /// The one that it is to fail with.

@@ -28,8 +28,8 @@ impl Elastic {
         0.4 * self.0.kn * at.contact_radius * (at.overlap * at.overlap)
     }
 
-    /// Whether a damper of this contact is friction's, for it sits on the cap with its spring: a part in
-    /// 1e9 is for the rounding of the capped force.
+    /// Whether a damper of this contact counts as friction, since it is held to the cap with its spring: a part in
+    /// 1e9 allows for the rounding of the capped force.
     pub fn damper_slides(&self, normal: f64, tangential: Vec3<f64>) -> bool {
         self.0
             .joint_cap

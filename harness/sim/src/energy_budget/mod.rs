@@ -2,12 +2,12 @@
 //!
 //! Both laws keep the tangential spring as a displacement (Kumar 2018, eq. 2; Guillard 2014, eq. A1). So
 //! a contact that is squeezed at fixed spring stores more energy and one that opens loses some, a spring
-//! is cut to the tangent plane as the plane turns, and what a spring holds at separation is gone. These
-//! are no losses of friction; an energy that is to be accounted for counts them as what they are.
+//! is cut to the tangent plane as the plane turns, and what a spring holds at separation is lost. These
+//! are not losses by friction; an energy budget must count each of them separately.
 //!
 //! The sums follow velocity Verlet. Kicks lie symmetrically round a full step, so a force evaluated at
-//! step n does the work `dt F_n . v_n` with the velocity of the full step: the trapezoidal rule, of which
-//! kinetic energy knows no error but `m (a dt)^2/8` at either end. For the tangential spring s of
+//! step n does the work `dt F_n . v_n` with the velocity of the full step: the trapezoidal rule, whose
+//! only error in the kinetic energy is `m (a dt)^2/8` at either end. For the tangential spring s of
 //! stiffness k, advanced by g over half-step velocities, cut by p as its plane turns and by u as it
 //! slides, `s_n = s_(n-1) + g_n - p_n - u_n`, the work against it is an identity at every step,
 //!
@@ -19,12 +19,12 @@
 //! ```
 //!
 //! with `f = k s`. Sliding is not what the spring's energy falls by, which at v dt comparable with the
-//! spring would be wrong in the first order of dt. Under `hertz_history` spring and damper sit on the cap
-//! together, and what the damper dissipates while they do is sliding's too; where the damper alone is
+//! spring would be wrong in the first order of dt. Under `hertz_history` spring and damper are held to the
+//! cap together, and what the damper dissipates then counts as sliding too; if the damper alone is
 //! beyond the cap, the law bends the spring against it. A contact that parts has half a step of its spring's
-//! force left, `-f . g/2`, and the rest of what it stored is erased.
+//! force left, `-f . g/2`, and the rest of its stored energy is erased.
 //!
-//! No term is what the others leave: the residual is measured, and is the integrator's error.
+//! No term is computed as the remainder: the residual is measured, and is the integrator's error.
 
 mod contacts;
 mod table;
@@ -47,7 +47,7 @@ pub struct Energies {
     pub normal: f64,
     /// Stored in their tangential springs: sum of `K_t sqrt(R delta) s^2/2`.
     pub tangential: f64,
-    /// Of all grains in the gravity of their groups, from unwrapped positions: zero where all lie in the
+    /// Of all grains in the gravity of their groups, from unwrapped positions: zero if all lie in the
     /// origin.
     pub gravitational: f64,
 }
@@ -66,14 +66,14 @@ struct Flows {
     carriers: f64,
     normal_damping: f64,
     tangential_damping: f64,
-    /// By the dampers of contacts that slide, where those are a part of friction.
+    /// By the dampers of contacts that slide, if those are a part of friction.
     sliding: f64,
 }
 
-/// An account of a simulation's energy: a follower of it, step by step, that changes no bit of it.
+/// The energy budget of a simulation: it follows step by step and changes no bit.
 ///
-/// It holds numbers alone, a few of them whatever the size of the bed, and goes on from a saved copy of
-/// itself and of the state with the bits it would have had. Between its steps the simulation may be
+/// It holds a few numbers only, whatever the size of the bed, and goes on from a saved copy of
+/// itself and of the state with the same bits as without saving. Between its steps the simulation may be
 /// saved and resumed, but not otherwise changed: no other steps, no other velocities.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -102,9 +102,9 @@ struct Held {
 }
 
 impl Audit {
-    /// An account that begins at this state, started or resumed, between two steps.
+    /// A budget that begins at this state, started or resumed, between two steps.
     ///
-    /// The contact forces of the state are had from the law with the velocities of the full step, which
+    /// The contact forces of the state are computed from the law with the velocities of the full step, which
     /// is first order in dt for the damping in the first half step alone.
     pub fn new(sim: &mut Simulation) -> Self {
         let elastic = Elastic::of(&sim.law);
@@ -136,10 +136,10 @@ impl Audit {
         audit
     }
 
-    /// Advances the simulation by one step and books it.
+    /// Advances the simulation by one step and accounts for it.
     ///
     /// # Errors
-    /// As [`Simulation::steps`]; a fault is booked nowhere.
+    /// As [`Simulation::steps`]; a fault is not accounted for.
     pub fn step(&mut self, sim: &mut Simulation) -> Result<(), KernelError> {
         self.step_watched(sim, |_| {})
     }
@@ -195,7 +195,7 @@ impl Audit {
         Ok(())
     }
 
-    /// Books the spring of a contact that touches after a step; `before` is what it was, where it
+    /// Accounts for the spring of a contact that touches after a step; `before` is what it was, if it
     /// touched then too.
     fn hold_on(
         &mut self,
@@ -210,8 +210,8 @@ impl Audit {
             old = held.spring;
             old_force = scale(old, held.stiffness);
             self.stiffening += 0.5 * (stiffness - held.stiffness) * dot(spring, old);
-            // What the spring's force did along the plane that was, and the law advances it along
-            // the plane that is.
+            // The spring's force acted along the old plane, and the law advances the spring along
+            // the new one.
             self.projection += 0.5 * dot(old_force, sub(held.advance, advance));
         }
         let mean = scale(add(force, old_force), 0.5);
@@ -222,13 +222,13 @@ impl Audit {
         self.sliding += dot(mean, slid);
     }
 
-    /// Books the spring of a contact that touches no more.
+    /// Accounts for the spring of a contact that no longer touches.
     fn part(&mut self, gone: &Held) {
         let force = scale(gone.spring, gone.stiffness);
         self.erased += 0.5 * dot(force, gone.spring) + 0.5 * dot(force, gone.advance);
     }
 
-    /// Books the two half steps between the powers that were and those that are.
+    /// Accounts for the two half steps between the previous powers and the present ones.
     fn book(&mut self, now: Energies, powers: Flows, dt: f64) {
         let half = 0.5 * dt;
         let over = |a: f64, b: f64| half * a + half * b;
@@ -251,7 +251,7 @@ impl Audit {
         self.now
     }
 
-    /// The account at the present step; `step` is what its row is called by.
+    /// The budget at the present step; `step` is the one that its row names.
     pub fn row(&self, step: u64) -> EnergyRow {
         let (now, done) = (&self.now, &self.done);
         let given = done.obstacles + done.carriers + self.stiffening;
@@ -277,7 +277,7 @@ impl Audit {
         }
     }
 
-    /// Whether every number is finite, as one read from a file may not be.
+    /// Whether every number is finite; one read from a file may not be.
     pub fn is_finite(&self) -> bool {
         let states = [self.start, self.now].map(|e| e.total());
         let flows = [self.powers, self.done].map(|f| {

@@ -1,11 +1,11 @@
-//! Rows of the account, as a series and as a replay print them.
+//! Rows of the energy budget, as a series and as a replay print them.
 
 use serde::{Deserialize, Serialize};
 
 use crate::table::{Cell, Table, column};
 use crate::units::Units;
 
-/// The account of a simulation's energy at one step: state, and sums since the account began.
+/// The energy budget of a simulation at one step: state, and sums since the budget began.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EnergyRow {
@@ -36,16 +36,16 @@ pub struct EnergyRow {
     pub projection: f64,
     /// Lost with the history of contacts that parted.
     pub erased: f64,
-    /// What the residual is measured by: work of obstacles, of carriers and of gravity, each step's as
+    /// What the residual is compared with: work of obstacles, of carriers and of gravity, each step's as
     /// a magnitude, and what kinetic and elastic energy there was at the start.
     pub work: f64,
-    /// What the balance leaves: the change of the four energies, less work and stiffening, plus all that
+    /// What remains of the balance: the change of the four energies, less work and stiffening, plus all that
     /// was dissipated and lost.
     pub residual: f64,
 }
 
 impl EnergyRow {
-    /// The residual over the work done; 0 where nothing has happened.
+    /// The residual over the work done; 0 if nothing has happened.
     pub fn closure(&self) -> f64 {
         if self.work > 0.0 {
             self.residual / self.work

@@ -28,13 +28,13 @@ pub struct DataFile {
     pub lo: [f64; 3],
     /// Upper edges.
     pub hi: [f64; 3],
-    /// Which axes are periodic, where the file says so: a dump does, a data file does not.
+    /// Which axes are periodic, if the file says so: a dump does, a data file does not.
     pub periodic: Option<[bool; 3]>,
     /// The atoms.
     pub atoms: Vec<Atom>,
 }
 
-/// What reading a part gave, or what is wrong with it; the place is told elsewhere.
+/// What reading a part gave, or what is wrong with it; the place is added by the caller.
 pub(super) type Read<T> = std::result::Result<T, String>;
 
 pub(super) fn number_of(word: &str) -> Read<f64> {

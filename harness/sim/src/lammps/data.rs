@@ -1,4 +1,4 @@
-//! Data files: the beds that others hand around.
+//! Data files: the beds that other programs exchange.
 
 use std::path::Path;
 
@@ -15,7 +15,7 @@ use crate::files::read_text;
 /// neighbour.
 ///
 /// # Errors
-/// [`Error::Input`] with the line, where it is not a data file of `atom_style sphere`.
+/// [`Error::Input`] with the line, if it is not a data file of `atom_style sphere`.
 pub fn read_data(path: &Path) -> Result<DataFile> {
     parse_data(&read_text(path)?, &path.display().to_string())
 }

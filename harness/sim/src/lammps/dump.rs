@@ -38,11 +38,11 @@ pub fn read_dump(path: &Path) -> Result<Vec<DumpFrame>> {
 /// Columns come in any order: `id`, `type`, `radius` or `diameter`, `density` or `mass`, a
 /// position, and perhaps `ix iy iz`, `vx vy vz` and `omegax omegay omegaz`; others are passed over.
 /// Positions are `x`, scaled `xs` (lo + xs (hi - lo)), unwrapped `xu` (brought back by the image
-/// count, or into the box where there is none) or both, `xsu`. Only `x`, diameter, radius, density,
+/// count, or into the box if there is none) or both, `xsu`. Only `x`, diameter, radius, density,
 /// velocity and spin keep every bit: the others are computed with.
 ///
 /// # Errors
-/// [`Error::Input`] with the line, where it is no dump of spheres in a rectangular box.
+/// [`Error::Input`] with the line, if it is not a dump of spheres in a rectangular box.
 pub fn parse_dump(text: &str, name: &str) -> Result<Vec<DumpFrame>> {
     let mut frames = Vec::new();
     each_frame(text, name, |frame| frames.push(frame))?;
@@ -348,7 +348,7 @@ fn shortened(text: &str) -> String {
     text.chars().take(40).collect()
 }
 
-/// The text of one frame, to be put after others; a force for each atom where there is one.
+/// The text of one frame, to be appended to others; a force for each atom if there is one.
 ///
 /// Columns: id, type, radius, density, position, image counts, velocity, spin and perhaps force.
 pub fn dump_text(frame: &DumpFrame, forces: Option<&[[f64; 3]]>) -> String {

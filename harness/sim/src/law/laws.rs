@@ -1,4 +1,4 @@
-//! All contact laws: what a new one is added to.
+//! All contact laws: a new one is added here.
 
 use bitgrain_kernel::contact::{HertzHistory, HertzTsuji, Law};
 use serde::{Deserialize, Serialize};

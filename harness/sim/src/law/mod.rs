@@ -1,6 +1,6 @@
 //! Contact laws as files name them, with the time step that they allow.
 //!
-//! Each law has a file of its own; [`laws`] alone names them all.
+//! Each law has its own file; [`laws`] alone names them all.
 
 mod hertz_history;
 mod hertz_tsuji;

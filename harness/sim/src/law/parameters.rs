@@ -29,11 +29,11 @@ pub struct Springs {
     pub kt: f64,
     /// Part of the overlap that a lever is shorter by than the radius.
     pub short: f64,
-    /// Friction coefficient of a law whose spring and damper sit on the cap together.
+    /// Friction coefficient of a law whose spring and damper are held to the cap together.
     pub joint_cap: Option<f64>,
 }
 
-/// A law whose springs are Hertz': what the account of the energy takes for granted.
+/// A law whose springs are Hertz': as the energy budget assumes.
 pub trait Sprung {
     /// Its springs.
     fn springs(&self) -> Springs;

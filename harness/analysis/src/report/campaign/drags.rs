@@ -36,8 +36,8 @@ pub(super) fn figures(shown: &Shown) -> String {
     section(
         "Drag against Froude number",
         "<p>Bars are one standard error each way; axes are logarithmic. Hollow: the error of the mean did not \
-         converge. Kumar&rsquo;s absolute drags (Table I) are not drawn over these: they are of other depths and \
-         stiffnesses; his exponents and laws stand below, beside ours.</p>\n",
+         converge. Kumar&rsquo;s absolute drags (Table I) are not drawn over these: they belong to other depths \
+         and stiffnesses; his exponents and laws are below, beside ours.</p>\n",
         &all,
         "There is no drag to show.",
     )
@@ -66,7 +66,7 @@ fn each(shown: &Shown, own: Material, curves: &[Of]) -> String {
     };
     let lines: Vec<Line> = curves.iter().zip(&series).filter_map(line).collect();
     let caption = format!(
-        "<b>{}</b>. Lines: three regimes where the points tell them from fewer, elsewhere the plateau up \
+        "<b>{}</b>. Lines: three regimes if the points require them, else the plateau up \
          to Fr&nbsp;=&nbsp;1.",
         escape(&material(&own))
     );
@@ -97,7 +97,7 @@ fn uncut(shown: &Shown, pooled: &Pooled) -> String {
         .collect();
     let line = ends(&series).map(|[from, to]| straight(from, to, |_| 1.0, false));
     let caption = format!(
-        "<b>{}</b>, mean drag from the start over that of the averaging window. Where it is not 1, start-up counts. \
+        "<b>{}</b>, mean drag from the start over that of the averaging window. If it is not 1, start-up matters. \
          Bars: the error of the window&rsquo;s mean alone.",
         escape(&material(&pooled.material))
     );

@@ -7,11 +7,11 @@ use crate::analysis::Value;
 
 /// Points with one marker.
 pub(super) struct Series {
-    /// What the key calls them, plain text.
+    /// Their name in the key, plain text.
     pub name: String,
     /// Where they are.
     pub points: Vec<(f64, Value)>,
-    /// Which of them are less sure than the others, by place; what is left out is not.
+    /// Which of them are less sure than the others, by place; those left out are not.
     pub hollow: Vec<bool>,
 }
 
@@ -55,7 +55,7 @@ pub(super) fn ends(series: &[Series]) -> Option<[f64; 2]> {
 
 /// What a figure is.
 pub(super) struct Figure<'a> {
-    /// Its name for those who do not see it.
+    /// Its name for screen readers.
     pub title: &'a str,
     /// Of the axes, plain text.
     pub labels: [&'a str; 2],
@@ -70,7 +70,7 @@ pub(super) struct Figure<'a> {
 }
 
 impl Figure<'_> {
-    /// As HTML; nothing where nothing is to be drawn.
+    /// As HTML; empty if there is nothing to draw.
     pub(super) fn html(&self) -> String {
         let mark = |(k, series): (usize, &Series)| -> Vec<Mark> {
             let one = |(place, (x, v)): (usize, &(f64, Value))| Mark {
@@ -127,7 +127,7 @@ pub(super) fn straight(from: f64, to: f64, of: impl Fn(f64) -> f64, heavy: bool)
     }
 }
 
-/// A section with figures, or a sentence where there is none.
+/// A section with figures, or a sentence if there are none.
 pub(super) fn section(title: &str, words: &str, figures: &str, none: &str) -> String {
     let body = match figures.is_empty() {
         true => format!("<p class=\"none\">{none}</p>\n"),

@@ -50,13 +50,13 @@ pub fn campaign_page(evidence: &Evidence) -> String {
     assembled(&top, &out)
 }
 
-/// What speaks against the numbers.
+/// The remarks on the numbers.
 fn remarks(shown: &Shown) -> Vec<String> {
     let (a, table) = (shown.analysis, shown.table);
     let mut out = Vec::new();
     if let Some(beside) = shown.beside.filter(|beside| beside.planned > a.rows) {
         let words = format!(
-            "{} of {} runs are done; all that is said here is of these.",
+            "{} of {} runs are done; everything here is about these.",
             a.rows, beside.planned
         );
         out.push(remark("A part", &words));
@@ -70,12 +70,12 @@ fn remarks(shown: &Shown) -> Vec<String> {
     if a.sliding > 0 {
         let n = a.sliding;
         let what = match a.plugs {
-            true => "count all the same (<code>--plugs</code>)",
+            true => "are included nevertheless (<code>--plugs</code>)",
             false => "are left out",
         };
         let words = format!(
-            "In {n} runs the bed above the intruder slid along with it: their drag is the box&rsquo;s as much as the \
-             intruder&rsquo;s. They {what}."
+            "In {n} runs the bed above the intruder slid along with it: their drag depends on the box as much as on \
+             the intruder. They {what}."
         );
         out.push(remark("Plug flow", &words));
     }
@@ -84,8 +84,8 @@ fn remarks(shown: &Shown) -> Vec<String> {
     let (open, all) = (open.count(), table.len());
     if open > 0 {
         let words = format!(
-            "In {open} of {all} runs the averaging window is too short to tell the error of the mean drag: it may be \
-             larger than is said. Their points are hollow."
+            "In {open} of {all} runs the averaging window is too short for the error of the mean drag: it may be \
+             larger than stated. Their points are hollow."
         );
         out.push(remark("Errors that did not converge", &words));
     }
@@ -97,7 +97,7 @@ fn remarks(shown: &Shown) -> Vec<String> {
     if soft > 0 {
         let words = format!(
             "In {soft} of {all} runs grains overlap by more than {OVERLAP_MAX} of their diameter: too soft for \
-             Hertz&rsquo;s law, which takes contacts for narrow, and forces may depend on the stiffness."
+             Hertz&rsquo;s law, which assumes narrow contacts, and forces may depend on the stiffness."
         );
         out.push(remark("Soft contacts", &words));
     }
@@ -110,7 +110,7 @@ fn remarks(shown: &Shown) -> Vec<String> {
     if started > 0 {
         let words = format!(
             "In {started} of {all} runs the mean drag from the start is more than two standard errors off that of the \
-             averaging window. Before you compare, check which of the two means the other work tells: Kumar 2018 \
+             averaging window. Before you compare, check which of the two means the other work reports: Kumar 2018 \
              averages from the start (Fig. 4)."
         );
         out.push(remark("Start-up", &words));
@@ -122,13 +122,13 @@ fn remarks(shown: &Shown) -> Vec<String> {
 fn about(shown: &Shown) -> String {
     let mut out = row(
         "Made with",
-        &format!("{}: any machine gives the same bits", escape(&bits())),
+        &format!("{}: the same bits on any machine", escape(&bits())),
     );
     if shown.beside.is_some() {
         out += &row(
             "Check it",
-            "<code>bitgrain verify . --sample 3</code> in the folder of this page runs parts again and holds them \
-             against every link; without <code>--sample</code> all of it",
+            "<code>bitgrain verify . --sample 3</code> in the folder of this page runs parts again and compares \
+             every link; without <code>--sample</code> all of it",
         );
         out += &row(
             "Files",
@@ -155,7 +155,7 @@ fn lead(shown: &Shown) -> String {
     };
     let slid = match (a.sliding, a.plugs) {
         (0, _) => String::new(),
-        (n, true) => format!(" Of {n} the bed above slid along; they count all the same."),
+        (n, true) => format!(" In {n} the bed above slid along; they are included nevertheless."),
         (n, false) => format!(" {n} are left out because the bed above slid along."),
     };
     format!(
@@ -192,7 +192,7 @@ fn runs(shown: &Shown) -> String {
     let maybe = |v: &Option<Value>| v.as_ref().map_or("\u{2014}".to_owned(), value);
     let reports = shown.beside.map_or(&[][..], |beside| &beside.reports);
     let linked = |name: &str| match name.split_once('/') {
-        // There is the flow round the intruder to see.
+        // Its report shows the flow round the intruder.
         Some((member, run)) if reports.iter().any(|own| own == member) => {
             let (member, run) = (escape(member), escape(run));
             format!("<a href=\"members/{member}/report.html\">{member}</a>/{run}")
@@ -227,7 +227,7 @@ fn runs(shown: &Shown) -> String {
         "<section>\n<h2>The runs</h2>\n<div class=\"wide\" tabindex=\"0\" role=\"region\" \
          aria-label=\"Runs\"><table>\n<thead><tr><th scope=\"col\">Run</th><th scope=\"col\">&mu;</th>\
          <th scope=\"col\">D{length}</th><th scope=\"col\">h{length}</th><th scope=\"col\">Fr</th>\
-         <th scope=\"col\">Drag{force}</th><th scope=\"col\">Contact angle (rad)</th><th scope=\"col\">PlugFlow \
+         <th scope=\"col\">Drag{force}</th><th scope=\"col\">Contact angle (rad)</th><th scope=\"col\">Plug \
          ratio</th><th scope=\"col\">Drift over V</th><th scope=\"col\">Digest, first 16 digits
 </th></tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n</section>\n"
     )

@@ -1,4 +1,4 @@
-//! Charts of what goes on round the intruder (Kumar 2018, Figs. 6 to 8), and of the bed above it.
+//! Charts of the near field of the intruder (Kumar 2018, Figs. 6 to 8), and of the bed above it.
 
 use super::super::scatter::{Line, Range};
 use super::super::text::escape;
@@ -39,7 +39,7 @@ fn points(curve: &Curve, of: Reading) -> Vec<(f64, Value)> {
     all.filter_map(|p| Some((p.froude, of(p)?))).collect()
 }
 
-/// Curves of intruders with contacts enough.
+/// Curves of intruders with enough contacts.
 fn wide<'a>(shown: &'a Shown, near_field: &NearField) -> Vec<&'a Curve> {
     let all = of(shown.analysis, near_field.material).into_iter();
     all.map(|(curve, ..)| curve)
@@ -61,7 +61,7 @@ fn angles(shown: &Shown, near_field: &NearField) -> String {
     series.truncate(OPEN);
     series.resize_with(OPEN, || Series::new(String::new(), []));
     let begins = curves.iter().flat_map(|c| points(c, |p| p.new_angle));
-    let begins = Series::new("where contacts begin, all of them".into(), begins);
+    let begins = Series::new("contacts as they begin, all of them".into(), begins);
     let hollow = vec![true; begins.points.len()];
     series.push(begins.with_hollow(hollow));
     let law = |x: f64, [y1, y2, y3]: [f64; 3]| y1 * libm::pow(x, y2) + std::f64::consts::PI / y3;
@@ -75,7 +75,7 @@ fn angles(shown: &Shown, near_field: &NearField) -> String {
         }
     }
     let caption = format!(
-        "<b>{}</b>, contact angle. Thick line: {}; upper one, where contacts begin: {}. Thin: the paper&rsquo;s law \
+        "<b>{}</b>, contact angle. Thick line: {}; upper one, contacts as they begin: {}. Thin: the paper&rsquo;s law \
          for &mu;&nbsp;=&nbsp;0.5.",
         escape(&material(&near_field.material)),
         text_of(&near_field.contacts.law),
@@ -213,8 +213,8 @@ pub(super) fn drifts(shown: &Shown) -> String {
     }
     let left_out = match shown.analysis.sliding {
         0 => String::new(),
-        n if shown.analysis.plugs => format!(" {n} such are shown all the same."),
-        n => format!(" {n} such are left out of this page."),
+        n if shown.analysis.plugs => format!(" {n} such runs are shown nevertheless."),
+        n => format!(" {n} such runs are left out of this page."),
     };
     let caption = format!(
         "Speed of the layers above the intruder&rsquo;s top over its own, against the drag over the weight of the \
@@ -231,8 +231,8 @@ pub(super) fn drifts(shown: &Shown) -> String {
         caption: &caption,
     };
     section(
-        "Does the bed above hold?",
-        "<p>In a box that repeats along x and y nothing but friction holds the grains above the intruder back.</p>\n",
+        "Does the bed above stay?",
+        "<p>In a box that repeats along x and y only friction holds the grains above the intruder back.</p>\n",
         &figure.html(),
         "No drift was measured.",
     )

@@ -1,4 +1,4 @@
-//! What a campaign's page shows, and what its parts are called.
+//! What a campaign's page shows, and the names of its parts.
 
 use super::super::text::{escape, typeset};
 use crate::analysis::{self, Analysis, Curve, Finding, Material};
@@ -11,7 +11,7 @@ use bitgrain_lab::campaign::table::CampaignTable;
 pub(super) struct Shown<'a> {
     /// Name of the campaign.
     pub(super) name: &'a str,
-    /// What lies beside its table; none of a table alone.
+    /// What lies beside its table; none for a table alone.
     pub(super) beside: Option<&'a Beside>,
     /// Its table.
     pub(super) table: &'a CampaignTable,
@@ -51,7 +51,7 @@ pub(super) fn material(m: &Material) -> String {
     greek(&analysis::material(m))
 }
 
-/// What grains are beside their friction, plain text.
+/// Properties of grains besides their friction, plain text.
 pub(super) fn grains(m: &Material) -> String {
     greek(&analysis::grains(m))
 }

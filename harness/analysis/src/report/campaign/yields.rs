@@ -21,14 +21,14 @@ pub(super) fn figures(shown: &Shown) -> String {
     all += &groups.map(stiffness).collect::<String>();
     section(
         "Yield force",
-        "<p>The drag in the limit of no speed. With friction it is the mean of the plateau; without, it is \
+        "<p>The drag in the limit of zero speed. With friction it is the mean of the plateau; without, it is \
          extrapolated from the slow runs, unless there are runs as slow as the paper&rsquo;s.</p>\n",
         &all,
         "No yield force was found.",
     )
 }
 
-/// Yield force against the friction coefficient, where there are several.
+/// Yield force against the friction coefficient, if there are several.
 fn friction(shown: &Shown) -> String {
     let analysis = shown.analysis;
     let mut series = Vec::new();
@@ -86,7 +86,7 @@ impl Powers {
     }
 }
 
-/// The powers found, where two or more of `points` are there to see; `what` the forces have in common.
+/// The powers found, if two or more of `points` are shown; `what` the forces have in common.
 fn powers(all: &[Exponent], what: &str, points: impl Fn(&Exponent) -> Vec<(f64, Value)>) -> Powers {
     let (mut series, mut lines, mut words) = (Vec::new(), Vec::new(), Vec::new());
     for found in all {
@@ -120,7 +120,7 @@ fn sizes(shown: &Shown, own: &Scaling) -> String {
             .collect()
     });
     let caption = format!(
-        "<b>{}</b>, yield force against D + d, brought to the depth asked for by h<sup>{}</sup>; \
+        "<b>{}</b>, yield force against D + d, scaled to the depth asked for by h<sup>{}</sup>; \
          f (D + d)<sup>&phi;</sup> with A = f and p = &phi;, {}.",
         escape(&material(&own.material)),
         short(own.brought_by),
@@ -184,7 +184,7 @@ fn collapse(shown: &Shown, own: &Scaling, found: &Finding<Collapse>, by_size: bo
     };
     let caption = format!(
         "<b>{}</b>, collapse of {what} with {exponents}: at equal Froude numbers they are {} % off their mean, \
-         root mean square, where errors alone would make it {} %.",
+         root mean square; errors alone would make it {} %.",
         escape(&material(&own.material)),
         short(100.0 * collapse.spread),
         short(100.0 * collapse.expected)
@@ -225,14 +225,14 @@ fn stiffness(group: &Stiffness) -> String {
         _ => "at equal K<sub>n</sub>",
     };
     let caption = format!(
-        "D = {}, h near {}, &mu; = {}: both over those of the least, {with}.",
+        "D = {}, h near {}, &mu; = {}: both over those of the smallest, {with}.",
         short(group.diameter),
         short(group.depth_asked),
         group.mu
     );
     Figure {
         title: &format!("Drag against {label}"),
-        labels: [label, "over that of the least"],
+        labels: [label, "over that of the smallest"],
         ranges: [Range::Ratios, Range::FromZero],
         series: &series,
         lines: &[],

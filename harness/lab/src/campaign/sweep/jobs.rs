@@ -5,7 +5,7 @@ use crate::campaign::only::Only;
 use crate::campaign::plan::{Member, Plan};
 use crate::scenario::DragPlan;
 
-/// What became of a drag: nothing yet, or its end.
+/// The outcome of a drag: nothing yet, or its end.
 pub(super) type Slot = Option<Status>;
 
 /// One drag of one member.
