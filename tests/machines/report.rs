@@ -154,7 +154,7 @@ mod tests {
     #[test]
     fn rows_say_what_came_of_a_target() {
         let same = row(Outcome::Same);
-        let begin = "s390x         qemu-s390x 7.2              1.3  0123456789abcdef  ";
+        let begin = "s390x           qemu-s390x 7.2              1.3  0123456789abcdef  ";
         assert_eq!(same.text(), format!("{begin}same bits"));
         assert_eq!(heading().find("outcome"), same.text().find("same"));
         let told = row(Outcome::Different(at(), "# a panic\n".into())).text();
@@ -200,7 +200,7 @@ mod tests {
         };
         let (text, good) = firmware(&board([1, 2, 3]), &golden);
         assert!(
-            good && text.contains("\ns390x                1        2        3  cannot panic"),
+            good && text.contains("\ns390x                  1        2        3  cannot panic"),
             "{text}"
         );
         let (text, good) = firmware(&board([4, 2, 3]), &golden);

@@ -48,6 +48,11 @@ impl Exact {
     }
 }
 
+/// A dividend with as many places more as a number has, and its divisor.
+fn lengthened((a, b): (i128, i128)) -> (i128, i128) {
+    (a * ONE, b)
+}
+
 impl Add for Exact {
     type Output = Self;
     fn add(self, other: Self) -> Self {
@@ -73,7 +78,7 @@ impl Div for Exact {
     type Output = Self;
     fn div(self, other: Self) -> Self {
         let exact = self.both(other).filter(|(_, b)| *b != 0);
-        Self::checked(self.0 / other.0, exact.map(|(a, b)| (a << 32, b)))
+        Self::checked(self.0 / other.0, exact.map(lengthened))
     }
 }
 impl Neg for Exact {

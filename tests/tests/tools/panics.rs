@@ -52,6 +52,7 @@ fn the_rig_names_every_public_function() {
     let mut count = 0;
     let folders = [
         "",
+        "conformance",
         "contact",
         "digest",
         "forces",

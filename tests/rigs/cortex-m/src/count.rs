@@ -68,7 +68,9 @@ pub fn all<R: Real>(host: &mut HostStream, room: &mut Room<R>) {
     }
     let law = history(50.0);
     let mut sum = 0u64;
-    let ready = World::Bed.lay(room).and_then(|()| start(&mut room.world(), &law));
+    let ready = World::Bed
+        .lay(room)
+        .and_then(|()| start(&mut room.world(), &law));
     let mut sound = ready.is_ok();
     for n in 0..2 * STEPS {
         let taken = ticks(&mut || sound &= step(&mut room.world(), &law).is_ok());

@@ -12,9 +12,9 @@ use core::mem::ManuallyDrop;
 use core::ptr::addr_of_mut;
 
 use bitgrain_kernel::blake3::Hasher;
+use bitgrain_kernel::conformance::{self, Line, Room};
 #[cfg(feature = "no-floats")]
 use bitgrain_kernel::fixed_point::I32F32;
-use bitgrain_kernel::conformance::{self, Line, Room};
 use bitgrain_kernel::{Error as KernelError, Real};
 use cortex_m_semihosting::debug::{self, EXIT_FAILURE, EXIT_SUCCESS};
 use cortex_m_semihosting::hio::{self, HostStream};
@@ -97,14 +97,22 @@ fn single(all: &mut Hasher, host: &mut HostStream) -> Result<(), KernelError> {
 }
 
 #[cfg(feature = "count")]
-fn show<R: Real>(room: &mut Room<R>, _: &mut Hasher, host: &mut HostStream) -> Result<(), KernelError> {
+fn show<R: Real>(
+    room: &mut Room<R>,
+    _: &mut Hasher,
+    host: &mut HostStream,
+) -> Result<(), KernelError> {
     count::begin();
     count::all(host, room);
     Ok(())
 }
 
 #[cfg(not(feature = "count"))]
-fn show<R: Real>(room: &mut Room<R>, all: &mut Hasher, host: &mut HostStream) -> Result<(), KernelError> {
+fn show<R: Real>(
+    room: &mut Room<R>,
+    all: &mut Hasher,
+    host: &mut HostStream,
+) -> Result<(), KernelError> {
     conformance::run(room, all, |line| print(host, line))
 }
 

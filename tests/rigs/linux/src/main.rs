@@ -5,8 +5,8 @@
 #![no_main]
 
 use bitgrain_kernel::blake3::Hasher;
-use bitgrain_kernel::fixed_point::I32F32;
 use bitgrain_kernel::conformance::{self, Line, Room};
+use bitgrain_kernel::fixed_point::I32F32;
 use bitgrain_kernel::{Error as KernelError, Real};
 
 #[cfg_attr(target_os = "none", path = "bare.rs")]

@@ -1,4 +1,4 @@
-//! Every public function of the kernel, in both precisions and under both laws, in tables that the
+//! Every public function of the kernel, in both precisions and in fixed point, under both laws, in tables that the
 //! library exports: a compiler can assume nothing of who calls them with what. The handler of panics
 //! calls a function that is nowhere, so the library asks for it if, and only if, a panic is reachable.
 
@@ -10,9 +10,10 @@ mod calls;
 mod state;
 
 use bitgrain_kernel::contact::{HertzHistory, HertzTsuji};
+use bitgrain_kernel::fixed_point::I32F32;
 
 use calls::Calls;
-use state::{Plain, State};
+use state::{Fixed, Plain, State};
 
 /// What needs no number type.
 #[unsafe(no_mangle)]
@@ -35,6 +36,19 @@ pub static TSUJI_F64: Calls<f64, HertzTsuji<f64>> = Calls::ALL;
 /// Steps and their phases, by precision and law.
 #[unsafe(no_mangle)]
 pub static TSUJI_F32: Calls<f32, HertzTsuji<f32>> = Calls::ALL;
+
+/// Worlds and their parts in fixed point.
+#[unsafe(no_mangle)]
+pub static STATE_FIXED: State<I32F32> = State::ALL;
+/// Steps and their phases there, by law.
+#[unsafe(no_mangle)]
+pub static HISTORY_FIXED: Calls<I32F32, HertzHistory<I32F32>> = Calls::ALL;
+/// Steps and their phases there, by law.
+#[unsafe(no_mangle)]
+pub static TSUJI_FIXED: Calls<I32F32, HertzTsuji<I32F32>> = Calls::ALL;
+/// What is known of the types.
+#[unsafe(no_mangle)]
+pub static FIXED: Fixed = Fixed::ALL;
 
 /// The control: it panics beyond the end of the slice.
 #[cfg(feature = "control")]

@@ -5,6 +5,7 @@ use core::fmt;
 use bitgrain_kernel::blake3::Hasher;
 use bitgrain_kernel::conformance::{self, Line, Room};
 use bitgrain_kernel::contact::{HertzHistory, HertzTsuji};
+use bitgrain_kernel::fixed_point::I32F32;
 use bitgrain_kernel::phases::ObstacleContactRange;
 use bitgrain_kernel::phases::{
     ExcessiveOverlap, GrainRange, GrainView, PairRange, first_excessive_overlap,
@@ -14,11 +15,14 @@ use bitgrain_kernel::phases::{Sealed, seal};
 use bitgrain_kernel::phases::{
     begin, check_overlaps, drift, end, ensure_pair_list, ensure_pair_list_ahead, finish,
 };
+use bitgrain_kernel::scaling::{self, Margin, PRODUCTS, Refusal, Scales};
 use bitgrain_kernel::vec3::{self, Vec3};
 use bitgrain_kernel::{
     ArithmeticDefect, Clock, ContactHistory, Digest, Domain, Error as KernelError, Grains, Group,
     Obstacle, Real, Row, Store, World, check_arithmetic, digest, resume,
 };
+use fixed::FixedI64;
+use fixed::types::extra::U32;
 
 type Ended = Result<(), KernelError>;
 /// A store small enough to be made on a stack.
@@ -233,5 +237,29 @@ impl<R: Real> Stores<R> {
         world: Store::world,
         lay: conformance::World::lay,
         run: |room, all, show| conformance::run(room, all, show),
+    };
+}
+
+/// What is known of the fixed-point types.
+pub struct Fixed {
+    from_bits: fn(i64) -> I32F32,
+    to_bits: fn(I32F32) -> i64,
+    new: fn(f64) -> I32F32,
+    into: fn(FixedI64<U32>) -> I32F32,
+    out: fn(I32F32) -> Option<FixedI64<U32>>,
+    margins: fn(&Scales) -> [Margin; PRODUCTS],
+    check: fn(&Scales) -> Result<[Margin; PRODUCTS], Refusal>,
+}
+
+impl Fixed {
+    /// Each of its functions.
+    pub const ALL: Self = Self {
+        from_bits: I32F32::from_bits,
+        to_bits: I32F32::to_bits,
+        new: I32F32::new,
+        into: I32F32::from,
+        out: |x| x.into(),
+        margins: scaling::margins::<U32>,
+        check: scaling::check::<U32>,
     };
 }

@@ -6,8 +6,8 @@
 use core::ptr::addr_of_mut;
 
 use bitgrain_kernel::blake3::Hasher;
-use bitgrain_kernel::fixed_point::I32F32;
 use bitgrain_kernel::conformance::{self, LINE, Line, Room};
+use bitgrain_kernel::fixed_point::I32F32;
 use bitgrain_kernel::{Error as KernelError, Real};
 
 /// Room for several times the lines that there are.
