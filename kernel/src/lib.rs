@@ -8,7 +8,7 @@
 //!
 //! # A tour, from the bottom up
 //!
-//! * [`Real`] is the number type, `f64` or `f32`, with the few operations a step may use;
+//! * [`Real`] is the number type, `f64`, `f32` or fixed point, with the few operations a step may use;
 //!   [`vec3`] writes its sums out.
 //! * [`Domain`] is the box and its periods. [`Grains`] are rows of four words that the caller owns;
 //!   a [`Group`] says how grains move. An [`Obstacle`] pushes grains and moves as prescribed, and

@@ -402,4 +402,6 @@ mod pages {
     struct Embedding;
     #[doc = include_str!("../../harness/guide/src/extending.md")]
     struct Extending;
+    #[doc = include_str!("../../harness/guide/src/fixed-point.md")]
+    struct FixedPoint;
 }

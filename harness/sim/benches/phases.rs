@@ -3,17 +3,20 @@
 
 use std::hint::black_box;
 
+use bitgrain_kernel::conformance::{self, Room};
 use bitgrain_kernel::contact::{HertzHistory, HertzTsuji, Law};
+use bitgrain_kernel::fixed_point::I32F32;
 use bitgrain_kernel::phases::seal;
 use bitgrain_kernel::phases::{
     After, CrossRangeForce, GrainRange, GrainView, PairRange, accumulate, cross_range, no_fetch,
 };
 use bitgrain_kernel::phases::{MotionPhase, integrate};
 use bitgrain_kernel::phases::{begin, ensure_pair_list_ahead};
-use bitgrain_kernel::{Domain, Group, World};
-use bitgrain_kernel::{resume, start};
+use bitgrain_kernel::{Domain, Group, Real, World};
+use bitgrain_kernel::{resume, start, step};
 use bitgrain_sim::owned_world::OwnedWorld;
-use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use criterion::measurement::WallTime;
+use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
 use multiversion::multiversion;
 
 /// Grains along each side of the lattice, a little closer than their diameter of 1.
@@ -143,9 +146,9 @@ fn picking(c: &mut Criterion) {
     begin(&mut world, sealed).expect("a world at rest");
     group.bench_function("near pairs", |b| {
         b.iter(|| ensure_pair_list_ahead(black_box(&mut world)).expect("room enough"));
+        assert!(world.clock.prunes() > 1, "and pairs were picked");
     });
     assert_eq!(world.clock.outer_list_rebuilds(), before, "candidates held");
-    assert!(world.clock.prunes() > 1, "and pairs were picked");
     group.finish();
 }
 
@@ -204,5 +207,35 @@ fn motion(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, contact_block, picking, sums, rebuild, motion);
+/// A step of the reference bed, by number type.
+fn types(c: &mut Criterion) {
+    let mut group = c.benchmark_group("number types, per grain");
+    group.throughput(Throughput::Elements(21));
+    of_type::<f64>(&mut group);
+    of_type::<f32>(&mut group);
+    of_type::<I32F32>(&mut group);
+    group.finish();
+}
+
+fn of_type<R: Real>(group: &mut BenchmarkGroup<'_, WallTime>) {
+    let mut room = Box::new(Room::<R>::vacant());
+    let laid = conformance::World::Bed.lay(&mut room);
+    laid.expect("a reference world fits");
+    let law = conformance::history::<R>(300.0);
+    let mut world = room.world();
+    start(&mut world, &law).expect("a sound state");
+    group.bench_function(R::NAME, |b| {
+        b.iter(|| step(black_box(&mut world), &law).expect("a sound step"));
+    });
+}
+
+criterion_group!(
+    benches,
+    contact_block,
+    picking,
+    sums,
+    rebuild,
+    motion,
+    types
+);
 criterion_main!(benches);

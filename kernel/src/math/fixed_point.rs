@@ -51,6 +51,16 @@ impl Places for U40 {
     const NAME: &'static str = "I24F40";
 }
 
+/// A fixed-point number.
+pub trait FixedPoint: Real {
+    /// Bits after the point.
+    const PLACES: u32;
+}
+
+impl<F: Places> FixedPoint for Fixed<F> {
+    const PLACES: u32 = F::BITS;
+}
+
 /// The overflow mark.
 const MARK: i64 = i64::MIN;
 

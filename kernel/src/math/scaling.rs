@@ -3,8 +3,8 @@
 
 use core::fmt;
 
-use crate::math::fixed_point::Places;
-use fixed::types::extra::{U24, U32, U40};
+use crate::math::fixed_point::{FixedPoint, I24F40, I32F32, I40F24};
+use crate::math::real::Real;
 
 /// How large the numbers of a world are, in its own units.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -91,9 +91,9 @@ impl fmt::Display for Refusal {
 
 impl core::error::Error for Refusal {}
 
-/// The products of a step with these scales, in the type with `F` places. Of sizes that differ between grains the one
+/// The products of a step with these scales, in the type `R`. Of sizes that differ between grains the one
 /// nearer to a limit counts.
-pub fn margins<F: Places>(scales: &Scales) -> [Margin; PRODUCTS] {
+pub fn margins<R: FixedPoint>(scales: &Scales) -> [Margin; PRODUCTS] {
     let s = scales;
     let ([r, big_r], [m, big_m]) = (s.radius, s.mass);
     let contact = libm::sqrt(big_r * s.overlap);
@@ -102,33 +102,33 @@ pub fn margins<F: Places>(scales: &Scales) -> [Margin; PRODUCTS] {
     let pull = q * contact;
     let inertia = |m: f64, r: f64| 1.0 / (0.4 * m * r * r);
     [
-        large::<F>("x", s.extent),
-        digits::<F>("v dt", s.speed * s.dt),
-        large::<F>("v v", s.speed * s.speed),
-        digits::<F>("R delta", 0.5 * r * s.overlap),
-        large::<F>("k delta^1.5", s.normal_stiffness * s.overlap * contact),
-        large::<F>("q q", if q > pull { q * q } else { pull * pull }),
-        large::<F>("1/I", inertia(m, r)),
-        digits::<F>("1/I of the largest grain", inertia(big_m, big_r)),
-        digits::<F>("1/m of the largest grain", 1.0 / big_m),
+        large::<R>("x", s.extent),
+        digits::<R>("v dt", s.speed * s.dt),
+        large::<R>("v v", s.speed * s.speed),
+        digits::<R>("R delta", 0.5 * r * s.overlap),
+        large::<R>("k delta^1.5", s.normal_stiffness * s.overlap * contact),
+        large::<R>("q q", if q > pull { q * q } else { pull * pull }),
+        large::<R>("1/I", inertia(m, r)),
+        digits::<R>("1/I of the largest grain", inertia(big_m, big_r)),
+        digits::<R>("1/m of the largest grain", 1.0 / big_m),
     ]
 }
 
-/// The margins of all products, if the type with `F` places holds them.
+/// The margins of all products, if the type `R` holds them.
 ///
 /// # Errors
 /// The first product that overflows, or has fewer than [`BELOW`] bits.
-pub fn check<F: Places>(scales: &Scales) -> Result<[Margin; PRODUCTS], Refusal> {
-    let all = margins::<F>(scales);
+pub fn check<R: FixedPoint>(scales: &Scales) -> Result<[Margin; PRODUCTS], Refusal> {
+    let all = margins::<R>(scales);
     let Some(margin) = first_refused(&all) else {
         return Ok(all);
     };
     let holds = |all: [Margin; PRODUCTS], name| first_refused(&all).is_none().then_some(name);
-    let instead = holds(margins::<U32>(scales), U32::NAME)
-        .or_else(|| holds(margins::<U24>(scales), U24::NAME))
-        .or_else(|| holds(margins::<U40>(scales), U40::NAME));
+    let instead = holds(margins::<I32F32>(scales), I32F32::NAME)
+        .or_else(|| holds(margins::<I40F24>(scales), I40F24::NAME))
+        .or_else(|| holds(margins::<I24F40>(scales), I24F40::NAME));
     Err(Refusal {
-        kind: F::NAME,
+        kind: R::NAME,
         margin,
         instead,
     })
@@ -140,8 +140,8 @@ fn first_refused(all: &[Margin; PRODUCTS]) -> Option<Margin> {
 }
 
 /// A product that must not overflow; of a small one nothing is lost that counts.
-fn large<F: Places>(product: &'static str, size: f64) -> Margin {
-    let margin = digits::<F>(product, size);
+fn large<R: FixedPoint>(product: &'static str, size: f64) -> Margin {
+    let margin = digits::<R>(product, size);
     let below = if margin.below < BELOW {
         BELOW
     } else {
@@ -151,13 +151,13 @@ fn large<F: Places>(product: &'static str, size: f64) -> Margin {
 }
 
 /// A product that must not overflow and needs its digits.
-fn digits<F: Places>(product: &'static str, size: f64) -> Margin {
+fn digits<R: FixedPoint>(product: &'static str, size: f64) -> Margin {
     let power = exponent(size);
     Margin {
         product,
         size,
-        above: 62 - F::BITS as i32 - power,
-        below: power + F::BITS as i32,
+        above: 62 - R::PLACES as i32 - power,
+        below: power + R::PLACES as i32,
     }
 }
 

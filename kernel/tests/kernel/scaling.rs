@@ -1,7 +1,7 @@
 //! What the scaling helper says of units that fit and of units that do not.
 
+use bitgrain_kernel::fixed_point::{I24F40, I32F32, I40F24};
 use bitgrain_kernel::scaling::{Scales, check};
-use fixed::types::extra::{U24, U32, U40};
 
 /// Reduced units: diameter, density and gravity 1, and the stiffness of Kumar 2018.
 const REDUCED: Scales = Scales {
@@ -18,7 +18,7 @@ const REDUCED: Scales = Scales {
 
 #[test]
 fn reduced_units_fit() {
-    let all = check::<U32>(&REDUCED).unwrap();
+    let all = check::<I32F32>(&REDUCED).unwrap();
     let of = |name: &str| *all.iter().find(|m| m.product == name).unwrap();
     // 1.5e-3 is 2^-9.4 and has 32 - 10 bits; (2.45e5 * 0.02 + 237.6 * 5)^2 is 2^25.1 of 2^31.
     assert_eq!(of("v dt").below, 22);
@@ -32,7 +32,7 @@ fn what_does_not_fit_is_named_with_what_would_do() {
         tangential_stiffness: 1e9,
         ..REDUCED
     };
-    let told = |scales: &Scales| check::<U32>(scales).unwrap_err().to_string();
+    let told = |scales: &Scales| check::<I32F32>(scales).unwrap_err().to_string();
     assert_eq!(
         told(&Scales {
             overlap: 0.1,
@@ -65,15 +65,15 @@ fn si_units_are_refused() {
         extent: 0.1,
     };
     for told in [
-        check::<U24>(&glass).unwrap_err(),
-        check::<U32>(&glass).unwrap_err(),
-        check::<U40>(&glass).unwrap_err(),
+        check::<I40F24>(&glass).unwrap_err(),
+        check::<I32F32>(&glass).unwrap_err(),
+        check::<I24F40>(&glass).unwrap_err(),
     ] {
         assert_eq!(told.instead, None, "{told}");
     }
     for wrong in [f64::NAN, f64::INFINITY] {
         assert!(
-            check::<U32>(&Scales {
+            check::<I32F32>(&Scales {
                 speed: wrong,
                 ..REDUCED
             })

@@ -259,7 +259,7 @@ impl Fixed {
         new: I32F32::new,
         into: I32F32::from,
         out: |x| x.into(),
-        margins: scaling::margins::<U32>,
-        check: scaling::check::<U32>,
+        margins: scaling::margins::<I32F32>,
+        check: scaling::check::<I32F32>,
     };
 }
