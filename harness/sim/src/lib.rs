@@ -5,8 +5,8 @@
 //!   [`spatial_order`] numbers grains in space, [`random`] draws numbers that never change;
 //! * [`law`]: contact laws by name with their ranges, [`coefficients`] in the numbers of both papers;
 //! * measuring: [`observe`] reads a state, [`observer`] watches a stage, [`energy_budget`] accounts for the energy,
-//!   [`coarse_graining`] averages velocity and stress in space, [`histogram`] counts, [`block_averaging`] gives means
-//!   and their errors, in a [`motion`] and in [`units`];
+//!   [`coarse_graining`] averages velocity and stress in space, [`histogram`] counts, [`exact_sum`] adds in any order,
+//!   [`block_averaging`] gives means and their errors, in a [`motion`] and in [`units`];
 //! * keeping: [`checkpoint`], [`chain`] (digests), [`lammps`] and [`export`] (LAMMPS and VTK files);
 //! * below all: [`error`], [`disk`] (every call to the file system), [`files`], [`table`] (CSV), [`memory`],
 //!   [`mod@format`].
@@ -24,6 +24,7 @@ mod crowd;
 pub mod disk;
 pub mod energy_budget;
 pub mod error;
+pub mod exact_sum;
 pub mod export;
 pub mod files;
 pub mod format;
