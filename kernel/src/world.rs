@@ -276,8 +276,8 @@ impl<R: Real> World<'_, R> {
             let sized = radius > R::ZERO && radius.is_finite();
             let heavy = mass > R::ZERO && mass.is_finite() && (R::ONE / mass).is_finite();
             // In fixed point the square of a small radius may vanish.
-            let turns = (R::ONE / mass) / ((radius * radius) * R::from_f64(0.4));
-            let sized = sized && (!R::FIXED_POINT || turns.is_finite());
+            let turns = || (R::ONE / mass) / ((radius * radius) * R::from_f64(0.4));
+            let sized = sized && (!R::FIXED_POINT || turns().is_finite());
             if usize::from(get_or_default(g.group, i)) >= g.groups.len() || !sized || !heavy {
                 return Err(Error::BadGrain { id });
             }

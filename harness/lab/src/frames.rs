@@ -168,10 +168,8 @@ pub fn parse(text: &str) -> Result<Vec<Frame>, usize> {
 
 /// Steps of the frames that rows hold.
 pub fn steps(rows: &str) -> Vec<u64> {
-    let first = |line: &str| line.split(',').next().and_then(|word| word.parse().ok());
-    let mut steps: Vec<u64> = rows.lines().filter_map(first).collect();
-    steps.dedup();
-    steps
+    let frames = parse(&text(rows)).unwrap_or_default();
+    frames.iter().map(|frame| frame.step).collect()
 }
 
 #[cfg(test)]

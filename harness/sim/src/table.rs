@@ -121,6 +121,12 @@ impl<R: Clone + Default> Table<R> {
     /// # Errors
     /// The line, counted from 1, that is not a row of these columns, or does not name them.
     pub fn parse(&self, text: &str) -> Result<Vec<R>, usize> {
+        let rows = self.numbered(text)?;
+        Ok(rows.into_iter().map(|(_, row)| row).collect())
+    }
+
+    /// The rows of a file, each with its line; as [`Table::parse`].
+    pub(crate) fn numbered(&self, text: &str) -> Result<Vec<(usize, R)>, usize> {
         let mut reader = csv::ReaderBuilder::new()
             .comment(Some(b'#'))
             .has_headers(false)
@@ -137,7 +143,8 @@ impl<R: Clone + Default> Table<R> {
             let fits = record.len() == columns.len();
             let mut cells = columns.iter().zip(&record);
             let whole = fits && cells.all(|(c, text)| (c.cell)(&mut row).take(text).is_some());
-            whole.then_some(row).ok_or(line(record.position()))
+            let line = line(record.position());
+            whole.then_some((line, row)).ok_or(line)
         };
         records.map(|record| record.and_then(row)).collect()
     }

@@ -15,7 +15,7 @@ use core::fmt;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use fixed::FixedI64;
-use fixed::types::extra::{LeEqU64, U24, U32, U40};
+use fixed::types::extra::{LeEqU64, U24, U32, U40, Unsigned};
 
 use crate::math::real::Real;
 
@@ -33,21 +33,18 @@ pub type I24F40 = Fixed<U40>;
 /// Bits after the point that a world can be computed with.
 pub trait Places: LeEqU64 + Copy + Default + fmt::Debug + Send + Sync + 'static {
     /// How many.
-    const BITS: u32;
+    const BITS: u32 = <Self as Unsigned>::U32;
     /// What the type is called in the crate `fixed`.
     const NAME: &'static str;
 }
 
 impl Places for U24 {
-    const BITS: u32 = 24;
     const NAME: &'static str = "I40F24";
 }
 impl Places for U32 {
-    const BITS: u32 = 32;
     const NAME: &'static str = "I32F32";
 }
 impl Places for U40 {
-    const BITS: u32 = 40;
     const NAME: &'static str = "I24F40";
 }
 
@@ -76,11 +73,11 @@ const fn signed(size: u64, negative: bool) -> i64 {
     }
 }
 
-/// `size`, one more if the part that is left of it is more than half, or half and `size` is odd; `left` and `half` in
-/// any common unit.
+/// `size`, one more if `left` of it, in any unit, is more than the `rest` to the next number, or as much and `size` is
+/// odd.
 #[inline(always)]
-const fn rounded(size: u64, left: u64, half: u64) -> u64 {
-    size + (left > half || left == half && size & 1 == 1) as u64
+const fn rounded(size: u64, left: u64, rest: u64) -> u64 {
+    size + (left > rest || left == rest && size & 1 == 1) as u64
 }
 
 /// `a b 2^-F`. On small machines it is called, not copied to each place: flash and stack are scarce there.
@@ -133,9 +130,8 @@ const fn quotient(a: i64, b: i64, places: u32) -> i64 {
         wanted -= digits;
     }
     size <<= wanted;
-    // Against half the divisor, without overflow.
-    let above = left > y - left || left == y - left && size & 1 == 1;
-    signed(size + above as u64, (a ^ b) < 0)
+    // What is left against the rest of the divisor: twice that could overflow.
+    signed(rounded(size, left, y - left), (a ^ b) < 0)
 }
 
 /// The root of `a`.

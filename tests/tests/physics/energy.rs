@@ -1,11 +1,11 @@
 //! The energy budget of a simulation: it closes, by terms that are all needed, and changes nothing.
 
-use bitgrain::case::{GrainSpec, MotionSpec};
+use bitgrain::case::GrainSpec;
 use bitgrain::checkpoint;
 use bitgrain::energy_budget::{Audit, EnergyRow};
 use bitgrain::law::{HertzHistoryParameters, HertzTsujiParameters, LawSpec};
 use bitgrain::simulation::Simulation;
-use bitgrain_tests::{floor, golden_case, open_case, output, settled_quick};
+use bitgrain_tests::{ball, floor, golden_case, open_case, output, settled_quick};
 
 /// The largest residual of the balance, over the work done.
 const CLOSED: f64 = 1e-3;
@@ -29,21 +29,16 @@ fn guillard(young: f64, restitution: f64, mu: f64) -> LawSpec {
     })
 }
 
-fn ball(id: u32, position: [f64; 3], velocity: [f64; 3], spin: [f64; 3]) -> GrainSpec {
+fn spun(id: u32, position: [f64; 3], velocity: [f64; 3], spin: f64) -> GrainSpec {
     GrainSpec {
-        id,
-        diameter: 1.0,
-        density: 1.0,
-        position,
-        velocity,
-        spin,
-        motion: MotionSpec::Free,
+        spin: [0.0, 0.0, spin],
+        ..ball(id, position, velocity)
     }
 }
 
 /// A grain on its way to a floor.
 fn hits_floor(law: LawSpec, velocity: [f64; 3], dt: f64) -> Simulation {
-    let grain = ball(1, [0.0, 0.0, 0.5005], velocity, [0.0; 3]);
+    let grain = ball(1, [0.0, 0.0, 0.5005], velocity);
     let case = open_case(law, dt, vec![grain], vec![floor()]);
     case.start("floor", |_| {}).expect("a sound case")
 }
@@ -54,8 +49,8 @@ fn meets(law: LawSpec, velocity: [f64; 2], offset: f64, spin: f64, dt: f64) -> S
     let apart = (1.0 - offset * offset).sqrt() + 5e-4;
     let [x, y] = velocity;
     let grains = vec![
-        ball(1, [0.0; 3], [x, y, 0.0], [0.0, 0.0, spin]),
-        ball(2, [apart, offset, 0.0], [-x, -y, 0.0], [0.0, 0.0, spin]),
+        spun(1, [0.0; 3], [x, y, 0.0], spin),
+        spun(2, [apart, offset, 0.0], [-x, -y, 0.0], spin),
     ];
     let case = open_case(law, dt, grains, vec![]);
     case.start("pair", |_| {}).expect("a sound case")

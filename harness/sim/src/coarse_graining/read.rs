@@ -19,22 +19,20 @@ pub fn plane(text: &str, grid: Grid) -> Result<Fields, usize> {
         flags: Vec::with_capacity(grid.points()),
         points: Vec::with_capacity(grid.points()),
     };
-    let rows = PLANE.parse(text)?;
-    // Rows are the last lines of the file.
-    let line = |k: usize| text.lines().count() + k + 1 - rows.len();
-    for (k, row) in rows.iter().enumerate() {
+    let rows = PLANE.numbered(text)?;
+    for (k, (line, row)) in rows.iter().enumerate() {
         let (kx, kz) = (k % grid.counts[0], k / grid.counts[0]);
         // Another grid has its points elsewhere.
         let place = [grid.at(0, kx), grid.at(2, kz)].map(|p| Some(p as f32));
         if k == grid.points() || row.place.map(|p| p.map(|p| p as f32)) != place {
-            return Err(line(k));
+            return Err(*line);
         }
         fields.flags.push(row.flag);
-        fields.points.push(point(row).ok_or_else(|| line(k))?);
+        fields.points.push(point(row).ok_or(*line)?);
     }
     match rows.len() == grid.points() {
         true => Ok(fields),
-        false => Err(line(rows.len())),
+        false => Err(rows.last().map_or(text.lines().count(), |(line, _)| *line) + 1),
     }
 }
 

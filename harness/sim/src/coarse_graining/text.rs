@@ -348,6 +348,9 @@ mod tests {
             ..grid
         };
         assert_eq!(read::plane(&text, turned), Err(3));
+        // Lines that only some readers take for several.
+        let joined = format!("{}\n{}\n{}\n", lines[0], lines[1], lines[2..].join("\r"));
+        assert_eq!(read::plane(&joined, turned), Err(3));
     }
 
     /// The words that VTK needs, and bytes that are those of the numbers.
