@@ -2,13 +2,8 @@
 
 use crate::claims::FAR_FIELD_LEAST;
 use bitgrain_lab::plug_flow::PlugFlow;
-use bitgrain_lab::summary::{BedSummary, DragSummary, Flow, Summary};
+use bitgrain_lab::summary::{BedSummary, DragSummary, Flow, LARGE_OVERLAP, Summary};
 use bitgrain_sim::format::short;
-
-/// Deepest overlap over the mean diameter up to which grains are hard enough: at a twentieth the contact
-/// of two equal grains is 0.45 of their radius wide, and Hertz's law takes it for narrow (Johnson, Contact
-/// Mechanics, section 4.2).
-pub const OVERLAP_MAX: f64 = 0.05;
 
 /// Packing fraction above which equal spheres are not a random packing (random close packing).
 const CLOSE: f64 = 0.64;
@@ -36,13 +31,13 @@ fn remark(title: impl Into<String>, words: String) -> Remark {
 }
 
 /// The remark if the deepest overlap of a run, over the mean diameter, is beyond
-/// [`OVERLAP_MAX`]; nothing if it is not. A value that is not a number is beyond.
+/// [`LARGE_OVERLAP`]; nothing if it is not. A value that is not a number is beyond.
 pub fn overlap_remark(deepest: f64) -> Option<String> {
-    if deepest <= OVERLAP_MAX {
+    if deepest <= LARGE_OVERLAP {
         return None;
     }
     Some(format!(
-        "The deepest overlap is {} of the mean diameter, beyond {OVERLAP_MAX}: grains are too soft for \
+        "The deepest overlap is {} of the mean diameter, beyond {LARGE_OVERLAP}: grains are too soft for \
          Hertz's law, which assumes narrow contacts, and forces may depend on the stiffness. Stiffer \
          grains, with a shorter time step, or a slower drag lower the overlap.",
         short(deepest)

@@ -5,7 +5,7 @@ use bitgrain_kernel::{Error as KernelError, check_arithmetic};
 use serde::{Deserialize, Serialize};
 
 use crate::flow::{FlowGauge, FlowMeans};
-use crate::near_field::{NearField, NearFieldMeans};
+use crate::near_field::{NearField, NearFieldMeans, WithinMeans};
 use crate::progress::Stage;
 use crate::scenario::{DragPlan, History};
 use crate::series::SeriesRow;
@@ -156,7 +156,7 @@ impl Dragging {
                 ..DragSeries::default()
             },
             gauges: Gauges::default(),
-            around: NearField::default(),
+            around: NearField::new(&plan.reaches),
             audit: plan.energy.then(|| Audit::new(sim)),
             fields: plan
                 .fields
@@ -303,6 +303,11 @@ impl Dragging {
         } else {
             Err("does not hold the drag that its chain of digests is of".into())
         }
+    }
+
+    /// Means over the window of the grains within other distances of the intruder.
+    pub fn within(&self) -> Vec<WithinMeans> {
+        self.around.within()
     }
 
     /// Means over the window of a finished drag.

@@ -40,4 +40,5 @@ pub mod scenario;
 pub mod selftest;
 pub mod series;
 pub mod summary;
+mod travel;
 pub mod verify;

@@ -30,6 +30,29 @@ pub struct NearField {
     floating: BlockSums,
     moving: BlockSums,
     drift: BlockSums,
+    /// The grains within other distances; none in the states of runs that measured none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    reaches: Vec<Within>,
+}
+
+/// Sums over the grains within a distance of the intruder's surface.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Within {
+    reach: f64,
+    coordination: BlockSums,
+    floating: BlockSums,
+}
+
+/// Means over the grains within a distance of the intruder's surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WithinMeans {
+    /// The distance.
+    pub reach: f64,
+    /// Contacts of a grain.
+    pub coordination: Mean,
+    /// Share of the grains that have none.
+    pub floating: Mean,
 }
 
 /// Means over the averaging window.
@@ -59,6 +82,18 @@ pub struct Sample {
 }
 
 impl NearField {
+    /// Nothing yet; `reaches` are the distances within which coordination is measured besides [`NEAR`].
+    pub fn new(reaches: &[f64]) -> Self {
+        let within = |&reach: &f64| Within {
+            reach,
+            ..Within::default()
+        };
+        Self {
+            reaches: reaches.iter().map(within).collect(),
+            ..Self::default()
+        }
+    }
+
     /// After every step: contacts that began with it, which are summed if the step is `counted`.
     pub fn touched(&mut self, sim: &Simulation, moves: Moves, counted: bool, angles: &mut Angles) {
         let before = std::mem::take(&mut self.touching);
@@ -84,9 +119,14 @@ impl NearField {
         mean_diameter: f64,
         counted: Option<(&mut Angles, &mut Coordination)>,
     ) -> Sample {
-        let (angles, near) = observe::neighbourhood(sim, NEAR * mean_diameter, moves.forward());
+        let own = NEAR * mean_diameter;
+        let reaches = self.reaches.iter().map(|within| within.reach);
+        let farthest = reaches.fold(own, |a, b| if b > a { b } else { a });
+        let found = observe::neighbourhood(sim, farthest, moves.forward());
+        let near: Vec<f64> = found.contacts(own).collect();
+        let angles = &found.angles;
         let sample = Sample {
-            angle: mean(&angles),
+            angle: mean(angles),
             coordination: mean(&near),
         };
         let Some((all_angles, all_near)) = counted else {
@@ -98,7 +138,13 @@ impl NearField {
             self.coordination.add(contacts);
             self.floating.add(f64::from(u8::from(contacts == 0.0)));
         }
-        all_angles.add(&angles);
+        for within in &mut self.reaches {
+            for contacts in found.contacts(within.reach) {
+                within.coordination.add(contacts);
+                within.floating.add(f64::from(u8::from(contacts == 0.0)));
+            }
+        }
+        all_angles.add(angles);
         all_near.add(&near);
         let body = sim.obstacles[INTRUDER as usize];
         let speed = body.velocity[0];
@@ -120,6 +166,18 @@ impl NearField {
             moving: self.moving.mean(),
             drift: self.drift.mean(),
         }
+    }
+
+    /// The means of what was summed within other distances; those that have too few grains are left out.
+    pub fn within(&self) -> Vec<WithinMeans> {
+        let means = |within: &Within| {
+            Some(WithinMeans {
+                reach: within.reach,
+                coordination: within.coordination.mean()?,
+                floating: within.floating.mean()?,
+            })
+        };
+        self.reaches.iter().filter_map(means).collect()
     }
 }
 

@@ -5,4 +5,4 @@ mod read;
 mod record;
 
 pub use read::{parse_record, parse_summary, read_folder, read_summary};
-pub use record::{BedSummary, DragRecord, DragSummary, Flow, Rig, Summary};
+pub use record::{BedSummary, DragRecord, DragSummary, Flow, LARGE_OVERLAP, Reach, Rig, Summary};

@@ -20,9 +20,11 @@ use crate::progress::Progress;
 use crate::rerun::{RunArchive, RunPart};
 use crate::run::{self, side_by_side};
 use crate::scenario::{BedPlan, DragPlan};
+use crate::summary::parse_record;
 use bitgrain_sim::checkpoint;
 use bitgrain_sim::disk;
 use bitgrain_sim::error::{Error, Result};
+use bitgrain_sim::files::read_text;
 use bitgrain_sim::observer::Observer;
 use bitgrain_sim::random::{Purpose, uniforms};
 
@@ -316,8 +318,12 @@ fn drag_again(
     let mut same = checkpoint::pack(&mut sim, &note)? == bytes;
     let mut more = String::new();
     if same && check.broken.is_none() && to == plan.steps() {
-        let (tables, summary) = run::results(drag, &dragging, &mut sim)?;
+        let (tables, mut summary) = run::results(drag, &dragging, &mut sim)?;
         let place = archive.folder.of_run(&plan.name, "summary.json");
+        let written = read_text(&place).and_then(|text| parse_record(&text, &place));
+        if let Ok(written) = written {
+            summary.leave_out_as(&written.run);
+        }
         let summary = crate::json::json_text(
             &place,
             &run::record(drag.folder, drag.scenario, drag.bed, &summary),

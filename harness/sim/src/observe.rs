@@ -145,11 +145,28 @@ pub fn contact_angle(sim: &Simulation, i: usize, front: f64) -> f64 {
     libm::acos(front * d[0] / length(d))
 }
 
-/// What is round the intruder: the angles at which grains touch it, by ascending grain, and the numbers
-/// of contacts, with grains and obstacles, of the free grains whose centres lie within `reach` of its
-/// surface, those without contacts among them (Kumar 2018, Figs. 6 and 7). `front` is that of
+/// What is round the intruder.
+pub struct Neighbourhood {
+    /// Angles at which grains touch it, by ascending grain (radians).
+    pub angles: Vec<f64>,
+    radius: f64,
+    /// Squared distance from its centre or axis and number of contacts of free grains.
+    grains: Vec<(f64, f64)>,
+}
+
+impl Neighbourhood {
+    /// Numbers of contacts, with grains and obstacles, of the free grains whose centres lie within `reach` of the
+    /// intruder's surface, those without contacts among them; `reach` is at most the one that was looked at.
+    pub fn contacts(&self, reach: f64) -> impl Iterator<Item = f64> {
+        let limit = self.radius + reach;
+        let near = move |grain: &&(f64, f64)| grain.0 <= limit * limit;
+        self.grains.iter().filter(near).map(|grain| grain.1)
+    }
+}
+
+/// What is round the intruder, as far as `reach` from its surface (Kumar 2018, Figs. 6 and 7). `front` is that of
 /// [`contact_angle`].
-pub fn neighbourhood(sim: &mut Simulation, reach: f64, front: f64) -> (Vec<f64>, Vec<f64>) {
+pub fn neighbourhood(sim: &mut Simulation, reach: f64, front: f64) -> Neighbourhood {
     let mut contacts = vec![0u32; sim.count()];
     let mut angles = Vec::new();
     for bond in sim.contact_histories() {
@@ -166,39 +183,52 @@ pub fn neighbourhood(sim: &mut Simulation, reach: f64, front: f64) -> (Vec<f64>,
             }
         }
     }
-    let limit = sim.obstacles[INTRUDER as usize].reach() + reach;
+    let radius = sim.obstacles[INTRUDER as usize].reach();
+    let limit = radius + reach;
     let near = |i: usize| {
         let d = from_intruder(sim, i);
-        sim.role(i) == Role::Free && d[0] * d[0] + d[1] * d[1] + d[2] * d[2] <= limit * limit
+        let squared = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+        (sim.role(i) == Role::Free && squared <= limit * limit)
+            .then(|| (squared, f64::from(contacts[i])))
     };
-    let grains = (0..sim.count()).filter(|&i| near(i));
-    let numbers = grains.map(|i| f64::from(contacts[i])).collect();
-    (angles, numbers)
+    Neighbourhood {
+        grains: (0..sim.count()).filter_map(near).collect(),
+        angles,
+        radius,
+    }
 }
 
-/// Deepest overlap of two grains, or of a grain and the intruder, from the positions; 0 if none touch.
-pub fn deepest_overlap(sim: &mut Simulation) -> f64 {
-    let mut deepest = 0.0;
-    for bond in sim.contact_histories() {
-        let overlap = match bond {
-            ContactHistory::Pair { i, j, .. } => {
-                let (x, y) = (sim.position[i as usize], sim.position[j as usize]);
-                let d = sim
-                    .domain
-                    .separation([x[0], x[1], x[2]], [y[0], y[1], y[2]]);
-                x[3] + y[3] - length(d)
-            }
-            ContactHistory::Obstacle { i, obstacle, .. } if obstacle == INTRUDER => {
-                let reach = sim.obstacles[INTRUDER as usize].reach();
-                sim.position[i as usize][3] + reach - length(from_intruder(sim, i as usize))
-            }
-            ContactHistory::Obstacle { .. } => continue,
-        };
-        if overlap > deepest {
-            deepest = overlap;
+/// Overlaps of grains with each other and with the intruder, from the positions (length).
+pub fn overlaps(sim: &mut Simulation) -> Vec<f64> {
+    let radius = sim.obstacles[INTRUDER as usize].reach();
+    let contacts = sim.contact_histories();
+    let overlap = |contact: ContactHistory<f64>| match contact {
+        ContactHistory::Pair { i, j, .. } => {
+            let (x, y) = (sim.position[i as usize], sim.position[j as usize]);
+            let d = sim
+                .domain
+                .separation([x[0], x[1], x[2]], [y[0], y[1], y[2]]);
+            Some(x[3] + y[3] - length(d))
         }
-    }
-    deepest
+        ContactHistory::Obstacle { i, obstacle, .. } if obstacle == INTRUDER => {
+            Some(sim.position[i as usize][3] + radius - length(from_intruder(sim, i as usize)))
+        }
+        ContactHistory::Obstacle { .. } => None,
+    };
+    contacts.into_iter().filter_map(overlap).collect()
+}
+
+/// Deepest of the [`overlaps`]; 0 if none touch.
+pub fn deepest_overlap(sim: &mut Simulation) -> f64 {
+    let deeper = |a, b| if b > a { b } else { a };
+    overlaps(sim).into_iter().fold(0.0, deeper)
+}
+
+/// Share of the [`overlaps`] beyond a bound; `None` if none touch.
+pub fn overlaps_beyond(sim: &mut Simulation, bound: f64) -> Option<f64> {
+    let all = overlaps(sim);
+    let beyond = all.iter().filter(|overlap| **overlap > bound).count();
+    (!all.is_empty()).then(|| beyond as f64 / all.len() as f64)
 }
 
 /// Free grains, the weight of all that may fall, a lid's grains among them, and the upward force that

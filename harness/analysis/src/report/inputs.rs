@@ -238,6 +238,11 @@ const GROUPS: [Group; 7] = [
                 "steps between links of each drag&rsquo;s chain of digests",
             ),
             (
+                "reaches",
+                Kind::Length,
+                "distances from the intruder within which coordination numbers are measured, besides 2 d",
+            ),
+            (
                 "fields.grid",
                 Kind::Bare,
                 "points along x, y and z at which fields are averaged",

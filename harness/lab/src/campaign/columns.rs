@@ -2,12 +2,15 @@
 
 use crate::scenario::BedPlan;
 use crate::scenario::{CheckedScenario, DragPlan};
-use crate::summary::{DragRecord, Flow};
+use crate::summary::{DragRecord, DragSummary, Flow, Reach};
 use bitgrain_sim::block_averaging::Mean;
 use bitgrain_sim::format::round10;
 
 /// Grains with this many contacts or more share the last of the columns of coordination numbers.
 pub const MOST_CONTACTS: usize = 12;
+
+/// What the columns of the drag over a diameter of travel begin with; the number of the diameter follows, from 1.
+pub const DRAG_BY_TRAVEL: &str = "drag_travel_";
 
 /// How a run ended.
 #[derive(Clone, Debug, PartialEq)]
@@ -84,8 +87,9 @@ impl Row<'_> {
     }
 }
 
-/// All columns, in order.
-pub fn columns() -> Vec<Column> {
+/// All columns of a table with these rows, in order: the last of them are as many as the rows have diameters of
+/// travel, and those of the reaches that a row was measured at.
+pub fn columns(rows: &[Row<'_>]) -> Vec<Column> {
     let mut all = Vec::new();
     names(&mut all);
     inputs(&mut all);
@@ -95,6 +99,8 @@ pub fn columns() -> Vec<Column> {
     around(&mut all);
     flow(&mut all);
     digests(&mut all);
+    reaches(&mut all, rows);
+    travel(&mut all, rows);
     all
 }
 
@@ -352,4 +358,63 @@ fn digests(all: &mut Vec<Column>) {
     whole(all, "bits_version", |row| {
         Some(u64::from(row.record()?.bits_version))
     });
+}
+
+fn with_error(mean: Mean) -> [Option<f64>; 2] {
+    [Some(mean.mean), Some(mean.standard_error)]
+}
+
+/// Coordination within other distances of the intruder: of each distance, in mean diameters, three means.
+fn reaches(all: &mut Vec<Column>, rows: &[Row<'_>]) {
+    fn in_diameters(row: &Row<'_>) -> Vec<f64> {
+        let d = row.scenario.mean_diameter();
+        let asked = row.scenario.measure.reaches.iter();
+        asked.map(|reach| round10(reach / d)).collect()
+    }
+    let mut asked: Vec<f64> = rows.iter().flat_map(in_diameters).collect();
+    asked.sort_by(f64::total_cmp);
+    asked.dedup();
+    for at in asked {
+        let of = move |row: &Row<'_>| {
+            let place = in_diameters(row).iter().position(|reach| *reach == at)?;
+            let asked = row.scenario.measure.reaches[place];
+            let all = &row.record()?.run.reaches;
+            all.iter().find(|one| one.reach == asked).copied()
+        };
+        type Number = (&'static str, fn(&Reach) -> [Option<f64>; 2]);
+        let numbers: [Number; 3] = [
+            ("coordination", |r| with_error(r.coordination)),
+            ("floating", |r| with_error(r.floating)),
+            ("kappa", |r| [r.kappa, r.kappa_error]),
+        ];
+        for (name, number) in numbers {
+            let name = format!("{name}_within_{at}");
+            real(all, &name, Unit::None, move |row| number(&of(row)?)[0]);
+            real(all, &format!("{name}_error"), Unit::None, move |row| {
+                number(&of(row)?)[1]
+            });
+        }
+    }
+}
+
+/// The error of the uncut mean, the share of large overlaps, and the drag over each mean diameter of travel.
+fn travel(all: &mut Vec<Column>, rows: &[Row<'_>]) {
+    // Tables of earlier versions have neither.
+    type Number = (&'static str, Unit, fn(&DragSummary) -> Option<f64>);
+    let numbers: [Number; 2] = [
+        ("drag_uncut_error", Unit::Force, |run| run.drag_uncut_error),
+        ("large_overlaps", Unit::None, |run| run.large_overlaps),
+    ];
+    for (name, unit, of) in numbers {
+        if rows.iter().any(|row| row.record().is_some_and(|r| of(&r.run).is_some())) {
+            real(all, name, unit, move |row| of(&row.record()?.run));
+        }
+    }
+    let lengths = rows.iter().filter_map(|row| Some(row.record()?.run.drag_by_travel.len()));
+    for k in 0..lengths.max().unwrap_or(0) {
+        let name = format!("{DRAG_BY_TRAVEL}{}", k + 1);
+        real(all, &name, Unit::Force, move |row| {
+            row.record()?.run.drag_by_travel.get(k).copied()
+        });
+    }
 }

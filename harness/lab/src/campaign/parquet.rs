@@ -16,7 +16,7 @@ use super::columns::{Cell, Column, Row, columns};
 /// # Errors
 /// The error of the encoder.
 pub fn bytes(rows: &[Row<'_>]) -> io::Result<Vec<u8>> {
-    let columns = columns();
+    let columns = columns(rows);
     let cells: Vec<Vec<Cell>> = columns
         .iter()
         .map(|column| rows.iter().map(|row| column.of(row)).collect())

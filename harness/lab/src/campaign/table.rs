@@ -12,7 +12,7 @@ use bitgrain_sim::units::Units;
 /// The table as CSV: a comment with the units, the names, a line for each row; shortest decimals that read
 /// back to the same bits.
 pub fn text(units: &Units, rows: &[Row<'_>]) -> String {
-    let columns = columns();
+    let columns = columns(rows);
     let unit = |unit: Unit| match unit {
         Unit::None => "",
         Unit::Length => &units.length[..],

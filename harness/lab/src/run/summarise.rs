@@ -6,11 +6,13 @@ use crate::drag::{Dragging, Means};
 use crate::flow::FlowMeans;
 use crate::plug_flow::{self, PlugFlow};
 use crate::scenario::{BedPlan, CheckedScenario, DragPlan, IntruderShape};
-use crate::summary::{BedSummary, DragSummary, Flow, Rig};
+use crate::summary::{BedSummary, DragSummary, Flow, LARGE_OVERLAP, Reach, Rig};
+use crate::travel;
+use bitgrain_sim::block_averaging::Mean;
 use bitgrain_sim::coarse_graining::disturbed_zone::disturbance;
 use bitgrain_sim::coarse_graining::{IntruderOutline, intruder_outline};
 use bitgrain_sim::error::{Error, Result};
-use bitgrain_sim::observe::{INTRUDER, pressure_at};
+use bitgrain_sim::observe::{INTRUDER, overlaps_beyond, pressure_at};
 use bitgrain_sim::simulation::{Role, Simulation, hex};
 
 /// Layers next to base and lid that do not count as the bed's, in mean diameters.
@@ -126,8 +128,7 @@ fn flow(
 
 /// Normalised coordination number and its standard error, of an intruder this many grains wide (Kumar 2018,
 /// eq. 8); `None` if nothing touches it.
-fn kappa(means: &Means, diameter: f64) -> Option<(f64, f64)> {
-    let (bulk, own) = (means.around.coordination?, means.contacts);
+fn kappa(bulk: Mean, own: Mean, diameter: f64) -> Option<(f64, f64)> {
     let shape = (diameter + 1.0) * (diameter + 1.0) / (2.0 * 3f64.sqrt());
     let kappa = bulk.mean / own.mean * shape;
     let parts = [
@@ -154,7 +155,20 @@ pub(super) fn summarise(
     let above = weight * (x * y) * (bed.depth + 0.5 * diameter);
     let ratio = means.drag.mean / above;
     let around = means.around;
-    let kappa = kappa(means, diameter / scenario.mean_diameter());
+    let d = scenario.mean_diameter();
+    let kappa_of = |coordination: Mean| kappa(coordination, means.contacts, diameter / d);
+    let kappa = around.coordination.and_then(kappa_of);
+    let reaches = dragging.within().into_iter().map(|within| {
+        let kappa = kappa_of(within.coordination);
+        Reach {
+            reach: within.reach,
+            coordination: within.coordination,
+            floating: within.floating,
+            kappa: kappa.map(|k| k.0),
+            kappa_error: kappa.map(|k| k.1),
+        }
+    });
+    let series = &dragging.record.series;
     Ok(DragSummary {
         name: plan.name.clone(),
         bed: bed.name.clone(),
@@ -178,9 +192,12 @@ pub(super) fn summarise(
         coordination_shares: dragging.record.coordination.shares(),
         kappa: kappa.map(|k| k.0),
         kappa_error: kappa.map(|k| k.1),
+        reaches: reaches.collect(),
         moving: around.moving,
         drift: around.drift,
         drag_uncut: means.drag_uncut,
+        drag_uncut_error: travel::uncut_error(series),
+        drag_by_travel: travel::drag_by_travel(series, &plan.motion),
         plug_ratio: ratio,
         plug: match scenario.flows() {
             true => PlugFlow::Sound,
@@ -197,7 +214,8 @@ pub(super) fn summarise(
                 intruder_outline(sim),
             )
         }),
-        overlap_max: dragging.record.deepest / scenario.mean_diameter(),
+        overlap_max: dragging.record.deepest / d,
+        large_overlaps: overlaps_beyond(sim, LARGE_OVERLAP * d),
         energy: dragging.record.energy.last().copied(),
         chain: dragging.chain.end().to_string(),
         digest: hex(&digest.whole),

@@ -302,6 +302,10 @@ pub struct Measure {
     /// Steps between links of each drag's chain of digests (a bed's has one every 1,000 steps).
     #[serde(default = "thousand")]
     pub digest_every: u64,
+    /// Distances from the intruder's surface within which the coordination number is measured too, ascending, besides
+    /// two mean diameters.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub reaches: Vec<f64>,
     /// Fields of velocity and stress round the intruder, and the load on a cylinder by angle.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fields: Option<FieldsConfig>,
@@ -347,6 +351,7 @@ impl Default for Measure {
             gzip: false,
             checkpoints: four(),
             digest_every: thousand(),
+            reaches: Vec::new(),
             fields: None,
         }
     }

@@ -19,6 +19,9 @@ const SNAPSHOTS_MAX: u64 = 100_000;
 /// Most checkpoints kept of one drag: the same for larger files.
 const CHECKPOINTS_MAX: u64 = 1000;
 
+/// Most distances within which coordination numbers are measured: each has six columns of a campaign's table.
+const REACHES_MAX: usize = 16;
+
 /// Most snapshots and checkpoints of all drags together.
 const STOPS_MAX: u64 = 10_000_000;
 
@@ -43,6 +46,13 @@ impl Scenario {
         if !(1..=CHECKPOINTS_MAX).contains(&self.measure.checkpoints) {
             let problem = format!("expected 1 to {CHECKPOINTS_MAX} for each drag");
             return refuse("measure.checkpoints", problem);
+        }
+        let reaches = &self.measure.reaches;
+        let ascend = reaches.windows(2).all(|pair| pair[0] < pair[1]);
+        let lengths = reaches.iter().all(|x| x.is_finite() && *x > 0.0);
+        if reaches.len() > REACHES_MAX || !ascend || !lengths {
+            let problem = format!("is {reaches:?}; expected at most {REACHES_MAX} ascending lengths");
+            return refuse("measure.reaches", problem);
         }
         let (i, lid) = (&self.intruder, self.lid.as_ref());
         let places = [&i.height, &i.depth].map(count);

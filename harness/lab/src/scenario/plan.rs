@@ -82,6 +82,8 @@ pub struct DragPlan {
     pub energy: bool,
     /// Whether the flow of its bed is measured too.
     pub flows: bool,
+    /// Distances from the intruder's surface within which the coordination number is measured too.
+    pub reaches: Vec<f64>,
     /// Fields that are averaged during the drag.
     pub fields: Option<Sampling>,
     /// Steps after which a snapshot is taken, ascending.
@@ -392,6 +394,7 @@ impl Scenario {
                     digest_every: self.measure.digest_every,
                     energy: self.measure.energy,
                     flows: self.flows(),
+                    reaches: self.measure.reaches.clone(),
                     fields: self.fields_sampling(speed),
                     snapshots: evenly(steps, self.measure.snapshots),
                     checkpoints: evenly(steps, self.measure.checkpoints),

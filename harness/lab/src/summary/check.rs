@@ -222,6 +222,20 @@ fn check_run(
         return refuse(key("window_steps"), problem);
     }
     check_means(run, at)?;
+    check_reaches(run, inputs, key("reaches"))?;
+    let diameters = plan.distance / inputs.mean_diameter() + 1.0;
+    if run.drag_by_travel.len() as f64 > diameters {
+        let problem = format!(
+            "holds {} numbers, more than the distance has diameters",
+            run.drag_by_travel.len()
+        );
+        return refuse(key("drag_by_travel"), problem);
+    }
+    if run.drag_uncut_error.is_some_and(|error| error < 0.0) {
+        return refuse(key("drag_uncut_error"), "is below zero, which no error is");
+    }
+    let share = run.large_overlaps.as_slice();
+    check_shares(share, key("large_overlaps"))?;
     check_shares(&run.coordination_shares, key("coordination_shares"))?;
     digest(key("digest"), &run.digest, false)?;
     digest(key("chain"), &run.chain, true)?;
@@ -261,6 +275,26 @@ fn check_means(run: &DragSummary, at: &str) -> Check {
                 format!("{at}.{name}.standard_error"),
                 "is below zero, which no error is",
             );
+        }
+    }
+    Ok(())
+}
+
+fn check_reaches(run: &DragSummary, inputs: &CheckedScenario, key: String) -> Check {
+    let asked = &inputs.measure.reaches;
+    let mut after = asked.iter();
+    for one in &run.reaches {
+        if !after.any(|reach| *reach == one.reach) {
+            let problem = format!("expected those of measure.reaches, {asked:?}, in their order");
+            return refuse(key, problem);
+        }
+        let errors = [
+            Some(one.coordination.standard_error),
+            Some(one.floating.standard_error),
+            one.kappa_error,
+        ];
+        if errors.iter().flatten().any(|error| *error < 0.0) {
+            return refuse(key, "has an error below zero, which no error is");
         }
     }
     Ok(())

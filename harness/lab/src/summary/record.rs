@@ -8,6 +8,10 @@ use bitgrain_sim::energy_budget::EnergyRow;
 use bitgrain_sim::units::Units;
 use serde::{Deserialize, Serialize};
 
+/// Overlap over the mean diameter up to which a contact is narrow: at a twentieth the contact of two equal grains is
+/// 0.45 of their radius wide, and Hertz's law takes it for narrow (Johnson, Contact Mechanics, section 4.2).
+pub const LARGE_OVERLAP: f64 = 0.05;
+
 /// Everything measured, in the units the scenario names.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -148,6 +152,9 @@ pub struct DragSummary {
     /// Its standard error, those of Z and n taken for independent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub kappa_error: Option<f64>,
+    /// The same within other distances of the intruder's surface, those that were asked for.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub reaches: Vec<Reach>,
     /// Free grains that go at half the intruder's speed or faster.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub moving: Option<Mean>,
@@ -157,6 +164,13 @@ pub struct DragSummary {
     pub drift: Option<Mean>,
     /// Mean drag over all steps, nothing cut.
     pub drag_uncut: f64,
+    /// Its standard error, from blocks of the rows of the series; none of fewer than 16 rows.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drag_uncut_error: Option<f64>,
+    /// Mean drag over each whole mean diameter of travel, from the first, nothing cut: what the cumulative mean of
+    /// Kumar 2018, Fig. 4, is the mean of.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub drag_by_travel: Vec<f64>,
     /// Drag over the weight of the bed above the intruder's lowest point. Only friction holds
     /// that part back in a periodic box: the larger the ratio, the more of it slides along.
     pub plug_ratio: f64,
@@ -167,6 +181,10 @@ pub struct DragSummary {
     /// mean diameter.
     #[serde(default)]
     pub overlap_max: f64,
+    /// Share of the contacts, of grains with each other and with the intruder, whose overlap is beyond
+    /// [`LARGE_OVERLAP`] of the mean diameter in the last state; none if nothing touches.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub large_overlaps: Option<f64>,
     /// Where the energy of the drag went, if that was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub energy: Option<EnergyRow>,
@@ -180,6 +198,40 @@ pub struct DragSummary {
     pub digest: String,
     /// Digests of its parts, by name.
     pub digest_parts: Vec<(String, String)>,
+}
+
+impl DragSummary {
+    /// Leaves out the numbers that an earlier version did not write, if `written` lacks them: what it wrote can then
+    /// be compared whole.
+    pub(crate) fn leave_out_as(&mut self, written: &Self) {
+        if written.drag_uncut_error.is_none() {
+            self.drag_uncut_error = None;
+        }
+        if written.drag_by_travel.is_empty() {
+            self.drag_by_travel.clear();
+        }
+        if written.large_overlaps.is_none() {
+            self.large_overlaps = None;
+        }
+    }
+}
+
+/// What was measured of the grains within a distance of the intruder's surface.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Reach {
+    /// The distance.
+    pub reach: f64,
+    /// Contacts of a grain, over all such grains of the samples.
+    pub coordination: Mean,
+    /// Share of them that have none.
+    pub floating: Mean,
+    /// Normalised coordination number with this coordination; none if nothing touches the intruder.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub kappa: Option<f64>,
+    /// Its standard error.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub kappa_error: Option<f64>,
 }
 
 /// How a bed flowed past its intruder (Guillard 2014, section III B).

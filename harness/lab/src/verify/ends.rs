@@ -4,6 +4,7 @@ use super::{Cause, Problems};
 use crate::manifest::{Manifest, NAME};
 use crate::rerun::{RunArchive, RunPart};
 use crate::run;
+use crate::summary::read_summary;
 use bitgrain_sim::checkpoint;
 use bitgrain_sim::disk;
 use bitgrain_sim::error::{Error, Result};
@@ -60,11 +61,16 @@ fn summary_text(archive: &RunArchive<'_>) -> Result<String> {
     for plan in plans {
         beds.push(archive.bed(plan)?);
     }
+    let written = read_summary(&archive.folder.summary()).map_or(Vec::new(), |whole| whole.runs);
     let mut runs = Vec::new();
     for plan in archive.scenario.drags() {
         let drag = archive.drag(plan, &beds[plan.bed]);
         let (mut sim, dragging) = archive.state(drag, plan.steps())?;
-        runs.push(run::results(drag, &dragging, &mut sim)?.1);
+        let (_, mut run) = run::results(drag, &dragging, &mut sim)?;
+        if let Some(written) = written.iter().find(|one| one.name == run.name) {
+            run.leave_out_as(written);
+        }
+        runs.push(run);
     }
     let whole = run::whole_summary(archive.folder, &archive.scenario, beds, runs);
     crate::json::json_text(&archive.folder.summary(), &whole)

@@ -15,7 +15,7 @@ use super::text::{escape, exact};
 use crate::analysis::{Analysis, Curve, Point, Value, describe};
 use crate::claims::book::Book;
 use crate::claims::evidence::Evidence;
-use crate::remarks::OVERLAP_MAX;
+use bitgrain_lab::summary::LARGE_OVERLAP;
 use bitgrain_sim::files::bits;
 use bitgrain_sim::format::{number_with_error, short};
 
@@ -91,12 +91,12 @@ fn remarks(shown: &Shown) -> Vec<String> {
     }
     let soft = rows().filter(|&row| {
         let deepest = table.real(row, "overlap_max");
-        deepest.is_some_and(|deepest| deepest > OVERLAP_MAX)
+        deepest.is_some_and(|deepest| deepest > LARGE_OVERLAP)
     });
     let soft = soft.count();
     if soft > 0 {
         let words = format!(
-            "In {soft} of {all} runs grains overlap by more than {OVERLAP_MAX} of their diameter: too soft for \
+            "In {soft} of {all} runs grains overlap by more than {LARGE_OVERLAP} of their diameter: too soft for \
              Hertz&rsquo;s law, which assumes narrow contacts, and forces may depend on the stiffness."
         );
         out.push(remark("Soft contacts", &words));
