@@ -19,6 +19,9 @@ const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
 /// Campaigns whose tables are here.
 const TABLES: [&str; 2] = ["kumar-small", "kumar-middle"];
 
+/// Rows that they have at least.
+const ROWS_LEAST: [usize; 2] = [113, 128];
+
 /// Two drags of one bed that are done again: its files, all of the member.
 const MEMBER: &str = "mu0.5-D2-h8";
 const FILES: [(&str, &str); 2] = [
@@ -74,17 +77,22 @@ fn rows_done_again_are_those_of_the_table() {
     assert!(said.contains("2 runs agree with"), "{said}");
 }
 
-/// A table has a row for each run of its campaign as that is now, in its order.
+/// The rows of a table are runs of its campaign as that is now, in its order: all of them, or of a campaign that is
+/// still being computed those that are done, which are at least so many.
 #[test]
 fn tables_are_those_of_the_shipped_campaigns() {
-    for name in TABLES {
+    for (name, least) in TABLES.into_iter().zip(ROWS_LEAST) {
         let table = CampaignTable::read(&golden(name).join("results.csv.gz")).unwrap();
         let plan = campaign::load(name, &[]).unwrap();
         let mut row = 0;
         for member in &plan.members {
             for run in member.scenario.drags() {
-                assert_eq!(table.text(row, "member"), member.name);
-                assert_eq!(table.text(row, "run"), run.name);
+                if row == table.len()
+                    || [table.text(row, "member"), table.text(row, "run")]
+                        != [&member.name, &run.name]
+                {
+                    continue;
+                }
                 let near = |column: &str, want: f64| {
                     let got = table.real(row, column).unwrap();
                     assert_eq!(got, want, "{}/{}: {column}", member.name, run.name);
@@ -98,6 +106,7 @@ fn tables_are_those_of_the_shipped_campaigns() {
             }
         }
         assert_eq!(row, table.len(), "{name}");
+        assert!(row >= least, "{name}: {row} rows");
     }
 }
 

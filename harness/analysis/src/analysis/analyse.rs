@@ -1,6 +1,6 @@
 //! All that a table says.
 
-use super::{curves, near_field, scaling, speeds, stiffness, yields};
+use super::{curves, near_field, scaling, speeds, stiffness, table_one, yields};
 use crate::analysis::Curve;
 use crate::analysis::Material;
 use crate::analysis::NearField;
@@ -8,6 +8,7 @@ use crate::analysis::Pooled;
 use crate::analysis::Scaling;
 use crate::analysis::Speeds;
 use crate::analysis::Stiffness;
+use crate::analysis::TableOne;
 use crate::analysis::Yield;
 use bitgrain_lab::campaign::table::CampaignTable;
 use bitgrain_sim::format::round10;
@@ -38,6 +39,8 @@ pub struct Analysis {
     pub yields: Vec<Yield>,
     /// How yield and drag scale with size and depth, by material.
     pub scaling: Vec<Scaling>,
+    /// Frictionless drags over those of the paper's Table I, by diameter.
+    pub table_one: Vec<TableOne>,
     /// The same intruder in grains of other stiffness or damping.
     pub stiffness: Vec<Stiffness>,
 }
@@ -53,7 +56,7 @@ pub fn analyse(table: &CampaignTable, plugs: bool) -> Analysis {
         both.filter(|(curve, _)| curve.material == *material)
             .collect()
     };
-    let scaling = materials
+    let scaling: Vec<Scaling> = materials
         .iter()
         .map(|m| scaling::scaling(*m, &of(m)))
         .collect();
@@ -73,6 +76,7 @@ pub fn analyse(table: &CampaignTable, plugs: bool) -> Analysis {
         speeds: curves.iter().map(speeds::speeds).collect(),
         pooled,
         near_field,
+        table_one: table_one::table_one(&curves, &scaling),
         scaling,
         stiffness: stiffness::stiffness(&curves, &yields),
         curves,

@@ -3,12 +3,16 @@
 use serde::{Deserialize, Serialize};
 
 use super::Value;
-use bitgrain_lab::campaign::columns::MOST_CONTACTS;
+use super::beds::over_beds;
+use bitgrain_lab::campaign::columns::{DRAG_BY_TRAVEL, MOST_CONTACTS};
 use bitgrain_lab::campaign::table::CampaignTable;
 use bitgrain_lab::plug_flow::PlugFlow;
 
 /// Least D/d of an intruder with enough contacts for a law: the paper's smallest scatters too.
 const LEAST_DIAMETER: f64 = 2.0;
+
+/// What the columns of kappa within a distance begin with.
+const KAPPA_WITHIN: &str = "kappa_within_";
 
 /// The material of the grains.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -22,12 +26,26 @@ pub struct Material {
     pub mu: f64,
 }
 
-/// One run.
+/// What the standard error of a drag is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ErrorOf {
+    /// That of block averages within the runs.
+    Blocks,
+    /// The spread of several beds, which is larger.
+    Beds,
+}
+
+/// One run, or at one speed the runs through several beds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Point {
-    /// Member and run.
+    /// Member and run; of several beds the first.
     pub name: String,
+    /// Beds that it is the mean of.
+    pub beds: usize,
+    /// What the error of the drag is.
+    pub error_of: ErrorOf,
     /// Digest of its final state.
     pub digest: String,
     /// Speed V.
@@ -38,14 +56,22 @@ pub struct Point {
     pub depth: f64,
     /// Drag.
     pub drag: Value,
+    /// Mean drag with nothing cut, as Kumar 2018 averages (Fig. 4); none if its error is not known.
+    pub uncut: Option<Value>,
+    /// Mean drag over each mean diameter of travel, from the first, nothing cut.
+    pub by_travel: Vec<f64>,
+    /// Travel that the averaging window leaves out, in mean diameters.
+    pub discard: f64,
     /// Drag over the weight above.
     pub plug_ratio: f64,
     /// Contact angle, over all contacts.
     pub angle: Option<Value>,
     /// The same of contacts as they begin.
     pub new_angle: Option<Value>,
-    /// Normalised coordination number.
+    /// Normalised coordination number, of the grains within 2 d of the intruder.
     pub kappa: Option<Value>,
+    /// The same of the grains within other distances.
+    pub within: Vec<Within>,
     /// Share of near grains without contacts.
     pub floating: Option<Value>,
     /// Grains that move along.
@@ -54,6 +80,20 @@ pub struct Point {
     pub drift: Option<Value>,
     /// Shares of near grains with 0, 1, 2, ... contacts.
     pub coordination: Vec<f64>,
+}
+
+/// What is measured of the grains within a distance of the intruder.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Within {
+    /// The distance from its surface, in mean diameters.
+    pub reach: f64,
+    /// Contacts of a grain.
+    pub coordination: Value,
+    /// Share of the grains without contacts.
+    pub floating: Value,
+    /// Normalised coordination number.
+    pub kappa: Value,
 }
 
 /// Runs that differ by their speed, and by their seed.
@@ -70,8 +110,10 @@ pub struct Curve {
     pub depth_asked: f64,
     /// Depth as measured, mean over the runs.
     pub depth: f64,
-    /// By Froude number.
+    /// By Froude number: at each the mean over the beds.
     pub points: Vec<Point>,
+    /// Each run, in the same order.
+    pub runs: Vec<Point>,
 }
 
 impl Curve {
@@ -137,19 +179,21 @@ pub(super) fn read(table: &CampaignTable, plugs: bool) -> Read {
                 && (c.depth_asked - asked).abs() < 1e-6 * asked
         };
         match curves.iter_mut().find(same) {
-            Some(curve) => curve.points.push(point),
+            Some(curve) => curve.runs.push(point),
             None => curves.push(Curve {
                 material,
                 diameter,
                 mean_diameter: 0.5 * (real("diameter_least") + real("diameter_most")),
                 depth_asked: asked,
                 depth: 0.0,
-                points: vec![point],
+                points: Vec::new(),
+                runs: vec![point],
             }),
         }
     }
     for curve in &mut curves {
-        curve.points.sort_by(|a, b| a.froude.total_cmp(&b.froude));
+        curve.runs.sort_by(|a, b| a.froude.total_cmp(&b.froude));
+        curve.points = over_beds(&curve.runs);
         let depths = curve.points.iter().map(|p| p.depth).sum::<f64>();
         curve.depth = depths / curve.points.len() as f64;
     }
@@ -183,6 +227,8 @@ fn point(table: &CampaignTable, row: usize) -> Option<Point> {
         // An error below zero is none.
         (error >= 0.0).then_some(Value { value, error })
     };
+    let length = 0.5 * (table.real(row, "diameter_least")? + table.real(row, "diameter_most")?);
+    let by_travel = (1..).map_while(|k| table.real(row, &format!("{DRAG_BY_TRAVEL}{k}")));
     let shares = (0..=MOST_CONTACTS).map(|k| table.real(row, &format!("coordination_{k}")));
     Some(Point {
         name: format!("{}/{}", table.text(row, "member"), table.text(row, "run")),
@@ -190,16 +236,40 @@ fn point(table: &CampaignTable, row: usize) -> Option<Point> {
         speed: table.real(row, "speed")?,
         froude: table.real(row, "froude")?,
         depth: table.real(row, "depth")?,
+        beds: 1,
+        error_of: ErrorOf::Blocks,
         drag: value("drag")?,
+        uncut: value("drag_uncut"),
+        by_travel: by_travel.collect(),
+        discard: table.real(row, "discard").unwrap_or(0.0) / length,
         plug_ratio: table.real(row, "plug_ratio")?,
         angle: value("contact_angle"),
         new_angle: value("new_contact_angle"),
         kappa: value("kappa"),
+        within: within(table, row, value),
         floating: value("floating"),
         moving: value("moving"),
         drift: value("drift"),
         coordination: shares.collect::<Option<_>>().unwrap_or_default(),
     })
+}
+
+/// The distances that a row was measured within, by the names of its columns.
+fn within(table: &CampaignTable, row: usize, value: impl Fn(&str) -> Option<Value>) -> Vec<Within> {
+    let reaches = table
+        .columns()
+        .filter_map(|name| name.strip_prefix(KAPPA_WITHIN)?.parse().ok());
+    let one = |reach: f64| {
+        let of = |name: &str| value(&format!("{name}_within_{reach}"));
+        table.real(row, &format!("{KAPPA_WITHIN}{reach}"))?;
+        Some(Within {
+            reach,
+            coordination: of("coordination")?,
+            floating: of("floating")?,
+            kappa: of("kappa")?,
+        })
+    };
+    reaches.filter_map(one).collect()
 }
 
 /// The materials of some curves, each once.

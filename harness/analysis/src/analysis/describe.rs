@@ -1,8 +1,8 @@
 //! The analysis in words and numbers, for a terminal.
 
 use super::{
-    Analysis, Collapse, Curve, Exponent, Finding, Material, Method, NearField, Pooled, Scaled,
-    Scaling, Stiffness, Value,
+    Analysis, Collapse, Curve, ErrorOf, Exponent, Finding, Material, Method, NearField, Pooled,
+    Reading, Scaled, Scaling, Stiffness, Value,
 };
 use crate::fit::Fit;
 use crate::fit::regimes::Regimes;
@@ -62,6 +62,7 @@ pub fn describe(analysis: &Analysis) -> String {
         .iter()
         .for_each(|a| near_field(a, &mut lines));
     analysis.scaling.iter().for_each(|s| scaling(s, &mut lines));
+    table_one(analysis, &mut lines);
     analysis
         .stiffness
         .iter()
@@ -83,10 +84,19 @@ fn curves(analysis: &Analysis, lines: &mut Vec<String>) {
             Method::Extrapolated => "extrapolated",
         };
         let force = describe_finding(&own.force, value);
+        let several = curve.points.iter().filter(|p| p.beds > 1);
+        let spread = several.clone().filter(|p| p.error_of == ErrorOf::Beds);
+        let beds = match several.clone().count() {
+            0 => String::new(),
+            n => format!(
+                ", {n} speeds through several beds, whose spread is the error at {} of them",
+                spread.count()
+            ),
+        };
         lines.push(format!(
-            "  {}: {} runs",
+            "  {}: {} runs{beds}",
             intruder(curve),
-            curve.points.len()
+            curve.runs.len()
         ));
         lines.push(format!("    yield force ({how} of {}): {force}", own.runs));
         let flat = describe_finding(&speeds.flatness, |f| {
@@ -104,14 +114,27 @@ fn curves(analysis: &Analysis, lines: &mut Vec<String>) {
 
 fn pooled(pooled: &Pooled, lines: &mut Vec<String>) {
     let name = material(&pooled.material);
-    lines.push(format!("\nall intruders over their yield force, {name}"));
+    lines.push(format!(
+        "\nall intruders at h = {} over their yield force, {name}",
+        short(pooled.depth_asked)
+    ));
     let regimes = describe_finding(&pooled.regimes, Regimes::text);
     lines.push(format!("  regimes: {regimes}"));
-    lines.push(format!(
-        "  F/F_Y - 1 against Fr - 1 up to Fr = 5: {}",
-        line(&pooled.second)
-    ));
-    lines.push(format!("  F/F_Y above Fr = 5: {}", line(&pooled.third)));
+    for growth in &pooled.growth {
+        let on = match (growth.reading, pooled.path) {
+            (Reading::CutOnPath | Reading::UncutOnPath, Some(path)) => format!(" of {path} d"),
+            _ => String::new(),
+        };
+        lines.push(format!("  drags with {}{on}", growth.reading.words()));
+        lines.push(format!(
+            "    F/F_Y - 1 against Fr - 1 up to Fr = 5: {}",
+            line(&growth.second)
+        ));
+        lines.push(format!(
+            "    slope above Fr = 5 over that below: {}",
+            line(&growth.third)
+        ));
+    }
 }
 
 fn near_field(near_field: &NearField, lines: &mut Vec<String>) {
@@ -128,6 +151,15 @@ fn near_field(near_field: &NearField, lines: &mut Vec<String>) {
         line(&near_field.new_contacts.law)
     ));
     lines.push(format!("  kappa: {}", line(&near_field.kappa)));
+    for one in &near_field.within {
+        let [least, most] = one.floating.map(|share| short(100.0 * share));
+        lines.push(format!(
+            "  kappa within {} d: {}; up to Fr = 5: {}; {least} to {most} % of the grains float at the highest Fr",
+            short(one.reach),
+            line(&one.line),
+            line(&one.slow)
+        ));
+    }
     for f in &near_field.floating {
         lines.push(format!(
             "  grains without contacts, D = {}, h = {}: {} at the lowest speed, {} at the highest",
@@ -174,6 +206,32 @@ fn scaling(scaling: &Scaling, lines: &mut Vec<String>) {
         "  collapse of depths: {}",
         describe_finding(&scaling.by_depth, spread)
     ));
+}
+
+fn table_one(analysis: &Analysis, lines: &mut Vec<String>) {
+    if analysis.table_one.is_empty() {
+        return;
+    }
+    lines.push(
+        "\nfrictionless drags over those of Kumar 2018, Table I, brought to its depth".into(),
+    );
+    for one in &analysis.table_one {
+        let [least, most] = one.depths.map(short);
+        let [shallow, deep] = one.at_depths.map(|v| value(&v));
+        let points: Vec<String> = one
+            .points
+            .iter()
+            .map(|(froude, _, ratio)| format!("{} at Fr = {}", value(ratio), short(*froude)))
+            .collect();
+        lines.push(format!(
+            "  D = {}, from h = {} by h^({}): {}; {shallow} if the paper's depth is {least} d, {deep} if {most} d ({})",
+            short(one.diameter),
+            short(one.depth),
+            value(&one.alpha),
+            value(&one.ratio),
+            points.join(", ")
+        ));
+    }
 }
 
 fn levels(group: &Stiffness, lines: &mut Vec<String>) {

@@ -5,29 +5,33 @@
 //! none.
 
 mod analyse;
+mod beds;
 mod curves;
 mod describe;
 mod exponents;
 mod finding;
 mod near_field;
+mod path;
 mod scaling;
 mod speeds;
 mod stiffness;
+mod table_one;
 #[cfg(test)]
 mod tests;
 mod value;
 mod yields;
 
 pub use analyse::{Analysis, analyse, text};
-pub use curves::{Curve, Material, Point};
+pub use curves::{Curve, ErrorOf, Material, Point, Within};
 pub use describe::describe;
 pub(crate) use describe::{grains, intruder, material};
 pub use exponents::Scaled;
 pub(crate) use exponents::near;
 pub use finding::Finding;
-pub use near_field::{Contacts, Floating, NearField, Offset};
+pub use near_field::{Contacts, Floating, KappaWithin, NearField, Offset};
 pub use scaling::{AtSpeed, Collapse, Exponent, Scaling, Spread};
-pub use speeds::{Flatness, Pooled, Speeds};
+pub use speeds::{Flatness, Growth, Pooled, Reading, Speeds};
 pub use stiffness::{Level, Stiffness};
+pub use table_one::{TableOne, law as table_one_law};
 pub use value::Value;
 pub use yields::{Method, Yield};

@@ -3,6 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::exponents::distinct;
 use super::{Curve, Finding, Material, Point, Value, Yield};
 use crate::fit::linear::{constant, line};
 use crate::fit::offset_power::angle_law;
@@ -46,6 +47,20 @@ pub struct Floating {
     pub falls: usize,
 }
 
+/// Kappa of the grains within one distance of the intruder.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct KappaWithin {
+    /// The distance from its surface, in mean diameters: the paper does not give its own.
+    pub reach: f64,
+    /// `kappa = a + b Fr` (Kumar 2018, Fig. 8).
+    pub line: Finding<Fit>,
+    /// The same up to Fr = 5: beyond, grains behind the intruder float.
+    pub slow: Finding<Fit>,
+    /// Least and largest share of grains without contacts at the highest Froude number.
+    pub floating: [f64; 2],
+}
+
 /// The near field in one material.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -58,11 +73,16 @@ pub struct NearField {
     pub new_contacts: Contacts,
     /// `kappa = a + b Fr` (Kumar 2018, Fig. 8).
     pub kappa: Finding<Fit>,
+    /// The same within other distances.
+    pub within: Vec<KappaWithin>,
     /// How far each diameter lies off that line.
     pub kappa_offsets: Vec<Offset>,
     /// Grains without contacts.
     pub floating: Vec<Floating>,
 }
+
+/// Froude number up to which kappa is fitted a second time: the paper's second crossover, and a tenth more.
+const SLOW: f64 = 5.5;
 
 type Reading = fn(&Point) -> Option<Value>;
 
@@ -132,11 +152,40 @@ pub(super) fn near_field(material: Material, curves: &[(&Curve, &Yield)]) -> Nea
             .as_ref()
             .map_or(vec![], |fit| offsets(&kappas, &diameters, fit)),
         kappa: kappa.into(),
+        within: within(curves),
         floating: curves
             .iter()
             .filter_map(|(curve, _)| floating(curve))
             .collect(),
     }
+}
+
+/// Kappa at each distance that any of the points has.
+fn within(curves: &[(&Curve, &Yield)]) -> Vec<KappaWithin> {
+    let wide: Vec<&Curve> = curves
+        .iter()
+        .map(|(c, _)| *c)
+        .filter(|c| c.is_wide())
+        .collect();
+    let all = wide.iter().flat_map(|c| &c.points).flat_map(|p| &p.within);
+    let at = |reach: f64| {
+        let of = |p: &Point| p.within.iter().find(|w| w.reach == reach).copied();
+        let points = wide.iter().flat_map(|c| &c.points);
+        let kappas: Vec<Datum> = points
+            .filter_map(|p| Some(of(p)?.kappa.at(p.froude)))
+            .collect();
+        let slow: Vec<Datum> = kappas.iter().filter(|d| d.x <= SLOW).copied().collect();
+        let last = wide
+            .iter()
+            .filter_map(|c| Some(of(c.points.last()?)?.floating.value));
+        KappaWithin {
+            reach,
+            line: line(&kappas).into(),
+            slow: line(&slow).into(),
+            floating: [last.clone().fold(1.0, f64::min), last.fold(0.0, f64::max)],
+        }
+    };
+    distinct(all.map(|w| w.reach)).into_iter().map(at).collect()
 }
 
 fn floating(curve: &Curve) -> Option<Floating> {

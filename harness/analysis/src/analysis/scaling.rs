@@ -3,6 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::beds::larger;
 use super::exponents::{Force, Scaled, distinct, geometric_mean, near, scaled};
 use super::yields::EXTRAPOLATED_FROUDE;
 use super::{Curve, Finding, Material, Point, Value, Yield};
@@ -79,6 +80,8 @@ pub struct Scaling {
     pub alpha_at_speed: Vec<AtSpeed>,
     /// Mean over these speeds, as the paper takes it.
     pub alpha_mean: Finding<Value>,
+    /// Least and largest depth of the curves, in mean diameters.
+    pub depths: [f64; 2],
     /// Both at once.
     pub both: Finding<Scaled>,
     /// Both from the drags up to Fr = 1.3 at the Froude numbers that all curves share: if drags of all sizes and
@@ -93,6 +96,14 @@ pub struct Scaling {
     pub by_depth_deep: Finding<Collapse>,
     /// And of those up to 25 d, where it finds none.
     pub by_depth_shallow: Finding<Collapse>,
+}
+
+impl Scaling {
+    /// The exponent of depth from both at once, of yields or of slow drags; `None` if there is neither.
+    pub fn depth_exponent(&self) -> Option<Value> {
+        let of = |found: &Finding<Scaled>| found.found()?.fit.parameter("alpha").map(Value::from);
+        of(&self.both).or(of(&self.slow))
+    }
 }
 
 type Pair<'a> = (&'a Curve, &'a Yield);
@@ -133,8 +144,10 @@ pub(super) fn scaling(material: Material, curves: &[Pair]) -> Scaling {
         .map(Value::from)
         .collect();
     let alpha_mean = plain_mean(&speeds);
+    let depths = distinct(curves.iter().map(|(c, _)| c.depth / c.mean_diameter));
     Scaling {
         material,
+        depths: [depths[0], depths[depths.len() - 1]],
         brought_by: slope,
         by_size,
         by_depth: by_depth(|_| true),
@@ -151,21 +164,10 @@ pub(super) fn scaling(material: Material, curves: &[Pair]) -> Scaling {
 
 /// Plain mean, with the error of its values or their scatter, whichever is larger.
 fn plain_mean(values: &[Value]) -> Finding<Value> {
-    let n = values.len() as f64;
-    if values.len() < 2 {
-        return Finding::refused("a mean over speeds takes two speeds with an exponent each");
+    match values.len() {
+        2.. => Finding::Found(larger(values).0),
+        _ => Finding::refused("a mean over speeds takes two speeds with an exponent each"),
     }
-    let value = values.iter().map(|v| v.value).sum::<f64>() / n;
-    let own = values.iter().map(|v| v.error * v.error).sum::<f64>().sqrt() / n;
-    let squares = values
-        .iter()
-        .map(|v| (v.value - value) * (v.value - value))
-        .sum::<f64>();
-    let seen = (squares / (n - 1.0) / n).sqrt();
-    Finding::Found(Value {
-        value,
-        error: if seen > own { seen } else { own },
-    })
 }
 
 fn phi(curves: &[Pair], alpha: f64) -> Vec<Exponent> {

@@ -2,15 +2,19 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::exponents::{distinct, near};
 use super::yields::PLATEAU_MU;
-use super::{Curve, Finding, Material, Value, Yield};
+use super::{Curve, Finding, Material, Value, Yield, path};
+use crate::fit::joint::{Shape, joint};
 use crate::fit::offset_power::offset_power;
-use crate::fit::power::power;
-use crate::fit::regimes::{First, RegimeFits, Regimes, regime_fits, regimes};
-use crate::fit::{Datum, Fit};
+use crate::fit::regimes::{First, RegimeFits, Regimes, regime_fits, regimes, scaled_regimes};
+use crate::fit::{Datum, Fit, Refusal};
 
 /// The paper's crossovers: from the first regime to the line, and to the quadratic.
 pub const CROSSOVERS: [f64; 2] = [1.0, 5.0];
+
+/// Part by which the paper's crossovers may be off: they are whole numbers that it calls approximate.
+const APPROXIMATE: f64 = 0.1;
 
 /// The findings of one curve.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -36,23 +40,81 @@ pub struct Flatness {
     pub ratio: Value,
 }
 
-/// All curves of a material, each over its yield force.
+/// Which mean of the drag a finding rests on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Reading {
+    /// That of the averaging window, which leaves the start-up out.
+    Cut,
+    /// That of the whole travel, as Kumar 2018 averages (Fig. 4).
+    Uncut,
+    /// Without the start-up, over a path that is the same for all.
+    CutOnPath,
+    /// The whole of that path.
+    UncutOnPath,
+}
+
+impl Reading {
+    /// All of them.
+    pub const ALL: [Reading; 4] = [
+        Reading::Cut,
+        Reading::Uncut,
+        Reading::CutOnPath,
+        Reading::UncutOnPath,
+    ];
+
+    /// In words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Reading::Cut => "start-up left out",
+            Reading::Uncut => "nothing cut",
+            Reading::CutOnPath => "start-up left out, one path for all",
+            Reading::UncutOnPath => "nothing cut, one path for all",
+        }
+    }
+}
+
+/// What drags read in one way say of the second regime and the third.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Growth {
+    /// Which mean the drags are.
+    pub reading: Reading,
+    /// `F = F_Y (1 + A max(Fr - 1, 0)^p)` up to Fr = 5, with a yield force F_Y of each curve that is fitted with A and
+    /// p: a line has the exponent 1 (Kumar 2018, section III A; that it joins the yield force at Fr = 1 is assumption
+    /// (ii) of section IV).
+    pub second: Finding<Fit>,
+    /// The slope above Fr = 5 over that from 1 to 5, r, fitted in the same way: a parabola that goes on with the
+    /// line's slope has 1.5 up to Fr = 10, a straight line 1.
+    pub third: Finding<Fit>,
+}
+
+/// Curves of a material at one depth, each over its yield force.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Pooled {
     /// The grains.
     pub material: Material,
-    /// Runs of all curves.
+    /// The depth asked for that has the most runs: drags of shallow intruders do not fall on one another (Kumar 2018,
+    /// section III H), and are not pooled over depths.
+    pub depth_asked: f64,
+    /// Runs of these curves.
     pub runs: usize,
-    /// All three regimes, with the crossovers found.
+    /// All three regimes, with the crossovers found; each curve over a yield force that is fitted with them.
     pub regimes: Finding<Regimes>,
-    /// Each regime alone, between the paper's crossovers.
-    pub alone: RegimeFits,
-    /// Exponent of drag less yield force against Fr - 1 from Fr = 1.2 to the second crossover: the line
-    /// joins the plateau at Fr = 1 (Kumar 2018, section IV), so a line has the exponent 1.
-    pub second: Finding<Fit>,
-    /// Exponent of drag above Fr = 5.
-    pub third: Finding<Fit>,
+    /// The force of each curve that this divides by, by its diameter.
+    pub scales: Vec<(f64, f64)>,
+    /// Whole mean diameters of the path that is the same for all; none if a run does not say how its drag went.
+    pub path: Option<usize>,
+    /// The second regime and the third with friction, by what mean the drags are.
+    pub growth: Vec<Growth>,
+}
+
+impl Pooled {
+    /// What drags read in this way say.
+    pub fn growth(&self, reading: Reading) -> Option<&Growth> {
+        self.growth.iter().find(|growth| growth.reading == reading)
+    }
 }
 
 fn first_of(mu: f64) -> First {
@@ -96,32 +158,87 @@ fn flatness(curve: &Curve) -> Finding<Flatness> {
     }
 }
 
-/// Regimes of all curves of a material together.
+/// Regimes of the curves of a material together.
 pub(super) fn pooled(material: Material, curves: &[(&Curve, &Yield)]) -> Pooled {
-    let mut all = Vec::new();
-    for (curve, own) in curves {
-        let Some(&force) = own.force.found() else {
-            continue;
-        };
-        all.extend(curve.points.iter().map(|p| p.drag.over(force).at(p.froude)));
-    }
-    all.sort_by(|a, b| a.x.total_cmp(&b.x));
-    let [x1, x2] = CROSSOVERS;
-    let part = |from: f64, to: f64, [x, y]: [f64; 2]| -> Vec<Datum> {
-        let inside = all.iter().filter(|d| d.x >= from && d.x <= to);
-        let less = |d: &Datum| Datum {
-            x: d.x - x,
-            y: d.y - y,
-            ..*d
-        };
-        inside.map(less).filter(|d| d.y > 0.0).collect()
+    let runs = |depth: f64| -> usize {
+        let own = curves.iter().filter(|(c, _)| near(c.depth_asked, depth));
+        own.map(|(c, _)| c.points.len()).sum()
+    };
+    let depths = distinct(curves.iter().map(|(c, _)| c.depth_asked));
+    let most = depths
+        .iter()
+        .copied()
+        .reduce(|a, b| if runs(b) > runs(a) { b } else { a });
+    let depth_asked = most.unwrap_or(0.0);
+    let own: Vec<&Curve> = curves
+        .iter()
+        .map(|(c, _)| *c)
+        .filter(|c| near(c.depth_asked, depth_asked))
+        .collect();
+    let path = path::common(own.iter().flat_map(|c| &c.points));
+    let all = data(&own, Reading::Cut, path);
+    let regimes = scaled_regimes(&all, first_of(material.mu), forces(&all));
+    let scales = match &regimes {
+        Ok((_, scales)) => scales.clone(),
+        Err(_) => forces(&all),
+    };
+    let growth = |reading: Reading| {
+        let all = data(&own, reading, path);
+        // Without friction there is no plateau that a line could join; and not every table has every mean.
+        let sound = material.mu >= PLATEAU_MU && all.iter().any(|data| !data.is_empty());
+        sound.then(|| Growth {
+            reading,
+            second: second(&all).into(),
+            third: third(&all).into(),
+        })
     };
     Pooled {
         material,
-        runs: all.len(),
-        regimes: regimes(&all, first_of(material.mu)).into(),
-        alone: regime_fits(&all, x1, x2),
-        second: power(&part(1.2 * x1, x2, [x1, 1.0]), "Fr - 1 up to Fr = 5").into(),
-        third: power(&part(x2, f64::INFINITY, [0.0; 2]), "Fr above 5").into(),
+        depth_asked,
+        runs: own.iter().map(|c| c.points.len()).sum(),
+        regimes: regimes.map(|(regimes, _)| regimes).into(),
+        scales: own.iter().map(|c| c.diameter).zip(scales).collect(),
+        path,
+        growth: Reading::ALL.into_iter().filter_map(growth).collect(),
     }
+}
+
+/// The drags of each curve, read in one way; points that cannot be are left out.
+fn data(curves: &[&Curve], reading: Reading, path: Option<usize>) -> Vec<Vec<Datum>> {
+    let value = |p: &super::Point| match reading {
+        Reading::Cut => Some(p.drag),
+        Reading::Uncut => p.uncut,
+        Reading::CutOnPath => Some(path::on_path(p, path?)?.cut),
+        Reading::UncutOnPath => Some(path::on_path(p, path?)?.uncut),
+    };
+    let one = |c: &&Curve| -> Vec<Datum> {
+        let points = c.points.iter();
+        points
+            .filter_map(|p| Some(value(p)?.at(p.froude)))
+            .collect()
+    };
+    curves.iter().map(one).collect()
+}
+
+/// A first guess of the yield force of each curve: its slowest drag.
+fn forces(curves: &[Vec<Datum>]) -> Vec<f64> {
+    let slowest = |data: &Vec<Datum>| data.first().map_or(1.0, |d| d.y);
+    curves.iter().map(slowest).collect()
+}
+
+/// `F_Y (1 + A (Fr - 1)^p)` through the points up to the second crossover.
+fn second(curves: &[Vec<Datum>]) -> Result<Fit, Refusal> {
+    let [from, to] = CROSSOVERS;
+    let upto = |data: &Vec<Datum>| -> Vec<Datum> {
+        let slow = data.iter().filter(|d| d.x <= (1.0 + APPROXIMATE) * to);
+        slow.copied().collect()
+    };
+    let slow: Vec<Vec<Datum>> = curves.iter().map(upto).collect();
+    Ok(joint(&slow, Shape::Power { from })?.fit)
+}
+
+/// The slope beyond the second crossover over that before it.
+fn third(curves: &[Vec<Datum>]) -> Result<Fit, Refusal> {
+    let [from, at] = CROSSOVERS;
+    Ok(joint(curves, Shape::Kink { from, at })?.fit)
 }

@@ -8,6 +8,9 @@ use bitgrain_sim::random::{Purpose, uniforms};
 /// Relative noise of every drag, and the error that it is given with.
 const NOISE: f64 = 0.003;
 
+/// Diameters of travel of each run.
+const TRAVEL: usize = 12;
+
 /// A made-up campaign.
 struct Made {
     mus: Vec<f64>,
@@ -67,8 +70,10 @@ impl Made {
     fn table(&self) -> CampaignTable {
         let names = "member,run,status,reason,digest,mu,kn,gamma_n,diameter,diameter_least,diameter_most,\
                      depth_asked,depth,speed,froude,drag,drag_error,plug,plug_ratio,contact_angle,\
-                     contact_angle_error,kappa,kappa_error,floating,floating_error";
-        let mut text = format!("{names}\n");
+                     contact_angle_error,kappa,kappa_error,floating,floating_error,discard,drag_uncut,\
+                     drag_uncut_error";
+        let travel: String = (1..=TRAVEL).map(|k| format!(",drag_travel_{k}")).collect();
+        let mut text = format!("{names}{travel}\n");
         let mut row = 0;
         for &kn in &self.kns {
             for &mu in &self.mus {
@@ -96,11 +101,19 @@ impl Made {
                             let gamma = 5e4 * libm::pow(kn / 2e8, 0.6);
                             text.push_str(&format!(
                                 "m,r{row},done,,x,{mu},{kn},{gamma},{d},0.9,1.1,{asked},{h},{speed},{froude},\
-                                 {drag},{},{},0.1,{angle},0.004,{kappa},0.01,{},0.001\n",
+                                 {drag},{},{},0.1,{angle},0.004,{kappa},0.01,{},0.001,2.0,{drag},{}",
                                 NOISE * drag,
                                 self.plug,
-                                0.02 * froude
+                                0.02 * froude,
+                                NOISE * drag
                             ));
+                            // Errors of so many diameters are those of the drag.
+                            let part = NOISE * (TRAVEL as f64).sqrt();
+                            for k in 0..TRAVEL {
+                                let off = part * normal(300_000 + TRAVEL as u32 * row + k as u32);
+                                text.push_str(&format!(",{}", drag * (1.0 + off)));
+                            }
+                            text.push('\n');
                         }
                     }
                 }
@@ -174,7 +187,8 @@ fn known_exponents_and_yield_forces_are_found() {
 fn known_regimes_and_laws_are_found() {
     let found = analyse(&Made::default().table(), false);
     let rough = &found.pooled[1];
-    assert_eq!((rough.material.mu, rough.runs), (0.5, 204));
+    // Those at one of three depths.
+    assert_eq!((rough.material.mu, rough.runs), (0.5, 68));
     let regimes = rough.regimes.found().unwrap();
     let holds = |c: &crate::fit::regimes::Crossover, x: f64| {
         c.low.is_none_or(|low| low <= x) && c.high.is_none_or(|high| high >= x)
@@ -184,7 +198,18 @@ fn known_regimes_and_laws_are_found() {
         holds(&regimes.first, 1.0) && holds(&regimes.second, 5.0),
         "{regimes:?}"
     );
-    near(rough.second.found().unwrap(), "p", 1.0);
+    assert_eq!(rough.growth.len(), 4);
+    for growth in &rough.growth {
+        near(growth.second.found().unwrap(), "p", 1.0);
+    }
+    // The parabola rises from 50 to 100 of 0.1 x^2 above the line of slope 0.25: by 7.5 from 5 to 10, the line by 1.25.
+    let r = rough.growth[0]
+        .third
+        .found()
+        .unwrap()
+        .parameter("r")
+        .unwrap();
+    assert!(r.value > 4.0, "{r:?}");
     for near_field in &found.near_field {
         let law = near_field.contacts.law.found().unwrap();
         near(law, "Y1", -0.15);

@@ -1,9 +1,11 @@
 //! What a campaign's analysis says of each claim of Kumar 2018.
 
 use super::kumar_curves::{Found, MU, Of, farthest, found, least, mean, name, parameter};
+use super::kumar_drags::drags;
 use super::kumar_scaling::{collapses, exponents, stiffness, yields};
-use crate::analysis::{Analysis, Value};
+use crate::analysis::{Analysis, Contacts, NearField, Value};
 use crate::fit::regimes::Crossover;
+use bitgrain_sim::format::number_with_error;
 
 /// Normal quantile of 97.5 %: a 95 % interval is so many standard errors each way.
 const WIDE: f64 = 1.96;
@@ -24,6 +26,7 @@ pub fn measure(id: &str, analysis: &Analysis) -> Option<Found> {
     let of = Of { analysis };
     let rest = id.strip_prefix("kumar-")?;
     speeds(rest, &of)
+        .or_else(|| drags(rest, &of))
         .or_else(|| near_field(rest, &of))
         .or_else(|| yields(rest, &of))
         .or_else(|| exponents(rest, &of))
@@ -37,10 +40,6 @@ fn speeds(id: &str, of: &Of) -> Option<Found> {
         "flat" => mean(&flat(of, |mu| (mu - MU).abs() < 1e-9), none),
         "plateau" => farthest(flat(of, |mu| (0.05..MU).contains(&mu)), 1.0, none),
         "no-plateau" => least(flat(of, |mu| mu < 0.05), none),
-        "linear" => of.pooled(MU).and_then(|p| {
-            let fit = found(&p.second)?;
-            Ok((parameter(fit, "p")?, fit.line()))
-        }),
         "quadratic" => mean(&quadratic(of), "no curve has runs at Fr = 5, 7 and 10"),
         "crossover-1" => crossover(of, MU, |r| r.first),
         "crossover-2" => crossover(of, MU, |r| r.second),
@@ -158,17 +157,26 @@ fn quadratic(of: &Of) -> Vec<(Value, String)> {
 }
 
 fn near_field(id: &str, of: &Of) -> Option<Found> {
-    let of_angle = |name: &'static str| -> Found {
-        let fit = found(&of.near_field(MU)?.contacts.law)?;
-        Ok((parameter(fit, name)?, fit.line()))
-    };
     let of_kappa = |name: &'static str| -> Found {
-        let fit = found(&of.near_field(MU)?.kappa)?;
-        Ok((parameter(fit, name)?, fit.line()))
+        let near_field = of.near_field(MU)?;
+        let fit = found(&near_field.kappa)?;
+        let within = near_field.within.iter().filter_map(|one| {
+            let value = parameter(one.line.found()?, name).ok()?;
+            let number = number_with_error(value.value, value.error);
+            Some(format!("; {number} within {} d", one.reach))
+        });
+        Ok((
+            parameter(fit, name)?,
+            fit.line() + &within.collect::<String>(),
+        ))
+    };
+    let (id, contacts): (_, fn(&NearField) -> &Contacts) = match id.strip_suffix("-collisions") {
+        Some(id) => (id, |a| &a.new_contacts),
+        None => (id, |a| &a.contacts),
     };
     Some(match id {
         "angle-one" => (|| {
-            let fit = found(&of.near_field(MU)?.contacts.law)?;
+            let fit = found(&contacts(of.near_field(MU)?).law)?;
             let (y1, y3) = (parameter(fit, "Y1")?, parameter(fit, "Y3")?);
             let pi = std::f64::consts::PI;
             let slope = -pi / (y3.value * y3.value);
@@ -180,10 +188,13 @@ fn near_field(id: &str, of: &Of) -> Option<Found> {
             ))
         })(),
         "angle-ten" => (|| {
-            let fit = found(&of.near_field(MU)?.contacts.at_ten)?;
+            let fit = found(&contacts(of.near_field(MU)?).at_ten)?;
             Ok((parameter(fit, "a")?, fit.line()))
         })(),
-        "angle-exponent" => of_angle("Y2"),
+        "angle-exponent" => (|| {
+            let fit = found(&contacts(of.near_field(MU)?).law)?;
+            Ok((parameter(fit, "Y2")?, fit.line()))
+        })(),
         "angle-size" => of.near_field(MU).and_then(|a| {
             let offset = |o: &crate::analysis::Offset| {
                 (

@@ -1,5 +1,7 @@
 //! What a campaign's analysis says of the claims about yield forces and how they scale.
 
+use bitgrain_sim::format::{number_with_error, short};
+
 use super::kumar_curves::{Found, MU, Of, farthest, found, least, mean, name, parameter};
 use crate::analysis::{
     Collapse, Curve, Exponent, Finding, Scaling, Speeds, Stiffness, Value, Yield,
@@ -102,6 +104,31 @@ fn slow(scaling: &Scaling, name: &str, why: String) -> Found {
     Ok((parameter(&found.fit, name)?, note))
 }
 
+fn number(v: Value) -> String {
+    number_with_error(v.value, v.error)
+}
+
+/// alpha as the paper takes it, the mean over the drags at several speeds (Kumar 2018, section III H, Fig. 18), with
+/// that of the yield forces beside it and the depths that it rests on; if there is none, that of the yield forces.
+fn alpha(own: &Scaling) -> Found {
+    let yields = exponent(&own.alpha, "alpha").or_else(|why| slow(own, "alpha", why));
+    let Finding::Found(mean) = &own.alpha_mean else {
+        return yields;
+    };
+    let beside = yields.map_or(String::new(), |(v, note)| format!("; {} {note}", number(v)));
+    let [least, most] = own.depths;
+    let note = format!(
+        "mean over {} speeds, h = {} to {} d{beside}",
+        own.alpha_at_speed
+            .iter()
+            .filter(|at| at.fit.found().is_some())
+            .count(),
+        short(least),
+        short(most)
+    );
+    Ok((*mean, note))
+}
+
 fn difference(a: Found, b: Found) -> Found {
     let ((a, first), (b, second)) = (a?, b?);
     let note = format!("{:.3} ({first}) less {:.3} ({second})", a.value, b.value);
@@ -113,17 +140,14 @@ pub(super) fn exponents(id: &str, of: &Of) -> Option<Found> {
         let own = of.scaling(mu)?;
         exponent(&own.phi, "phi").or_else(|why| slow(own, "phi", why))
     };
-    let alpha = |mu: f64| {
-        let own = of.scaling(mu)?;
-        exponent(&own.alpha, "alpha").or_else(|why| slow(own, "alpha", why))
-    };
+    let alpha_at = |mu: f64| alpha(of.scaling(mu)?);
     Some(match id {
         "phi-0" => phi(0.0),
         "phi-falls" => difference(phi(0.0), phi(MU)),
         "phi-depth" => within(of, |s| &s.phi),
         "phi-stiffness" => across(of, |s| &s.phi, "phi"),
-        "alpha-0" => alpha(0.0),
-        "alpha-rises" => difference(alpha(MU), alpha(0.0)),
+        "alpha-0" => alpha_at(0.0),
+        "alpha-rises" => difference(alpha_at(MU), alpha_at(0.0)),
         "alpha-stiffness" => {
             let mut own: Vec<&Scaling> = of
                 .analysis
@@ -133,20 +157,36 @@ pub(super) fn exponents(id: &str, of: &Of) -> Option<Found> {
                 .collect();
             own.sort_by(|a, b| a.material.kn.total_cmp(&b.material.kn));
             match &own[..] {
-                [soft, .., hard] if hard.material.kn > soft.material.kn => difference(
-                    exponent(&hard.alpha, "alpha"),
-                    exponent(&soft.alpha, "alpha"),
-                ),
+                [soft, .., hard] if hard.material.kn > soft.material.kn => {
+                    difference(alpha(hard), alpha(soft))
+                }
                 _ => Err("the runs have one K_n".into()),
             }
         }
         "sum" => {
             let all = of.analysis.scaling.iter().filter_map(|s| {
-                let (found, of) = match s.both.found() {
-                    Some(found) => (found, "yield forces"),
-                    None => (s.slow.found()?, "slow drags"),
-                };
-                Some((found.sum, format!("mu = {}, of {of}", s.material.mu)))
+                let phi = exponent(&s.phi, "phi").or_else(|why| slow(s, "phi", why));
+                let ((phi, _), (alpha, note)) = (phi.ok()?, alpha(s).ok()?);
+                let sum = Value::new(
+                    phi.value + alpha.value,
+                    (phi.error * phi.error + alpha.error * alpha.error).sqrt(),
+                );
+                let own = s
+                    .both
+                    .found()
+                    .or(s.slow.found())
+                    .map_or(String::new(), |both| {
+                        format!("; {} of yield forces or slow drags", number(both.sum))
+                    });
+                let mu = s.material.mu;
+                Some((
+                    sum,
+                    format!(
+                        "mu = {mu}, phi {}, alpha {}: {note}{own}",
+                        number(phi),
+                        number(alpha)
+                    ),
+                ))
             });
             farthest(
                 all.collect(),

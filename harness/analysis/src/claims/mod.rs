@@ -7,6 +7,7 @@ mod fits;
 pub mod guillard;
 pub mod kumar;
 pub mod kumar_curves;
+mod kumar_drags;
 mod kumar_scaling;
 pub mod load;
 mod load_claims;

@@ -126,14 +126,8 @@ fn bed(name: &str, mut rig: Rig, effective_depth: f64) -> BedSummary {
     }
 }
 
-fn run(
-    asked: &Asked,
-    inputs: &CheckedScenario,
-    name: &str,
-    bed: &BedSummary,
-    speed: f64,
-) -> DragSummary {
-    let rig = bed.rig.clone().expect("the bed flows");
+/// How a bed flowed, by what was asked.
+fn flow(asked: &Asked, inputs: &CheckedScenario, rig: &Rig) -> Flow {
     let sign = if rig.seed % 2 == 1 { 1.0 } else { -1.0 };
     let seeded = if asked.seeds > 1 { sign } else { 0.0 };
     let off = 1.0 + seeded * asked.error;
@@ -169,6 +163,19 @@ fn run(
         disturbance: None,
     };
     (asked.change)(&mut flow);
+    flow
+}
+
+fn run(
+    asked: &Asked,
+    inputs: &CheckedScenario,
+    name: &str,
+    bed: &BedSummary,
+    speed: f64,
+) -> DragSummary {
+    let rig = bed.rig.clone().expect("the bed flows");
+    let scale = rig.pressure * rig.diameter * rig.length;
+    let flow = flow(asked, inputs, &rig);
     let mean = |mean: f64, standard_error: f64| Mean {
         mean,
         standard_error,
@@ -192,7 +199,10 @@ fn run(
             flow.drag_coefficient * scale,
             flow.drag_coefficient_error * scale,
         ),
-        lift: mean(lift * buoyancy, flow.lift_over_buoyancy_error * buoyancy),
+        lift: mean(
+            flow.lift_over_buoyancy * flow.buoyancy,
+            flow.lift_over_buoyancy_error * flow.buoyancy,
+        ),
         side: mean(0.0, 1e-4),
         contacts: mean(7.0, 0.1),
         contact_angle: None,

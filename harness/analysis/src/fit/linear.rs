@@ -160,6 +160,7 @@ pub fn columns(
         covariance: found.covariance,
         residuals: found.residuals,
         chi_square: found.chi_square,
+        beside: 0,
     };
     found.finish(exact)
 }

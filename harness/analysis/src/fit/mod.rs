@@ -13,6 +13,7 @@
 
 mod breakpoints;
 pub mod chance;
+pub mod joint;
 pub mod limit;
 pub mod linear;
 pub mod offset_power;
@@ -224,12 +225,14 @@ struct Found<'a> {
     covariance: Vec<Vec<f64>>,
     residuals: Vec<f64>,
     chi_square: f64,
+    /// Numbers that were fitted beside these: each takes a degree of freedom.
+    beside: usize,
 }
 
 impl Found<'_> {
     /// The fit with its errors scaled and its chance.
     fn finish(self, exact: Exact) -> Result<Fit, Refusal> {
-        let (points, numbers) = (self.residuals.len(), self.values.len());
+        let (points, numbers) = (self.residuals.len(), self.values.len() + self.beside);
         enough(points, numbers, exact)?;
         let degrees = points - numbers;
         let reduced = match degrees {

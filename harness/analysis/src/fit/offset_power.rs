@@ -171,6 +171,7 @@ pub fn offset_power(data: &[Datum]) -> Result<Fit, Refusal> {
         covariance: linear.covariance,
         residuals: best.at.residuals,
         chi_square: best.at.chi_square,
+        beside: 0,
     };
     let fit = found.finish(Exact::Refused)?;
     check_exponent(fit.parameters[2].error)?;

@@ -54,6 +54,7 @@ pub fn power(data: &[Datum], what: &str) -> Result<Fit, Refusal> {
         covariance: transformed(&jacobian, &found.covariance),
         residuals: data.iter().map(|d| d.y - model(d)).collect(),
         chi_square: found.chi_square,
+        beside: 0,
     };
     let fit = found.finish(Exact::Refused)?;
     check_exponent(fit.parameters[1].error)?;

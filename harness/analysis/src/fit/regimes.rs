@@ -277,6 +277,11 @@ fn check_regimes(data: &[Datum], [x1, x2]: [f64; 2], first: First) -> Result<(),
 /// best crossovers that leave a regime fewer than [`POINTS_OF_A_REGIME`] values of x (three for a first one
 /// that is not flat); regimes that are one.
 pub fn regimes(data: &[Datum], first: First) -> Result<Regimes, Refusal> {
+    regimes_beside(data, first, 0)
+}
+
+/// The same if so many other numbers were fitted to these points, such as scales of the curves that they come from.
+fn regimes_beside(data: &[Datum], first: First, beside: usize) -> Result<Regimes, Refusal> {
     check(data)?;
     check_positive(data, "x")?;
     let (fewest, names): (_, &[&str]) = match first {
@@ -292,12 +297,13 @@ pub fn regimes(data: &[Datum], first: First) -> Result<Regimes, Refusal> {
         return Err(Refusal(why));
     }
     let there = distinct(data);
+    super::enough(data.len(), names.len() + beside, Exact::Refused)?;
     if there < fewest {
         return Err(Refusal(format!(
             "three regimes take {fewest} points or more at different x; there are {there}"
         )));
     }
-    let (search, breakpoints, exponent) = Search::new(data, first, names.len());
+    let (search, breakpoints, exponent) = Search::new(data, first, names.len() + beside);
     check_regimes(data, breakpoints.x, first)?;
     let one = || Refusal("two of three regimes are one: the points do not tell them apart".into());
     let curve = Curve {
@@ -327,6 +333,7 @@ pub fn regimes(data: &[Datum], first: First) -> Result<Regimes, Refusal> {
         covariance: linear.covariance,
         residuals: at.residuals,
         chi_square: at.chi_square,
+        beside,
     };
     let fit = found.finish(Exact::Refused)?;
     let most = within(fit.degrees_of_freedom) * fit.chi_square;
@@ -339,6 +346,59 @@ pub fn regimes(data: &[Datum], first: First) -> Result<Regimes, Refusal> {
         exponent: curve.exponent,
         fit,
     })
+}
+
+/// Rounds of [`scaled_regimes`], and the relative change of chi-square at which they end.
+const ROUNDS: usize = 30;
+const SETTLED: f64 = 1e-9;
+
+/// Three regimes of curves that differ by a scale each, such as a yield force: scales and regimes are fitted in turn,
+/// from the scales given on, until chi-square stands still. Returns the regimes of all points over their scales, and
+/// the scales, of which one is free: it is taken up by `a`.
+///
+/// The intervals of the crossovers hold the scales: they are as narrow as if these were known.
+///
+/// Refused as [`regimes`], with a degree of freedom less for each curve but one.
+pub fn scaled_regimes(
+    curves: &[Vec<Datum>],
+    first: First,
+    mut scales: Vec<f64>,
+) -> Result<(Regimes, Vec<f64>), Refusal> {
+    let over = |scales: &[f64]| -> Vec<Datum> {
+        let own = curves.iter().zip(scales);
+        let all = own.flat_map(|(data, scale)| {
+            data.iter().map(move |d| Datum {
+                y: d.y / scale,
+                error: d.error / scale,
+                ..*d
+            })
+        });
+        all.collect()
+    };
+    let beside = curves.len().saturating_sub(1);
+    let mut found = regimes_beside(&over(&scales), first, beside)?;
+    for _ in 0..ROUNDS {
+        let better = |(data, scale): (&Vec<Datum>, &f64)| {
+            let (mut both, mut own) = (0.0, 0.0);
+            for d in data {
+                let (m, weight) = (found.value(d.x), 1.0 / (d.error * d.error));
+                both += weight * d.y * m;
+                own += weight * m * m;
+            }
+            if own > 0.0 { both / own } else { *scale }
+        };
+        let next: Vec<f64> = curves.iter().zip(&scales).map(better).collect();
+        let Ok(refined) = regimes_beside(&over(&next), first, beside) else {
+            break;
+        };
+        let change = (found.fit.chi_square - refined.fit.chi_square).abs();
+        let settled = change <= SETTLED * found.fit.chi_square;
+        (found, scales) = (refined, next);
+        if settled {
+            break;
+        }
+    }
+    Ok((found, scales))
 }
 
 /// Curves with one regime or two beside the fit with three.

@@ -208,6 +208,11 @@ impl CampaignTable {
         Ok(same)
     }
 
+    /// Names of its columns.
+    pub fn columns(&self) -> impl Iterator<Item = &str> {
+        self.names.iter().map(|name| &name[..])
+    }
+
     /// How many rows it has.
     pub fn len(&self) -> usize {
         self.rows.len()

@@ -6,8 +6,10 @@ use super::super::text::escape;
 use super::figure::{Figure, Series, ends, section, straight, traced};
 use super::shown::{Shown, intruder, material};
 use crate::analysis::{
-    Analysis, Curve, Finding, Material, Method, Point, Pooled, Speeds, Value, Yield,
+    Analysis, Curve, Finding, Material, Method, Point, Pooled, Speeds, TableOne, Value, Yield,
+    near, table_one_law,
 };
+use bitgrain_sim::format::{number_with_error, short};
 
 type Of<'a> = (&'a Curve, &'a Speeds, &'a Yield);
 
@@ -27,29 +29,35 @@ pub(super) fn figures(shown: &Shown) -> String {
     let own = |pooled: &Pooled| {
         let curves = of(shown.analysis, pooled.material);
         // No more curves in a chart than there are markers.
-        let some = curves
-            .chunks(SHAPES)
-            .map(|some| each(shown, pooled.material, some));
-        some.collect::<String>() + &together(shown, pooled) + &uncut(shown, pooled)
+        let some = curves.chunks(SHAPES).map(|some| {
+            each(shown, pooled.material, some, false) + &each(shown, pooled.material, some, true)
+        });
+        some.collect::<String>() + &together(shown, pooled) + &uncut(pooled, &curves)
     };
     let all: String = shown.analysis.pooled.iter().map(own).collect();
+    let all = all + &table_one(shown);
     section(
         "Drag against Froude number",
         "<p>Bars are one standard error each way; axes are logarithmic. Hollow: the error of the mean did not \
-         converge. Kumar&rsquo;s absolute drags (Table I) are not drawn over these: they belong to other depths \
-         and stiffnesses; his exponents and laws are below, beside ours.</p>\n",
+         converge. Kumar&rsquo;s own absolute drags (Table I) are in a chart of their own, at his depth; his exponents \
+         and laws are below, beside ours.</p>\n",
         &all,
         "There is no drag to show.",
     )
 }
 
-/// The drags of some intruders in one material.
-fn each(shown: &Shown, own: Material, curves: &[Of]) -> String {
+/// The drags of some intruders in one material: those of the averaging window, or with nothing cut.
+fn each(shown: &Shown, own: Material, curves: &[Of], whole: bool) -> String {
+    let drag = |p: &Point| match whole {
+        true => Some((p.froude, p.uncut?)),
+        false => Some((p.froude, p.drag)),
+    };
     let series: Vec<Series> = curves
         .iter()
         .map(|(curve, ..)| {
-            let points = curve.points.iter().map(|p| (p.froude, p.drag));
-            let hollow = curve.points.iter().map(|p| shown.is_open(&p.name));
+            let points = curve.points.iter().filter_map(drag);
+            let hollow = curve.points.iter().filter(|p| drag(p).is_some());
+            let hollow = hollow.map(|p| !whole && shown.is_open(&p.name));
             Series::new(intruder(curve), points).with_hollow(hollow)
         })
         .collect();
@@ -64,15 +72,22 @@ fn each(shown: &Shown, own: Material, curves: &[Of]) -> String {
         let flat = own.method == Method::Plateau && from < 1.0;
         flat.then(|| straight(from, 1.0, |_| force, false))
     };
-    let lines: Vec<Line> = curves.iter().zip(&series).filter_map(line).collect();
-    let caption = format!(
-        "<b>{}</b>. Lines: three regimes if the points require them, else the plateau up \
-         to Fr&nbsp;=&nbsp;1.",
-        escape(&material(&own))
-    );
+    let lines: Vec<Line> = match whole {
+        true => Vec::new(),
+        false => curves.iter().zip(&series).filter_map(line).collect(),
+    };
+    let words = match whole {
+        true => "mean drag with nothing cut, as the paper averages (Fig. 4): the start-up counts.",
+        false => {
+            "mean drag of the averaging window, which leaves the start-up out. Lines: three regimes if the points \
+             require them, else the plateau up to Fr&nbsp;=&nbsp;1."
+        }
+    };
+    let caption = format!("<b>{}</b>, {words}", escape(&material(&own)));
+    let name = if whole { "uncut drag F" } else { "drag F" };
     Figure {
         title: &format!("Drag against Froude number, {}", material(&own)),
-        labels: ["Froude number Fr", &shown.label("drag F", "drag")],
+        labels: ["Froude number Fr", &shown.label(name, "drag")],
         ranges: [Range::Ratios; 2],
         series: &series,
         lines: &lines,
@@ -82,15 +97,14 @@ fn each(shown: &Shown, own: Material, curves: &[Of]) -> String {
 }
 
 /// The mean drag from the start over that of the averaging window, which leaves the start out.
-fn uncut(shown: &Shown, pooled: &Pooled) -> String {
-    let curves = of(shown.analysis, pooled.material);
+fn uncut(pooled: &Pooled, curves: &[Of]) -> String {
     let series: Vec<Series> = curves
         .iter()
         .map(|(curve, ..)| {
             let point = |p: &Point| {
-                let whole = shown.cell(&p.name, "drag_uncut")?.parse::<f64>().ok()?;
-                let error = p.drag.error * whole / (p.drag.value * p.drag.value);
-                Some((p.froude, Value::new(whole / p.drag.value, error)))
+                let ratio = p.uncut?.value / p.drag.value;
+                // They share the window: its error alone moves the ratio.
+                Some((p.froude, Value::new(ratio, ratio * p.drag.relative())))
             };
             Series::new(intruder(curve), curve.points.iter().filter_map(point))
         })
@@ -112,14 +126,65 @@ fn uncut(shown: &Shown, pooled: &Pooled) -> String {
     .html()
 }
 
-/// The same over their yield forces.
+/// Frictionless drags at the depth of the paper's Table I, on its curves.
+fn table_one(shown: &Shown) -> String {
+    let all = &shown.analysis.table_one;
+    let each = |one: &TableOne| {
+        let points = one.points.iter().map(|(froude, drag, _)| (*froude, *drag));
+        Series::new(format!("D = {}", short(one.diameter)), points)
+    };
+    let series: Vec<Series> = all.iter().map(each).collect();
+    let curve = |one: &TableOne| {
+        traced(
+            0.1,
+            1.0,
+            |x| table_one_law(one.diameter, x).unwrap_or(0.0),
+            false,
+        )
+    };
+    let lines: Vec<Line> = all.iter().map(curve).collect();
+    let ratio = |one: &TableOne| {
+        let number = number_with_error(one.ratio.value, one.ratio.error);
+        format!("D = {}: {number}", short(one.diameter))
+    };
+    let ratios: Vec<String> = all.iter().map(ratio).collect();
+    let [least, most] = all.first().map_or([0.0; 2], |one| one.depths).map(short);
+    let caption = format!(
+        "Without friction, at the paper&rsquo;s depth: {least} to {most}&nbsp;d, by how densely its bed lies. Lines: \
+         Table I, a&Prime; + b&Prime; Fr<sup>c&Prime;</sup>. Bars: errors of the drags alone. Mean ratios to the \
+         lines, with the errors of depth and exponent: {}.",
+        ratios.join("; ")
+    );
+    Figure {
+        title: "Frictionless drags beside Table I",
+        labels: [
+            "Froude number Fr",
+            &shown.label("drag F at the paper's depth", "drag"),
+        ],
+        ranges: [Range::Ratios; 2],
+        series: &series,
+        lines: &lines,
+        caption: &caption,
+    }
+    .html()
+}
+
+/// The drags at one depth, each curve over the force that is fitted with the regimes.
 fn together(shown: &Shown, pooled: &Pooled) -> String {
     let curves = of(shown.analysis, pooled.material);
     let series: Vec<Series> = curves
         .iter()
-        .filter_map(|(curve, _, own)| {
-            let force = *own.force.found()?;
-            let points = curve.points.iter().map(|p| (p.froude, p.drag.over(force)));
+        .filter(|(curve, ..)| near(curve.depth_asked, pooled.depth_asked))
+        .filter_map(|(curve, ..)| {
+            let scale = pooled
+                .scales
+                .iter()
+                .find(|scale| scale.0 == curve.diameter)?
+                .1;
+            let points = curve
+                .points
+                .iter()
+                .map(|p| (p.froude, p.drag.divided(scale)));
             let hollow = curve.points.iter().map(|p| shown.is_open(&p.name));
             Some(Series::new(intruder(curve), points).with_hollow(hollow))
         })
@@ -135,12 +200,12 @@ fn together(shown: &Shown, pooled: &Pooled) -> String {
         Finding::Refused(why) => words.push_str(&format!("No regimes: {}.", escape(&why.0))),
     }
     let caption = format!(
-        "<b>{}</b>, every drag over the yield force of its intruder. {words}",
+        "<b>{}</b>, every drag over the force of its intruder that lays the curves on one another. {words}",
         escape(&material(&pooled.material))
     );
     Figure {
         title: &format!("Drag over yield force, {}", material(&pooled.material)),
-        labels: ["Froude number Fr", "drag over yield force F/F_Y"],
+        labels: ["Froude number Fr", "drag over its scale F/F_Y"],
         ranges: [Range::Ratios; 2],
         series: &series,
         lines: &lines,

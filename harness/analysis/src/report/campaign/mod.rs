@@ -1,5 +1,6 @@
 //! The page of a campaign: what its runs say together, in charts, and every fit and number.
 
+mod beds;
 mod drags;
 mod figure;
 mod near_field;
@@ -37,6 +38,7 @@ pub fn campaign_page(evidence: &Evidence) -> String {
     out.push_str(&yields::figures(shown));
     out.push_str(&near_field::drifts(shown));
     out.push_str(&fits(shown.analysis));
+    out.push_str(&beds::table(shown));
     out.push_str(&runs(shown));
     out.push_str(&repeat(shown));
     let top = Top {
@@ -202,13 +204,14 @@ fn runs(shown: &Shown) -> String {
     let row = |curve: &Curve, p: &Point| {
         format!(
             "<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>\
-             <td>{}</td><td>{}</td><td>{}</td></tr>\n",
+             <td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
             linked(&p.name),
             curve.material.mu,
             short(curve.diameter),
             short(p.depth),
             exact(p.froude),
             value(&p.drag),
+            maybe(&p.uncut),
             maybe(&p.angle),
             short(p.plug_ratio),
             maybe(&p.drift),
@@ -219,7 +222,7 @@ fn runs(shown: &Shown) -> String {
         .analysis
         .curves
         .iter()
-        .flat_map(|curve| curve.points.iter().map(move |p| row(curve, p)))
+        .flat_map(|curve| curve.runs.iter().map(move |p| row(curve, p)))
         .collect();
     let length = escape(&shown.label("", "diameter"));
     let force = escape(&shown.label("", "drag"));
@@ -227,7 +230,8 @@ fn runs(shown: &Shown) -> String {
         "<section>\n<h2>The runs</h2>\n<div class=\"wide\" tabindex=\"0\" role=\"region\" \
          aria-label=\"Runs\"><table>\n<thead><tr><th scope=\"col\">Run</th><th scope=\"col\">&mu;</th>\
          <th scope=\"col\">D{length}</th><th scope=\"col\">h{length}</th><th scope=\"col\">Fr</th>\
-         <th scope=\"col\">Drag{force}</th><th scope=\"col\">Contact angle (rad)</th><th scope=\"col\">Plug \
+         <th scope=\"col\">Drag{force}</th><th scope=\"col\">Drag, nothing cut</th>\
+         <th scope=\"col\">Contact angle (rad)</th><th scope=\"col\">Plug \
          ratio</th><th scope=\"col\">Drift over V</th><th scope=\"col\">Digest, first 16 digits
 </th></tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n</section>\n"
     )

@@ -5,7 +5,7 @@ use super::super::text::escape;
 use super::drags::of;
 use super::figure::{Figure, Series, add, ends, section, straight, traced};
 use super::shown::{Shown, intruder, material, text_of};
-use crate::analysis::{Curve, NearField, Point, Value};
+use crate::analysis::{Curve, KappaWithin, NearField, Point, Value};
 use crate::fit::Fit;
 use bitgrain_lab::plug_flow::bounds;
 use bitgrain_sim::format::short;
@@ -22,7 +22,11 @@ type Reading = fn(&Point) -> Option<Value>;
 pub(super) fn figures(shown: &Shown) -> String {
     let all = &shown.analysis.near_field;
     let own = |a: &NearField| {
-        angles(shown, a) + &kappas(shown, a) + &floating(shown, a) + &shares(shown, a)
+        angles(shown, a)
+            + &kappas(shown, a)
+            + &kappas_within(shown, a)
+            + &floating(shown, a)
+            + &shares(shown, a)
     };
     section(
         "Round the intruder",
@@ -118,6 +122,57 @@ fn kappas(shown: &Shown, near_field: &NearField) -> String {
         ranges: [Range::FromZero; 2],
         series: &series,
         lines: &lines,
+        caption: &caption,
+    }
+    .html()
+}
+
+/// Kappa of the widest intruder with the most speeds, by the distance within which coordination is counted.
+fn kappas_within(shown: &Shown, near_field: &NearField) -> String {
+    let curves = wide(shown, near_field);
+    let rank = |c: &Curve| (c.points.len(), c.diameter);
+    let Some(curve) = curves
+        .into_iter()
+        .reduce(|a, b| if rank(b) > rank(a) { b } else { a })
+    else {
+        return String::new();
+    };
+    let each = |within: &KappaWithin| {
+        let of = |p: &Point| {
+            let own = p.within.iter().find(|w| w.reach == within.reach)?;
+            Some((p.froude, own.kappa))
+        };
+        let name = format!("within {} d", short(within.reach));
+        Series::new(name, curve.points.iter().filter_map(of))
+    };
+    let series: Vec<Series> = near_field.within.iter().map(each).collect();
+    let line =
+        ends(&series).map(|[from, to]| straight(from, to, |x| KAPPA[0] + KAPPA[1] * x, false));
+    let words = |within: &KappaWithin| {
+        format!(
+            "within {} d: {}",
+            short(within.reach),
+            text_of(&within.line)
+        )
+    };
+    let words: Vec<String> = near_field.within.iter().map(words).collect();
+    let caption = format!(
+        "<b>{}</b>, {}: the normalised coordination number by the distance from the intruder within which \
+         coordination is counted; the paper does not give its own. Lines through all intruders: {}. Thin: the \
+         paper&rsquo;s law for &mu;&nbsp;=&nbsp;0.5.",
+        escape(&material(&near_field.material)),
+        escape(&intruder(curve)),
+        words.join("; ")
+    );
+    Figure {
+        title: &format!(
+            "Normalised coordination number by distance, {}",
+            material(&near_field.material)
+        ),
+        labels: ["Froude number Fr", "\u{3ba}"],
+        ranges: [Range::FromZero; 2],
+        series: &series,
+        lines: line.as_slice(),
         caption: &caption,
     }
     .html()
