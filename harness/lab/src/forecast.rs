@@ -383,7 +383,7 @@ pub(crate) fn disk(
 }
 
 /// Grains of the trial's bed.
-const TRIAL_GRAINS: usize = 300;
+pub(crate) const TRIAL_GRAINS: usize = 300;
 
 /// Grain-steps a second on one thread: a small bed of the quick scenario's soft grains, poured just
 /// now, with the scenario's friction.

@@ -197,6 +197,15 @@ impl Overall<'_> {
             .set_length(old.wrapping_add(others).wrapping_sub(planned));
     }
 
+    /// Grain-steps done since it began, and its seconds.
+    pub fn so_far(&self) -> (u64, f64) {
+        let done = self.progress.work.done.load(Ordering::Relaxed);
+        (
+            done.saturating_sub(self.before),
+            self.began.elapsed().as_secs_f64(),
+        )
+    }
+
     /// A run came to its end.
     pub fn run_ended(&self, failed: bool) {
         self.ended.fetch_add(1, Ordering::Relaxed);
@@ -216,11 +225,11 @@ impl Overall<'_> {
             self.bar.set_message(text);
             return;
         }
-        let done = self.progress.work.done.load(Ordering::Relaxed);
-        let now = done.saturating_sub(self.before) as f64;
+        let (now, seconds) = self.so_far();
+        let done = self.before + now;
         let total = self.total.load(Ordering::Relaxed);
         let left = total.saturating_sub(done) as f64;
-        let minutes = left / now * self.began.elapsed().as_secs_f64() / 60.0;
+        let minutes = left / now as f64 * seconds / 60.0;
         let eta = match minutes.is_finite() {
             true => format!(", ETA {minutes:.0} min"),
             false => String::new(),

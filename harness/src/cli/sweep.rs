@@ -19,7 +19,8 @@ use bitgrain_sim::error::{Error, Result};
 /// What the command takes.
 #[derive(Args)]
 pub(super) struct Sweep {
-    /// A campaign's TOML file, or the name of a shipped one: kumar-small, kumar-middle, kumar-2018.
+    /// A campaign's TOML file, or the name of a shipped one: kumar-small, kumar-middle, kumar-table-1, kumar-fig-5,
+    /// kumar-depth, kumar-2018.
     campaign: String,
     /// Folder for the results [default: out/NAME, NAME the campaign's name].
     #[arg(long)]
@@ -50,7 +51,8 @@ pub(super) struct Sweep {
     /// Try runs again that failed before.
     #[arg(long)]
     retry: bool,
-    /// Print the plan with its cost in grain-steps and hours, and run nothing.
+    /// Print the plan with its cost in grain-steps and hours, and run nothing. In a folder where some of it was done
+    /// before, the time is by the speed of that, for the rest.
     #[arg(long)]
     dry_run: bool,
     /// Print lines if standard error is not a terminal: each minute, and as each stage ends.
@@ -70,11 +72,12 @@ pub(super) fn run(what: Sweep, home: &Path) -> Result<()> {
     let library = what.beds.library(home);
     let threads = processors(what.threads);
     let jobs = what.jobs.map_or(threads, usize::from);
-    if what.dry_run {
-        return print(&forecast::forecast(&plan, &only, &library, threads, jobs)?);
-    }
     let own = PathBuf::from("out").join(&plan.campaign.name);
     let out = what.out.unwrap_or(own);
+    if what.dry_run {
+        let text = forecast::forecast(&plan, &only, &out, &library, threads, jobs)?;
+        return print(&text);
+    }
     let progress = stoppable(what.verbose);
     hint.iter().for_each(|hint| progress.warn(hint));
     let outcome = sweep::sweep(&sweep::Sweep {

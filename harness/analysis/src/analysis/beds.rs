@@ -1,8 +1,8 @@
 //! Runs at one speed through several beds as one point. Blocks within a run do not know what one bed remembers of its
 //! pouring; several beds do.
 
-use super::curves::{ErrorOf, Point, Within};
 use super::exponents::near;
+use super::point::{ErrorOf, Point, Within};
 use super::value::Value;
 
 /// The runs of a curve, in ascending order of the Froude number, as a point for each speed.

@@ -2,7 +2,7 @@
 //! from the start).
 
 use super::Value;
-use super::curves::Point;
+use super::point::Point;
 
 /// Fewest diameters of travel, or blocks of several, that an error comes from.
 const BLOCKS_MIN: usize = 4;
@@ -66,7 +66,7 @@ fn mean(drags: &[f64]) -> Option<Value> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::curves::ErrorOf;
+    use super::super::point::ErrorOf;
     use super::*;
 
     fn point(by_travel: &[f64], discard: f64) -> Point {

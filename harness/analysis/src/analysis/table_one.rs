@@ -114,7 +114,8 @@ fn compared(curve: &Curve, alpha: Value, diameter: f64) -> Option<TableOne> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::curves::{ErrorOf, Material, Point};
+    use super::super::curves::Material;
+    use super::super::point::{ErrorOf, Point};
     use super::*;
     use crate::fit::synthetic::normal;
     use bitgrain_sim::random::{Purpose, uniforms};

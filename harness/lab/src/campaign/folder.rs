@@ -26,6 +26,7 @@ pub const CAMPAIGN: Contents = Contents {
         "members",
         "results.csv",
         "results.parquet",
+        super::pace::NAME,
         "analysis.json",
         "report.html",
     ],

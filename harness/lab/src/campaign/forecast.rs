@@ -1,12 +1,17 @@
 //! What a campaign would take, before it runs: its members, their work in grain-steps, and the time.
 
 use std::fmt::Write;
+use std::path::Path;
 
+use super::folder::CampaignFolder;
 use super::only::Only;
+use super::pace::Pace;
 use super::plan::Plan;
 use crate::bed::{self, library::BedCache, recipe::Recipe};
-use crate::forecast::{disk, side_by_side, trial};
+use crate::folder::Folder;
+use crate::forecast::{TRIAL_GRAINS, disk as space, side_by_side, trial};
 use crate::scenario::{CheckedScenario, DragPlan};
+use bitgrain_sim::disk;
 use bitgrain_sim::error::Result;
 use bitgrain_sim::format::short;
 
@@ -17,85 +22,73 @@ const GRAIN_STEPS: f64 = 1e6;
 /// caches one after the other.
 const LARGE: [(usize, f64); 3] = [(5_000, 0.85), (50_000, 0.7), (500_000, 0.6)];
 
-/// The forecast of the wanted runs of a campaign as text: `jobs` stages side by side on this many threads, beds
-/// from `library`.
+/// What is left of a campaign.
+struct Left {
+    /// A line for each member.
+    text: String,
+    /// Beds to pour and drags to do, as thousandths of a million grain-steps of a small bed.
+    pours: Vec<u64>,
+    drags: Vec<u64>,
+    /// Million grain-steps of all of them.
+    work: f64,
+    bytes: f64,
+    /// Drags that are done.
+    done: usize,
+}
+
+/// The forecast of the wanted runs of a campaign that are not done in the folder `out`, as text: `jobs` stages side by
+/// side on this many threads, beds from `library`. If stages went in that folder before, the time is by their speed.
 ///
 /// # Errors
 /// Errors of the trial of this machine's speed.
 pub fn forecast(
     plan: &Plan,
     only: &Only,
+    out: &Path,
     library: &BedCache,
     threads: usize,
     jobs: usize,
 ) -> Result<String> {
     let speed = trial(&plan.members[0].scenario)?;
-    let mut out = head(plan);
-    let mut say = |line: String| {
-        out.push_str(&line);
-        out.push('\n');
-    };
-    let mut recipes: Vec<String> = Vec::new();
-    let (mut pours, mut drags) = (Vec::new(), Vec::new());
-    let (mut bytes, mut count) = (0.0, 0);
-    for member in &plan.members {
-        let scenario = &member.scenario;
-        let wanted = |run: &DragPlan| only.wants(&member.name, &run.name);
-        let plans = scenario.drags().iter();
-        let plans: Vec<DragPlan> = plans.filter(|run| wanted(run)).cloned().collect();
-        if plans.is_empty() {
-            continue;
-        }
-        let poured = pouring(scenario, library, &mut recipes)?;
-        let runs = dragging(scenario, &plans);
-        let grains = scenario
-            .beds()
-            .iter()
-            .map(|b| scenario.grain_count(b.diameter))
-            .max();
-        let grains = grains.unwrap_or(0);
-        let slower = slower(grains);
-        let all = poured.iter().sum::<f64>() + runs.iter().sum::<f64>();
-        say(format!(
-            "{:<32} {grains:>8} {:>5} {:>14.0} {:>14.0} {:>9.2}",
-            member.name,
-            runs.len(),
-            poured.iter().sum::<f64>() + 0.0, // an empty sum is -0
-            runs.iter().sum::<f64>(),
-            all * GRAIN_STEPS / (speed * slower) / 3600.0
-        ));
-        count += runs.len();
-        bytes += disk(scenario, &plans, grains, scenario.beds().len());
-        // As jobs, in thousandths of a million grain-steps on a small bed.
-        let job = |work: &f64| (1000.0 * work / slower) as u64;
-        pours.extend(poured.iter().map(job));
-        drags.extend(runs.iter().map(job));
-    }
-    let whole =
-        (pours.iter().sum::<u64>() + drags.iter().sum::<u64>()) as f64 / 1000.0 * GRAIN_STEPS;
+    let left = left(plan, only, CampaignFolder(out), library, speed)?;
+    let whole = (left.pours.iter().sum::<u64>() + left.drags.iter().sum::<u64>()) as f64;
+    let whole = whole / 1000.0 * GRAIN_STEPS;
     let side = jobs.min(threads).max(1);
-    let longest = side_by_side(&pours, side) + side_by_side(&drags, side);
+    let longest = side_by_side(&left.pours, side) + side_by_side(&left.drags, side);
     // If there are fewer jobs than threads, a job runs on several at half their speed each.
     let gain = 1.0 + 0.5 * (threads as f64 / side as f64 - 1.0);
     let hours = longest as f64 / 1000.0 * GRAIN_STEPS / speed / gain / 3600.0;
-    say(String::new());
+    let pace = Pace::read(out, threads).speed();
+    let hours = pace.map_or(hours, |pace| left.work * GRAIN_STEPS / pace / 3600.0);
+    let mut text = head(plan) + &left.text + "\n";
     let mut line = |name: &str, value: String| {
-        let _ = writeln!(out, "{name:<32} {value}");
+        let _ = writeln!(text, "{name:<32} {value}");
     };
-    line("runs", count.to_string());
-    line("beds to pour", pours.len().to_string());
+    let done = match left.done {
+        0 => String::new(),
+        n => format!(" ({n} are done)"),
+    };
+    line("runs", format!("{}{done}", left.drags.len()));
+    line("beds to pour", left.pours.len().to_string());
     line(
         "work",
         format!("{} G grain-steps of a small bed", short(whole * 1e-9)),
     );
-    line("disk", format!("{:.1} GB", bytes * 1e-9));
+    line("disk", format!("{:.1} GB", left.bytes * 1e-9));
+    let million = |speed: f64| format!("{:.1} million grain-steps/s", speed * 1e-6);
     line(
         "speed of this machine",
         format!(
-            "{:.1} million grain-steps/s (a settled bed of 500, one thread)",
-            speed * 1e-6
+            "{} (a settled bed of {TRIAL_GRAINS}, one thread)",
+            million(speed)
         ),
     );
+    if let Some(pace) = pace {
+        line(
+            "speed in this folder so far",
+            format!("{} ({threads} thread(s) together)", million(pace)),
+        );
+    }
     line(
         "time",
         format!(
@@ -103,7 +96,59 @@ pub fn forecast(
             span(hours)
         ),
     );
-    Ok(out)
+    Ok(text)
+}
+
+/// What is left to do in a folder, on a machine of this speed.
+fn left(
+    plan: &Plan,
+    only: &Only,
+    folder: CampaignFolder<'_>,
+    library: &BedCache,
+    speed: f64,
+) -> Result<Left> {
+    let mut left = Left {
+        text: String::new(),
+        pours: Vec::new(),
+        drags: Vec::new(),
+        work: 0.0,
+        bytes: 0.0,
+        done: 0,
+    };
+    let mut recipes: Vec<String> = Vec::new();
+    for member in &plan.members {
+        let scenario = &member.scenario;
+        let wanted = |run: &DragPlan| only.wants(&member.name, &run.name);
+        let plans = scenario.drags().iter();
+        let mut plans: Vec<DragPlan> = plans.filter(|run| wanted(run)).cloned().collect();
+        let (place, asked) = (folder.member(&member.name), plans.len());
+        plans.retain(|run| !disk::is_there(&Folder(&place).of_run(&run.name, "summary.json")));
+        left.done += asked - plans.len();
+        if plans.is_empty() {
+            continue;
+        }
+        let poured = pouring(scenario, library, &mut recipes)?;
+        let runs = dragging(scenario, &plans);
+        let sizes = scenario.beds().iter();
+        let sizes = sizes.map(|bed| scenario.grain_count(bed.diameter));
+        let grains = sizes.max().unwrap_or(0);
+        let slower = slower(grains);
+        // An empty sum is -0.
+        let [pours, drags] = [&poured, &runs].map(|work| work.iter().sum::<f64>() + 0.0);
+        let _ = writeln!(
+            left.text,
+            "{:<32} {grains:>8} {:>5} {pours:>14.0} {drags:>14.0} {:>9.2}",
+            member.name,
+            runs.len(),
+            (pours + drags) * GRAIN_STEPS / (speed * slower) / 3600.0
+        );
+        left.work += pours + drags;
+        left.bytes += space(scenario, &plans, grains, scenario.beds().len());
+        let job = |work: &f64| (1000.0 * work / slower) as u64;
+        left.pours.extend(poured.iter().map(job));
+        left.drags.extend(runs.iter().map(job));
+    }
+    Ok(left)
 }
 
 /// The campaign's name, and over its members what their columns are.

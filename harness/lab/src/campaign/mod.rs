@@ -9,6 +9,7 @@ pub mod folder;
 pub mod forecast;
 pub mod keys;
 pub mod only;
+mod pace;
 pub mod parquet;
 pub mod plan;
 pub mod rules;
@@ -24,7 +25,7 @@ use bitgrain_sim::error::{Error, Result};
 use plan::Plan;
 
 /// Names and texts of the campaigns that ship with the program.
-pub const SHIPPED: [(&str, &str); 3] = [
+pub const SHIPPED: [(&str, &str); 6] = [
     (
         "kumar-small",
         include_str!("../../campaigns/kumar-small.toml"),
@@ -32,6 +33,18 @@ pub const SHIPPED: [(&str, &str); 3] = [
     (
         "kumar-middle",
         include_str!("../../campaigns/kumar-middle.toml"),
+    ),
+    (
+        "kumar-table-1",
+        include_str!("../../campaigns/kumar-table-1.toml"),
+    ),
+    (
+        "kumar-fig-5",
+        include_str!("../../campaigns/kumar-fig-5.toml"),
+    ),
+    (
+        "kumar-depth",
+        include_str!("../../campaigns/kumar-depth.toml"),
     ),
     (
         "kumar-2018",

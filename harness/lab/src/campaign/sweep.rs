@@ -10,6 +10,7 @@ use std::sync::{Mutex, MutexGuard};
 use super::columns::Status;
 use super::folder::{CampaignFolder, FAILURE, Failure};
 use super::only::Only;
+use super::pace::Pace;
 use super::plan::Plan;
 use crate::bed::recipe::Recipe;
 use crate::bed::{self, library::BedCache};
@@ -255,7 +256,25 @@ impl Under<'_> {
     fn go_on(&self) -> Result<()> {
         let open = self.open();
         let overall = self.overall(&open);
-        let beds = self.beds(open, &overall)?;
+        let pace = Pace::read(self.what.out, self.what.threads);
+        let went = self.stages(open, &overall, pace);
+        // Also of an interrupted campaign: the next forecast learns from it.
+        let kept = self.keep(pace, &overall);
+        went.and(kept)
+    }
+
+    /// Writes down how fast it went.
+    fn keep(&self, before: Pace, overall: &Overall) -> Result<()> {
+        let (grain_steps, seconds) = overall.so_far();
+        match grain_steps {
+            0 => Ok(()),
+            done => before.and(done, seconds).write(self.what.out),
+        }
+    }
+
+    fn stages(&self, open: [Vec<usize>; 2], overall: &Overall, pace: Pace) -> Result<()> {
+        let beds = self.beds(open, overall)?;
+        self.keep(pace, overall)?;
         let open: Vec<usize> = {
             let slots = self.slots();
             (0..self.jobs.len())
@@ -274,6 +293,7 @@ impl Under<'_> {
             let dragged = dragged.map(|(run, _)| run);
             let ended = self.end(dragged, ledger, &self.run_folder(job))?;
             overall.run_ended(ended.is_err());
+            self.keep(pace, overall)?;
             self.record(open[k], ended, &found[job.plan.bed])
         })?;
         first_cause(ended).map(|_| ())
