@@ -3,6 +3,7 @@
 pub mod damage;
 pub mod drags;
 pub mod fuzzing;
+pub mod gather;
 pub mod notices;
 pub mod wee;
 

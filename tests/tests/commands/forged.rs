@@ -63,6 +63,58 @@ fn a_forged_manifest_proves_nothing() {
     assert!(told.contains("neither its closing hash"), "{told}");
 }
 
+/// A summary as versions wrote it that had no error of the uncut mean, no drag by travel and no large overlaps.
+fn of_an_earlier_version(text: &str) -> String {
+    let mut kept = Vec::new();
+    let mut lines = text.lines();
+    while let Some(line) = lines.next() {
+        let key = line.trim_start();
+        if key.starts_with("\"drag_by_travel\"") {
+            // The list goes on to its bracket.
+            lines.find(|line| line.trim_start().starts_with(']'));
+        } else if !key.starts_with("\"drag_uncut_error\"") && !key.starts_with("\"large_overlaps\"")
+        {
+            kept.push(line);
+        }
+    }
+    kept.join("\n") + "\n"
+}
+
+/// Runs of earlier versions verify, whose summaries lack what was added since; a number that is there must hold.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn runs_of_earlier_versions_verify() {
+    let room = FURNISHED.copy();
+    let files = [
+        "summary.json",
+        "runs/run-1/summary.json",
+        "runs/run-2/summary.json",
+    ];
+    for name in files.map(|name| format!("run/{name}")) {
+        let text = String::from_utf8(room.read(&name)).unwrap();
+        let earlier = of_an_earlier_version(&text);
+        assert!(
+            text.lines().count() >= earlier.lines().count() + 5,
+            "{name}"
+        );
+        room.write(&name, earlier);
+    }
+    remake_manifest(&room.path("run"));
+    let told = room.done("verify run");
+    assert!(told.contains("and its tables are as written"), "{told}");
+    room.edit(
+        "run/runs/run-1/summary.json",
+        "\"overlap_max\": 0.",
+        "\"overlap_max\": 1.",
+    );
+    remake_manifest(&room.path("run"));
+    let told = room.says("verify run", 3);
+    assert!(
+        told.contains("summary.json of its folder: missing or not as it was written"),
+        "{told}"
+    );
+}
+
 /// Nor does it help a forger to remove what a finished run must have: the manifest says that it is finished.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]

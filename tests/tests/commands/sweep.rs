@@ -4,6 +4,7 @@ use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use bitgrain::campaign::table::CampaignTable;
+use bitgrain_tests::wee::Room;
 use bitgrain_tests::{CAMPAIGN, CampaignDesk, output, results};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
@@ -353,4 +354,51 @@ fn a_dry_run_tells_the_cost() {
         "{text}"
     );
     assert!(!desk.out().exists());
+}
+
+/// Distances within which coordination is measured and the drag by travel are columns at the end of a table; the forecast
+/// of a folder counts what is done there.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn distances_and_travel_are_columns() {
+    let room = Room::new(PROGRAM);
+    room.done("sweep weecamp.toml --out camp --set measure.reaches=[1.0,2.0] --only mu0.3");
+    let table = CampaignTable::read(&room.path("camp/results.csv")).unwrap();
+    let names: Vec<&str> = table.columns().collect();
+    let last = ["drag_uncut_error", "large_overlaps", "drag_travel_1"];
+    assert_eq!(names[names.len() - 3..], last);
+    for row in 0..table.len() {
+        let same = |a: &str, b: &str| assert_eq!(table.text(row, a), table.text(row, b), "{a}");
+        for name in [
+            "coordination",
+            "coordination_error",
+            "kappa",
+            "kappa_error",
+            "floating",
+        ] {
+            let within = match name.strip_suffix("_error") {
+                Some(name) => format!("{name}_within_2_error"),
+                None => format!("{name}_within_2"),
+            };
+            same(name, &within);
+        }
+        // Fewer grains, nearer to the intruder.
+        assert_ne!(
+            table.text(row, "coordination_within_1"),
+            table.text(row, "coordination")
+        );
+        assert!(table.real(row, "drag_travel_1").unwrap() > 0.0);
+        assert!((0.0..=1.0).contains(&table.real(row, "large_overlaps").unwrap()));
+    }
+    let left = room.done("sweep weecamp.toml --out camp --set measure.reaches=[1.0,2.0] --dry-run");
+    assert!(left.contains("2 (2 are done)"), "{left}");
+    assert!(room.path("camp/performance.json").exists());
+    let told = room.says(
+        "sweep weecamp.toml --set measure.reaches=[2.0,1.0] --dry-run",
+        2,
+    );
+    assert!(
+        told.contains("expected at most 16 ascending lengths"),
+        "{told}"
+    );
 }

@@ -16,6 +16,7 @@ mod lammps;
 mod matrix;
 mod medium;
 mod motions;
+mod near_field;
 mod peers;
 mod physics;
 mod quick;
