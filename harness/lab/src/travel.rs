@@ -91,7 +91,9 @@ mod tests {
         let mut before = 0;
         let all: f64 = series
             .iter()
-            .map(|row| row.force_mean[0] * (row.step - std::mem::replace(&mut before, row.step)) as f64)
+            .map(|row| {
+                row.force_mean[0] * (row.step - std::mem::replace(&mut before, row.step)) as f64
+            })
             .sum();
         let mean = found.iter().sum::<f64>() / 20.0;
         // A third of the last step is beyond them.

@@ -406,11 +406,16 @@ fn travel(all: &mut Vec<Column>, rows: &[Row<'_>]) {
         ("large_overlaps", Unit::None, |run| run.large_overlaps),
     ];
     for (name, unit, of) in numbers {
-        if rows.iter().any(|row| row.record().is_some_and(|r| of(&r.run).is_some())) {
+        if rows
+            .iter()
+            .any(|row| row.record().is_some_and(|r| of(&r.run).is_some()))
+        {
             real(all, name, unit, move |row| of(&row.record()?.run));
         }
     }
-    let lengths = rows.iter().filter_map(|row| Some(row.record()?.run.drag_by_travel.len()));
+    let lengths = rows
+        .iter()
+        .filter_map(|row| Some(row.record()?.run.drag_by_travel.len()));
     for k in 0..lengths.max().unwrap_or(0) {
         let name = format!("{DRAG_BY_TRAVEL}{}", k + 1);
         real(all, &name, Unit::Force, move |row| {

@@ -51,7 +51,8 @@ impl Scenario {
         let ascend = reaches.windows(2).all(|pair| pair[0] < pair[1]);
         let lengths = reaches.iter().all(|x| x.is_finite() && *x > 0.0);
         if reaches.len() > REACHES_MAX || !ascend || !lengths {
-            let problem = format!("is {reaches:?}; expected at most {REACHES_MAX} ascending lengths");
+            let problem =
+                format!("is {reaches:?}; expected at most {REACHES_MAX} ascending lengths");
             return refuse("measure.reaches", problem);
         }
         let (i, lid) = (&self.intruder, self.lid.as_ref());
