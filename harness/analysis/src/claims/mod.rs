@@ -4,6 +4,7 @@
 pub mod book;
 pub mod evidence;
 mod fits;
+mod front;
 pub mod guillard;
 pub mod kumar;
 pub mod kumar_curves;
@@ -12,8 +13,11 @@ pub mod load;
 mod load_claims;
 mod points;
 pub mod restitution;
+mod shape;
 #[cfg(test)]
 pub(crate) mod synthetic;
+#[cfg(test)]
+mod synthetic_load;
 mod verdict;
 
 pub use fits::{
