@@ -11,6 +11,8 @@ pub mod kumar_curves;
 mod kumar_scaling;
 pub mod load;
 mod load_claims;
+pub mod means;
+mod place;
 mod points;
 pub mod restitution;
 mod shape;
@@ -19,10 +21,12 @@ pub(crate) mod synthetic;
 #[cfg(test)]
 mod synthetic_load;
 mod verdict;
+mod wake;
 
 pub use fits::{
-    LiftCoefficient, Plateau, SAME_DEPTH, Slope, depths, drag_slope, lift_coefficient, plateau,
-    same_depth,
+    LiftCoefficient, Plateau, SAME_DEPTH, Slope, depths, drag_slope, drag_slope_by_weight,
+    lift_coefficient, plateau, same_depth,
 };
+pub use place::Place;
 pub use points::{FAR_FIELD_LEAST, Group, Point, Spread, TRAVEL_LEAST, Way, groups};
 pub use verdict::Verdict;
