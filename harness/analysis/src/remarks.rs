@@ -1,6 +1,6 @@
 //! What to know before the numbers of a run are believed: printed when it ends, and at the top of its report.
 
-use crate::claims::FAR_FIELD_LEAST;
+use crate::claims::{FAR_FIELD_LEAST, groups, same_depth};
 use bitgrain_lab::plug_flow::PlugFlow;
 use bitgrain_lab::summary::{BedSummary, DragSummary, Flow, LARGE_OVERLAP, Summary};
 use bitgrain_sim::format::short;
@@ -30,20 +30,6 @@ fn remark(title: impl Into<String>, words: String) -> Remark {
     }
 }
 
-/// The remark if the deepest overlap of a run, over the mean diameter, is beyond
-/// [`LARGE_OVERLAP`]; nothing if it is not. A value that is not a number is beyond.
-pub fn overlap_remark(deepest: f64) -> Option<String> {
-    if deepest <= LARGE_OVERLAP {
-        return None;
-    }
-    Some(format!(
-        "The deepest overlap is {} of the mean diameter, beyond {LARGE_OVERLAP}: grains are too soft for \
-         Hertz's law, which assumes narrow contacts, and forces may depend on the stiffness. Stiffer \
-         grains, with a shorter time step, or a slower drag lower the overlap.",
-        short(deepest)
-    ))
-}
-
 /// All remarks on the numbers of a run.
 pub fn remarks(summary: &Summary) -> Vec<Remark> {
     let runs = &summary.runs;
@@ -57,7 +43,7 @@ pub fn remarks(summary: &Summary) -> Vec<Remark> {
     out.extend(floating(runs));
     out.extend(open_errors(runs));
     out.extend(start_up(runs, flows));
-    out.extend(overlap(runs));
+    out.extend(overlap(summary));
     out.extend(plug(runs));
     out
 }
@@ -207,11 +193,76 @@ fn start_up(runs: &[DragSummary], flows: bool) -> Option<Remark> {
     })
 }
 
-/// Grains that overlap deeply.
-fn overlap(runs: &[DragSummary]) -> Option<Remark> {
-    let deepest = runs.iter().map(|r| r.overlap_max);
-    let deepest = deepest.fold(0.0, |a, b| if b > a { b } else { a });
-    overlap_remark(deepest).map(|words| remark("Soft contacts", words))
+/// The largest of some numbers; `None` of none.
+fn largest(values: impl Iterator<Item = f64>) -> Option<f64> {
+    values.reduce(|a, b| if b > a { b } else { a })
+}
+
+/// Deepest overlap of some runs, over the mean diameter, and the largest share of their contacts beyond
+/// [`LARGE_OVERLAP`], if one of them says it.
+fn overlaps<'a>(runs: impl Iterator<Item = &'a DragSummary> + Clone) -> (f64, Option<f64>) {
+    let deepest = largest(runs.clone().map(|run| run.overlap_max));
+    let share = largest(runs.filter_map(|run| run.large_overlaps));
+    (deepest.unwrap_or(0.0), share)
+}
+
+/// A share in percent.
+fn percent(share: f64) -> String {
+    format!("{} %", short(100.0 * share))
+}
+
+/// Overlaps of beds that flow, by the effective depth asked for over D: they grow with the pressure.
+fn overlaps_by_depth(summary: &Summary) -> Vec<String> {
+    let mut depths: Vec<(f64, Vec<&DragSummary>)> = Vec::new();
+    for group in groups(summary) {
+        for point in &group.points {
+            let over = point.asked / group.diameter;
+            let runs = point.runs.iter().map(|&k| &summary.runs[k]);
+            match depths
+                .iter_mut()
+                .find(|(depth, _)| same_depth(*depth, over))
+            {
+                Some((_, all)) => all.extend(runs),
+                None => depths.push((over, runs.collect())),
+            }
+        }
+    }
+    depths.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let words = |(depth, runs): (f64, Vec<&DragSummary>)| {
+        let (deepest, share) = overlaps(runs.into_iter());
+        let share = share.map_or(String::new(), |share| format!(", {}", percent(share)));
+        format!("{} at {} D{share}", short(deepest), short(depth))
+    };
+    depths.into_iter().map(words).collect()
+}
+
+/// Grains that overlap deeply: how deep, what share of the contacts, and in beds that flow at which effective depths.
+fn overlap(summary: &Summary) -> Option<Remark> {
+    let (deepest, share) = overlaps(summary.runs.iter());
+    if deepest <= LARGE_OVERLAP {
+        return None;
+    }
+    let share = share.map_or(String::new(), |share| {
+        format!(
+            " Of the contacts in the last state of a drag up to {} are beyond it.",
+            percent(share)
+        )
+    });
+    let by_depth = match overlaps_by_depth(summary) {
+        all if all.is_empty() => String::new(),
+        all => format!(" By effective depth: {}.", all.join("; ")),
+    };
+    let lid = match summary.inputs.lid {
+        Some(_) => ", a lighter lid",
+        None => "",
+    };
+    let words = format!(
+        "The deepest overlap is {} of the mean diameter, beyond {LARGE_OVERLAP}: grains are too soft for \
+         Hertz's law, which assumes narrow contacts, and forces may depend on the stiffness.{share}{by_depth} \
+         Stiffer grains, with a shorter time step{lid}, or a slower drag lower the overlap.",
+        short(deepest)
+    );
+    Some(remark("Soft contacts", words))
 }
 
 /// Layers above the intruder that move along with it.
@@ -289,6 +340,44 @@ mod tests {
         ] {
             assert!(said.contains(part), "{part}: {said}");
         }
+    }
+
+    /// The share of deep contacts is told if a run says it, and of beds that flow the effective depths.
+    #[test]
+    fn deep_overlaps_are_told_with_their_share_and_depth() {
+        let mut whole = crate::claims::synthetic::summary(&Default::default());
+        whole.runs.iter_mut().for_each(|run| run.overlap_max = 0.05);
+        assert_eq!(overlap(&whole), None);
+        // The deepest of the four effective depths, 0.16 m at D = 0.00495 m.
+        let deep = |run: &&mut DragSummary| run.flow.as_ref().unwrap().effective_depth > 0.15;
+        let overlaps = [0.125, 0.13, 0.11, 0.12];
+        for (run, deepest) in whole.runs.iter_mut().filter(deep).zip(overlaps) {
+            run.overlap_max = deepest;
+        }
+        let said = overlap(&whole).unwrap().words;
+        assert!(said.starts_with("The deepest overlap is 0.13 of"), "{said}");
+        assert!(said.contains("0.05 at 24.24 D; 0.13 at 32.32 D."), "{said}");
+        assert!(
+            !said.contains('%') && said.contains("a lighter lid"),
+            "{said}"
+        );
+        for (run, share) in whole.runs.iter_mut().filter(deep).zip([0.02, 0.031]) {
+            run.large_overlaps = Some(share);
+        }
+        let said = overlap(&whole).unwrap().words;
+        for part in [
+            "up to 3.1 % are",
+            "0.05 at 24.24 D; 0.13 at 32.32 D, 3.1 %.",
+        ] {
+            assert!(said.contains(part), "{part}: {said}");
+        }
+        // A drag through a bed at rest has no effective depth.
+        whole.runs.iter_mut().for_each(|run| run.flow = None);
+        let said = overlap(&whole).unwrap().words;
+        assert!(
+            said.contains("3.1 % are") && !said.contains("depth"),
+            "{said}"
+        );
     }
 
     #[test]

@@ -8,6 +8,7 @@ use super::channels::print;
 use bitgrain_analysis::analysis::describe;
 use bitgrain_analysis::claims::book::{Book, lines, table};
 use bitgrain_analysis::claims::evidence::{Evidence, record_direct};
+use bitgrain_analysis::claims::means;
 use bitgrain_analysis::report::campaign_page;
 use bitgrain_lab::campaign::folder::CampaignFolder;
 use bitgrain_sim::disk::{is_folder, write_whole};
@@ -50,6 +51,9 @@ pub(super) struct Claims {
 pub(super) fn run(what: Analyse) -> Result<()> {
     let evidence = Evidence::read(&what.from, what.plugs)?;
     print(&describe(&evidence.analysis))?;
+    if let Some(summary) = &evidence.summary {
+        print(&means::text(summary))?;
+    }
     let folder = CampaignFolder(&what.from);
     // With a file named, no others are written.
     let own = is_folder(&what.from) && what.out.is_none() && what.report.is_none();

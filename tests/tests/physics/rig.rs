@@ -311,6 +311,25 @@ fn lids_add_the_depth_of_the_paper() {
     }
 }
 
+/// At the paper's size the box is its box, and the cylinder lies in the middle of the bed, 16 D from its floor and its
+/// surface (section III A); the lid has room above.
+#[test]
+fn the_papers_cylinder_lies_in_the_middle() {
+    let paper = scenario::load("guillard-2014", &[]).unwrap();
+    let box_size = paper.bed.size.map(|length| length / paper.mean_diameter());
+    for (length, grains) in box_size.iter().zip([140.0, 10.0, 120.0]) {
+        assert!((length - grains).abs() < 1e-9, "{box_size:?}");
+    }
+    let wide = paper.intruder.diameter.values()[0];
+    let surface = paper.expected_surface(wide);
+    for plan in paper.beds() {
+        for extent in [plan.center[2], surface - plan.center[2]] {
+            // The number of grains is a whole one.
+            assert!((extent / wide - 16.0).abs() < 1e-3, "{}", extent / wide);
+        }
+    }
+}
+
 /// Each lid gives the depth that is asked for; without a gradient only the lid presses, and the weight
 /// above the axis is rho g h~ to rounding. With one, that weight is less by the surface's roughness:
 /// h reaches to the highest grains, above which half a layer is missing.

@@ -28,16 +28,28 @@ pub struct Slope {
 /// C_d: the slope of drag over D L against rho g h~, all ways together (Guillard 2014, eq. 2 and
 /// Fig. 8(a)); `None` without points.
 pub fn drag_slope(group: &Group) -> Option<Slope> {
+    slope_against(group, |p| p.pressure)
+}
+
+/// The same against the weight above the axis over the area of the box. It is less than rho g h~ with a pressure
+/// gradient: h reaches to the tops of the highest grains, and rho is that of the flowing bed while h is that of the
+/// settled one, which is higher.
+pub fn drag_slope_by_weight(group: &Group) -> Option<Slope> {
+    slope_against(group, |p| p.weight)
+}
+
+/// The slope of drag over D L against a pressure.
+fn slope_against(group: &Group, pressure: fn(&Point) -> f64) -> Option<Slope> {
     let points: Vec<&Point> = group.points.iter().collect();
-    let squares: f64 = points.iter().map(|p| p.pressure * p.pressure).sum();
-    let products: f64 = points.iter().map(|p| p.pressure * p.drag.mean).sum();
+    let squares: f64 = points.iter().map(|p| pressure(p) * pressure(p)).sum();
+    let products: f64 = points.iter().map(|p| pressure(p) * p.drag.mean).sum();
     let slope = products / squares;
     if !slope.is_finite() {
         return None;
     }
-    let weighted = points.iter().map(|p| p.pressure * p.drag.error);
+    let weighted = points.iter().map(|p| pressure(p) * p.drag.error);
     let known = weighted.map(|e| e * e).sum::<f64>().sqrt() / squares;
-    let off = |p: &Point| p.drag.mean - slope * p.pressure;
+    let off = |p: &Point| p.drag.mean - slope * pressure(p);
     let spread: f64 = points.iter().map(|p| off(p) * off(p)).sum();
     let seen = match points.len() {
         1 => 0.0,
@@ -48,11 +60,11 @@ pub fn drag_slope(group: &Group) -> Option<Slope> {
         let larger = |a: f64, p: &&Point| if of(p) > a { of(p) } else { a };
         points.iter().fold(0.0, larger)
     };
-    let combined = |p: &Point| both(error * p.pressure, p.drag.error);
+    let combined = |p: &Point| both(error * pressure(p), p.drag.error);
     Some(Slope {
         slope,
         error,
-        residual: largest(&|p| (off(p) / (slope * p.pressure)).abs()),
+        residual: largest(&|p| (off(p) / (slope * pressure(p))).abs()),
         residual_in_errors: largest(&|p| (off(p) / combined(p)).abs()),
         depths: depths(&points),
     })
@@ -174,6 +186,7 @@ pub fn lift_coefficient(group: &Group) -> Option<LiftCoefficient> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::place::Place;
     use super::super::points::{Spread, Way, groups};
     use super::super::synthetic::{self, Asked};
     use super::*;
@@ -185,8 +198,15 @@ mod tests {
             runs: vec![0, 1],
             asked: depth,
             effective_depth: depth,
+            place: Place {
+                floor: 3.0,
+                surface: depth,
+            },
             pressure: 2.0 * depth,
+            weight: 1.6 * depth,
             drag: known(drag),
+            drag_over_depth: known(drag / (2.0 * depth)),
+            drag_over_weight: known(drag / (1.6 * depth)),
             drag_over_pressure: known(drag / (2.0 * depth)),
             lift: known(lift),
             far_field: 1.0,
@@ -198,6 +218,7 @@ mod tests {
     fn group(points: &[Point]) -> Group {
         Group {
             diameter: 3.3,
+            axis: None,
             over_grain: 3.3,
             speed: 1.0,
             points: points.to_vec(),
@@ -209,6 +230,8 @@ mod tests {
         let line = [1.0, 2.0, 4.0].map(|h| point(h, 20.0 * h, 30.0));
         let fit = drag_slope(&group(&line)).unwrap();
         assert!((fit.slope - 10.0).abs() < 1e-12 && fit.residual < 1e-12);
+        let weight = drag_slope_by_weight(&group(&line)).unwrap();
+        assert!((weight.slope - 12.5).abs() < 1e-12 && weight.residual < 1e-12);
         assert_eq!(fit.depths, 3);
         // The points' own errors: 0.1 each.
         let known = 0.1 / (4.0f64 + 16.0 + 64.0).sqrt();

@@ -1,12 +1,14 @@
 //! What the runs of flowing beds say of each claim of Guillard 2014.
 
-use super::fits::{drag_slope, plateau, same_depth};
+use super::fits::{drag_slope, drag_slope_by_weight, plateau, same_depth};
 use super::kumar_curves::{Found, farthest};
 use super::load::loads;
 use super::load_claims::measure as measure_loads;
+use super::means::means_of;
 use super::points::{DEEP, SEEDS};
 use super::points::{FAR_FIELD_LEAST, TRAVEL_LEAST, least};
 use super::points::{Group, Point, Spread, Way, groups};
+use super::wake;
 use crate::analysis::Value;
 use bitgrain_lab::scenario::IntruderShape;
 use bitgrain_lab::summary::{DragSummary, Summary};
@@ -22,19 +24,27 @@ const EXPERIMENT: f64 = 60.0;
 /// measures it.
 pub fn measure(id: &str, summary: &Summary) -> Option<Found> {
     let rest = id.strip_prefix("guillard-")?;
-    let groups = groups(summary);
-    let group = groups.iter().find(|g| (g.over_grain - THIN).abs() <= NEAR);
+    let mut groups = groups(summary);
+    groups.retain(|g| (g.over_grain - THIN).abs() <= NEAR);
+    // The paper's cylinder lies in the middle of the bed.
+    let off = |g: &Group| least(g.points.iter().map(|p| p.place.above_middle().abs()));
+    groups.sort_by(|a, b| off(a).total_cmp(&off(b)));
     let cylinder = summary.inputs.intruder.shape == IntruderShape::Cylinder;
-    let Some(group) = group.filter(|_| cylinder) else {
+    let Some(group) = groups.first().filter(|_| cylinder) else {
         return Some(Err(format!("no run has a cylinder of D/d = {THIN}")));
     };
     let found = match rest {
+        "half-turn" => wake::left_in_wake(summary, group),
+        _ if wake::is_met(summary, group) => {
+            Err("the cylinder has met its own wake in these runs".into())
+        }
         "drag" => drag(group),
         "drag-gradient" => ratio(&pairs(group), 1.0, |p| p.drag_over_pressure),
         "lift-saturates" => deepest_over_next(group),
         "lift-thirty" | "lift-thin" => lift(group),
         "lift-simulation" => lift(group).map(|(v, note)| (v.divided(EXPERIMENT), note)),
         "no-lift" => no_lift(group),
+        "no-lift-middle" => no_lift_in_the_middle(summary, &groups),
         "steady" => halves(summary),
         "zone" => zone(summary, group),
         "symmetry" => symmetry(summary, group),
@@ -60,7 +70,13 @@ fn steady(group: &Group, found: (Value, String)) -> Found {
 
 fn drag(group: &Group) -> Found {
     let fit = drag_slope(group).ok_or("no drag was measured")?;
-    let note = format!("slope of the drag over {} depths", fit.depths);
+    let by_weight = drag_slope_by_weight(group).map_or(String::new(), |fit| {
+        format!(
+            "; {:.2} +- {:.2} times the weight measured above the axis",
+            fit.slope, fit.error
+        )
+    });
+    let note = format!("slope of the drag over {} depths{by_weight}", fit.depths);
     Ok((Value::new(fit.slope, fit.error), note))
 }
 
@@ -134,7 +150,56 @@ fn no_lift(group: &Group) -> Found {
     let pairs = pairs(group);
     let points: Vec<&Point> = pairs.iter().flat_map(|(a, b)| [*a, *b]).collect();
     seeds(&points)?;
-    ratio(&pairs, 0.0, |p| p.lift)
+    let (value, note) = ratio(&pairs, 0.0, |p| p.lift)?;
+    let place = points[0].place.words(group.diameter);
+    Ok((value, format!("{note}; axis {place}")))
+}
+
+/// The lift without a gradient with the axis in the middle of the bed, as in the paper. Base and surface may make a lift
+/// of their own: the note has it with the axis at other places, too, where it would change sign with their distances.
+fn no_lift_in_the_middle(summary: &Summary, groups: &[Group]) -> Found {
+    let all: Vec<(&Group, &Point)> = groups
+        .iter()
+        .flat_map(|group| {
+            let own = group.with_gradient(false).into_iter();
+            own.map(move |point| (group, point))
+        })
+        .collect();
+    let told = |(group, point): &(&Group, &Point)| {
+        let odd = means_of(summary, group, point)
+            .odd
+            .map_or(String::new(), |odd| {
+                format!(
+                    ", odd part {:.1} +- {:.1} of eq. 4's curve,",
+                    odd.value, odd.error
+                )
+            });
+        format!(
+            "{:.1} +- {:.1}{odd} with the axis {} at h~/D = {:.0}",
+            point.lift.mean,
+            point.lift.error,
+            point.place.words(group.diameter),
+            point.effective_depth / group.diameter
+        )
+    };
+    let words = || all.iter().map(told).collect::<Vec<_>>().join("; ");
+    let middle = all
+        .iter()
+        .filter(|(group, point)| point.place.is_middle(group.diameter));
+    let middle: Vec<&Point> = middle.map(|(_, point)| *point).collect();
+    match (all.len(), middle.len()) {
+        (0, _) => return Err("no run is without a pressure gradient".into()),
+        (_, 0) => {
+            return Err(format!(
+                "no axis lies in the middle of the bed: {}",
+                words()
+            ));
+        }
+        _ => {}
+    }
+    seeds(&middle)?;
+    let lifts = middle.iter().map(|p| (p.lift.into(), words()));
+    farthest(lifts.collect(), 0.0, "")
 }
 
 /// How far the bed is disturbed above over below with a gradient, over the same without one: base and surface are
@@ -318,5 +383,52 @@ mod tests {
         assert!(why(with_fields, 1).contains("2 seeds"));
         let noise = |flow: &mut Flow| flow.disturbance = Some([-0.2, -0.1]);
         assert!(why(noise, 2).contains("noise"));
+    }
+
+    /// A lift that base and surface make, 400 buoyancies for a metre off the middle: the claim's number is that of the
+    /// axis in the middle, the note has the others.
+    #[test]
+    fn the_lift_without_a_gradient_is_that_of_the_middle() {
+        let at = |heights: &[f64], seeds| {
+            let asked = Asked {
+                heights: heights.to_vec(),
+                depths: vec![0.099],
+                lift_without: |height| 400.0 * (height - 0.5 * synthetic::SURFACE),
+                seeds,
+                ..Asked::default()
+            };
+            measure("guillard-no-lift-middle", &synthetic::summary(&asked)).unwrap()
+        };
+        let (value, note) = at(&[0.024, 0.03, 0.036], 2).unwrap();
+        assert!(value.value.abs() < 1e-12 && value.error > 0.1, "{value:?}");
+        for part in [
+            "0.0 +- 0.6 with the axis 6.1 D above the floor and 6.1 D below the surface at h~/D = 20",
+            "-2.4 +- 0.6 with the axis 4.8 D above the floor and 7.3 D below",
+            "2.4 +- 0.6 with the axis 7.3 D above the floor and 4.8 D below",
+        ] {
+            assert!(note.contains(part), "{part}: {note}");
+        }
+        assert!(at(&[0.03], 1).unwrap_err().contains("2 seeds"));
+        let why = at(&[0.024], 2).unwrap_err();
+        assert!(
+            why.contains("in the middle") && why.contains("-2.4 +- 0.6"),
+            "{why}"
+        );
+    }
+
+    /// Of several places the one nearest to the middle is measured, and none is paired with another.
+    #[test]
+    fn claims_are_about_the_place_nearest_to_the_middle() {
+        let asked = Asked {
+            heights: vec![0.024, 0.031],
+            lift_without: |height| if height < 0.03 { 15.0 } else { 3.0 },
+            ..Asked::default()
+        };
+        let (value, note) = measure("guillard-no-lift", &synthetic::summary(&asked))
+            .unwrap()
+            .unwrap();
+        // The shallowest has a lift of 20 with a gradient.
+        assert!((value.value - 3.0 / 20.0).abs() < 1e-9, "{value:?}");
+        assert!(note.contains("axis 6.3 D above the floor"), "{note}");
     }
 }

@@ -59,7 +59,8 @@ pub fn loads(summary: &Summary, group: &Group) -> Vec<PointLoad> {
     all.filter_map(|p| point_load(summary, group, p)).collect()
 }
 
-fn point_load(summary: &Summary, group: &Group, point: &Point) -> Option<PointLoad> {
+/// The load of the runs of a point; `None` if one of them has none.
+pub(super) fn point_load(summary: &Summary, group: &Group, point: &Point) -> Option<PointLoad> {
     let inputs = &summary.inputs;
     let area = inputs.bed.size[0] * inputs.bed.size[1];
     let runs = point.runs.iter().map(|&k| {

@@ -1,9 +1,11 @@
 //! The loads and each claim of Guillard 2014, section IV and appendix B.
 
+use super::front::{beside, near};
 use super::kumar_curves::{Found, farthest};
 use super::load::{PointLoad, deep, difference, equation_4, highest, is_deep, odd_part, pairs};
 use super::points::Spread;
 use super::points::{DEEP, SEEDS};
+use super::shape::{ALIKE, share};
 use crate::analysis::Value;
 use crate::fit::Datum;
 use crate::fit::linear::line;
@@ -31,7 +33,10 @@ pub(super) fn measure(id: &str, loads: &[PointLoad]) -> Option<Found> {
         }
     };
     Some(match id {
-        "front" => all(&|l| near(l, 0)),
+        "front" => all(&|l| near(l, 0)).map(|(value, note)| {
+            let fit = beside(&without().collect::<Vec<_>>());
+            (value, format!("{note}; {fit}"))
+        }),
         "rear" => all(&|l| near(l, POINTS / 2)),
         "equation-4" => all(&|l| l.simple_lift),
         "tangential" => {
@@ -71,13 +76,6 @@ fn tenfold(loads: &[PointLoad]) -> Found {
         ));
     }
     Ok((with.lift.over(without.simple_lift), note(with)))
-}
-
-/// Mean of the two points on either side of an angle.
-fn near(load: &PointLoad, m: usize) -> Value {
-    let (a, b) = (load.normal[(m + POINTS - 1) % POINTS], load.normal[m]);
-    // They share nearly all of their contacts.
-    Value::new(0.5 * (a.value + b.value), 0.5 * (a.error + b.error))
 }
 
 /// Largest difference between depths at any angle, beyond two errors of it, over the largest stress.
@@ -187,7 +185,7 @@ fn over_equation_4(pairs: &[(&PointLoad, &PointLoad)]) -> Found {
     }
     let mean = |of: &dyn Fn(&(&PointLoad, &PointLoad)) -> Vec<Value>| -> Value {
         let all = pairs.iter().map(|pair| {
-            let v = share(&of(pair), &equation_4(pair.1));
+            let v = share(&of(pair), &equation_4(pair.1), &ALIKE);
             (v.value, v.error)
         });
         Spread::of(&all.collect::<Vec<_>>()).into()
@@ -202,20 +200,6 @@ fn over_equation_4(pairs: &[(&PointLoad, &PointLoad)]) -> Found {
     Ok((mean(&difference), note))
 }
 
-/// The factor by which `shape` is best scaled to a curve.
-fn share(curve: &[Value], shape: &[f64]) -> Value {
-    let (mut both, mut noise, mut own) = (0.0, 0.0, 0.0);
-    for (v, x) in curve.iter().zip(shape) {
-        both += v.value * x;
-        noise += v.error * v.error * x * x;
-        own += x * x;
-    }
-    // Neighbouring angles vary together.
-    Value::new(both, (noise * POINTS as f64 / SUMS).sqrt()).divided(own)
-}
-
-/// How many angles are independent of each other in a sum: the Gaussian's own correlation is that much long.
-const SUMS: f64 = SQUARES / std::f64::consts::SQRT_2;
 /// How many angles are independent of each other in a mean of squares: the Gaussian's own correlation, squared, is
 /// that much long.
 const SQUARES: f64 = ROOT_TWO_PI / WIDTH;
@@ -245,44 +229,9 @@ fn lift_of_slope(loads: &[PointLoad]) -> Found {
 
 #[cfg(test)]
 mod tests {
-    use super::super::load::{RunLoad, equation_4, odd_part, split};
+    use super::super::load::{equation_4, odd_part, split};
+    use super::super::synthetic_load::{load, noisy};
     use super::*;
-    use crate::fit::synthetic::normal;
-    use bitgrain_sim::coarse_graining::load::weights;
-
-    /// A load of the form in appendix B: `P_0 15 cos(theta)` in front and a part `rho g D 20 sin(theta)`
-    /// there with a gradient.
-    fn load(depth: f64, gradient: bool, off: f64) -> PointLoad {
-        let at = |m: usize| {
-            let front = libm::cos(theta(m)).max(0.0);
-            let asymmetric = match gradient {
-                true => 20.0 * front * libm::sin(theta(m)) / depth,
-                false => 0.0,
-            };
-            Value::new((1.0 + off) * 15.0 * front + asymmetric, 0.05)
-        };
-        let normal: Vec<Value> = (0..POINTS).map(at).collect();
-        let lift = 0.5 * 20.0 * 2.0 / 3.0 / depth;
-        PointLoad {
-            depth,
-            pressure: depth,
-            asked: depth,
-            gradient,
-            runs: vec![RunLoad {
-                seed: 1,
-                pressure: depth,
-                normal: normal.clone(),
-            }],
-            tangential: vec![Value::new(0.5, 0.1); POINTS],
-            tangential_part: Value::new(if gradient { 0.06 } else { 0.04 }, 0.01),
-            // In closed form; the asymmetric part has no share in either.
-            simple_lift: Value::new((1.0 + off) * 10.0 / std::f64::consts::PI, 0.1),
-            drag: Value::new((1.0 + off) * 3.75 * std::f64::consts::PI, 0.1),
-            normal_lift: Value::new(if gradient { lift } else { 0.0 }, 0.1),
-            lift: Value::new(30.0, 1.0),
-            normal,
-        }
-    }
 
     fn all(off: f64) -> Vec<PointLoad> {
         let depths = [16.0, 20.0, 35.0];
@@ -375,20 +324,6 @@ mod tests {
         assert!(measure("collapse", &near).unwrap().is_err());
     }
 
-    /// A load with errors of 0.05 at every angle, and noise of that size, which neighbouring angles share.
-    fn noisy(mut load: PointLoad, seed: u64) -> PointLoad {
-        let error = 0.05;
-        let kernel = |m: usize| (0..POINTS).map(move |j| (j, weights(theta(j))[m]));
-        for m in 0..POINTS {
-            let scale = kernel(m).map(|(_, w)| w * w).sum::<f64>().sqrt();
-            let own = 100 * seed + load.depth as u64;
-            let noise = kernel(m).map(|(j, w)| w * normal(own, j)).sum::<f64>() / scale;
-            load.normal[m] = Value::new(load.normal[m].value + error * noise, error);
-        }
-        load.runs.clear();
-        load
-    }
-
     /// Of curves that are alike but for noise that grows with the depth, the spread is zero within its error; if
     /// there is no difference at all, noise does not make one.
     #[test]
@@ -396,7 +331,7 @@ mod tests {
         let all = |gradient: bool, seed: u64, poses: bool| -> Vec<PointLoad> {
             let one = |depth| PointLoad {
                 gradient: poses,
-                ..noisy(load(depth, gradient, 0.0), seed)
+                ..noisy(load(depth, gradient, 0.0), |_| 0.05, seed)
             };
             [16.0, 20.0, 35.0].map(one).to_vec()
         };

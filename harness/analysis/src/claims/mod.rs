@@ -4,6 +4,7 @@
 pub mod book;
 pub mod evidence;
 mod fits;
+mod front;
 pub mod guillard;
 pub mod kumar;
 pub mod kumar_curves;
@@ -11,15 +12,22 @@ mod kumar_drags;
 mod kumar_scaling;
 pub mod load;
 mod load_claims;
+pub mod means;
+mod place;
 mod points;
 pub mod restitution;
+mod shape;
 #[cfg(test)]
 pub(crate) mod synthetic;
+#[cfg(test)]
+mod synthetic_load;
 mod verdict;
+mod wake;
 
 pub use fits::{
-    LiftCoefficient, Plateau, SAME_DEPTH, Slope, depths, drag_slope, lift_coefficient, plateau,
-    same_depth,
+    LiftCoefficient, Plateau, SAME_DEPTH, Slope, depths, drag_slope, drag_slope_by_weight,
+    lift_coefficient, plateau, same_depth,
 };
+pub use place::Place;
 pub use points::{FAR_FIELD_LEAST, Group, Point, Spread, TRAVEL_LEAST, Way, groups};
 pub use verdict::Verdict;

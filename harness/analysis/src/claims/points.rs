@@ -1,6 +1,7 @@
 //! Runs that differ only by their seed, taken together.
 
-use bitgrain_lab::scenario::LidPlan;
+use super::place::Place;
+use bitgrain_lab::scenario::{BedPlan, LidPlan};
 use bitgrain_lab::summary::{DragSummary, Flow, Rig, Summary};
 use bitgrain_sim::block_averaging::Mean;
 
@@ -108,10 +109,18 @@ pub struct Point {
     pub asked: f64,
     /// Effective depth h~, mean over the runs.
     pub effective_depth: f64,
+    /// Where the axis lies.
+    pub place: Place,
     /// Pressure rho g h~, mean over the runs.
     pub pressure: f64,
+    /// Weight above the axis over the area of the box, mean over the runs.
+    pub weight: f64,
     /// Drag over D L.
     pub drag: Spread,
+    /// Drag over D L and rho g h~: C_d as the paper has it (Guillard 2014, eq. 2).
+    pub drag_over_depth: Spread,
+    /// Drag over D L and the weight above the axis over the area of the box.
+    pub drag_over_weight: Spread,
     /// Drag over D L and the vertical stress at the cylinder's axis: the weight above it over the area of
     /// the box, which is the stress just above the cylinder, and half of what the lift adds below it.
     pub drag_over_pressure: Spread,
@@ -125,11 +134,15 @@ pub struct Point {
     pub converged: [bool; 2],
 }
 
-/// Points of one cylinder at one speed.
+/// Points of one cylinder at one speed, and at one place if there are lids.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Group {
     /// Diameter D.
     pub diameter: f64,
+    /// Height of the axis above the floor, if lids lie on beds with the axis there: base and surface make a lift of
+    /// their own, so points at other heights are no points of the same curve. Without lids the place of the axis is what
+    /// makes the depth, and all places are one curve.
+    pub axis: Option<f64>,
     /// D over the mean diameter d of the grains.
     pub over_grain: f64,
     /// Speed of the bed past the cylinder.
@@ -164,7 +177,16 @@ pub(super) struct Passage<'a> {
 /// A way, what is asked for except the seed, and the runs that are alike in both.
 type Kind<'a> = (Way, (f64, Option<LidPlan>), Vec<Passage<'a>>);
 
-/// The runs of flowing beds by cylinder and speed, and in each by everything but the seed.
+/// Height of the axis of a planned bed, if lids lie on beds of this cylinder with the axis there.
+fn lidded(plans: &[BedPlan], own: &BedPlan) -> Option<f64> {
+    let same = |plan: &&BedPlan| plan.diameter == own.diameter && plan.center == own.center;
+    let mut there = plans.iter().filter(same);
+    there
+        .any(|plan| plan.lid.is_some())
+        .then_some(own.center[2])
+}
+
+/// The runs of flowing beds by cylinder, speed and place of the axis under lids, and in each by everything but the seed.
 /// Runs whose bed the scenario does not plan are left out.
 pub fn groups(summary: &Summary) -> Vec<Group> {
     let plans = summary.inputs.beds();
@@ -183,10 +205,14 @@ pub fn groups(summary: &Summary) -> Vec<Group> {
             (_, true) => Way::Lid,
             (_, false) => Way::LidAlone,
         };
-        let same = |(g, _): &(Group, Vec<Kind>)| g.diameter == rig.diameter && g.speed == run.speed;
+        let axis = lidded(plans, plan);
+        let same = |(g, _): &(Group, Vec<Kind>)| {
+            (g.diameter, g.speed, g.axis) == (rig.diameter, run.speed, axis)
+        };
         let k = groups.iter().position(same).unwrap_or_else(|| {
             let group = Group {
                 diameter: rig.diameter,
+                axis,
                 over_grain: rig.diameter / d,
                 speed: run.speed,
                 points: Vec::new(),
@@ -211,7 +237,7 @@ pub fn groups(summary: &Summary) -> Vec<Group> {
         let own = |z: f64| summary.inputs.expected_surface(group.diameter) - z;
         let points = kinds.iter().map(|(way, (z, lid), passages)| {
             let asked = lid.map_or(Some(own(*z)), |lid| lid.effective_depth);
-            point(*way, asked, area, passages)
+            point(*way, asked, *z, area, passages)
         });
         group.points = points.collect();
         let order = |p: &Point| (p.way, p.effective_depth);
@@ -230,8 +256,8 @@ pub(super) fn axis_stress(run: &DragSummary, flow: &Flow, area: f64) -> f64 {
     flow.pressure_measured + 0.5 * run.lift.mean / area
 }
 
-/// The runs of a point in a box of this area.
-fn point(way: Way, asked: Option<f64>, area: f64, passages: &[Passage]) -> Point {
+/// The runs of a point with the axis at height `z` in a box of this area.
+fn point(way: Way, asked: Option<f64>, z: f64, area: f64, passages: &[Passage]) -> Point {
     let n = passages.len() as f64;
     let mean = |of: fn(&Flow) -> f64| passages.iter().map(|p| of(p.flow)).sum::<f64>() / n;
     let least = |of: fn(&Flow) -> f64| {
@@ -245,13 +271,21 @@ fn point(way: Way, asked: Option<f64>, area: f64, passages: &[Passage]) -> Point
     let stress = |p: &Passage| axis_stress(p.run, p.flow, area);
     let lift = |p: &Passage| (p.flow.lift_over_buoyancy, p.flow.lift_over_buoyancy_error);
     let effective_depth = mean(|f| f.effective_depth);
+    let depth = passages.iter().map(|p| p.run.depth).sum::<f64>() / n;
     Point {
         way,
         runs: passages.iter().map(|p| p.place).collect(),
         asked: asked.unwrap_or(effective_depth),
         effective_depth,
+        place: Place {
+            floor: z,
+            surface: depth,
+        },
         pressure: mean(|f| f.pressure),
+        weight: mean(|f| f.pressure_measured),
         drag: drag_over(&|_| 1.0),
+        drag_over_depth: drag_over(&|p| p.flow.pressure),
+        drag_over_weight: drag_over(&|p| p.flow.pressure_measured),
         drag_over_pressure: drag_over(&stress),
         lift: Spread::of(&passages.iter().map(lift).collect::<Vec<_>>()),
         far_field: least(|f| f.far_field),
@@ -302,9 +336,52 @@ mod tests {
         assert_eq!(ways[lids..], vec![Way::LidAlone; lids]);
         let deep = group.with_gradient(true);
         assert!(deep.is_sorted_by(|a, b| a.effective_depth < b.effective_depth));
+        // The axis lies in the middle of a bed of 0.06 m.
+        assert!(deep.iter().all(|p| p.place.is_middle(group.diameter)));
         // Drag is ten times the pressure there, and seeds scatter about it.
         let point = deep[0];
         assert!((point.drag.mean / point.pressure - 10.0).abs() < 0.2);
         assert!(point.drag.least < point.drag.mean && point.drag.mean < point.drag.most);
+    }
+
+    /// Under lids each place of the axis is a group of its own; without lids places are depths of one group.
+    #[test]
+    fn places_of_the_axis_are_not_pooled() {
+        let asked = Asked {
+            heights: vec![0.024, 0.03],
+            ..Asked::default()
+        };
+        let mut summary = synthetic::summary(&asked);
+        let lids = groups(&summary);
+        let axes: Vec<Option<f64>> = lids.iter().map(|g| g.axis).collect();
+        assert_eq!(axes, [Some(0.024), Some(0.03)]);
+        for group in &lids {
+            assert_eq!(group.points.len(), 2 * asked.depths.len());
+            let place = Place {
+                floor: group.axis.unwrap(),
+                surface: synthetic::SURFACE - group.axis.unwrap(),
+            };
+            for point in &group.points {
+                assert_eq!(point.runs.len(), 2);
+                assert!((point.place.above_middle() - place.above_middle()).abs() < 1e-12);
+            }
+        }
+        assert!(!lids[0].points[0].place.is_middle(lids[0].diameter));
+        // The same beds without their lids: of each place one.
+        summary.inputs = summary.inputs.changed(|inputs| inputs.lid = None).unwrap();
+        let names: Vec<String> = summary
+            .inputs
+            .beds()
+            .iter()
+            .map(|b| b.name.clone())
+            .collect();
+        summary.beds.retain(|bed| names.contains(&bed.name));
+        summary.runs.retain(|run| names.contains(&run.bed));
+        for bed in &mut summary.beds {
+            bed.rig.as_mut().unwrap().lid_grains = 0;
+        }
+        let bare = groups(&summary);
+        assert_eq!((bare.len(), bare[0].axis), (1, None));
+        assert_eq!(bare[0].points.len(), 2);
     }
 }

@@ -4,9 +4,14 @@ use bitgrain_lab::scenario::{self, CheckedScenario};
 use bitgrain_lab::summary::{BedSummary, DragSummary, Flow, Rig, Summary};
 use bitgrain_sim::block_averaging::{METHOD, Mean};
 
+/// Height of the free surface of every bed, in metres.
+pub(crate) const SURFACE: f64 = 0.06;
+
 /// What a made-up summary is to show.
 #[derive(Clone, Debug)]
 pub(crate) struct Asked {
+    /// Heights of the axis above the floor, in metres; the surface is at [`SURFACE`].
+    pub heights: Vec<f64>,
     /// Effective depths in metres; a lid with and without a pressure gradient at each.
     pub depths: Vec<f64>,
     /// Seeds of each.
@@ -15,8 +20,8 @@ pub(crate) struct Asked {
     pub drag_coefficient: f64,
     /// Lift over buoyancy with a pressure gradient, by effective depth.
     pub lift: fn(f64) -> f64,
-    /// The same without one.
-    pub lift_without: f64,
+    /// The same without one, by height of the axis above the floor.
+    pub lift_without: fn(f64) -> f64,
     /// Standard error of a run's means over the means with a gradient.
     pub error: f64,
     /// Speed of the far grains over that asked for.
@@ -30,11 +35,12 @@ pub(crate) struct Asked {
 impl Default for Asked {
     fn default() -> Self {
         Self {
+            heights: vec![0.03],
             depths: vec![0.04, 0.08, 0.12, 0.16],
             seeds: 2,
             drag_coefficient: 10.0,
             lift: |depth| if depth < 0.06 { 20.0 } else { 30.0 },
-            lift_without: 0.1,
+            lift_without: |_| 0.1,
             error: 0.02,
             far_field: 0.99,
             travel: 83.4,
@@ -46,6 +52,7 @@ impl Default for Asked {
 fn scenario(asked: &Asked) -> CheckedScenario {
     let seeds: Vec<u64> = (1..=asked.seeds).collect();
     let sets = [
+        format!("intruder.height={:?}", asked.heights),
         format!("lid.effective_depth={:?}", asked.depths),
         format!("seeds={seeds:?}"),
     ];
@@ -61,7 +68,8 @@ pub(crate) fn summary(asked: &Asked) -> Summary {
         .map(|plan| {
             let lid = plan.lid.expect("every depth needs a lid");
             let rig = rig(&inputs, plan.seed, lid.pressure_gradient);
-            bed(&plan.name, rig, lid.effective_depth.unwrap_or(0.0))
+            let depth = SURFACE - plan.center[2];
+            bed(&plan.name, rig, lid.effective_depth.unwrap_or(0.0), depth)
         })
         .collect();
     let runs = inputs.drags();
@@ -104,7 +112,7 @@ fn rig(inputs: &CheckedScenario, seed: u64, pressure_gradient: bool) -> Rig {
     }
 }
 
-fn bed(name: &str, mut rig: Rig, effective_depth: f64) -> BedSummary {
+fn bed(name: &str, mut rig: Rig, effective_depth: f64, depth: f64) -> BedSummary {
     rig.effective_depth = effective_depth;
     rig.pressure = 1500.0 * 9.81 * effective_depth;
     BedSummary {
@@ -112,8 +120,8 @@ fn bed(name: &str, mut rig: Rig, effective_depth: f64) -> BedSummary {
         grains: 12_345,
         frozen: 450,
         steps: 1_000_000,
-        surface: 0.06,
-        depth: 0.03,
+        surface: SURFACE,
+        depth,
         packing_fraction: 0.6,
         coordination_number: 5.0,
         overlap_max: 0.001,
@@ -126,17 +134,18 @@ fn bed(name: &str, mut rig: Rig, effective_depth: f64) -> BedSummary {
     }
 }
 
-/// How a bed flowed, by what was asked.
-fn flow(asked: &Asked, inputs: &CheckedScenario, rig: &Rig) -> Flow {
+/// How a bed flowed, as it is asked for.
+fn flow(asked: &Asked, inputs: &CheckedScenario, bed: &BedSummary, rig: &Rig) -> Flow {
     let sign = if rig.seed % 2 == 1 { 1.0 } else { -1.0 };
     let seeded = if asked.seeds > 1 { sign } else { 0.0 };
     let off = 1.0 + seeded * asked.error;
     let buoyancy = 1500.0 * inputs.gravity * inputs.intruder_volume(rig.diameter);
     let scale = rig.pressure * rig.diameter * rig.length;
     let with = (asked.lift)(rig.effective_depth);
+    let without = (asked.lift_without)(SURFACE - bed.depth);
     let lift = match rig.pressure_gradient {
         true => with * off,
-        false => asked.lift_without + seeded * asked.error * with,
+        false => without + seeded * asked.error * with,
     };
     let mut flow = Flow {
         pressure_gradient: rig.pressure_gradient,
@@ -174,8 +183,8 @@ fn run(
     speed: f64,
 ) -> DragSummary {
     let rig = bed.rig.clone().expect("the bed flows");
-    let scale = rig.pressure * rig.diameter * rig.length;
-    let flow = flow(asked, inputs, &rig);
+    let flow = flow(asked, inputs, bed, &rig);
+    let (scale, buoyancy) = (rig.pressure * rig.diameter * rig.length, flow.buoyancy);
     let mean = |mean: f64, standard_error: f64| Mean {
         mean,
         standard_error,
@@ -200,8 +209,8 @@ fn run(
             flow.drag_coefficient_error * scale,
         ),
         lift: mean(
-            flow.lift_over_buoyancy * flow.buoyancy,
-            flow.lift_over_buoyancy_error * flow.buoyancy,
+            flow.lift_over_buoyancy * buoyancy,
+            flow.lift_over_buoyancy_error * buoyancy,
         ),
         side: mean(0.0, 1e-4),
         contacts: mean(7.0, 0.1),

@@ -8,7 +8,7 @@ use super::picture::BedPicture;
 use super::sections::{bed_figure, numbers, repeat, span};
 use super::text::{escape, typeset};
 use super::{before, chart, course, fields, film, near_field};
-use super::{inputs, loads, player, rig_table, scaling};
+use super::{inputs, loads, means, player, rig_table, scaling};
 use crate::claims::book::Book;
 use crate::claims::{Group, Verdict, drag_slope, evidence, groups};
 use bitgrain_lab::scenario::IntruderShape;
@@ -28,6 +28,7 @@ pub fn flowing_page(summary: &Summary, scenario_text: &str, drawings: &Drawings<
         .collect();
     let mut out = String::new();
     out.push_str(&scaling::section(summary, &groups));
+    out.push_str(&means::section(summary, &groups));
     out.push_str(&claims::section(
         &book,
         &summary.scenario,
@@ -42,7 +43,7 @@ pub fn flowing_page(summary: &Summary, scenario_text: &str, drawings: &Drawings<
     out.push_str(&loads::section(summary, &groups));
     out.push_str(&numbers(
         summary,
-        &rig_table::rig_table(&summary.beds, &summary.units),
+        &rig_table::rig_table(summary),
         &rig_table::flow_table(&summary.runs, &summary.units),
     ));
     out.push_str(&rig_table::law_table(summary));

@@ -18,6 +18,7 @@ mod flow;
 mod flowing;
 mod inputs;
 mod loads;
+mod means;
 mod near_field;
 mod page;
 mod picture;

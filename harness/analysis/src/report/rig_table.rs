@@ -17,7 +17,8 @@ fn yes_or_no(is: bool) -> String {
 }
 
 /// A column for each bed with its intruder, its lid and the pressure.
-pub(super) fn rig_table(beds: &[BedSummary], units: &Units) -> String {
+pub(super) fn rig_table(summary: &Summary) -> String {
+    let (beds, units, gravity) = (&summary.beds, &summary.units, summary.inputs.gravity);
     let mut t = Table::new("Rigs", beds, |b| &b.name);
     let mut row = |name: &str, unit: &str, note: &str, cell: &dyn Fn(&Rig) -> String| {
         t.row(name, unit, note, |b: &BedSummary| {
@@ -50,8 +51,11 @@ pub(super) fn rig_table(beds: &[BedSummary], units: &Units) -> String {
     row("Effective depth", length, note, &|r| {
         exact(r.effective_depth)
     });
+    row("Pressure", pressure, "&rho; g h\u{303}", &|r| {
+        exact(r.bulk_density * gravity * r.effective_depth)
+    });
     let note = "weight above the intruder&rsquo;s centre over the area of the box";
-    row("Pressure", pressure, note, &|r| exact(r.pressure));
+    row("Pressure, measured", pressure, note, &|r| exact(r.pressure));
     let note = "upward force on the resting intruder over its buoyancy; negative: it carries some of the bed";
     row("Reaction", "", note, &|r| exact(r.reaction_over_buoyancy));
     t.finish()
@@ -104,6 +108,11 @@ pub(super) fn flow_table(runs: &[DragSummary], units: &Units) -> String {
         "drag over &rho; g h\u{303} D L",
         &|f| number_with_error(f.drag_coefficient, f.drag_coefficient_error),
     );
+    let note = "drag over the measured pressure, D and L";
+    row("Drag coefficient of the weight", "", note, &|f| {
+        let over = f.pressure / f.pressure_measured;
+        number_with_error(f.drag_coefficient * over, f.drag_coefficient_error * over)
+    });
     row("Lift over buoyancy", "", "mean over the window", &|f| {
         number_with_error(f.lift_over_buoyancy, f.lift_over_buoyancy_error)
     });

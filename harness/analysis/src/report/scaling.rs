@@ -37,11 +37,17 @@ pub(super) fn legend(groups: &[Group]) -> String {
     format!("<p class=\"legend\">{keys}</p>\n")
 }
 
-/// Which cylinder and speed a chart is about.
+/// Which cylinder and speed a chart is about, and which place of its axis under lids.
 pub(super) fn subject(group: &Group, summary: &Summary) -> String {
     let unit = escape(&typeset(&summary.units.speed));
+    let axis = group.axis.map_or(String::new(), |z| {
+        format!(
+            ", axis {}&nbsp;D above the floor",
+            short(z / group.diameter)
+        )
+    });
     format!(
-        "<b>D/d&nbsp;=&nbsp;{}</b>, speed {}&nbsp;{unit}",
+        "<b>D/d&nbsp;=&nbsp;{}</b>, speed {}&nbsp;{unit}{axis}",
         short(group.over_grain),
         short(group.speed)
     )

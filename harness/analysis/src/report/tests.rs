@@ -270,8 +270,11 @@ fn runs_without_a_picture_of_their_grains_are_named() {
 
 /// A page of flowing beds as [`crate::claims`] makes them up, with one picture of each kind.
 fn flowing(change: impl Fn(&mut Summary)) -> String {
-    use crate::claims::synthetic::{self, Asked};
-    let mut whole = synthetic::summary(&Asked::default());
+    flowing_of(&Default::default(), change)
+}
+
+fn flowing_of(asked: &crate::claims::synthetic::Asked, change: impl Fn(&mut Summary)) -> String {
+    let mut whole = crate::claims::synthetic::summary(asked);
     change(&mut whole);
     let mut picture = picture(5.0);
     picture.name = whole.beds[0].name.clone();
@@ -330,6 +333,44 @@ fn a_flowing_bed_has_a_page_of_its_own() {
         assert!(!page[..inputs].contains(part), "{part}");
     }
     assert_eq!(page, flowing(|_| ()));
+}
+
+/// Means over the seeds stand over both pressures, and lifts by the place of the axis.
+#[test]
+fn means_over_the_seeds_have_both_pressures_and_the_places() {
+    let asked = crate::claims::synthetic::Asked {
+        heights: vec![0.024, 0.03],
+        depths: vec![0.099],
+        change: |flow| flow.pressure_measured = 0.8 * flow.pressure,
+        ..Default::default()
+    };
+    let page = flowing_of(&asked, |_| ());
+    let from = page.find(">Means over the seeds</h2>").unwrap();
+    let part = &page[from..from + page[from..].find("</section>").unwrap()];
+    assert_eq!(part.matches("scope=\"rowgroup\"").count(), 2, "{part}");
+    assert_eq!(part.matches("scope=\"row\"").count(), 4);
+    for cell in [
+        "4.848&nbsp;D above",
+        ">7.273</td>",
+        "<td>10.00",
+        "<td>12.50",
+    ] {
+        assert!(part.contains(cell), "{cell}: {part}");
+    }
+    // One place alone needs no name in captions.
+    assert!(page.contains(", axis 6.061&nbsp;D above the floor, without pressure"));
+    let one = flowing(|_| ());
+    assert!(!one.contains("above the floor, without pressure"));
+    let cell = |name: &str| {
+        let row = page.find(&format!("<b>{name}</b>")).unwrap();
+        let cell = page[row..].find("<td>").unwrap() + row + 4;
+        page[cell..cell + page[cell..].find("</td>").unwrap()].to_owned()
+    };
+    // Of the settled beds the weight of the synthetic ones is rho g h~.
+    let pressure = 1500.0 * 9.81 * 0.099;
+    assert!(cell("Pressure").contains(&bitgrain_sim::format::number(pressure)));
+    assert!(cell("Drag coefficient of the weight").starts_with("12.75"));
+    assert!(cell("Drag coefficient").starts_with("10.20"));
 }
 
 #[test]

@@ -27,7 +27,7 @@ use bitgrain_sim::error::{Error, Result};
 use keys::kumar_law;
 
 /// Names and texts of the scenarios that ship with the program.
-pub const SHIPPED: [(&str, &str); 6] = [
+pub const SHIPPED: [(&str, &str); 8] = [
     ("quick", include_str!("../../scenarios/quick.toml")),
     (
         "kumar-system-1",
@@ -44,6 +44,14 @@ pub const SHIPPED: [(&str, &str); 6] = [
     (
         "guillard-medium",
         include_str!("../../scenarios/guillard-medium.toml"),
+    ),
+    (
+        "guillard-axis",
+        include_str!("../../scenarios/guillard-axis.toml"),
+    ),
+    (
+        "guillard-wake",
+        include_str!("../../scenarios/guillard-wake.toml"),
     ),
     (
         "guillard-2014",
