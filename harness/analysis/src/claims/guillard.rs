@@ -1,13 +1,16 @@
 //! What the runs of flowing beds say of each claim of Guillard 2014.
 
-use super::fits::{drag_slope, plateau, same_depth};
-use super::kumar_curves::{Found, farthest};
+use super::book::Claim;
+use super::fits::{drag_slope, is_deep, plateau, same_depth};
 use super::load::loads;
 use super::load_claims::measure as measure_loads;
+use super::number::{Found, Number};
 use super::points::{DEEP, SEEDS};
 use super::points::{FAR_FIELD_LEAST, TRAVEL_LEAST, least};
 use super::points::{Group, Point, Spread, Way, groups};
 use crate::analysis::Value;
+use crate::fit::Datum;
+use crate::fit::power::power;
 use bitgrain_lab::scenario::IntruderShape;
 use bitgrain_lab::summary::{DragSummary, Summary};
 
@@ -15,13 +18,11 @@ use bitgrain_lab::summary::{DragSummary, Summary};
 const THIN: f64 = 3.3;
 /// How far another D/d may lie from it.
 const NEAR: f64 = 0.05;
-/// Lift over buoyancy of the experiment below D/d = 5, as far as the text names it (Guillard 2014, Fig. 5).
-const EXPERIMENT: f64 = 60.0;
 
 /// The measurement of a claim of Guillard 2014; `None` if this paper has no such claim, or nothing here
 /// measures it.
-pub fn measure(id: &str, summary: &Summary) -> Option<Found> {
-    let rest = id.strip_prefix("guillard-")?;
+pub fn measure(claim: &Claim, summary: &Summary) -> Option<Found> {
+    let rest = claim.id.strip_prefix("guillard-")?;
     let groups = groups(summary);
     let group = groups.iter().find(|g| (g.over_grain - THIN).abs() <= NEAR);
     let cylinder = summary.inputs.intruder.shape == IntruderShape::Cylinder;
@@ -30,27 +31,26 @@ pub fn measure(id: &str, summary: &Summary) -> Option<Found> {
     };
     let found = match rest {
         "drag" => drag(group),
-        "drag-gradient" => ratio(&pairs(group), 1.0, |p| p.drag_over_pressure),
-        "lift-saturates" => deepest_over_next(group),
+        "drag-gradient" => ratio(claim, group, |p| p.drag_over_pressure),
+        "lift-saturates" => saturation(group),
         "lift-thirty" | "lift-thin" => lift(group),
-        "lift-simulation" => lift(group).map(|(v, note)| (v.divided(EXPERIMENT), note)),
-        "no-lift" => no_lift(group),
+        "no-lift" => no_lift(claim, group),
         "steady" => halves(summary),
         "zone" => zone(summary, group),
-        "symmetry" => symmetry(summary, group),
-        _ => measure_loads(rest, &loads(summary, group))?,
+        "symmetry" => symmetry(claim, summary, group),
+        _ => measure_loads(rest, claim, &loads(summary, group))?,
     };
     Some(found.and_then(|found| steady(group, found)))
 }
 
 /// Runs with a bed that slips or with too little travel do not count.
-fn steady(group: &Group, found: (Value, String)) -> Found {
+fn steady(group: &Group, found: Number) -> Found {
     let slowest = least(group.points.iter().map(|p| p.far_field));
     let shortest = least(group.points.iter().map(|p| p.travel));
     if slowest >= FAR_FIELD_LEAST && shortest >= TRAVEL_LEAST {
         return Ok(found);
     }
-    let (value, note) = found;
+    let (value, note) = (found.value, found.note);
     Err(format!(
         "{:.3} +- {:.3} ({note}), but the windows hold {shortest:.0} grain diameters of travel of \
          {TRAVEL_LEAST} or more, and the slowest bed went at {slowest:.3} of its speed",
@@ -61,7 +61,7 @@ fn steady(group: &Group, found: (Value, String)) -> Found {
 fn drag(group: &Group) -> Found {
     let fit = drag_slope(group).ok_or("no drag was measured")?;
     let note = format!("slope of the drag over {} depths", fit.depths);
-    Ok((Value::new(fit.slope, fit.error), note))
+    Ok(Number::one(Value::new(fit.slope, fit.error), note))
 }
 
 /// Points with and without a gradient at one effective depth.
@@ -81,13 +81,14 @@ impl From<Spread> for Value {
     }
 }
 
-/// A quantity of each pair, without a gradient over with it: the one farthest from a number.
-fn ratio(pairs: &[(&Point, &Point)], from: f64, of: fn(&Point) -> Spread) -> Found {
+/// A quantity of each pair, without a gradient over with it.
+fn ratio(claim: &Claim, group: &Group, of: fn(&Point) -> Spread) -> Found {
     let over = |(with, without): &(&Point, &Point)| {
         let ratio = Value::from(of(without)).over(of(with).into());
-        (ratio, format!("without over with, farthest from {from}"))
+        let depth = with.effective_depth / group.diameter;
+        (ratio, format!("h~/D = {depth:.0}, without over with"))
     };
-    farthest(pairs.iter().map(over).collect(), from, NO_PAIR)
+    claim.together(pairs(group).iter().map(over).collect(), NO_PAIR)
 }
 
 fn seeds(points: &[&Point]) -> Result<(), String> {
@@ -105,7 +106,7 @@ fn lift(group: &Group) -> Found {
     seeds(&points)?;
     if let Some(flat) = plateau(&points) {
         let note = format!("plateau of {} points", flat.points);
-        return Ok((Value::new(flat.lift, flat.error), note));
+        return Ok(Number::one(Value::new(flat.lift, flat.error), note));
     }
     let deepest = points.last().ok_or("no run has a gradient")?;
     let over = deepest.effective_depth / group.diameter;
@@ -114,27 +115,34 @@ fn lift(group: &Group) -> Found {
             "no plateau can be told, and the deepest run is at h~/D = {over:.0}, not {DEEP}"
         ));
     }
-    Ok((deepest.lift.into(), format!("at h~/D = {over:.0}")))
-}
-
-fn deepest_over_next(group: &Group) -> Found {
-    let points = group.with_gradient(true);
-    seeds(&points)?;
-    let [.., next, deepest] = &points[..] else {
-        return Err("two depths with a gradient are wanted".into());
-    };
-    let over = [deepest, next].map(|p| p.effective_depth / group.diameter);
-    Ok((
-        Value::from(deepest.lift).over(next.lift.into()),
-        format!("h~/D = {:.0} over {:.0}", over[0], over[1]),
+    Ok(Number::one(
+        deepest.lift.into(),
+        format!("at h~/D = {over:.0}"),
     ))
 }
 
-fn no_lift(group: &Group) -> Found {
+/// How the lift over the buoyancy grows with the effective depth from where it is to be saturated on: the exponent of
+/// a power of the depth, 0 if it stays and 1 if it grows in proportion.
+fn saturation(group: &Group) -> Found {
+    let mut deep = group.with_gradient(true);
+    seeds(&deep)?;
+    deep.retain(|p| is_deep(p.asked / group.diameter));
+    let data: Vec<Datum> = deep
+        .iter()
+        .map(|p| Value::from(p.lift).at(p.effective_depth / group.diameter))
+        .collect();
+    let fit = power(&data, "h~/D").map_err(|why| why.to_string())?;
+    let exponent = fit.parameter("p").expect("a power has an exponent");
+    let lifts = data.iter().map(|d| format!("{:.1} at {:.0} D", d.y, d.x));
+    let note = format!("lifts {}", lifts.collect::<Vec<_>>().join(", "));
+    Ok(Number::one(exponent.into(), note))
+}
+
+fn no_lift(claim: &Claim, group: &Group) -> Found {
     let pairs = pairs(group);
     let points: Vec<&Point> = pairs.iter().flat_map(|(a, b)| [*a, *b]).collect();
     seeds(&points)?;
-    ratio(&pairs, 0.0, |p| p.lift)
+    ratio(claim, group, |p| p.lift)
 }
 
 /// How far the bed is disturbed above over below with a gradient, over the same without one: base and surface are
@@ -159,14 +167,14 @@ fn zone(summary: &Summary, group: &Group) -> Found {
             .collect::<Vec<_>>()
             .join(", ")
     );
-    Ok((Spread::of(&both).into(), note))
+    Ok(Number::one(Spread::of(&both).into(), note))
 }
 
-/// The same without a gradient: of the effective depths the one farthest from one.
-fn symmetry(summary: &Summary, group: &Group) -> Found {
+/// The same without a gradient, at each effective depth.
+fn symmetry(claim: &Claim, summary: &Summary, group: &Group) -> Found {
     let note = |p: &Point| format!("h~/D = {:.0}", p.effective_depth / group.diameter);
     let all = zones(summary, group, false)?.into_iter();
-    farthest(all.map(|(p, value)| (value, note(p))).collect(), 1.0, "")
+    claim.together(all.map(|(p, value)| (value, note(p))).collect(), NO_PAIR)
 }
 
 /// How far the bed is disturbed above over below, at each effective depth under a lid. The spread of few seeds is
@@ -221,17 +229,27 @@ fn zones<'a>(
     Ok(all.into_iter().map(value).collect())
 }
 
-/// The drag's two halves of the window, which begins after 2 D: farthest from equal.
+/// The drag's two halves of the window, which begins after 2 D: mean over the runs, each counted once. A run that
+/// drifts has larger errors, so that weights would favour those that do not.
 fn halves(summary: &Summary) -> Found {
     let one = |run: &DragSummary| {
         let [first, second] = run.flow.as_ref()?.drag_halves;
         // The error of each half is larger by a root of two.
         let error = (2.0 * run.drag.standard_error / run.drag.mean).abs();
-        let note = "first half of the window over the second".to_string();
-        Some((Value::new(first / second, error), note))
+        Some((first / second, error))
     };
-    let all = summary.runs.iter().filter_map(one).collect();
-    farthest(all, 1.0, "no bed flowed")
+    let all: Vec<(f64, f64)> = summary.runs.iter().filter_map(one).collect();
+    if all.is_empty() {
+        return Err("no bed flowed".into());
+    }
+    let spread = Spread::of(&all);
+    let note = format!(
+        "first half of the window over the second, mean of {} runs, from {:.2} to {:.2}",
+        all.len(),
+        spread.least,
+        spread.most
+    );
+    Ok(Number::one(spread.into(), note))
 }
 
 #[cfg(test)]
@@ -273,12 +291,12 @@ mod tests {
             seeds,
             ..Asked::default()
         };
-        measure(id, &synthetic::summary(&asked)).unwrap()
+        measure(&synthetic::shipped(id), &synthetic::summary(&asked)).unwrap()
     }
 
     #[test]
     fn fields_of_runs_are_measured() {
-        let value = |id: &str| found(id, with_fields, 2).unwrap().0;
+        let value = |id: &str| found(id, with_fields, 2).unwrap().value;
         // The axis bears half of the lift besides the weight: a hundredth.
         assert!((value("guillard-front").value / 15.0 - 1.0).abs() < 0.01);
         assert!(
@@ -296,19 +314,17 @@ mod tests {
             let deep = flow.effective_depth > 0.15;
             flow.disturbance = Some([if deep { 2.4 } else { 2.0 }, 2.0]);
         };
-        let (value, note) = found("guillard-symmetry", wide, 2).unwrap();
-        assert_eq!(
-            (value.value, value.error, &note[..]),
-            (1.2, 0.0, "h~/D = 32")
-        );
+        let number = found("guillard-symmetry", wide, 2).unwrap();
+        assert_eq!(number.value, Value::new(1.2, 0.0));
+        assert_eq!(number.note, "h~/D = 32, worst of 4");
         // The lift of a synthetic run differs by seed.
         let seeds = |flow: &mut Flow| {
             let more =
                 flow.lift_over_buoyancy > 30.0 || (0.1..20.0).contains(&flow.lift_over_buoyancy);
             flow.disturbance = Some([if more { 2.2 } else { 1.8 }, 2.0]);
         };
-        let (value, _) = found("guillard-zone", seeds, 2).unwrap();
-        assert!(value.error > 0.0, "{value:?}");
+        let number = found("guillard-zone", seeds, 2).unwrap();
+        assert!(number.value.error > 0.0, "{number:?}");
     }
 
     #[test]
@@ -318,5 +334,40 @@ mod tests {
         assert!(why(with_fields, 1).contains("2 seeds"));
         let noise = |flow: &mut Flow| flow.disturbance = Some([-0.2, -0.1]);
         assert!(why(noise, 2).contains("noise"));
+    }
+
+    /// Lifts that stay have the exponent 0, lifts that grow with the depth 1.
+    #[test]
+    fn a_lift_saturates_or_grows() {
+        let exponent = |lift: fn(f64) -> f64| {
+            let asked = Asked {
+                lift,
+                ..Asked::default()
+            };
+            let summary = synthetic::summary(&asked);
+            measure(&synthetic::shipped("guillard-lift-saturates"), &summary).unwrap()
+        };
+        let flat = exponent(|_| 30.0).unwrap();
+        assert!(flat.value.value.abs() < 1e-9, "{flat:?}");
+        assert!(flat.note.contains("30.0 at 32 D"), "{flat:?}");
+        let growing = exponent(|depth| 300.0 * depth).unwrap();
+        assert!((growing.value.value - 1.0).abs() < 1e-9, "{growing:?}");
+    }
+
+    /// Every run counts once: a run that drifts has a larger error, and does not count less.
+    #[test]
+    fn halves_of_the_window_are_compared_run_by_run() {
+        let drifts = |flow: &mut Flow| {
+            if flow.pressure_gradient {
+                flow.drag_halves[0] *= 0.8;
+                flow.drag_coefficient_error *= 5.0;
+            }
+        };
+        let number = found("guillard-steady", drifts, 2).unwrap();
+        assert!((number.value.value - 0.9).abs() < 1e-12, "{number:?}");
+        assert!(
+            number.note.contains("16 runs, from 0.80 to 1.00"),
+            "{number:?}"
+        );
     }
 }
