@@ -6,9 +6,10 @@ use clap::Args;
 
 use super::channels::print;
 use bitgrain_analysis::analysis::describe;
-use bitgrain_analysis::claims::book::{Book, lines, table};
+use bitgrain_analysis::claims::book::Book;
 use bitgrain_analysis::claims::evidence::{Evidence, record_direct};
 use bitgrain_analysis::claims::means;
+use bitgrain_analysis::claims::{lines, table};
 use bitgrain_analysis::report::campaign_page;
 use bitgrain_lab::campaign::folder::CampaignFolder;
 use bitgrain_sim::disk::{is_folder, write_whole};

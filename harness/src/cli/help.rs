@@ -74,7 +74,8 @@ Examples:
   bitgrain claims out/kumar-small --book golden/claims.toml
 
 A claim agrees, disagrees, or is not resolved by the runs at hand: a number agrees within its tolerance if
-its standard error is no larger, and disagrees if two errors more do not reach it.";
+its standard error is no larger, and disagrees if two errors more do not reach it. Several measurements count
+as their mean, or as the worst of them where a claim must hold for each.";
 
 pub(super) const BED_HELP: &str = "\
 Examples:

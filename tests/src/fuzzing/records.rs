@@ -7,8 +7,8 @@ use bitgrain::analysis::{self, analyse, describe};
 use bitgrain::campaign::plan::Plan;
 use bitgrain::campaign::table::{CampaignTable, of_run};
 use bitgrain::campaign::{plan, written};
-use bitgrain::claims::book::{self, Book};
 use bitgrain::claims::evidence::Evidence;
+use bitgrain::claims::{self, book::Book};
 use bitgrain::report::{self, Drawings};
 use bitgrain::series::SeriesRow;
 use bitgrain::summary::{DragRecord, Summary, parse_record, parse_summary};
@@ -277,7 +277,7 @@ pub fn book(data: &[u8]) -> bool {
     let Ok(read) = Book::parse(text, "fuzz") else {
         return false;
     };
-    let _ = book::table(&read);
+    let _ = (claims::lines(&read), claims::table(&read));
     let again = Book::parse(&read.text(text), "fuzz").expect("a book reads back");
     assert_eq!(again, read);
     true

@@ -1,17 +1,18 @@
 //! The book of claims: every number in it that was measured comes from a golden, and is reproduced.
 
-use bitgrain::claims::Verdict;
-use bitgrain::claims::book::{Book, table};
+use bitgrain::claims::book::Book;
 use bitgrain::claims::evidence::{DIRECT, Evidence, record_direct};
+use bitgrain::claims::{Verdict, table};
 use bitgrain::disk::write_whole;
 use bitgrain_tests::{golden, printed};
 
 use crate::PROGRAM;
 
 /// Goldens that the book's measurements come from.
-const GOLDENS: [&str; 4] = [
+const GOLDENS: [&str; 5] = [
     "guillard-small/summary.json",
     "guillard-medium/summary.json.gz",
+    "guillard-axis/summary.json.gz",
     "kumar-small/results.csv.gz",
     "kumar-middle/results.csv.gz",
 ];
@@ -54,7 +55,7 @@ fn every_claim_can_be_checked() {
     let (book, _) = book();
     let papers: Vec<&str> = book.claim.iter().map(|c| &c.paper[..]).collect();
     assert_eq!(papers.iter().filter(|p| **p == "Kumar 2018").count(), 52);
-    assert_eq!(papers.iter().filter(|p| **p == "Guillard 2014").count(), 26);
+    assert_eq!(papers.iter().filter(|p| **p == "Guillard 2014").count(), 25);
     let campaigns = bitgrain::campaign::SHIPPED.iter().map(|c| c.0);
     let plans: Vec<&str> = campaigns
         .chain(bitgrain::scenario::SHIPPED.iter().map(|s| s.0))
@@ -90,23 +91,53 @@ fn the_command_prints_the_book() {
     let (book, _) = book();
     let short = printed(PROGRAM, folder.path(), &["claims"], 0);
     for (line, claim) in short.lines().skip(1).zip(&book.claim) {
-        let begin = format!("{:<13} {} ", claim.verdict().text(), claim.id);
+        let whole = claim.combined();
+        let words = whole.as_ref().map(|w| claim.words(w.value, w.of));
+        let begin = format!(
+            "{:<17} {} ",
+            words.unwrap_or("not resolved".into()),
+            claim.id
+        );
         assert!(line.starts_with(&begin), "{line}");
+        assert!(line.starts_with(claim.verdict().text()), "{line}");
         assert!(line.contains(&claim.expected()), "{line}");
+        // From how many measurements it comes, and whose number it is.
+        let said = match &whole {
+            Some(w) if w.worst.is_none() && w.from.len() > 1 => {
+                format!("mean of {} measurements", w.from.len())
+            }
+            Some(w) => w.worst.unwrap_or(w.from[0]).by.clone(),
+            None => continue,
+        };
+        assert!(line.contains(&said), "{line}");
+        let odd = whole.and_then(|w| w.odd);
+        assert_eq!(line.contains("that disagree: "), odd.is_some(), "{line}");
+        assert!(
+            claim.follows_from.iter().all(|id| line.contains(id)),
+            "{line}"
+        );
     }
     let text = printed(PROGRAM, folder.path(), &["claims", "--full"], 0);
     assert_eq!(text, table(&book));
     for claim in &book.claim {
         assert_eq!(text.matches(&claim.statement).count(), 1, "{}", claim.id);
     }
-    let count = |wanted| book.claim.iter().filter(|c| c.verdict() == wanted).count();
+    let verdicts = [Verdict::Agrees, Verdict::Disagrees, Verdict::NotResolved];
+    let count = |roots: bool| {
+        let own = book.claim.iter();
+        let own = own.filter(|c| !roots || c.follows_from.is_empty());
+        let own: Vec<Verdict> = own.map(|c| c.verdict()).collect();
+        let of = verdicts.map(|wanted| own.iter().filter(|v| **v == wanted).count());
+        (own.len(), of)
+    };
+    let (_, [agree, disagree, open]) = count(false);
+    let (roots, [a, d, o]) = count(true);
     let line = format!(
-        "{} agree, {} disagree, {} are not resolved",
-        count(Verdict::Agrees),
-        count(Verdict::Disagrees),
-        count(Verdict::NotResolved)
+        "{agree} agree, {disagree} disagree, {open} are not resolved.\nOf the {roots} that follow from no other: \
+         {a} agree, {d} disagree, {o} are not resolved."
     );
     assert!(text.trim_end().ends_with(&line), "{line}");
+    assert!(short.contains(&line), "{line}");
     // A user's own book is written to.
     let own = folder.path().join("own.toml");
     std::fs::copy(golden("claims.toml"), &own).unwrap();

@@ -1,6 +1,8 @@
 //! Figures in the documents, and in the inputs of the reference codes, are those of the goldens and the code.
 
 use bitgrain::bench::{SOFT_TIME_STEP, soft_law};
+use bitgrain::claims::Verdict;
+use bitgrain::claims::book::Book;
 use bitgrain_tests::{golden, hertz_history, root};
 
 /// The guide states the reference digest and sizes of firmware that lie within the golden ranges.
@@ -39,6 +41,45 @@ fn the_guide_has_the_goldens_numbers() {
             .all(|(t, (least, most))| least <= t && t <= most);
         assert!(within, "{row} in {held:?}");
     }
+}
+
+/// The counts of verdicts in the documents are those of the book.
+#[test]
+fn the_documents_have_the_books_counts() {
+    let words = |name: &str| {
+        let text = std::fs::read_to_string(root().join(name)).unwrap();
+        text.split_whitespace().collect::<Vec<_>>().join(" ")
+    };
+    let book = Book::shipped();
+    let count = |roots: bool| {
+        let own = book.claim.iter();
+        let own = own.filter(|c| !roots || c.follows_from.is_empty());
+        let all: Vec<Verdict> = own.map(|c| c.verdict()).collect();
+        let of = |wanted| all.iter().filter(|v| **v == wanted).count();
+        let [a, d, o] = [Verdict::Agrees, Verdict::Disagrees, Verdict::NotResolved].map(of);
+        (all.len(), [a, d, o])
+    };
+    let (all, [agree, disagree, open]) = count(false);
+    let (roots, [a, d, o]) = count(true);
+    let readme = words("README.md");
+    for said in [
+        format!(
+            "Of {all} claims of the papers (`bitgrain claims`), {agree} agree, {disagree} disagree and {open} are"
+        ),
+        format!("of the {roots} that follow from no other {a}, {d} and {o}:"),
+    ] {
+        assert!(readme.contains(&said), "{said}");
+    }
+    let chapter = words("harness/guide/src/campaigns.md");
+    for said in [
+        format!("each of {all} claims"),
+        format!("{agree} claims agree, {disagree} disagree and {open} are not resolved;"),
+        format!("of the {roots} that follow from no other {a} agree, {d} disagree and {o} are not"),
+    ] {
+        assert!(chapter.contains(&said), "{said}");
+    }
+    assert!(words("harness/guide/src/validation.md").contains(&format!("holds {all} claims")));
+    assert!(words("CHANGELOG.md").contains(&format!("book of {all} claims")));
 }
 
 /// The reference codes are timed under the law and the time step that `bitgrain bench` uses.

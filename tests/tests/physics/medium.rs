@@ -43,6 +43,33 @@ fn whole() -> Summary {
     read_summary(&golden("guillard-medium/summary.json.gz")).unwrap()
 }
 
+/// Of `guillard-axis` the drags that are done are those of the scenario, through beds that follow their base, with the
+/// axis in the middle and mirrored.
+#[test]
+fn drags_with_the_axis_elsewhere_are_those_of_the_scenario() {
+    let whole = read_summary(&golden("guillard-axis/summary.json.gz")).unwrap();
+    let shipped = scenario::load("guillard-axis", &[]).unwrap();
+    assert_eq!(whole.inputs, shipped);
+    assert!(whole.runs.len() >= 2);
+    for run in &whole.runs {
+        let flow = run.flow.as_ref().unwrap();
+        assert!(
+            !flow.pressure_gradient && flow.load.is_some() && flow.far_field > 0.95,
+            "{}",
+            run.name
+        );
+        let bed = whole.beds.iter().find(|bed| bed.name == run.bed).unwrap();
+        // Heights above the floor that the scenario asks for, of surfaces that settle alike.
+        let height = bed.surface - run.depth;
+        assert!(
+            [0.036, 0.0418]
+                .iter()
+                .any(|asked| (height - asked).abs() < 1e-6),
+            "{height}"
+        );
+    }
+}
+
 fn text(name: &str) -> String {
     String::from_utf8(unpacked(&format!("guillard-medium/{name}"))).unwrap()
 }

@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::verdict::Verdict;
+use super::number::{Combine, Found};
 use crate::analysis::Value;
 use bitgrain_lab::parse_errors::wrong_toml;
 use bitgrain_sim::error::{Error, Result};
@@ -12,6 +12,12 @@ use bitgrain_sim::format::{number_with_error, short};
 
 /// Most claims of a book.
 const CLAIMS_MAX: usize = 10_000;
+
+/// Most claims that one follows from.
+const ROOTS_MAX: usize = 10;
+
+/// Most numbers of which a measurement is the worst.
+const NUMBERS_MAX: usize = 1_000_000;
 
 /// The book that ships with the program.
 pub const SHIPPED: &str = include_str!("../../data/claims.toml");
@@ -46,10 +52,17 @@ pub struct Claim {
     pub measures: String,
     /// Scenarios and campaigns that measure it.
     pub tested_by: Vec<String>,
+    /// How several numbers of it become one, of one campaign and of all.
+    #[serde(default, skip_serializing_if = "Combine::is_default")]
+    pub combine: Combine,
+    /// Claims whose numbers decide this one's: it is the same number in other words or units, an integral of it, or
+    /// their quotient. It is counted with them, not as an independent number. They follow from no others.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub follows_from: Vec<String>,
     /// Numbers of a table of the paper, row by row.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub rows: Vec<Vec<f64>>,
-    /// What was last measured, once for each that measured it; of those that have a number the last one counts.
+    /// What was last measured, once for each that measured it; those that have a number count together.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub measured: Vec<Measured>,
 }
@@ -63,13 +76,24 @@ pub struct Measured {
     /// The number; none if the runs cannot give it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub value: Option<f64>,
-    /// Its standard error.
+    /// Its standard error, above 0; 0 for what is computed; none if there is no number.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<f64>,
+    /// Of how many numbers it is the worst, at least 1; 1 if it is the only one or a mean.
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    pub of: usize,
     /// What it rests on, or why there is none.
     pub note: String,
     /// BLAKE3 of the results that it was read from, which hold the digest of every run.
     pub digest: String,
+}
+
+fn one() -> usize {
+    1
+}
+
+fn is_one(of: &usize) -> bool {
+    *of == 1
 }
 
 /// All claims.
@@ -100,11 +124,25 @@ impl Book {
                 return Err(Error::input(place, "is there twice"));
             }
             claim.check_numbers(&place)?;
+            claim.check_measured(&place)?;
             let bounds = claim.least.is_some() || claim.most.is_some();
             if claim.value.is_some() == bounds || claim.value.is_some() != claim.tolerance.is_some()
             {
                 let problem = "expected value and tolerance, or bounds: least, most or both";
                 return Err(Error::input(place, problem));
+            }
+            if claim.follows_from.len() > ROOTS_MAX {
+                let problem = format!("follows from more than {ROOTS_MAX} claims");
+                return Err(Error::input(place, problem));
+            }
+            for id in &claim.follows_from {
+                let root = book.claim.iter().find(|other| other.id == *id);
+                if root.is_none_or(|other| !other.follows_from.is_empty()) {
+                    let problem = format!(
+                        "follows from `{id}`; expected a claim of this book that follows from no other"
+                    );
+                    return Err(Error::input(place, problem));
+                }
             }
         }
         Ok(book)
@@ -137,34 +175,42 @@ impl Book {
 
 impl Measured {
     /// A number that was measured, or why none was.
-    pub fn new(
-        by: &str,
-        digest: &str,
-        found: std::result::Result<(Value, String), String>,
-    ) -> Self {
-        let (value, note) = match found {
-            Ok((value, note)) if value.value.is_finite() && value.error.is_finite() => {
-                (Some(value), note)
+    pub fn new(by: &str, digest: &str, found: Found) -> Self {
+        let finite = |v: &Value| v.value.is_finite() && v.error.is_finite();
+        let (value, of, note) = match found {
+            Ok(number) if finite(&number.value) => (Some(number.value), number.of, number.note),
+            Ok(number) => {
+                let note = format!("no finite number came out: {}", number.note);
+                (None, 1, note)
             }
-            Ok((_, note)) => (None, format!("no finite number came out: {note}")),
-            Err(why) => (None, why),
+            Err(why) => (None, 1, why),
         };
         Self {
             by: by.into(),
             value: value.map(|v| round10(v.value)),
             error: value.map(|v| round10(v.error)),
+            of,
             note,
             digest: digest.into(),
         }
     }
 
+    /// The number with its error, if there is one.
+    pub fn as_value(&self) -> Option<Value> {
+        Some(Value::new(self.value?, self.error?))
+    }
+
     /// `0.93 ± 0.02`, or a dash.
     pub fn number(&self) -> String {
-        match (self.value, self.error) {
-            (Some(value), Some(error)) if error > 0.0 => number_with_error(value, error),
-            (Some(value), _) => short(value),
-            _ => "-".into(),
-        }
+        self.as_value().map_or("-".into(), shown)
+    }
+}
+
+/// `0.93 ± 0.02`; without an error that is above 0 the number alone.
+pub fn shown(number: Value) -> String {
+    match number.error > 0.0 {
+        true => number_with_error(number.value, number.error),
+        false => short(number.value),
     }
 }
 
@@ -191,6 +237,31 @@ impl Claim {
         Ok(())
     }
 
+    /// A number has an error, and is the worst of several in claims alone that say so.
+    fn check_measured(&self, place: &str) -> Result<()> {
+        for measured in &self.measured {
+            let by = &measured.by;
+            if measured.value.is_some() != measured.error.is_some() {
+                let problem =
+                    format!("`{by}` has a value or an error alone; expected both or none");
+                return Err(Error::input(place, problem));
+            }
+            if measured.of == 0 || measured.of > NUMBERS_MAX {
+                let of = measured.of;
+                let problem = format!("`{by}` has of = {of}; expected 1 to {NUMBERS_MAX}");
+                return Err(Error::input(place, problem));
+            }
+            if measured.of > 1 && self.combine == Combine::Mean {
+                let problem = format!(
+                    "`{by}` is the worst of {}; expected combine = \"worst\"",
+                    measured.of
+                );
+                return Err(Error::input(place, problem));
+            }
+        }
+        Ok(())
+    }
+
     /// `1 +- 0.1`, or `at most 0.1`.
     pub fn expected(&self) -> String {
         let bound = |word: &str, x: Option<f64>| x.map(|x| format!("{word} {}", short(x)));
@@ -203,221 +274,13 @@ impl Claim {
                 .join(", "),
         }
     }
-
-    /// Whether a measurement agrees. A number agrees within the tolerance if its error is no larger, and
-    /// disagrees if two errors more do not reach it. It keeps a bound if it does so within one error, and
-    /// breaks it if it does so by two.
-    pub fn agreement(&self, measured: &Measured) -> Verdict {
-        let (Some(x), Some(error)) = (measured.value, measured.error) else {
-            return Verdict::NotResolved;
-        };
-        if let (Some(value), Some(tolerance)) = (self.value, self.tolerance) {
-            let off = (x - value).abs();
-            return if off > tolerance + 2.0 * error {
-                Verdict::Disagrees
-            } else if off <= tolerance && error <= tolerance {
-                Verdict::Agrees
-            } else {
-                Verdict::NotResolved
-            };
-        }
-        let above = |least: f64, errors: f64| x - errors * error >= least;
-        let below = |most: f64, errors: f64| x + errors * error <= most;
-        let kept =
-            self.least.is_none_or(|b| above(b, 1.0)) && self.most.is_none_or(|b| below(b, 1.0));
-        let broken = self.least.is_some_and(|b| !above(b, -2.0))
-            || self.most.is_some_and(|b| !below(b, -2.0));
-        match (kept, broken) {
-            (true, _) => Verdict::Agrees,
-            (_, true) => Verdict::Disagrees,
-            _ => Verdict::NotResolved,
-        }
-    }
-
-    /// The measurement that counts: the last one that has a number.
-    fn counted(&self) -> Option<&Measured> {
-        let mut numbers = self.measured.iter().filter(|m| m.value.is_some());
-        numbers.next_back()
-    }
-
-    /// Whether the measurement that counts agrees.
-    pub fn verdict(&self) -> Verdict {
-        let counted = self.counted();
-        counted.map_or(Verdict::NotResolved, |measured| self.agreement(measured))
-    }
-
-    /// How far a measurement is off the paper's number, or off a bound that it does not keep: in percent, and in its
-    /// errors.
-    fn deviation(&self, measured: &Measured) -> [String; 2] {
-        let off = measured.value.and_then(|x| {
-            let beyond = self.most.filter(|most| x > *most);
-            let aim = self
-                .value
-                .or(beyond)
-                .or(self.least.filter(|least| x < *least))?;
-            Some((x - aim, aim))
-        });
-        let Some((off, aim)) = off else {
-            return ["-".into(), "-".into()];
-        };
-        let percent = match aim {
-            0.0 => "-".into(),
-            aim => format!("{:+.0} %", 100.0 * off / aim.abs()),
-        };
-        let errors = match measured.error {
-            Some(error) if error > 0.0 => format!("{:+.1}", off / error),
-            _ => "-".into(),
-        };
-        [percent, errors]
-    }
-}
-
-/// The book in a line for each claim: verdict, name, the paper's number, ours, how far apart they are, and what
-/// measured it.
-pub fn lines(book: &Book) -> String {
-    let row = |cells: [&str; 7]| {
-        let [verdict, id, paper, ours, percent, errors, by] = cells;
-        let line =
-            format!("{verdict:<13} {id:<31} {paper:<26} {ours:<17} {percent:>7} {errors:>7}  {by}");
-        line.trim_end().to_string()
-    };
-    let mut out = vec![row([
-        "verdict", "claim", "paper", "measured", "off", "errors", "by",
-    ])];
-    let mut counts = [0; 3];
-    for claim in &book.claim {
-        let verdict = claim.verdict();
-        counts[verdict as usize] += 1;
-        let (ours, [percent, errors], by) = match claim.counted() {
-            Some(one) => (one.number(), claim.deviation(one), one.by.as_str()),
-            None => ("-".into(), ["-".into(), "-".into()], ""),
-        };
-        let paper = claim.expected();
-        out.push(row([
-            verdict.text(),
-            &claim.id,
-            &paper,
-            &ours,
-            &percent,
-            &errors,
-            by,
-        ]));
-    }
-    let [agrees, disagrees, open] = counts;
-    out.push(format!(
-        "\n{agrees} agree, {disagrees} disagree, {open} are not resolved. A number agrees if it lies within the \
-         paper's tolerance and\nits error is no larger. `off` is its distance from the paper's number, `errors` the \
-         same in its own standard errors.\n--full says what each claim is, from where, and every measurement of it."
-    ));
-    out.join("\n") + "\n"
-}
-
-/// The book in full: verdict, statement, what is measured, the paper's number, every one of ours.
-pub fn table(book: &Book) -> String {
-    let mut lines = Vec::new();
-    let mut paper = "";
-    let mut counts = [0; 3];
-    for claim in &book.claim {
-        if claim.paper != paper {
-            paper = &claim.paper;
-            lines.push(format!("\n{paper}"));
-        }
-        let verdict = claim.verdict();
-        counts[verdict as usize] += 1;
-        lines.push(format!(
-            "{:<13} {} ({})",
-            verdict.text(),
-            claim.statement,
-            claim.source
-        ));
-        lines.push(format!(
-            "{:<13} {}: {}",
-            "",
-            claim.measures,
-            claim.expected()
-        ));
-        for measured in &claim.measured {
-            let word = claim.agreement(measured).text();
-            lines.push(format!(
-                "{:<13} {}: {}, {word}; {}",
-                "",
-                measured.by,
-                measured.number(),
-                measured.note
-            ));
-        }
-        if claim.measured.is_empty() {
-            lines.push(format!("{:<13} nothing was measured", ""));
-        }
-    }
-    let [agrees, disagrees, open] = counts;
-    lines.push(format!(
-        "\n{agrees} agree, {disagrees} disagree, {open} are not resolved"
-    ));
-    lines.join("\n").trim_start().to_string() + "\n"
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::number::Number;
+    use super::super::synthetic::claim;
     use super::*;
-    use Verdict::{Agrees, Disagrees, NotResolved};
-
-    fn claim(bounds: &str) -> Claim {
-        let text = format!(
-            "[[claim]]\nid = \"a\"\npaper = \"p\"\nsource = \"s\"\nstatement = \"t\"\n{bounds}\nwhy = \"w\"\n\
-             measures = \"m\"\ntested_by = []\n"
-        );
-        Book::parse(&text, "text").unwrap().claim.remove(0)
-    }
-
-    fn verdict(bounds: &str, value: f64, error: f64) -> Verdict {
-        let found = Ok((Value { value, error }, String::new()));
-        claim(bounds).agreement(&Measured::new("x", "", found))
-    }
-
-    #[test]
-    fn deviations_are_from_the_number_or_from_the_bound_that_is_not_kept() {
-        let off = |bounds: &str, value: f64, error: f64| {
-            let found = Ok((Value { value, error }, String::new()));
-            claim(bounds)
-                .deviation(&Measured::new("x", "", found))
-                .join(" ")
-        };
-        assert_eq!(off("value = 2.0\ntolerance = 0.1", 2.5, 0.25), "+25 % +2.0");
-        assert_eq!(off("value = -2.0\ntolerance = 0.1", -2.5, 0.0), "-25 % -");
-        assert_eq!(off("value = 0.0\ntolerance = 0.1", 0.2, 0.1), "- +2.0");
-        assert_eq!(off("least = 2.0", 2.5, 0.4), "- -");
-        assert_eq!(off("least = 2.0", 1.0, 0.5), "-50 % -2.0");
-        assert_eq!(off("least = 0.0\nmost = 1.0", 1.5, 0.5), "+50 % +1.0");
-    }
-
-    #[test]
-    fn errors_decide_what_can_be_told() {
-        let one = "value = 1.0\ntolerance = 0.1";
-        assert_eq!(verdict(one, 1.09, 0.05), Agrees);
-        assert_eq!(verdict(one, 1.0, 0.11), NotResolved);
-        assert_eq!(verdict(one, 1.19, 0.05), NotResolved);
-        assert_eq!(verdict(one, 1.21, 0.05), Disagrees);
-        assert_eq!(verdict(one, f64::NAN, 0.05), NotResolved);
-        let least = "least = 2.0";
-        assert_eq!(verdict(least, 2.5, 0.4), Agrees);
-        assert_eq!(verdict(least, 2.2, 0.4), NotResolved);
-        assert_eq!(verdict(least, 1.3, 0.4), NotResolved);
-        assert_eq!(verdict(least, 1.1, 0.4), Disagrees);
-        let both = "least = 0.0\nmost = 1.0";
-        assert_eq!(verdict(both, 0.5, 0.1), Agrees);
-        assert_eq!(verdict(both, 1.5, 0.1), Disagrees);
-        assert_eq!(verdict(both, 0.95, 0.1), NotResolved);
-        // Runs that cannot give a number do not revoke what others measured.
-        let mut claim = claim(one);
-        let value = |value| Ok((Value::new(value, 0.05), String::new()));
-        claim.measured = [value(1.5), value(1.0), Err("too few".to_string())]
-            .map(|found| Measured::new("x", "", found))
-            .to_vec();
-        assert_eq!(claim.verdict(), Agrees);
-        claim.measured.clear();
-        assert_eq!(claim.verdict(), NotResolved);
-    }
 
     #[test]
     fn a_book_reads_back_and_wrong_ones_are_refused() {
@@ -429,18 +292,33 @@ mod tests {
         let text = book.text(SHIPPED);
         assert_eq!(Book::parse(&text, "again").unwrap(), book);
         assert!(text.starts_with("# What Kumar 2018"), "{}", &text[..200]);
+        let refused = |text: &str| Book::parse(text, "text").unwrap_err().to_string();
         let twice = format!("{0}{0}", &text[text.find("[[claim]]").unwrap()..]);
-        assert!(
-            Book::parse(&twice, "twice")
-                .unwrap_err()
-                .to_string()
-                .contains("is there twice")
-        );
-        let neither = text.replacen("tolerance = ", "least = ", 1);
-        let told = Book::parse(&neither, "neither").unwrap_err().to_string();
+        assert!(refused(&twice).contains("is there twice"));
+        let told = refused(&text.replacen("tolerance = ", "least = ", 1));
         assert!(
             told.contains("claim `kumar-flat`: expected value and tolerance"),
             "{told}"
         );
+        let claim = claim("least = 1.0");
+        let refused = |change: fn(&mut Claim)| {
+            let mut wrong = claim.clone();
+            let found = Ok(Number::one(Value::new(2.0, 0.1), "n"));
+            wrong.measured = vec![Measured::new("x", "", found)];
+            change(&mut wrong);
+            let claim = vec![wrong];
+            Book::parse(&Book { claim }.text(""), "text")
+                .unwrap_err()
+                .to_string()
+        };
+        assert!(refused(|c| c.measured[0].error = None).contains("expected both or none"));
+        assert!(refused(|c| c.measured[0].of = 0).contains("expected 1 to"));
+        assert!(refused(|c| c.measured[0].of = 2).contains("combine = \"worst\""));
+        // Of no claim, of itself, and of one that follows from another.
+        assert!(refused(|c| c.follows_from = vec!["b".into()]).contains("follows from `b`"));
+        assert!(refused(|c| c.follows_from = vec!["a".into()]).contains("follows from `a`"));
+        let text = text.replacen("id = \"guillard-front\"", "id = \"front\"", 1);
+        let told = Book::parse(&text, "text").unwrap_err().to_string();
+        assert!(told.contains("follows from `guillard-front`"), "{told}");
     }
 }

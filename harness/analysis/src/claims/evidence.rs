@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::book::{Book, Measured};
+use super::number::Number;
 use super::{guillard, kumar, restitution};
 use crate::analysis::{Analysis, analyse, text};
 use bitgrain_lab::campaign::folder::{Beside, CAMPAIGN, CampaignFolder};
@@ -122,15 +123,19 @@ impl Evidence {
             }
             let found = match &self.summary {
                 Some(summary) if claim.id.starts_with("guillard-") => {
-                    guillard::measure(&claim.id, summary)
+                    guillard::measure(claim, summary)
                 }
-                _ => kumar::measure(&claim.id, &self.analysis),
+                _ => kumar::measure(claim, &self.analysis),
             };
             if let Some(found) = found {
                 let found = match &part {
-                    Some(part) => found
-                        .map(|(v, note)| (v, format!("{part}: {note}")))
-                        .map_err(|why| format!("{part}: {why}")),
+                    Some(part) => match found {
+                        Ok(number) => Ok(Number {
+                            note: format!("{part}: {}", number.note),
+                            ..number
+                        }),
+                        Err(why) => Err(format!("{part}: {why}")),
+                    },
                     None => found,
                 };
                 all.push((
@@ -169,11 +174,17 @@ pub fn book_of_run(summary: &Summary) -> Book {
     if summary.inputs.intruder.shape == IntruderShape::Sphere {
         return book;
     }
-    let ids: Vec<String> = book.claim.iter().map(|claim| claim.id.clone()).collect();
-    for id in ids.iter().filter(|id| id.starts_with("guillard-")) {
-        if let Some(Ok(found)) = guillard::measure(id, summary) {
-            book.record(id, Measured::new(&summary.scenario, "", Ok(found)));
-        }
+    let claims = book
+        .claim
+        .iter()
+        .filter(|claim| claim.id.starts_with("guillard-"));
+    let found = claims.filter_map(|claim| {
+        let number = guillard::measure(claim, summary)?.ok()?;
+        let measured = Measured::new(&summary.scenario, "", Ok(number));
+        Some((claim.id.clone(), measured))
+    });
+    for (id, measured) in found.collect::<Vec<_>>() {
+        book.record(&id, measured);
     }
     book
 }

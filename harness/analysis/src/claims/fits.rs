@@ -1,6 +1,6 @@
 //! Numbers from several points: the slope of the drag, the plateau of the lift.
 
-use super::points::{Group, Point};
+use super::points::{DEEP, Group, Point};
 
 /// Depths that differ by less than this part are one depth: seeds and packing vary it.
 pub const SAME_DEPTH: f64 = 0.05;
@@ -8,6 +8,11 @@ pub const SAME_DEPTH: f64 = 0.05;
 /// Whether two depths are one.
 pub fn same_depth(a: f64, b: f64) -> bool {
     (a / b - 1.0).abs() <= SAME_DEPTH
+}
+
+/// Whether an effective depth over D is one where lifts count as saturated, to a twentieth.
+pub(super) fn is_deep(over_diameter: f64) -> bool {
+    over_diameter > (1.0 - SAME_DEPTH) * DEEP
 }
 
 /// A straight line through the origin.

@@ -36,7 +36,7 @@ fn left(load: &PointLoad, a: f64) -> f64 {
 }
 
 /// The amplitude of the cosine beside the stress at the angle, of several loads, for a note. The claim's number is the
-/// stress at the angle: that is what the paper gives. It does not say that the load is a cosine, and what the fit leaves
+/// stress at the angle: that is what the paper gives. It does not say that the load is a cosine; what the fit leaves
 /// says how far it is one.
 pub(super) fn beside(loads: &[&PointLoad]) -> String {
     let fits: Vec<Value> = loads.iter().map(|l| cosine(l)).collect();

@@ -1,11 +1,13 @@
 //! What the runs of flowing beds say of each claim of Guillard 2014.
 
-use super::fits::{drag_slope, drag_slope_by_weight, plateau, same_depth};
-use super::kumar_curves::{Found, farthest};
+use super::book::Claim;
+use super::fits::{drag_slope, drag_slope_by_weight, same_depth};
+use super::lifts::{lift, no_lift, no_lift_in_the_middle, saturation};
 use super::load::loads;
 use super::load_claims::measure as measure_loads;
-use super::means::means_of;
-use super::points::{DEEP, SEEDS};
+use super::number::{Found, Number};
+use super::pairs::{NO_PAIR, ratio};
+use super::points::SEEDS;
 use super::points::{FAR_FIELD_LEAST, TRAVEL_LEAST, least};
 use super::points::{Group, Point, Spread, Way, groups};
 use super::wake;
@@ -17,13 +19,11 @@ use bitgrain_lab::summary::{DragSummary, Summary};
 const THIN: f64 = 3.3;
 /// How far another D/d may lie from it.
 const NEAR: f64 = 0.05;
-/// Lift over buoyancy of the experiment below D/d = 5, as far as the text names it (Guillard 2014, Fig. 5).
-const EXPERIMENT: f64 = 60.0;
 
 /// The measurement of a claim of Guillard 2014; `None` if this paper has no such claim, or nothing here
 /// measures it.
-pub fn measure(id: &str, summary: &Summary) -> Option<Found> {
-    let rest = id.strip_prefix("guillard-")?;
+pub fn measure(claim: &Claim, summary: &Summary) -> Option<Found> {
+    let rest = claim.id.strip_prefix("guillard-")?;
     let mut groups = groups(summary);
     groups.retain(|g| (g.over_grain - THIN).abs() <= NEAR);
     // The paper's cylinder lies in the middle of the bed.
@@ -39,28 +39,27 @@ pub fn measure(id: &str, summary: &Summary) -> Option<Found> {
             Err("the cylinder has met its own wake in these runs".into())
         }
         "drag" => drag(group),
-        "drag-gradient" => ratio(&pairs(group), 1.0, |p| p.drag_over_pressure),
-        "lift-saturates" => deepest_over_next(group),
+        "drag-gradient" => ratio(claim, group, |p| p.drag_over_pressure),
+        "lift-saturates" => saturation(group),
         "lift-thirty" | "lift-thin" => lift(group),
-        "lift-simulation" => lift(group).map(|(v, note)| (v.divided(EXPERIMENT), note)),
-        "no-lift" => no_lift(group),
-        "no-lift-middle" => no_lift_in_the_middle(summary, &groups),
+        "no-lift" => no_lift(claim, group),
+        "no-lift-middle" => no_lift_in_the_middle(claim, summary, &groups),
         "steady" => halves(summary),
         "zone" => zone(summary, group),
-        "symmetry" => symmetry(summary, group),
-        _ => measure_loads(rest, &loads(summary, group))?,
+        "symmetry" => symmetry(claim, summary, group),
+        _ => measure_loads(rest, claim, &loads(summary, group))?,
     };
     Some(found.and_then(|found| steady(group, found)))
 }
 
 /// Runs with a bed that slips or with too little travel do not count.
-fn steady(group: &Group, found: (Value, String)) -> Found {
+fn steady(group: &Group, found: Number) -> Found {
     let slowest = least(group.points.iter().map(|p| p.far_field));
     let shortest = least(group.points.iter().map(|p| p.travel));
     if slowest >= FAR_FIELD_LEAST && shortest >= TRAVEL_LEAST {
         return Ok(found);
     }
-    let (value, note) = found;
+    let (value, note) = (found.value, found.note);
     Err(format!(
         "{:.3} +- {:.3} ({note}), but the windows hold {shortest:.0} grain diameters of travel of \
          {TRAVEL_LEAST} or more, and the slowest bed went at {slowest:.3} of its speed",
@@ -77,129 +76,7 @@ fn drag(group: &Group) -> Found {
         )
     });
     let note = format!("slope of the drag over {} depths{by_weight}", fit.depths);
-    Ok((Value::new(fit.slope, fit.error), note))
-}
-
-/// Points with and without a gradient at one effective depth.
-fn pairs(group: &Group) -> Vec<(&Point, &Point)> {
-    let with = group.with_gradient(true);
-    let same = |a: &Point, b: &Point| same_depth(a.asked, b.asked);
-    let partner = |b: &&'_ Point| with.iter().find(|a| same(a, b)).copied();
-    let without = group.with_gradient(false).into_iter();
-    without.filter_map(|b| Some((partner(&b)?, b))).collect()
-}
-
-const NO_PAIR: &str = "no two runs with and without gradient have one effective depth";
-
-impl From<Spread> for Value {
-    fn from(spread: Spread) -> Self {
-        Value::new(spread.mean, spread.error)
-    }
-}
-
-/// A quantity of each pair, without a gradient over with it: the one farthest from a number.
-fn ratio(pairs: &[(&Point, &Point)], from: f64, of: fn(&Point) -> Spread) -> Found {
-    let over = |(with, without): &(&Point, &Point)| {
-        let ratio = Value::from(of(without)).over(of(with).into());
-        (ratio, format!("without over with, farthest from {from}"))
-    };
-    farthest(pairs.iter().map(over).collect(), from, NO_PAIR)
-}
-
-fn seeds(points: &[&Point]) -> Result<(), String> {
-    match Group::seeds(points) {
-        n if n < SEEDS => Err(format!(
-            "a lift is told from {SEEDS} seeds or more; there are {n}"
-        )),
-        _ => Ok(()),
-    }
-}
-
-/// The plateau, or the deepest points if they are deep enough for one.
-fn lift(group: &Group) -> Found {
-    let points = group.with_gradient(true);
-    seeds(&points)?;
-    if let Some(flat) = plateau(&points) {
-        let note = format!("plateau of {} points", flat.points);
-        return Ok((Value::new(flat.lift, flat.error), note));
-    }
-    let deepest = points.last().ok_or("no run has a gradient")?;
-    let over = deepest.effective_depth / group.diameter;
-    if over < DEEP {
-        return Err(format!(
-            "no plateau can be told, and the deepest run is at h~/D = {over:.0}, not {DEEP}"
-        ));
-    }
-    Ok((deepest.lift.into(), format!("at h~/D = {over:.0}")))
-}
-
-fn deepest_over_next(group: &Group) -> Found {
-    let points = group.with_gradient(true);
-    seeds(&points)?;
-    let [.., next, deepest] = &points[..] else {
-        return Err("two depths with a gradient are wanted".into());
-    };
-    let over = [deepest, next].map(|p| p.effective_depth / group.diameter);
-    Ok((
-        Value::from(deepest.lift).over(next.lift.into()),
-        format!("h~/D = {:.0} over {:.0}", over[0], over[1]),
-    ))
-}
-
-fn no_lift(group: &Group) -> Found {
-    let pairs = pairs(group);
-    let points: Vec<&Point> = pairs.iter().flat_map(|(a, b)| [*a, *b]).collect();
-    seeds(&points)?;
-    let (value, note) = ratio(&pairs, 0.0, |p| p.lift)?;
-    let place = points[0].place.words(group.diameter);
-    Ok((value, format!("{note}; axis {place}")))
-}
-
-/// The lift without a gradient with the axis in the middle of the bed, as in the paper. Base and surface may make a lift
-/// of their own: the note has it with the axis at other places, too, where it would change sign with their distances.
-fn no_lift_in_the_middle(summary: &Summary, groups: &[Group]) -> Found {
-    let all: Vec<(&Group, &Point)> = groups
-        .iter()
-        .flat_map(|group| {
-            let own = group.with_gradient(false).into_iter();
-            own.map(move |point| (group, point))
-        })
-        .collect();
-    let told = |(group, point): &(&Group, &Point)| {
-        let odd = means_of(summary, group, point)
-            .odd
-            .map_or(String::new(), |odd| {
-                format!(
-                    ", odd part {:.1} +- {:.1} of eq. 4's curve,",
-                    odd.value, odd.error
-                )
-            });
-        format!(
-            "{:.1} +- {:.1}{odd} with the axis {} at h~/D = {:.0}",
-            point.lift.mean,
-            point.lift.error,
-            point.place.words(group.diameter),
-            point.effective_depth / group.diameter
-        )
-    };
-    let words = || all.iter().map(told).collect::<Vec<_>>().join("; ");
-    let middle = all
-        .iter()
-        .filter(|(group, point)| point.place.is_middle(group.diameter));
-    let middle: Vec<&Point> = middle.map(|(_, point)| *point).collect();
-    match (all.len(), middle.len()) {
-        (0, _) => return Err("no run is without a pressure gradient".into()),
-        (_, 0) => {
-            return Err(format!(
-                "no axis lies in the middle of the bed: {}",
-                words()
-            ));
-        }
-        _ => {}
-    }
-    seeds(&middle)?;
-    let lifts = middle.iter().map(|p| (p.lift.into(), words()));
-    farthest(lifts.collect(), 0.0, "")
+    Ok(Number::one(Value::new(fit.slope, fit.error), note))
 }
 
 /// How far the bed is disturbed above over below with a gradient, over the same without one: base and surface are
@@ -224,14 +101,14 @@ fn zone(summary: &Summary, group: &Group) -> Found {
             .collect::<Vec<_>>()
             .join(", ")
     );
-    Ok((Spread::of(&both).into(), note))
+    Ok(Number::one(Spread::of(&both).into(), note))
 }
 
-/// The same without a gradient: of the effective depths the one farthest from one.
-fn symmetry(summary: &Summary, group: &Group) -> Found {
+/// The same without a gradient, at each effective depth.
+fn symmetry(claim: &Claim, summary: &Summary, group: &Group) -> Found {
     let note = |p: &Point| format!("h~/D = {:.0}", p.effective_depth / group.diameter);
     let all = zones(summary, group, false)?.into_iter();
-    farthest(all.map(|(p, value)| (value, note(p))).collect(), 1.0, "")
+    claim.together(all.map(|(p, value)| (value, note(p))).collect(), NO_PAIR)
 }
 
 /// How far the bed is disturbed above over below, at each effective depth under a lid. The spread of few seeds is
@@ -286,17 +163,27 @@ fn zones<'a>(
     Ok(all.into_iter().map(value).collect())
 }
 
-/// The drag's two halves of the window, which begins after 2 D: farthest from equal.
+/// The drag's two halves of the window, which begins after 2 D: mean over the runs, each counted once. A run that
+/// drifts has larger errors, so that weights would favour those that do not.
 fn halves(summary: &Summary) -> Found {
     let one = |run: &DragSummary| {
         let [first, second] = run.flow.as_ref()?.drag_halves;
         // The error of each half is larger by a root of two.
         let error = (2.0 * run.drag.standard_error / run.drag.mean).abs();
-        let note = "first half of the window over the second".to_string();
-        Some((Value::new(first / second, error), note))
+        Some((first / second, error))
     };
-    let all = summary.runs.iter().filter_map(one).collect();
-    farthest(all, 1.0, "no bed flowed")
+    let all: Vec<(f64, f64)> = summary.runs.iter().filter_map(one).collect();
+    if all.is_empty() {
+        return Err("no bed flowed".into());
+    }
+    let spread = Spread::of(&all);
+    let note = format!(
+        "first half of the window over the second, mean of {} runs, from {:.2} to {:.2}",
+        all.len(),
+        spread.least,
+        spread.most
+    );
+    Ok(Number::one(spread.into(), note))
 }
 
 #[cfg(test)]
@@ -338,12 +225,12 @@ mod tests {
             seeds,
             ..Asked::default()
         };
-        measure(id, &synthetic::summary(&asked)).unwrap()
+        measure(&synthetic::shipped(id), &synthetic::summary(&asked)).unwrap()
     }
 
     #[test]
     fn fields_of_runs_are_measured() {
-        let value = |id: &str| found(id, with_fields, 2).unwrap().0;
+        let value = |id: &str| found(id, with_fields, 2).unwrap().value;
         // The axis bears half of the lift besides the weight: a hundredth.
         assert!((value("guillard-front").value / 15.0 - 1.0).abs() < 0.01);
         assert!(
@@ -361,19 +248,17 @@ mod tests {
             let deep = flow.effective_depth > 0.15;
             flow.disturbance = Some([if deep { 2.4 } else { 2.0 }, 2.0]);
         };
-        let (value, note) = found("guillard-symmetry", wide, 2).unwrap();
-        assert_eq!(
-            (value.value, value.error, &note[..]),
-            (1.2, 0.0, "h~/D = 32")
-        );
+        let number = found("guillard-symmetry", wide, 2).unwrap();
+        assert_eq!(number.value, Value::new(1.2, 0.0));
+        assert_eq!(number.note, "h~/D = 32, worst of 4");
         // The lift of a synthetic run differs by seed.
         let seeds = |flow: &mut Flow| {
             let more =
                 flow.lift_over_buoyancy > 30.0 || (0.1..20.0).contains(&flow.lift_over_buoyancy);
             flow.disturbance = Some([if more { 2.2 } else { 1.8 }, 2.0]);
         };
-        let (value, _) = found("guillard-zone", seeds, 2).unwrap();
-        assert!(value.error > 0.0, "{value:?}");
+        let number = found("guillard-zone", seeds, 2).unwrap();
+        assert!(number.value.error > 0.0, "{number:?}");
     }
 
     #[test]
@@ -385,50 +270,20 @@ mod tests {
         assert!(why(noise, 2).contains("noise"));
     }
 
-    /// A lift that base and surface make, 400 buoyancies for a metre off the middle: the claim's number is that of the
-    /// axis in the middle, the note has the others.
+    /// Every run counts once: a run that drifts has a larger error, and does not count less.
     #[test]
-    fn the_lift_without_a_gradient_is_that_of_the_middle() {
-        let at = |heights: &[f64], seeds| {
-            let asked = Asked {
-                heights: heights.to_vec(),
-                depths: vec![0.099],
-                lift_without: |height| 400.0 * (height - 0.5 * synthetic::SURFACE),
-                seeds,
-                ..Asked::default()
-            };
-            measure("guillard-no-lift-middle", &synthetic::summary(&asked)).unwrap()
+    fn halves_of_the_window_are_compared_run_by_run() {
+        let drifts = |flow: &mut Flow| {
+            if flow.pressure_gradient {
+                flow.drag_halves[0] *= 0.8;
+                flow.drag_coefficient_error *= 5.0;
+            }
         };
-        let (value, note) = at(&[0.024, 0.03, 0.036], 2).unwrap();
-        assert!(value.value.abs() < 1e-12 && value.error > 0.1, "{value:?}");
-        for part in [
-            "0.0 +- 0.6 with the axis 6.1 D above the floor and 6.1 D below the surface at h~/D = 20",
-            "-2.4 +- 0.6 with the axis 4.8 D above the floor and 7.3 D below",
-            "2.4 +- 0.6 with the axis 7.3 D above the floor and 4.8 D below",
-        ] {
-            assert!(note.contains(part), "{part}: {note}");
-        }
-        assert!(at(&[0.03], 1).unwrap_err().contains("2 seeds"));
-        let why = at(&[0.024], 2).unwrap_err();
+        let number = found("guillard-steady", drifts, 2).unwrap();
+        assert!((number.value.value - 0.9).abs() < 1e-12, "{number:?}");
         assert!(
-            why.contains("in the middle") && why.contains("-2.4 +- 0.6"),
-            "{why}"
+            number.note.contains("16 runs, from 0.80 to 1.00"),
+            "{number:?}"
         );
-    }
-
-    /// Of several places the one nearest to the middle is measured, and none is paired with another.
-    #[test]
-    fn claims_are_about_the_place_nearest_to_the_middle() {
-        let asked = Asked {
-            heights: vec![0.024, 0.031],
-            lift_without: |height| if height < 0.03 { 15.0 } else { 3.0 },
-            ..Asked::default()
-        };
-        let (value, note) = measure("guillard-no-lift", &synthetic::summary(&asked))
-            .unwrap()
-            .unwrap();
-        // The shallowest has a lift of 20 with a gradient.
-        assert!((value.value - 3.0 / 20.0).abs() < 1e-9, "{value:?}");
-        assert!(note.contains("axis 6.3 D above the floor"), "{note}");
     }
 }

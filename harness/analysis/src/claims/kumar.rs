@@ -1,8 +1,11 @@
 //! What a campaign's analysis says of each claim of Kumar 2018.
 
-use super::kumar_curves::{Found, MU, Of, farthest, found, least, mean, name, parameter};
+use super::book::Claim;
+use super::combine::weighted_mean;
+use super::kumar_curves::{MU, Of, found, name, parameter};
 use super::kumar_drags::drags;
 use super::kumar_scaling::{collapses, exponents, stiffness, yields};
+use super::number::{Found, Number};
 use crate::analysis::{Analysis, Contacts, NearField, Value};
 use crate::fit::regimes::Crossover;
 use bitgrain_sim::format::number_with_error;
@@ -21,10 +24,28 @@ fn flat(of: &Of, which: impl Fn(f64) -> bool) -> Vec<(Value, String)> {
     .collect()
 }
 
+/// Means of such ratios over the curves of one friction: those of one material vary by chance alone.
+fn by_friction(of: &Of, which: impl Fn(f64) -> bool) -> Vec<(Value, String)> {
+    let mut frictions: Vec<f64> = of.curves().map(|(c, ..)| c.material.mu).collect();
+    frictions.retain(|mu| which(*mu));
+    frictions.sort_by(f64::total_cmp);
+    frictions.dedup();
+    let mean = |mu: f64| {
+        let own = flat(of, |other| other == mu);
+        let values: Vec<Value> = own.iter().map(|(value, _)| *value).collect();
+        let note = match &own[..] {
+            [(_, only)] => only.clone(),
+            _ => format!("mu = {mu}, mean of {} curves", own.len()),
+        };
+        Some((weighted_mean(&values)?.0, note))
+    };
+    frictions.into_iter().filter_map(mean).collect()
+}
+
 /// The measurement of a claim of Kumar 2018; `None` if this paper has no such claim.
-pub fn measure(id: &str, analysis: &Analysis) -> Option<Found> {
-    let of = Of { analysis };
-    let rest = id.strip_prefix("kumar-")?;
+pub fn measure(claim: &Claim, analysis: &Analysis) -> Option<Found> {
+    let of = Of { analysis, claim };
+    let rest = claim.id.strip_prefix("kumar-")?;
     speeds(rest, &of)
         .or_else(|| drags(rest, &of))
         .or_else(|| near_field(rest, &of))
@@ -36,11 +57,12 @@ pub fn measure(id: &str, analysis: &Analysis) -> Option<Found> {
 
 fn speeds(id: &str, of: &Of) -> Option<Found> {
     let none = "no curve has two speeds below Fr = 1";
+    let together = |all, none| of.claim.together(all, none);
     Some(match id {
-        "flat" => mean(&flat(of, |mu| (mu - MU).abs() < 1e-9), none),
-        "plateau" => farthest(flat(of, |mu| (0.05..MU).contains(&mu)), 1.0, none),
-        "no-plateau" => least(flat(of, |mu| mu < 0.05), none),
-        "quadratic" => mean(&quadratic(of), "no curve has runs at Fr = 5, 7 and 10"),
+        "flat" => together(flat(of, |mu| (mu - MU).abs() < 1e-9), none),
+        "plateau" => together(by_friction(of, |mu| (0.05..MU).contains(&mu)), none),
+        "no-plateau" => together(flat(of, |mu| mu < 0.05), none),
+        "quadratic" => together(quadratic(of), "no curve has runs at Fr = 5, 7 and 10"),
         "crossover-1" => crossover(of, MU, |r| r.first),
         "crossover-2" => crossover(of, MU, |r| r.second),
         "crossovers-friction" => (|| {
@@ -48,7 +70,8 @@ fn speeds(id: &str, of: &Of) -> Option<Found> {
                 crossover(of, 0.0, |r| r.first)?,
                 crossover(of, MU, |r| r.first)?,
             );
-            Ok((slick.0.over(rough.0), format!("{}; {}", slick.1, rough.1)))
+            let note = format!("{}; {}", slick.note, rough.note);
+            Ok(Number::one(slick.value.over(rough.value), note))
         })(),
         "crossovers-size-depth" => curves_apart(of),
         "crossovers-stiffness" => (|| {
@@ -64,11 +87,7 @@ fn speeds(id: &str, of: &Of) -> Option<Found> {
             let ratios = rest
                 .iter()
                 .map(|x| (x.over(*first), "K_n or gamma_n varied".to_string()));
-            farthest(
-                ratios.collect(),
-                1.0,
-                "the runs have one K_n and one gamma_n",
-            )
+            together(ratios.collect(), "the runs have one K_n and one gamma_n")
         })(),
         _ => return None,
     })
@@ -97,7 +116,10 @@ fn crossover(of: &Of, mu: f64, which: fn(&crate::fit::regimes::Regimes) -> Cross
             "; fewer regimes fit as well"
         }
     );
-    at(&crossover).map(|v| (v, note.clone())).ok_or(note)
+    match at(&crossover) {
+        Some(value) => Ok(Number::one(value, note)),
+        None => Err(note),
+    }
 }
 
 fn curves_apart(of: &Of) -> Found {
@@ -122,11 +144,8 @@ fn curves_apart(of: &Of) -> Found {
             ));
         }
     }
-    farthest(
-        all,
-        0.0,
-        "no single curve has crossovers with closed intervals",
-    )
+    of.claim
+        .together(all, "no single curve has crossovers with closed intervals")
 }
 
 fn quadratic(of: &Of) -> Vec<(Value, String)> {
@@ -165,14 +184,16 @@ fn near_field(id: &str, of: &Of) -> Option<Found> {
             let number = number_with_error(value.value, value.error);
             Some(format!("; {number} within {} d", one.reach))
         });
-        Ok((
-            parameter(fit, name)?,
-            fit.line() + &within.collect::<String>(),
-        ))
+        let note = fit.line() + &within.collect::<String>();
+        Ok(Number::one(parameter(fit, name)?, note))
     };
     let (id, contacts): (_, fn(&NearField) -> &Contacts) = match id.strip_suffix("-collisions") {
         Some(id) => (id, |a| &a.new_contacts),
         None => (id, |a| &a.contacts),
+    };
+    let of_angle = |name: &'static str| -> Found {
+        let fit = found(&contacts(of.near_field(MU)?).law)?;
+        Ok(Number::one(parameter(fit, name)?, fit.line()))
     };
     Some(match id {
         "angle-one" => (|| {
@@ -182,19 +203,14 @@ fn near_field(id: &str, of: &Of) -> Option<Found> {
             let slope = -pi / (y3.value * y3.value);
             let c = &fit.covariance;
             let variance = c[0][0] + slope * slope * c[2][2] + 2.0 * slope * c[0][2];
-            Ok((
-                Value::new(y1.value + pi / y3.value, variance.sqrt()),
-                fit.line(),
-            ))
+            let value = Value::new(y1.value + pi / y3.value, variance.sqrt());
+            Ok(Number::one(value, fit.line()))
         })(),
         "angle-ten" => (|| {
             let fit = found(&contacts(of.near_field(MU)?).at_ten)?;
-            Ok((parameter(fit, "a")?, fit.line()))
+            Ok(Number::one(parameter(fit, "a")?, fit.line()))
         })(),
-        "angle-exponent" => (|| {
-            let fit = found(&contacts(of.near_field(MU)?).law)?;
-            Ok((parameter(fit, "Y2")?, fit.line()))
-        })(),
+        "angle-exponent" => of_angle("Y2"),
         "angle-size" => of.near_field(MU).and_then(|a| {
             let offset = |o: &crate::analysis::Offset| {
                 (
@@ -203,7 +219,8 @@ fn near_field(id: &str, of: &Of) -> Option<Found> {
                 )
             };
             let all = a.contacts.offsets.iter().map(offset).collect();
-            farthest(all, 0.0, "no law of the contact angle was found")
+            of.claim
+                .together(all, "no law of the contact angle was found")
         }),
         "kappa-intercept" => of_kappa("a"),
         "kappa-slope" => of_kappa("b"),
@@ -215,21 +232,16 @@ fn near_field(id: &str, of: &Of) -> Option<Found> {
                 let residual = Value::new(o.residual.value.abs(), o.residual.error).divided(five);
                 (residual, format!("D = {}", o.diameter))
             };
-            farthest(
-                near_field.kappa_offsets.iter().map(offset).collect(),
-                0.0,
-                "no line was found",
-            )
+            let all = near_field.kappa_offsets.iter().map(offset).collect();
+            of.claim.together(all, "no line was found")
         })(),
         "floating" => of.near_field(MU).and_then(|a| {
             let ratio = |f: &crate::analysis::Floating| {
                 let note = format!("D = {}, h = {}", f.diameter, f.depth_asked);
                 (f.fastest.over(f.slowest), note)
             };
-            least(
-                a.floating.iter().map(ratio).collect(),
-                "no curve has two speeds",
-            )
+            let all = a.floating.iter().map(ratio).collect();
+            of.claim.together(all, "no curve has two speeds")
         }),
         _ => return None,
     })

@@ -1,10 +1,8 @@
 //! What claims on Kumar 2018 are measured from: the curves of one material, and numbers found on them.
 
+use super::book::Claim;
 use crate::analysis::{Analysis, Curve, Finding, NearField, Pooled, Scaling, Speeds, Value, Yield};
 use crate::fit::Fit;
-
-/// A number with its basis, or why there is none.
-pub type Found = Result<(Value, String), String>;
 
 /// Friction coefficient of most of the paper.
 pub(super) const MU: f64 = 0.5;
@@ -21,26 +19,11 @@ pub(super) fn found<T>(finding: &Finding<T>) -> Result<&T, String> {
     }
 }
 
-/// The farthest of some from a number.
-pub(super) fn farthest(all: Vec<(Value, String)>, from: f64, none: &str) -> Found {
-    let far = |v: &Value| (v.value - from).abs();
-    let most = all
-        .into_iter()
-        .reduce(|a, b| if far(&b.0) > far(&a.0) { b } else { a });
-    most.ok_or_else(|| none.to_string())
-}
-
-/// The least of some.
-pub(super) fn least(all: Vec<(Value, String)>, none: &str) -> Found {
-    let less = all
-        .into_iter()
-        .reduce(|a, b| if b.0.value < a.0.value { b } else { a });
-    less.ok_or_else(|| none.to_string())
-}
-
 /// The material that most of a paper is about: of the friction asked for, that with the most curves.
 pub(super) struct Of<'a> {
     pub(super) analysis: &'a Analysis,
+    /// What is measured, which says how several numbers become one.
+    pub(super) claim: &'a Claim,
 }
 
 impl<'a> Of<'a> {
@@ -49,6 +32,7 @@ impl<'a> Of<'a> {
         let same = |c: &Curve| {
             (c.material.mu - mu).abs() < 1e-9
                 && c.material.kn == like.material.kn
+                && c.material.gamma_n == like.material.gamma_n
                 && c.diameter == like.diameter
                 && (c.depth_asked - like.depth_asked).abs() < 1e-6
         };
@@ -95,20 +79,4 @@ pub(super) fn name(curve: &Curve) -> String {
         "mu = {}, D = {}, h = {:.1}",
         curve.material.mu, curve.diameter, curve.depth
     )
-}
-
-/// Weighted mean of ratios; the error has their scatter in it.
-pub(super) fn mean(all: &[(Value, String)], none: &str) -> Found {
-    let mean = Value::mean(all.iter().map(|(v, _)| *v)).ok_or(none)?;
-    let square = |v: &Value| v.weight() * (v.value - mean.value) * (v.value - mean.value);
-    let scatter =
-        all.iter().map(|(v, _)| square(v)).sum::<f64>() / (all.len() as f64 - 1.0).max(1.0);
-    let scale = if scatter > 1.0 { scatter.sqrt() } else { 1.0 };
-    Ok((
-        Value::new(mean.value, scale * mean.error),
-        match all {
-            [(_, only)] => only.clone(),
-            _ => format!("mean of {} curves", all.len()),
-        },
-    ))
 }

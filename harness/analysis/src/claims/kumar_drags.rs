@@ -1,7 +1,8 @@
 //! What a campaign's analysis says of the claims about how the drag grows, by both means of it: the paper averages from
 //! the start (Kumar 2018, Fig. 4), the averaging window leaves the start-up out.
 
-use super::kumar_curves::{Found, MU, Of, found, parameter};
+use super::kumar_curves::{MU, Of, found, parameter};
+use super::number::{Found, Number};
 use crate::analysis::{Finding, Growth, Reading};
 use crate::fit::Fit;
 use bitgrain_sim::format::number_with_error;
@@ -41,7 +42,7 @@ fn growth(of: &Of, reading: Reading, name: &str, which: fn(&Growth) -> &Finding<
         };
         note += &format!("; with {}{path} {number}", other.reading.words());
     }
-    Ok((parameter(fit, name)?, note))
+    Ok(Number::one(parameter(fit, name)?, note))
 }
 
 /// `table-1-drag-D`: the drags on an intruder without friction over those of Table I.
@@ -62,7 +63,7 @@ fn table_one(id: &str, of: &Of) -> Option<Found> {
                 one.depth,
                 number_with_error(one.alpha.value, one.alpha.error),
             );
-            Ok((one.ratio, note))
+            Ok(Number::one(one.ratio, note))
         }
         None => Err(format!(
             "no frictionless run has D = {diameter} d and Fr from 0.25 to 1"

@@ -2,7 +2,9 @@
 
 use bitgrain_sim::format::{number_with_error, short};
 
-use super::kumar_curves::{Found, MU, Of, farthest, found, least, mean, name, parameter};
+use super::combine::weighted_mean;
+use super::kumar_curves::{MU, Of, found, name, parameter};
+use super::number::{Found, Number};
 use crate::analysis::{
     Collapse, Curve, Exponent, Finding, Scaling, Speeds, Stiffness, Value, Yield,
 };
@@ -23,9 +25,8 @@ pub(super) fn yields(id: &str, of: &Of) -> Option<Found> {
                 Some((parameter(fit, "c").ok()?, name(curve)))
             };
             let wide = slick().filter(|(c, ..)| !offset || c.diameter > 1.5 * c.mean_diameter);
-            let all: Vec<(Value, String)> = wide.filter_map(one).collect();
-            mean(
-                &all,
+            of.claim.together(
+                wide.filter_map(one).collect(),
                 "no first regime without friction was found: each exponent was refused",
             )
         }
@@ -35,7 +36,7 @@ pub(super) fn yields(id: &str, of: &Of) -> Option<Found> {
                 // In units of its error, so that its own error is one.
                 Some((Value::new(force.value / force.error, 1.0), name(curve)))
             };
-            least(
+            of.claim.together(
                 slick().filter_map(over).collect(),
                 "no yield force without friction was found",
             )
@@ -45,7 +46,7 @@ pub(super) fn yields(id: &str, of: &Of) -> Option<Found> {
                 let rough = of.yield_at(MU, curve)?;
                 Some((rough.over(*own.force.found()?), name(curve)))
             };
-            least(
+            of.claim.together(
                 slick().filter_map(over).collect(),
                 "no intruder has a yield force with and without friction",
             )
@@ -55,13 +56,23 @@ pub(super) fn yields(id: &str, of: &Of) -> Option<Found> {
     })
 }
 
+/// Rise of the yield force from mu = 0.5 to 0.9 over that from 0 to 0.5. Where none was found without friction the
+/// slowest drag stands for it: that is larger, and makes the ratio too large, which the claim bounds from above.
 fn saturation(of: &Of) -> Found {
-    let one = |(curve, _, _): (&Curve, &Speeds, &Yield)| {
-        let [a, b, c] = [
-            of.yield_at(0.0, curve)?,
-            of.yield_at(MU, curve)?,
-            of.yield_at(0.9, curve)?,
-        ];
+    let one = |(curve, _, own): (&Curve, &Speeds, &Yield)| {
+        let least = curve.points.first()?.froude;
+        let slowest = || {
+            let all = curve.points.iter().take_while(|p| p.froude == least);
+            Value::mean(all.map(|p| p.drag))
+        };
+        let (a, note) = match own.force.found() {
+            Some(force) => (*force, name(curve)),
+            None => (
+                slowest()?,
+                format!("{}, at most: its slowest drag as yield force", name(curve)),
+            ),
+        };
+        let [b, c] = [of.yield_at(MU, curve)?, of.yield_at(0.9, curve)?];
         let (low, high) = (b.value - a.value, c.value - b.value);
         let ratio = high / low;
         let by = [
@@ -70,12 +81,12 @@ fn saturation(of: &Of) -> Found {
             c.error / low,
         ];
         let error = by.iter().map(|e| e * e).sum::<f64>().sqrt();
-        Some((Value::new(ratio, error), name(curve)))
+        Some((Value::new(ratio, error), note))
     };
     let slick = of.curves().filter(|(c, ..)| c.material.mu < 0.05);
-    mean(
-        &slick.filter_map(one).collect::<Vec<_>>(),
-        "no run has mu = 0.9",
+    of.claim.together(
+        slick.filter_map(one).collect(),
+        "no intruder has drags at mu = 0 and yield forces at 0.5 and 0.9",
     )
 }
 
@@ -85,15 +96,16 @@ fn exponent(list: &[Exponent], what: &str) -> Found {
     let mut all = Vec::new();
     for e in list {
         match &e.fit {
-            Finding::Found(fit) => all.push((parameter(fit, "p")?, String::new())),
+            Finding::Found(fit) => all.push(parameter(fit, "p")?),
             Finding::Refused(refusal) => why = refusal.to_string(),
         }
     }
-    let of = |n: usize| match n {
+    let (mean, _) = weighted_mean(&all).ok_or(why)?;
+    let note = match all.len() {
         1 => format!("one fit of {what}"),
         n => format!("mean of {n} fits of {what}"),
     };
-    mean(&all, &why).map(|(v, _)| (v, of(all.len())))
+    Ok(Number::one(mean, note))
 }
 
 /// An exponent from the slow drags at equal Froude numbers, if the yield forces give none.
@@ -101,7 +113,7 @@ fn slow(scaling: &Scaling, name: &str, why: String) -> Found {
     let found = scaling.slow.found().ok_or(why.clone())?;
     let note =
         format!("of drags up to Fr = 1.3, if all grow alike with the speed; of yields none: {why}");
-    Ok((parameter(&found.fit, name)?, note))
+    Ok(Number::one(parameter(&found.fit, name)?, note))
 }
 
 fn number(v: Value) -> String {
@@ -115,24 +127,30 @@ fn alpha(own: &Scaling) -> Found {
     let Finding::Found(mean) = &own.alpha_mean else {
         return yields;
     };
-    let beside = yields.map_or(String::new(), |(v, note)| format!("; {} {note}", number(v)));
+    let beside = yields.map_or(String::new(), |own| {
+        format!("; {} {}", number(own.value), own.note)
+    });
     let [least, most] = own.depths;
+    let speeds = own
+        .alpha_at_speed
+        .iter()
+        .filter(|at| at.fit.found().is_some());
     let note = format!(
         "mean over {} speeds, h = {} to {} d{beside}",
-        own.alpha_at_speed
-            .iter()
-            .filter(|at| at.fit.found().is_some())
-            .count(),
+        speeds.count(),
         short(least),
         short(most)
     );
-    Ok((*mean, note))
+    Ok(Number::one(*mean, note))
 }
 
 fn difference(a: Found, b: Found) -> Found {
-    let ((a, first), (b, second)) = (a?, b?);
-    let note = format!("{:.3} ({first}) less {:.3} ({second})", a.value, b.value);
-    Ok((a.less(b), note))
+    let (a, b) = (a?, b?);
+    let note = format!(
+        "{:.3} ({}) less {:.3} ({})",
+        a.value.value, a.note, b.value.value, b.note
+    );
+    Ok(Number::one(a.value.less(b.value), note))
 }
 
 pub(super) fn exponents(id: &str, of: &Of) -> Option<Found> {
@@ -166,10 +184,11 @@ pub(super) fn exponents(id: &str, of: &Of) -> Option<Found> {
         "sum" => {
             let all = of.analysis.scaling.iter().filter_map(|s| {
                 let phi = exponent(&s.phi, "phi").or_else(|why| slow(s, "phi", why));
-                let ((phi, _), (alpha, note)) = (phi.ok()?, alpha(s).ok()?);
+                let (phi, alpha) = (phi.ok()?, alpha(s).ok()?);
                 let sum = Value::new(
-                    phi.value + alpha.value,
-                    (phi.error * phi.error + alpha.error * alpha.error).sqrt(),
+                    phi.value.value + alpha.value.value,
+                    (phi.value.error * phi.value.error + alpha.value.error * alpha.value.error)
+                        .sqrt(),
                 );
                 let own = s
                     .both
@@ -178,19 +197,17 @@ pub(super) fn exponents(id: &str, of: &Of) -> Option<Found> {
                     .map_or(String::new(), |both| {
                         format!("; {} of yield forces or slow drags", number(both.sum))
                     });
-                let mu = s.material.mu;
-                Some((
-                    sum,
-                    format!(
-                        "mu = {mu}, phi {}, alpha {}: {note}{own}",
-                        number(phi),
-                        number(alpha)
-                    ),
-                ))
+                let words = format!(
+                    "mu = {}, phi {}, alpha {}: {}{own}",
+                    s.material.mu,
+                    number(phi.value),
+                    number(alpha.value),
+                    alpha.note
+                );
+                Some((sum, words))
             });
-            farthest(
+            of.claim.together(
                 all.collect(),
-                3.0,
                 "no material has yield forces or slow drags at several sizes and depths",
             )
         }
@@ -200,7 +217,7 @@ pub(super) fn exponents(id: &str, of: &Of) -> Option<Found> {
 
 type Exponents = fn(&Scaling) -> &Vec<Exponent>;
 
-/// The largest difference of an exponent within one material.
+/// Differences of an exponent within one material.
 fn within(of: &Of, list: Exponents) -> Found {
     let mut all = Vec::new();
     for scaling in &of.analysis.scaling {
@@ -212,10 +229,11 @@ fn within(of: &Of, list: Exponents) -> Found {
             all.extend(fits[..k].iter().map(|b| apart(*a, *b, scaling.material.mu)));
         }
     }
-    farthest(all, 0.0, "no material has the exponent at two depths")
+    of.claim
+        .together(all, "no material has the exponent at two depths")
 }
 
-/// The largest difference of an exponent between materials of one friction.
+/// Differences of an exponent between materials of one friction.
 fn across(of: &Of, list: Exponents, what: &str) -> Found {
     let mut all = Vec::new();
     let scalings = &of.analysis.scaling;
@@ -224,12 +242,12 @@ fn across(of: &Of, list: Exponents, what: &str) -> Found {
             .iter()
             .filter(|b| b.material.mu == a.material.mu)
         {
-            if let (Ok((x, _)), Ok((y, _))) = (exponent(list(a), what), exponent(list(b), what)) {
-                all.push(apart(x, y, a.material.mu));
+            if let (Ok(x), Ok(y)) = (exponent(list(a), what), exponent(list(b), what)) {
+                all.push(apart(x.value, y.value, a.material.mu));
             }
         }
     }
-    farthest(all, 0.0, "the runs have one K_n")
+    of.claim.together(all, "the runs have one K_n")
 }
 
 fn apart(a: Value, b: Value, mu: f64) -> (Value, String) {
@@ -242,7 +260,7 @@ fn apart(a: Value, b: Value, mu: f64) -> (Value, String) {
 
 pub(super) fn collapses(id: &str, of: &Of) -> Option<Found> {
     // Beyond the errors: what is left when they are taken out in squares.
-    let beyond = |collapse: &Collapse| -> (Value, String) {
+    let beyond = |collapse: &Collapse| -> Number {
         let left = collapse.spread * collapse.spread - collapse.expected * collapse.expected;
         let n: f64 = collapse.speeds.iter().map(|s| s.runs as f64 - 1.0).sum();
         let error = collapse.spread / (2.0 * n).sqrt();
@@ -252,10 +270,8 @@ pub(super) fn collapses(id: &str, of: &Of) -> Option<Found> {
             collapse.expected,
             collapse.speeds.len()
         );
-        (
-            Value::new(if left > 0.0 { left.sqrt() } else { 0.0 }, error),
-            note,
-        )
+        let spread = if left > 0.0 { left.sqrt() } else { 0.0 };
+        Number::one(Value::new(spread, error), note)
     };
     let which: fn(&Scaling) -> &Finding<Collapse> = match id {
         "collapse-size" | "collapse-size-frictionless" => |s| &s.by_size,
@@ -279,37 +295,42 @@ pub(super) fn stiffness(id: &str, of: &Of) -> Option<Found> {
             .filter(|g| g.what == what && (g.mu - MU).abs() < 1e-9)
             .collect()
     };
-    let fast = |what: &str, far: f64| {
-        let mut all = Vec::new();
-        for group in groups(what) {
-            let note = format!("D = {}, h = {}", group.diameter, group.depth_asked);
-            let levels = group.levels.iter().filter_map(|level| level.fast);
-            all.extend(levels.map(|v| (v, note.clone())));
-        }
-        farthest(
-            all,
-            far,
-            &format!("no intruder was dragged beyond Fr = 5 at several {what}"),
-        )
-    };
+    let place = |group: &Stiffness| format!("D = {}, h = {}", group.diameter, group.depth_asked);
+    let none = |what: &str| format!("no intruder was dragged beyond Fr = 5 at several {what}");
     let slow = |what: &str| {
         let ratio = |group: &&Stiffness| {
             let [first, .., last] = &group.levels[..] else {
                 return None;
             };
-            let note = format!("D = {}, h = {}", group.diameter, group.depth_asked);
-            Some((last.slow.over(first.slow), note))
+            Some((last.slow.over(first.slow), place(group)))
         };
-        let all: Vec<(Value, String)> = groups(what).iter().filter_map(ratio).collect();
-        mean(
-            &all,
+        of.claim.together(
+            groups(what).iter().filter_map(ratio).collect(),
             &format!("no intruder has yield forces at several {what}"),
         )
     };
     Some(match id {
-        "fast-stiffness" => fast("kn", 1.0),
+        "fast-stiffness" => {
+            let mut all = Vec::new();
+            for group in groups("kn") {
+                let levels = group.levels.iter();
+                all.extend(levels.filter_map(|l| {
+                    Some((l.fast?, format!("{}, K_n = {:e}", place(group), l.kn)))
+                }));
+            }
+            of.claim.together(all, &none("kn"))
+        }
+        // Of the largest damping over the smallest, and not of those that differ most by chance.
         "fast-damping" => {
-            fast("gamma_n", 1.0).map(|(v, note)| (Value::new((v.value - 1.0).abs(), v.error), note))
+            let ends = |group: &&Stiffness| {
+                let ratio = group.levels.last()?.fast?;
+                let off = Value::new((ratio.value - 1.0).abs(), ratio.error);
+                Some((off, place(group)))
+            };
+            of.claim.together(
+                groups("gamma_n").iter().filter_map(ends).collect(),
+                &none("gamma_n"),
+            )
         }
         "slow-stiffness" => slow("kn"),
         "slow-damping" => slow("gamma_n"),

@@ -205,7 +205,7 @@ pub fn split(loads: &[PointLoad]) -> Result<Vec<Fit>, String> {
 
 /// Whether a load is from 16 D on, to a twentieth.
 pub(super) fn is_deep(load: &PointLoad) -> bool {
-    load.asked > (1.0 - super::SAME_DEPTH) * DEEP
+    super::fits::is_deep(load.asked)
 }
 
 /// Loads with a gradient that are.

@@ -1,23 +1,23 @@
 //! The loads and each claim of Guillard 2014, section IV and appendix B.
 
+use super::angles::spread;
+use super::book::Claim;
+use super::fits::same_depth;
 use super::front::{beside, near};
-use super::kumar_curves::{Found, farthest};
 use super::load::{PointLoad, deep, difference, equation_4, highest, is_deep, odd_part, pairs};
+use super::number::{Found, Number};
 use super::points::Spread;
 use super::points::{DEEP, SEEDS};
 use super::shape::{ALIKE, share};
 use crate::analysis::Value;
 use crate::fit::Datum;
 use crate::fit::linear::line;
-use bitgrain_sim::coarse_graining::load::{POINTS, WIDTH, theta};
-
-/// A difference counts as one from this many errors on.
-const TOLD: f64 = 5.0;
+use bitgrain_sim::coarse_graining::load::POINTS;
 
 const NO_LOAD: &str = "no run has a load: measure.fields asks for them";
 
 /// The measurement of a claim about loads; `None` if this is not one.
-pub(super) fn measure(id: &str, loads: &[PointLoad]) -> Option<Found> {
+pub(super) fn measure(id: &str, claim: &Claim, loads: &[PointLoad]) -> Option<Found> {
     let without = || loads.iter().filter(|l| !l.gradient);
     let all = |of: &dyn Fn(&PointLoad) -> Value| -> Found {
         let values: Vec<(f64, f64)> = without().map(of).map(|v| (v.value, v.error)).collect();
@@ -26,28 +26,23 @@ pub(super) fn measure(id: &str, loads: &[PointLoad]) -> Option<Found> {
                 "no run without a pressure gradient has a load: measure.fields asks for them"
                     .into(),
             ),
-            n => Ok((
+            n => Ok(Number::one(
                 Spread::of(&values).into(),
                 format!("mean of {n} effective depths"),
             )),
         }
     };
     Some(match id {
-        "front" => all(&|l| near(l, 0)).map(|(value, note)| {
+        "front" => all(&|l| near(l, 0)).map(|found| {
             let fit = beside(&without().collect::<Vec<_>>());
-            (value, format!("{note}; {fit}"))
+            let note = format!("{}; {fit}", found.note);
+            Number { note, ..found }
         }),
         "rear" => all(&|l| near(l, POINTS / 2)),
         "equation-4" => all(&|l| l.simple_lift),
-        "tangential" => {
-            let parts = loads.iter().map(|l| (l.tangential_part, note(l)));
-            farthest(parts.collect(), 0.0, NO_LOAD)
-        }
+        "tangential" => in_figure_11(claim, loads, |l| l.tangential_part),
+        "tangential-stress" => in_figure_11(claim, loads, largest_tangential),
         "stress-pressure" => apart(&without().collect::<Vec<_>>()),
-        "tangential-stress" => {
-            let ratios = loads.iter().map(|l| (largest_tangential(l), note(l)));
-            farthest(ratios.collect(), 0.0, NO_LOAD)
-        }
         "collapse" => collapse(&deep_pairs(loads)),
         "asymmetric" => over_equation_4(&deep_pairs(loads)),
         "tenfold" => tenfold(loads),
@@ -75,32 +70,54 @@ fn tenfold(loads: &[PointLoad]) -> Found {
             with.runs.len()
         ));
     }
-    Ok((with.lift.over(without.simple_lift), note(with)))
+    let ratio = with.lift.over(without.simple_lift);
+    Ok(Number::one(ratio, note(with)))
 }
 
-/// Largest difference between depths at any angle, beyond two errors of it, over the largest stress.
-fn apart(loads: &[&PointLoad]) -> Found {
-    let mut largest: Option<(Value, String)> = None;
-    for (k, a) in loads.iter().enumerate() {
-        for b in &loads[..k] {
-            for m in 0..POINTS {
-                let off = a.normal[m].less(b.normal[m]);
-                let beyond = Value::new(off.value.abs() - 2.0 * off.error, off.error);
-                if largest
-                    .as_ref()
-                    .is_none_or(|(most, _)| beyond.value > most.value)
-                {
-                    let place =
-                        format!("{} against {} at theta = {:.2}", note(a), note(b), theta(m));
-                    largest = Some((beyond, place));
-                }
-            }
-        }
+/// A number of the load at the effective depth of the paper's Fig. 11(a), 16 D, or the next depth from there on, with
+/// and without a gradient; of the other depths it is told beside.
+fn in_figure_11(claim: &Claim, loads: &[PointLoad], of: fn(&PointLoad) -> Value) -> Found {
+    if loads.is_empty() {
+        return Err(NO_LOAD.into());
     }
-    let (most, place) = largest.ok_or("one effective depth alone has a load without gradient")?;
-    let peak = highest(loads);
-    let beyond = if most.value > 0.0 { most.value } else { 0.0 };
-    Ok((Value::new(beyond, most.error).divided(peak), place))
+    let said = |l: &PointLoad| match l.gradient {
+        true => format!("{}, with gradient", note(l)),
+        false => format!("{}, without gradient", note(l)),
+    };
+    let depths = loads.iter().filter(|l| is_deep(l)).map(|l| l.asked);
+    let own = depths.fold(f64::INFINITY, |a, x| if x < a { x } else { a });
+    let (here, others): (Vec<_>, Vec<_>) = loads.iter().partition(|l| same_depth(l.asked, own));
+    let numbers = here.iter().map(|l| (of(l), said(l)));
+    let found = claim.together(
+        numbers.collect(),
+        &format!("no load is from {DEEP} D or deeper, the depth of the paper's figure"),
+    )?;
+    let beside = others.iter().map(|l| {
+        let v = of(l);
+        format!("{:.3} +- {:.3} at {}", v.value, v.error, said(l))
+    });
+    let beside: Vec<String> = beside.collect();
+    let note = match beside.is_empty() {
+        true => found.note,
+        false => format!("{}; {}", found.note, beside.join("; ")),
+    };
+    Ok(Number { note, ..found })
+}
+
+/// Spread over depths of the normal stress over P_0, over its mean.
+fn apart(loads: &[&PointLoad]) -> Found {
+    if loads.len() < 2 {
+        return Err(
+            "the stress at several pressures takes two effective depths without gradient".into(),
+        );
+    }
+    let curves: Vec<Vec<Value>> = loads.iter().map(|l| l.normal.clone()).collect();
+    let spread = spread(&curves);
+    let over = spread.over.ok_or("the stress is not told from none")?;
+    Ok(Number::one(
+        over,
+        format!("over {} effective depths", loads.len()),
+    ))
 }
 
 /// Loads with and without a gradient at the effective depths where appendix B holds.
@@ -118,60 +135,25 @@ fn largest_tangential(load: &PointLoad) -> Value {
     })
 }
 
-/// Spread over depths of the differences beyond their errors, over the mean of them all, both as root mean squares
-/// over the angles. Refused if the mean is not distinct from zero: then noise alone would make the spread.
+/// Spread over depths of the differences over their mean.
 fn collapse(pairs: &[(&PointLoad, &PointLoad)]) -> Found {
     let curves: Vec<Vec<Value>> = pairs.iter().map(difference).collect();
-    let n = curves.len() as f64;
     if curves.len() < 2 {
         return Err(format!(
             "a collapse takes two effective depths of {DEEP} D or more with loads with and without gradient"
         ));
     }
-    let (mut seen, mut known, mut fourth, mut square) = (0.0, 0.0, 0.0, 0.0);
-    let mut peak = Value::new(0.0, 1.0);
-    for m in 0..POINTS {
-        let at: Vec<Value> = curves.iter().map(|c| c[m]).collect();
-        let mean = at.iter().map(|v| v.value).sum::<f64>() / n;
-        let own: f64 = at.iter().map(|v| v.error * v.error).sum();
-        seen += at
-            .iter()
-            .map(|v| (v.value - mean) * (v.value - mean))
-            .sum::<f64>()
-            / (n - 1.0);
-        known += own / n;
-        fourth += at.iter().map(|v| libm::pow(v.error, 4.0)).sum::<f64>() / n;
-        square += mean * mean - own / (n * n);
-        if mean.abs() > peak.value {
-            peak = Value::new(mean.abs(), own.sqrt() / n);
-        }
-    }
+    let spread = spread(&curves);
     let told = format!(
         "largest difference {:.0} +- {:.0} rho g D over {} effective depths of {DEEP} D or more",
-        peak.value,
-        peak.error,
+        spread.peak.value,
+        spread.peak.error,
         curves.len()
     );
-    if peak.value < TOLD * peak.error || square <= 0.0 {
-        return Err(format!("{told}, which is not told from none"));
+    match spread.over {
+        Some(over) => Ok(Number::one(over, told)),
+        None => Err(format!("{told}, which is not told from none")),
     }
-    // Numbers of unequal variance count as fewer, and neighbouring angles as one.
-    let angles = known * known / fourth / POINTS as f64 * SQUARES;
-    let points = POINTS as f64;
-    let (seen, known, square) = (seen / points, known / points, square / points);
-    let left = if seen > known { seen - known } else { 0.0 };
-    // Error of a mean of squares of numbers with this variance of noise, of so many.
-    let noise = |known: f64, left: f64, count: f64| {
-        ((2.0 * known * known + 4.0 * known * left) / count).sqrt()
-    };
-    let own = noise(known, left, angles * (n - 1.0));
-    let spread = left.sqrt();
-    // The error of a root, unless it is near zero.
-    let (slope, most) = (0.5 * own / spread, own.sqrt());
-    let error = if slope < most { slope } else { most };
-    let mean = square.sqrt();
-    let mean = Value::new(mean, 0.5 * noise(known / n, square, angles) / mean);
-    Ok((Value::new(spread, error).over(mean), told))
 }
 
 /// How much of eq. 4's curve the differences hold, by least squares: mean over the depths; the odd parts of
@@ -197,14 +179,8 @@ fn over_equation_4(pairs: &[(&PointLoad, &PointLoad)]) -> Found {
         odd.value,
         odd.error
     );
-    Ok((mean(&difference), note))
+    Ok(Number::one(mean(&difference), note))
 }
-
-/// How many angles are independent of each other in a mean of squares: the Gaussian's own correlation, squared, is
-/// that much long.
-const SQUARES: f64 = ROOT_TWO_PI / WIDTH;
-/// sqrt(2 pi).
-const ROOT_TWO_PI: f64 = 2.506_628_274_631;
 
 /// Lift over drag of the part of the normal forces that goes with the pressure: it is symmetric in appendix B.
 fn lift_of_slope(loads: &[PointLoad]) -> Found {
@@ -218,20 +194,20 @@ fn lift_of_slope(loads: &[PointLoad]) -> Found {
             .expect("a line has a slope"))
     };
     let (lift, drag) = (slope(|l| l.normal_lift)?, slope(|l| l.drag)?);
-    Ok((
-        lift.over(drag),
-        format!(
-            "lines through {} effective depths of {DEEP} D or more",
-            deep.len()
-        ),
-    ))
+    let note = format!(
+        "lines through {} effective depths of {DEEP} D or more",
+        deep.len()
+    );
+    Ok(Number::one(lift.over(drag), note))
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::load::{equation_4, odd_part, split};
+    use super::super::synthetic::shipped;
     use super::super::synthetic_load::{load, noisy};
     use super::*;
+    use bitgrain_sim::coarse_graining::load::theta;
 
     fn all(off: f64) -> Vec<PointLoad> {
         let depths = [16.0, 20.0, 35.0];
@@ -240,8 +216,12 @@ mod tests {
         with.into_iter().chain(without).collect()
     }
 
+    fn found(id: &str, loads: &[PointLoad]) -> Found {
+        measure(id, &shipped(&format!("guillard-{id}")), loads).unwrap()
+    }
+
     fn value(id: &str, loads: &[PointLoad]) -> Value {
-        measure(id, loads).unwrap().unwrap().0
+        found(id, loads).unwrap().value
     }
 
     #[test]
@@ -252,12 +232,7 @@ mod tests {
         assert!((value("equation-4", &loads).value - 3.18).abs() < 0.02);
         assert_eq!(value("tangential", &loads).value, 0.06);
         assert_eq!(value("stress-pressure", &loads).value, 0.0);
-        assert!(
-            measure("tenfold", &loads)
-                .unwrap()
-                .unwrap_err()
-                .contains("2 seeds")
-        );
+        assert!(found("tenfold", &loads).unwrap_err().contains("2 seeds"));
         let twice = |mut l: PointLoad| {
             l.runs.push(l.runs[0].clone());
             l
@@ -271,25 +246,43 @@ mod tests {
             (share.value - 20.0 / 7.5).abs() < 1e-9 && share.error < 0.3,
             "{share:?}"
         );
-        let (_, note) = measure("asymmetric", &loads).unwrap().unwrap();
+        let note = found("asymmetric", &loads).unwrap().note;
         assert!(note.contains("2.7 +- "), "{note}");
         assert!((value("tangential-stress", &loads).value - 0.5 / 15.0).abs() < 1e-3);
         assert!(value("split", &loads).value.abs() < 1e-9);
-        assert!(measure("steady", &loads).is_none());
+        assert!(measure("steady", &shipped("guillard-steady"), &loads).is_none());
     }
 
     #[test]
     fn stress_that_does_not_go_with_the_pressure_is_seen() {
         let loads = all(0.2);
         let apart = value("stress-pressure", &loads);
-        // A fifth less two errors of a difference.
-        assert!(
-            (apart.value - (3.0 - 2.0 * 0.05 * 2.0_f64.sqrt()) / 18.0).abs() < 0.01,
-            "{apart:?}"
-        );
+        // Of 1, 1 and 1.2 the deviation over the mean.
+        assert!((apart.value - 0.1155 / 1.0667).abs() < 0.002, "{apart:?}");
         // One of three lies 105 cos off: 60.6 cos of deviation, 30.3 over the turn; the mean is 20 sin cos less
         // 35 cos, 18.2 over the turn.
         assert!((value("collapse", &loads).value - 30.3 / 18.2).abs() < 0.01);
+    }
+
+    /// What the paper says at 16 D is judged there, with gradient and without; deeper it is told beside.
+    #[test]
+    fn tangential_stresses_are_judged_at_the_depth_of_the_figure() {
+        let mut loads = all(0.0);
+        for l in loads.iter_mut().filter(|l| l.depth > 30.0) {
+            l.tangential_part = Value::new(0.2, 0.01);
+        }
+        let number = found("tangential", &loads).unwrap();
+        assert_eq!((number.value.value, number.of), (0.06, 2));
+        let note = number.note;
+        assert!(
+            note.starts_with("h~/D = 16, with gradient, worst of 2; "),
+            "{note}"
+        );
+        assert_eq!(
+            note.matches("0.200 +- 0.010 at h~/D = 35").count(),
+            2,
+            "{note}"
+        );
     }
 
     /// A difference that goes with the pressure does not collapse; one near the surface is not tested for collapse.
@@ -321,7 +314,7 @@ mod tests {
         let spread = value("collapse", &all(&[20.0, 35.0, 53.0]));
         assert!((spread.value - 16.52 / 36.0).abs() < 0.01, "{spread:?}");
         let near = [all(&[20.0]), all(&[8.0])].concat();
-        assert!(measure("collapse", &near).unwrap().is_err());
+        assert!(found("collapse", &near).is_err());
     }
 
     /// Of curves that are alike but for noise that grows with the depth, the spread is zero within its error; if
@@ -335,19 +328,23 @@ mod tests {
             };
             [16.0, 20.0, 35.0].map(one).to_vec()
         };
-        let (mut inside, mut sets) = (0, 0);
+        let (mut inside, mut sets, mut alike) = (0, 0, 0);
         for seed in 0..60 {
             let without = all(false, seed, false);
             let none = [all(false, 100 + seed, true), without.clone()].concat();
-            assert!(measure("collapse", &none).unwrap().is_err(), "{seed}");
+            assert!(found("collapse", &none).is_err(), "{seed}");
             let loads = [all(true, 200 + seed, true), without].concat();
-            if let Ok((spread, _)) = measure("collapse", &loads).unwrap() {
+            if let Ok(number) = found("collapse", &loads) {
+                let spread = number.value;
                 sets += 1;
                 inside += usize::from(spread.value <= 2.0 * spread.error);
             }
+            let apart = value("stress-pressure", &loads);
+            alike += usize::from(apart.value <= 2.0 * apart.error);
         }
         // Nineteen of twenty would be so by chance alone.
         assert!(sets > 30 && inside * 10 >= sets * 9, "{inside} of {sets}");
+        assert!(alike >= 54, "{alike} of 60");
     }
 
     #[test]
@@ -376,12 +373,14 @@ mod tests {
 
     #[test]
     fn what_is_missing_is_said() {
-        let why = |id: &str, loads: &[PointLoad]| measure(id, loads).unwrap().unwrap_err();
+        let why = |id: &str, loads: &[PointLoad]| found(id, loads).unwrap_err();
         assert!(why("front", &[]).contains("measure.fields"));
         assert!(why("collapse", &all(0.0)[..1]).contains("two effective depths"));
         assert!(why("split", &all(0.0)[..2]).contains("three effective depths"));
         assert!(why("tenfold", &all(0.0)[..3]).contains("no two runs"));
         assert!(why("asymmetric", &all(0.0)[..3]).contains("no two runs"));
         assert!(why("tangential-stress", &[]).contains("measure.fields"));
+        assert!(why("tangential", &[load(5.0, true, 0.0)]).contains("16 D or deeper"));
+        assert!(why("stress-pressure", &all(0.0)[..4]).contains("two effective depths"));
     }
 }

@@ -1,6 +1,7 @@
 //! Runs that differ only by their seed, taken together.
 
 use super::place::Place;
+use crate::analysis::Value;
 use bitgrain_lab::scenario::{BedPlan, LidPlan};
 use bitgrain_lab::summary::{DragSummary, Flow, Rig, Summary};
 use bitgrain_sim::block_averaging::Mean;
@@ -66,6 +67,12 @@ pub struct Spread {
     /// what the runs' own block errors give, because the deviation of few runs may come out small by
     /// chance; of one run its block error.
     pub error: f64,
+}
+
+impl From<Spread> for Value {
+    fn from(spread: Spread) -> Self {
+        Value::new(spread.mean, spread.error)
+    }
 }
 
 impl Spread {

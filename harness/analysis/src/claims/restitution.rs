@@ -3,7 +3,7 @@
 
 use bitgrain_kernel::contact::{HertzHistory, Law, NormalState};
 
-use super::kumar_curves::Found;
+use super::number::{Found, Number};
 use crate::analysis::Value;
 
 /// K_n and gamma_n of the paper.
@@ -74,11 +74,6 @@ pub fn measure() -> Found {
             most = (off, speed);
         }
     }
-    Ok((
-        Value {
-            value: most.0,
-            error: 0.0,
-        },
-        format!("at v* = {}", most.1),
-    ))
+    let note = format!("at v* = {}", most.1);
+    Ok(Number::one(Value::new(most.0, 0.0), note))
 }

@@ -1,5 +1,6 @@
 //! Made-up summaries of flowing beds, for tests.
 
+use super::book::{Book, Claim};
 use bitgrain_lab::scenario::{self, CheckedScenario};
 use bitgrain_lab::summary::{BedSummary, DragSummary, Flow, Rig, Summary};
 use bitgrain_sim::block_averaging::{METHOD, Mean};
@@ -185,13 +186,6 @@ fn run(
     let rig = bed.rig.clone().expect("the bed flows");
     let flow = flow(asked, inputs, bed, &rig);
     let (scale, buoyancy) = (rig.pressure * rig.diameter * rig.length, flow.buoyancy);
-    let mean = |mean: f64, standard_error: f64| Mean {
-        mean,
-        standard_error,
-        blocks: 32,
-        block_length: 400,
-        converged: true,
-    };
     DragSummary {
         name: name.into(),
         bed: bed.name.clone(),
@@ -237,4 +231,29 @@ fn run(
         digest: "89ef".into(),
         digest_parts: vec![("grains".into(), "4567".into())],
     }
+}
+
+fn mean(mean: f64, standard_error: f64) -> Mean {
+    Mean {
+        mean,
+        standard_error,
+        blocks: 32,
+        block_length: 400,
+        converged: true,
+    }
+}
+
+/// A claim `a` with these lines.
+pub(super) fn claim(lines: &str) -> Claim {
+    let text = format!(
+        "[[claim]]\nid = \"a\"\npaper = \"p\"\nsource = \"s\"\nstatement = \"t\"\n{lines}\nwhy = \"w\"\n\
+         measures = \"m\"\ntested_by = []\n"
+    );
+    Book::parse(&text, "text").unwrap().claim.remove(0)
+}
+
+/// A claim of the book that ships.
+pub(super) fn shipped(id: &str) -> Claim {
+    let mut claims = Book::shipped().claim.into_iter();
+    claims.find(|claim| claim.id == id).unwrap()
 }

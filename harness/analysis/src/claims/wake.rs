@@ -1,7 +1,7 @@
 //! The drag where a cylinder meets its own wake (Guillard 2014, section II A, Fig. 2): after one box length, for the box
 //! is periodic, as after half a turn of the paper's tank.
 
-use super::kumar_curves::Found;
+use super::number::{Found, Number};
 use super::points::{Group, Spread};
 use crate::analysis::Value;
 use bitgrain_lab::summary::{DragSummary, Summary};
@@ -71,7 +71,7 @@ pub(super) fn left_in_wake(summary: &Summary, group: &Group) -> Found {
             .collect::<Vec<_>>()
             .join(", ")
     );
-    Ok((Spread::of(&all).into(), note))
+    Ok(Number::one(Spread::of(&all).into(), note))
 }
 
 #[cfg(test)]
@@ -112,9 +112,9 @@ mod tests {
     #[test]
     fn the_second_box_length_is_held_against_the_first() {
         for left in [1.0, 0.7] {
-            let (value, note) = measure("guillard-half-turn", &summary(left))
-                .unwrap()
-                .unwrap();
+            let claim = synthetic::shipped("guillard-half-turn");
+            let found = measure(&claim, &summary(left)).unwrap().unwrap();
+            let (value, note) = (found.value, found.note);
             assert!((value.value - left).abs() < 3.0 * value.error, "{value:?}");
             // Two means of some 85 diameters, of four runs.
             let known = left * 0.1 * (2.0 / 85.0_f64).sqrt() / 2.0;
@@ -128,15 +128,25 @@ mod tests {
     #[test]
     fn other_claims_are_measured_outside_the_wake() {
         let own = summary(0.7);
-        let why = measure("guillard-drag", &own).unwrap().unwrap_err();
+        let why = measure(&synthetic::shipped("guillard-drag"), &own)
+            .unwrap()
+            .unwrap_err();
         assert!(why.contains("own wake"), "{why}");
         let plain = synthetic::summary(&Asked::default());
-        assert!(measure("guillard-drag", &plain).unwrap().is_ok());
-        let why = measure("guillard-half-turn", &plain).unwrap().unwrap_err();
+        assert!(
+            measure(&synthetic::shipped("guillard-drag"), &plain)
+                .unwrap()
+                .is_ok()
+        );
+        let why = measure(&synthetic::shipped("guillard-half-turn"), &plain)
+            .unwrap()
+            .unwrap_err();
         assert!(why.contains("drag.own_wake"), "{why}");
         let mut older = own;
         older.runs[1].drag_by_travel.clear();
-        let why = measure("guillard-half-turn", &older).unwrap().unwrap_err();
+        let why = measure(&synthetic::shipped("guillard-half-turn"), &older)
+            .unwrap()
+            .unwrap_err();
         assert!(why.contains(&older.runs[1].name), "{why}");
     }
 }

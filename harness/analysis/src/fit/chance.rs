@@ -3,7 +3,7 @@
 //! The tails are statrs's, which takes logarithms from the platform; results are rounded to ten digits, so
 //! that they are the same on another, except for about one in a hundred thousand that lies at an edge.
 
-use statrs::distribution::{ContinuousCDF, FisherSnedecor, StudentsT};
+use statrs::distribution::{ContinuousCDF, FisherSnedecor, Normal, StudentsT};
 use statrs::function::{beta, gamma};
 
 use bitgrain_sim::format::round10;
@@ -39,6 +39,18 @@ pub fn fisher_quantile(part: f64, above: usize, below: usize) -> f64 {
 pub fn student_quantile(part: f64, degrees: usize) -> f64 {
     let known = StudentsT::new(0.0, 1.0, degrees as f64);
     known.map_or(f64::INFINITY, |d| round10(d.inverse_cdf(part)))
+}
+
+/// Errors by which the largest of so many independent normal numbers is off its true value by chance as seldom as one
+/// alone is by two: 2 for one, 2.5 for four, 3.2 for 32 (Sidak, J. Am. Stat. Assoc. 62, 626, 1967). For numbers that
+/// vary together it is a little too much.
+pub fn beyond(of: usize) -> f64 {
+    let normal = Normal::standard();
+    let alone = normal.cdf(2.0);
+    match of {
+        0 | 1 => 2.0,
+        n => round10(normal.inverse_cdf(libm::pow(alone, 1.0 / n as f64))),
+    }
 }
 
 #[cfg(test)]
@@ -86,5 +98,17 @@ mod tests {
         }
         assert_eq!(fisher_quantile(0.95, 1, 0), f64::INFINITY);
         assert_eq!(student_quantile(0.975, 0), f64::INFINITY);
+    }
+
+    /// All of n numbers stay below the quantile with the chance of one below two errors.
+    #[test]
+    fn the_largest_of_several_is_allowed_more() {
+        assert_eq!((beyond(0), beyond(1)), (2.0, 2.0));
+        let one = Normal::standard().cdf(2.0);
+        for n in [2, 4, 32, 384, 100_000] {
+            let all = libm::pow(Normal::standard().cdf(beyond(n)), n as f64);
+            assert!((all - one).abs() < 1e-6, "{n}: {all}");
+        }
+        assert!((beyond(4) - 2.5).abs() < 0.05 && (beyond(32) - 3.2).abs() < 0.05);
     }
 }

@@ -29,9 +29,12 @@ pub(super) fn section(book: &Book, by: &str, note: &str) -> String {
         "<section>\n<h2>Beside the paper</h2>\n<p>{} statements agree, {} disagree, {} are not resolved by \
          these runs. A number agrees if it lies within the tolerance and its standard error is no larger than that, \
          and disagrees if it lies outside by more than two standard errors; a bound is kept by a standard error, \
-         or broken by two.{note}</p>\n<div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"Statements\">\
+         or broken by two. The worst of several numbers has to lie farther outside to break a claim. An agreement \
+         that says how far it is off is within the tolerance, but off by more than three standard errors.{note}</p>\n\
+         <div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"Statements\">\
          <table class=\"statements\">\n<thead><tr><th scope=\"col\">Statement</th><th scope=\"col\">Verdict</th>\
-         <th scope=\"col\">Paper</th><th scope=\"col\">Here</th><th scope=\"col\">From</th></tr></thead>\n\
+         <th scope=\"col\">Paper</th><th scope=\"col\">Here</th><th scope=\"col\">Off</th>\
+         <th scope=\"col\">From</th></tr></thead>\n\
          <tbody>\n{rows}</tbody>\n</table></div>\n</section>\n",
         count(Verdict::Agrees),
         count(Verdict::Disagrees),
@@ -40,24 +43,30 @@ pub(super) fn section(book: &Book, by: &str, note: &str) -> String {
 }
 
 fn row(claim: &Claim, measured: &Measured) -> String {
-    let word = verdict_cell(claim.agreement(measured));
+    let word = verdict_cell(claim, measured);
+    let off = measured.as_value().map(|value| claim.deviation_text(value));
     format!(
         "<tr><th scope=\"row\"><b>{}</b><small>{}: {}</small></th><td>{word}</td><td>{}</td><td>{}</td>\
-         <td>{}</td></tr>\n",
+         <td>{}</td><td>{}</td></tr>\n",
         escape(&claim.statement),
         escape(&claim.source),
         escape(&claim.measures),
         escape(&claim.expected()).replace("+-", "&plusmn;"),
         escape(&measured.number()),
+        escape(&off.unwrap_or_default()),
         escape(&measured.note)
     )
 }
 
 /// A verdict, in bold if there is one.
-fn verdict_cell(verdict: Verdict) -> String {
-    match verdict {
-        Verdict::NotResolved => verdict.text().to_owned(),
-        _ => format!("<b>{}</b>", verdict.text()),
+fn verdict_cell(claim: &Claim, measured: &Measured) -> String {
+    let Some(value) = measured.as_value() else {
+        return Verdict::NotResolved.text().to_owned();
+    };
+    let words = claim.words(value, measured.of);
+    match claim.agreement(measured) {
+        Verdict::NotResolved => words,
+        _ => format!("<b>{words}</b>"),
     }
 }
 
@@ -85,8 +94,11 @@ mod tests {
             ..Asked::default()
         };
         let other = synthetic::summary(&asked);
-        let agrees = count(&book_of_run(&other), &other.scenario, Verdict::Agrees);
+        let book = book_of_run(&other);
+        let agrees = count(&book, &other.scenario, Verdict::Agrees);
         assert!(agrees < counted[0], "{agrees}");
+        let page = section(&book, &other.scenario, "");
+        assert!(page.contains("<td>-50 %, -"), "{page}");
         assert_eq!(section(&Book::shipped(), "nobody", ""), "");
     }
 }
