@@ -63,7 +63,14 @@ fn row(bed: &CachedBed, recipe: &Recipe) -> String {
         format!("{stiffness:e}"),
         recipe.seed,
         disk(bed),
-    ) + &lid(recipe)
+    ) + &pouring(recipe)
+        + &lid(recipe)
+}
+
+/// The friction of the pouring, behind its row, if it is not that of the law.
+fn pouring(recipe: &Recipe) -> String {
+    let mu = recipe.pouring_mu;
+    mu.map_or(String::new(), |mu| format!("  poured with mu {mu}"))
 }
 
 /// The lid of a bed, at the end of its row.

@@ -1,6 +1,6 @@
-//! Puts results together that were computed in several folders: `gather OUT SUMMARY...` the summaries of drags, or of some
-//! drags of a run; `gather OUT --campaign NAME TABLE...` tables of a campaign. OUT ends in `.gz` if it is to be packed, and
-//! may be one of the inputs.
+//! Puts results together that were computed in several folders: `gather OUT SUMMARY...` the summaries of drags, or of
+//! some drags of a run; `gather OUT --campaign NAME TABLE...` tables of a campaign. OUT ends in `.gz` if it is to be
+//! packed, and may be one of the inputs.
 
 use std::path::{Path, PathBuf};
 

@@ -35,6 +35,8 @@ fn wrong_scenarios_are_refused() {
         ("grains = 300", "grains = -3"),
         ("kn = 2e5", "kn = -2e5"),
         ("mu = 0.5", "mu = nan"),
+        ("grains = 300", "grains = 300\npouring_mu = -0.1"),
+        ("grains = 300", "grains = 300\npouring_mu = inf"),
         ("kind = \"hertz_history\"", "kind = \"hertz\""),
         ("dt = 3e-4", "dt = 3e-3"),
         ("dt = 3e-4", "dt = 0.0"),

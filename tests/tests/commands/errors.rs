@@ -191,6 +191,7 @@ fn imports(desk: &mut Desk) {
         ("lid", "", "[law]", "[lid]\ndensity = 10.0\n[law]"),
         ("motion", "", "dt = 3e-4", "dt = 3e-4\nmoves = \"bed\""),
         ("pouring", "", "file =", "pouring = \"in_turn\"\nfile ="),
+        ("friction", "", "file =", "pouring_mu = 0.1\nfile ="),
     ] {
         desk.write("import.toml", from_file(keys).replacen(from, to, 1));
         desk.class(&format!("{name} asked of a bed from a file"), 2, &run);

@@ -19,8 +19,12 @@ struct Desk(tempfile::TempDir);
 
 impl Desk {
     fn new() -> Self {
+        Self::of(&two_drags())
+    }
+
+    fn of(scenario: &str) -> Self {
         let folder = tempfile::tempdir().unwrap();
-        std::fs::write(folder.path().join("small.toml"), two_drags()).unwrap();
+        std::fs::write(folder.path().join("small.toml"), scenario).unwrap();
         Self(folder)
     }
 
@@ -57,7 +61,10 @@ impl Desk {
 
 /// The files of an undisturbed run, and how long it took while it saved all the time.
 fn alone() -> (Files, Duration) {
-    let desk = Desk::new();
+    alone_on(&Desk::new())
+}
+
+fn alone_on(desk: &Desk) -> (Files, Duration) {
     let began = Instant::now();
     let out = desk.run(&["run", "small.toml", "--save-every", "20"]);
     assert!(
@@ -148,6 +155,33 @@ fn stopped_runs_end_with_the_same_bytes() {
         assert!(matches!(status.code(), Some(130 | 0)), "{status}");
     }
     assert!(desk.finish() == want);
+}
+
+/// A bed poured with another friction than that of the drag: stopped in the midst of its pouring or later the run ends
+/// with the same bytes, and it verifies.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn a_bed_poured_with_another_friction_goes_on_and_verifies() {
+    let slippery = "settled = 1e-2\npouring_mu = 0.05";
+    let text = two_drags().replacen("settled = 1e-2", slippery, 1);
+    let whole = Desk::of(&text);
+    let (want, time) = alone_on(&whole);
+    assert!(alone().0["beds/bed.safetensors"] != want["beds/bed.safetensors"]);
+    let desk = Desk::of(&text);
+    for share in [0.1, 0.15, 0.2, 0.2] {
+        let mut child = desk.begin(&["--save-every", "20"]);
+        std::thread::sleep(time.mul_f64(share));
+        let _ = child.kill();
+        child.wait().unwrap();
+    }
+    let got = desk.finish();
+    assert!(got == want, "{:?} differ", differing(&got, &want));
+    let out = desk.run(&["verify", "out/small"]);
+    let told = String::from_utf8_lossy(&out.stdout);
+    assert!(
+        out.status.success() && told.contains("bed: steps 0 to "),
+        "{told}"
+    );
 }
 
 /// A run in the middle of its drags: one of them is finished, the other was stopped.

@@ -356,8 +356,8 @@ fn a_dry_run_tells_the_cost() {
     assert!(!desk.out().exists());
 }
 
-/// Distances within which coordination is measured and the drag by travel are columns at the end of a table; the forecast
-/// of a folder counts what is done there.
+/// Distances within which coordination is measured and the drag by travel are columns at the end of a table; the
+/// forecast of a folder counts what is done there.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
 fn distances_and_travel_are_columns() {

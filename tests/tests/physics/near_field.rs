@@ -36,8 +36,8 @@ fn placed(places: &[[f64; 3]]) -> Simulation {
 
 #[test]
 fn grains_count_within_the_distances_that_hold_their_centres() {
-    // Centres at 0.49, 1.24, 2.2, 2.34 and 6.9 from the surface: the first touches the sphere and the second grain, which
-    // overlaps it by a quarter; the third and the fourth touch each other.
+    // Centres at 0.49, 1.24, 2.2, 2.34 and 6.9 from the surface: the first touches the sphere and the second grain,
+    // which overlaps it by a quarter; the third and the fourth touch each other.
     let mut sim = placed(&[
         [9.49, 8.0, 8.0],
         [10.24, 8.0, 8.0],

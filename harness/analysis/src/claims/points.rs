@@ -146,9 +146,9 @@ pub struct Point {
 pub struct Group {
     /// Diameter D.
     pub diameter: f64,
-    /// Height of the axis above the floor, if lids lie on beds with the axis there: base and surface make a lift of
-    /// their own, so points at other heights are no points of the same curve. Without lids the place of the axis is what
-    /// makes the depth, and all places are one curve.
+    /// Height of the axis above the floor, if lids lie on beds with the axis there: base and surface may make a lift of
+    /// their own, so points at other heights are no points of the same curve. Without lids the place of the axis is
+    /// what makes the depth, and all places are one curve.
     pub axis: Option<f64>,
     /// D over the mean diameter d of the grains.
     pub over_grain: f64,
@@ -193,8 +193,8 @@ fn lidded(plans: &[BedPlan], own: &BedPlan) -> Option<f64> {
         .then_some(own.center[2])
 }
 
-/// The runs of flowing beds by cylinder, speed and place of the axis under lids, and in each by everything but the seed.
-/// Runs whose bed the scenario does not plan are left out.
+/// The runs of flowing beds by cylinder, speed and place of the axis under lids, and in each by everything but the
+/// seed. Runs whose bed the scenario does not plan are left out.
 pub fn groups(summary: &Summary) -> Vec<Group> {
     let plans = summary.inputs.beds();
     let d = summary.inputs.mean_diameter();

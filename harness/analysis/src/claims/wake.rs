@@ -1,5 +1,5 @@
-//! The drag where a cylinder meets its own wake (Guillard 2014, section II A, Fig. 2): after one box length, for the box
-//! is periodic, as after half a turn of the paper's tank.
+//! The drag where a cylinder meets its own wake (Guillard 2014, section II A, Fig. 2): after one box length, for the
+//! box is periodic, as after half a turn of the paper's tank.
 
 use super::number::{Found, Number};
 use super::points::{Group, Spread};

@@ -84,6 +84,11 @@ const GROUPS: [Group; 7] = [
                 "<code>at_once</code>, or <code>in_turn</code>: up to the intruder first, then over it",
             ),
             (
+                "pouring_mu",
+                Kind::Bare,
+                "friction coefficient while the bed is poured; from its last rest on it is &mu; of the law",
+            ),
+            (
                 "settled",
                 Kind::Bare,
                 "the bed is at rest when its kinetic energy per grain, over the mean weight times \

@@ -59,8 +59,8 @@ pub(super) fn section(summary: &Summary, groups: &[Group]) -> String {
          reaches to the tops of the highest grains, and &rho; is that of the flowing bed, which is denser than the \
          settled one that h is of. The axis lies this many D above the floor and below the surface: where it is not in \
          the middle, base and surface may make a lift of their own.{last}</p>\n<div class=\"wide\" tabindex=\"0\" \
-         role=\"region\" aria-label=\"Means over the seeds\"><table>\n<thead><tr>{}</tr></thead>\n{bodies}</table></div>\n\
-         </section>\n",
+         role=\"region\" aria-label=\"Means over the seeds\"><table>\n<thead><tr>{}</tr></thead>\n{bodies}\
+         </table></div>\n</section>\n",
         heads(odd)
     )
 }

@@ -93,10 +93,7 @@ pub(super) fn dropped(
 ) -> Result<Simulation> {
     let [x, y, z] = scenario.bed.size;
     let refuse = |what: String| Error::input(format!("scenario {}", scenario.name), what);
-    let law = scenario
-        .law
-        .build()
-        .map_err(|(key, p)| refuse(format!("law.{key} {p}")))?;
+    let law = scenario.pouring_law();
     // Grains thrown up by a fast intruder fall back; only one that leaves this far is an error.
     let ceiling = 2.0 * (if lattice.top > z { lattice.top } else { z });
     let floor = if scenario.bed.floor {

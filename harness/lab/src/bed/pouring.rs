@@ -155,9 +155,13 @@ impl Pouring {
                 Phase::Quench => Phase::Rest,
                 Phase::Rest | Phase::Settled => Phase::Settled,
             };
+            // A bed under a lid begins with its quenching: what comes to it here was poured. The last rest is under the
+            // law of the drag, so that a bed poured with another friction is at rest as the drag begins: springs beyond
+            // a smaller limit are cut, and the bed gives way, before that.
             self.sim.law = match next {
-                Phase::Quench => scenario.quenching_law(),
-                _ => scenario.contact_law(),
+                Phase::Fall | Phase::Fill => scenario.pouring_law(),
+                Phase::Quench => scenario.pouring_quenching_law(),
+                Phase::Rest | Phase::Settled => scenario.contact_law(),
             };
             self.enter(next);
         }

@@ -51,6 +51,9 @@ pub struct Recipe {
     /// Whether the grains were released all at once or in turn.
     #[serde(default, skip_serializing_if = "is_default")]
     pub order: PouringOrder,
+    /// Friction coefficient of the pouring, if it is not that of the law.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pouring_mu: Option<f64>,
     /// What moves: the base of a bed that moves is carried, that of another frozen.
     #[serde(default, skip_serializing_if = "is_default")]
     pub moves: Moves,
@@ -104,6 +107,7 @@ impl Recipe {
             settled: bed.settled,
             kinetic_damping: bed.kinetic_damping,
             order: bed.pouring,
+            pouring_mu: bed.pouring_mu,
             moves: scenario.drag.moves,
             intruder: RecipeIntruder {
                 shape: scenario.intruder.shape,
@@ -154,6 +158,8 @@ mod tests {
             "bed.floor=false",
             "bed.settled=2e-6",
             "bed.halting=true",
+            "bed.pouring_mu=0.5",
+            "bed.pouring_mu=0.1",
             "intruder.diameter=2.1",
             "intruder.density=2.0",
             "intruder.height=4.1",
@@ -176,9 +182,14 @@ mod tests {
 
     #[test]
     fn a_recipe_reads_back() {
-        let scenario = scenario::load("quick", &[]).unwrap();
-        let recipe = Recipe::new(&scenario, &scenario.beds()[0]);
-        let again: Recipe = toml::from_str(&recipe.text()).unwrap();
-        assert_eq!(recipe, again);
+        for sets in [&[][..], &["bed.pouring_mu=0.0".to_string()]] {
+            let scenario = scenario::load("quick", sets).unwrap();
+            let recipe = Recipe::new(&scenario, &scenario.beds()[0]);
+            let again: Recipe = toml::from_str(&recipe.text()).unwrap();
+            assert_eq!(recipe, again);
+            // Recipes of beds without the key are as they were before there was one.
+            assert_eq!(recipe.text().contains("pouring_mu"), !sets.is_empty());
+            assert_eq!(scenario.to_toml().contains("pouring_mu"), !sets.is_empty());
+        }
     }
 }

@@ -12,6 +12,7 @@ use crate::bed::make::in_order;
 use crate::bed::make::renumbered;
 use crate::scenario;
 use bitgrain_kernel::ContactForce;
+use bitgrain_sim::checkpoint;
 use bitgrain_sim::observe;
 use bitgrain_sim::observe::INTRUDER;
 use bitgrain_sim::observer::Observer;
@@ -19,6 +20,11 @@ use bitgrain_sim::simulation::Role;
 
 /// A rig of 490 grains: 18 x 3 on a base, under a lid.
 fn rig() -> CheckedScenario {
+    rig_with(&[])
+}
+
+/// The same with other values.
+fn rig_with(more: &[&str]) -> CheckedScenario {
     let sets = [
         "bed.box=[0.027, 0.0045, 0.021]",
         "bed.fill_height=0.012",
@@ -30,7 +36,8 @@ fn rig() -> CheckedScenario {
         "drag.distance=0.012",
         "measure.every=50",
     ];
-    scenario::load("guillard-small", &sets.map(String::from)).unwrap()
+    let sets: Vec<String> = sets.iter().chain(more).map(|set| set.to_string()).collect();
+    scenario::load("guillard-small", &sets).unwrap()
 }
 
 /// The bed of the rig with nothing on it.
@@ -290,4 +297,98 @@ fn more_grains_or_another_order_leave_the_draws_of_the_others() {
     let others = Lattice::new(&scenario, 90, 0.0, None).grains(&scenario, &seeded, 0);
     let differs = |k: usize| others[k].velocity != few[k].velocity;
     assert!((0..90).all(differs));
+}
+
+/// Sees no further than to a step.
+struct Until(u64);
+
+impl Observer for Until {
+    fn last_step(&self) -> u64 {
+        self.0
+    }
+}
+
+/// The packing fraction of the bare bed of a rig, and its state.
+fn packing(scenario: &CheckedScenario) -> (f64, Simulation) {
+    let mut sim = pour(scenario, &bare_plan(scenario), &mut Stage::silent()).unwrap();
+    let found = survey("bed", &scenario.measures(), &mut sim).unwrap();
+    (found.packing_fraction, sim)
+}
+
+/// Poured slippery a bed is denser, by more than a fiftieth between friction 0.5 and 0.05; it is left under the
+/// friction of the law and at rest under it. With the law's own friction it is the same bed to the bit.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn a_bed_poured_slippery_is_denser() {
+    let (rough, mut plain) = packing(&rig());
+    let (same, mut alike) = packing(&rig_with(&["bed.pouring_mu=0.5"]));
+    assert_eq!((same, alike.digest()), (rough, plain.digest()));
+    let scenario = rig_with(&["bed.pouring_mu=0.05", "bed.settled=1e-5"]);
+    let (dense, mut sim) = packing(&scenario);
+    assert!(dense > rough + 0.02, "{dense} {rough}");
+    assert_eq!(sim.law, scenario.contact_law());
+    assert!(sim.law != scenario.pouring_law() && sim.law == plain.law);
+    still(&mut sim, &scenario);
+}
+
+/// Poured rough a bed under a slippery law gives way before it counts as settled, not as the drag begins.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn a_bed_poured_rough_is_at_rest_under_its_law() {
+    let scenario = rig_with(&["law.mu=0.1", "bed.pouring_mu=0.5", "bed.settled=1e-5"]);
+    let (_, mut sim) = packing(&scenario);
+    assert_eq!(sim.law, scenario.contact_law());
+    still(&mut sim, &scenario);
+}
+
+/// Under the law that it is left with a bed moves no more than it did when it counted as settled.
+fn still(sim: &mut Simulation, scenario: &CheckedScenario) {
+    let before = sim.position.clone();
+    for _ in 0..10 {
+        sim.steps(100).unwrap();
+        let energy = energy_per_grain(sim, &scenario.measures());
+        // Rattlers go on; a bed that gives way has some 60 times as much.
+        assert!(energy < 10.0 * scenario.bed.settled, "{energy}");
+    }
+    let d = scenario.mean_diameter();
+    for (a, b) in before.iter().zip(&sim.position) {
+        let moved = (0..3).map(|k| (a[k] - b[k]).abs()).fold(0.0, f64::max);
+        // 1,000 steps, a fall of a third of a grain; a rattler rolls on at the speed that the bound allows.
+        assert!(moved < 0.1 * d, "{moved}");
+    }
+}
+
+/// Stopped in any phase, saved and read back, a bed poured with another friction ends in the same bits.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn a_bed_poured_slippery_goes_on_to_the_same_bits() {
+    let scenario = rig_with(&["bed.pouring_mu=0.05"]);
+    let plan = &bare_plan(&scenario);
+    let stage = &mut Stage::silent();
+    let mut whole = pour(&scenario, plan, stage).unwrap();
+    let mut bed = Pouring::begin(&scenario, plan).unwrap();
+    let mut phases = Vec::new();
+    let mut stop = 0;
+    while !bed.go_on(&scenario, plan, stage, &mut Until(stop)).unwrap() {
+        let law = match bed.course.phase {
+            Phase::Fall | Phase::Fill => scenario.pouring_law(),
+            Phase::Quench => scenario.pouring_quenching_law(),
+            Phase::Rest | Phase::Settled => scenario.contact_law(),
+        };
+        assert_eq!(bed.sim.law, law);
+        phases.push(bed.course.phase);
+        let bytes = checkpoint::pack(&mut bed.sim, &bed.course.note()).unwrap();
+        let (sim, note) = checkpoint::unpack(&bytes, "saved").unwrap();
+        bed = Pouring::of(sim, &note, &scenario, plan).unwrap();
+        stop += 500;
+    }
+    phases.dedup();
+    let all = [Phase::Fall, Phase::Fill, Phase::Quench, Phase::Rest];
+    assert_eq!(phases, all);
+    assert_eq!(bed.sim.digest(), whole.digest());
+    // Saved by another friction it is another recipe's.
+    let bytes = checkpoint::pack(&mut bed.sim, &bed.course.note()).unwrap();
+    let (sim, note) = checkpoint::unpack(&bytes, "saved").unwrap();
+    let other = rig_with(&["bed.pouring_mu=0.06"]);
+    assert!(Pouring::of(sim, &note, &other, plan).is_err());
 }

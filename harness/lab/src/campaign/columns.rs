@@ -99,6 +99,7 @@ pub fn columns(rows: &[Row<'_>]) -> Vec<Column> {
     around(&mut all);
     flow(&mut all);
     digests(&mut all);
+    pouring(&mut all, rows);
     reaches(&mut all, rows);
     travel(&mut all, rows);
     all
@@ -218,6 +219,14 @@ fn inputs(all: &mut Vec<Column>) {
     real(all, "discard", Unit::Length, |row| Some(row.plan.discard));
     whole(all, "steps", |row| Some(row.plan.steps()));
     whole(all, "every", |row| Some(row.scenario.measure.every));
+}
+
+/// The friction of the pouring, if one of the rows has another than that of its law.
+fn pouring(all: &mut Vec<Column>, rows: &[Row<'_>]) {
+    let own = |row: &Row<'_>| row.scenario.bed.pouring_mu;
+    if rows.iter().any(|row| own(row).is_some()) {
+        real(all, "pouring_mu", Unit::None, own);
+    }
 }
 
 fn law(all: &mut Vec<Column>) {
@@ -421,5 +430,31 @@ fn travel(all: &mut Vec<Column>, rows: &[Row<'_>]) {
         real(all, &name, Unit::Force, move |row| {
             row.record()?.run.drag_by_travel.get(k).copied()
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A table has the friction of the pouring if one of its rows was poured with another than its law's.
+    #[test]
+    fn another_friction_of_the_pouring_has_a_column() {
+        let scenarios = [&[][..], &["bed.pouring_mu=0.1".to_string()]];
+        let [plain, dense] = scenarios.map(|s| crate::scenario::load("quick", s).unwrap());
+        let failed = Status::Failed(String::new());
+        let row = |scenario| Row {
+            member: "m",
+            scenario,
+            plan: plain.drags()[0].clone(),
+            status: &failed,
+        };
+        let of = |rows: &[Row<'_>]| {
+            let own = columns(rows).into_iter().find(|c| c.name == "pouring_mu");
+            own.map(|column| [0, rows.len() - 1].map(|k| column.of(&rows[k])))
+        };
+        assert_eq!(of(&[row(&plain)]), None);
+        let both = [Cell::Real(None), Cell::Real(Some(0.1))];
+        assert_eq!(of(&[row(&plain), row(&dense)]), Some(both));
     }
 }

@@ -2,7 +2,7 @@
 
 use super::limits::GRAINS_MAX;
 use super::plan::STEPS_MAX;
-use super::refusal::{Check, positive, refuse};
+use super::refusal::{Check, not_negative, positive, refuse};
 use super::{History, IntruderShape, OneOrMany, Scenario, UnitSystem};
 use bitgrain_sim::format::short;
 
@@ -109,6 +109,9 @@ impl Scenario {
         }
         positive("bed.density", self.bed.density)?;
         positive("bed.settled", self.bed.settled)?;
+        if let Some(mu) = self.bed.pouring_mu {
+            not_negative("bed.pouring_mu", mu)?;
+        }
         if !(self.bed.base >= 0.0 && self.bed.base < self.bed.size[2]) {
             return refuse(
                 "bed.base",
@@ -116,15 +119,15 @@ impl Scenario {
             );
         }
         if self.bed.file.is_some() {
-            return match (self.bed.fill_height, self.bed.kinetic_damping) {
-                (Some(_), _) => refuse(
+            let not_poured = "a bed from a file is not poured; leave it out";
+            let bed = &self.bed;
+            return match (bed.fill_height, bed.kinetic_damping, bed.pouring_mu) {
+                (Some(_), ..) => refuse(
                     "bed.fill_height",
                     "a bed from a file has its own height; leave it out",
                 ),
-                (_, Some(_)) => refuse(
-                    "bed.halting",
-                    "a bed from a file is not poured; leave it out",
-                ),
+                (_, Some(_), _) => refuse("bed.halting", not_poured),
+                (.., Some(_)) => refuse("bed.pouring_mu", not_poured),
                 _ => Ok(()),
             };
         }

@@ -8,6 +8,7 @@ use serde::{Serialize, Serializer};
 use super::keys::Scenario;
 use super::plan::{BedPlan, DragPlan};
 use bitgrain_kernel::Domain;
+use bitgrain_sim::law::LawSpec;
 use bitgrain_sim::simulation::AnyLaw;
 
 /// What is wrong with a scenario.
@@ -42,6 +43,8 @@ pub struct CheckedScenario {
     scenario: Scenario,
     law: AnyLaw,
     quenching: AnyLaw,
+    pouring: AnyLaw,
+    pouring_quenching: AnyLaw,
     lattice: Domain<f64>,
     beds: Vec<BedPlan>,
     bare_beds: Vec<BedPlan>,
@@ -73,16 +76,20 @@ impl Scenario {
             key: format!("law.{key}"),
             problem,
         };
-        let law = self.law.build().map_err(of_law)?;
-        let quenching = self.law.quenching(self.drag.dt, self.mean_diameter());
-        let quenching = quenching.build().map_err(of_law)?;
+        let mu = self.bed.pouring_mu.unwrap_or(self.law.mu());
+        let poured = self.law.with_mu(mu);
+        let quenched = |law: LawSpec| law.quenching(self.drag.dt, self.mean_diameter());
+        let [law, quenching, pouring, pouring_quenching] =
+            [self.law, quenched(self.law), poured, quenched(poured)].map(|law| law.build());
         let [x, y, _] = self.bed.size;
         // Grains stand in layers as they are laid out: only the periods along x and y matter.
         let lattice = Domain::new([0.0; 3], [x, y, 1.0], [true, true, false]);
         let lattice = lattice.map_err(|e| ("bed.box".to_string(), e.to_string()))?;
         Ok(CheckedScenario {
-            law,
-            quenching,
+            law: law.map_err(of_law)?,
+            quenching: quenching.map_err(of_law)?,
+            pouring: pouring.map_err(of_law)?,
+            pouring_quenching: pouring_quenching.map_err(of_law)?,
             lattice,
             beds: self.plan_beds(),
             bare_beds: self.plan_bare_beds(),
@@ -113,9 +120,19 @@ impl CheckedScenario {
         self.law
     }
 
-    /// The law under which the last motion of a bed is damped out.
+    /// The law under which the last motion of a bed under a lid is damped out.
     pub fn quenching_law(&self) -> AnyLaw {
         self.quenching
+    }
+
+    /// The law under which a bed is poured: the contact law with the friction of the pouring.
+    pub fn pouring_law(&self) -> AnyLaw {
+        self.pouring
+    }
+
+    /// The law under which the last motion of a poured bed is damped out, with the friction of the pouring, too.
+    pub fn pouring_quenching_law(&self) -> AnyLaw {
+        self.pouring_quenching
     }
 
     /// The box across which distances are taken as grains are laid out.

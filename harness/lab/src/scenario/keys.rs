@@ -90,6 +90,10 @@ pub struct Bed {
     /// How the grains are released.
     #[serde(default, skip_serializing_if = "is_default")]
     pub pouring: PouringOrder,
+    /// Friction coefficient while the grains are poured and come to rest with more damping; the last rest, a lid and
+    /// the drag are under that of the law. Less friction makes a denser bed. By default that of the law.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pouring_mu: Option<f64>,
     /// The bed is settled when the kinetic energy per free grain, over its mean weight times the
     /// mean diameter, falls below this.
     #[serde(default = "settled")]

@@ -12,3 +12,13 @@ pub(super) fn positive(key: &str, value: f64) -> Check {
     }
     refuse(key, format!("is {value}; expected a positive number"))
 }
+
+pub(super) fn not_negative(key: &str, value: f64) -> Check {
+    if value >= 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    refuse(
+        key,
+        format!("is {value}; expected zero or a positive number"),
+    )
+}

@@ -65,6 +65,17 @@ impl LawSpec {
         }
     }
 
+    /// The law with another friction coefficient.
+    #[must_use]
+    pub fn with_mu(&self, mu: f64) -> Self {
+        match self {
+            LawSpec::HertzHistory(own) => {
+                LawSpec::HertzHistory(HertzHistoryParameters { mu, ..*own })
+            }
+            LawSpec::HertzTsuji(own) => LawSpec::HertzTsuji(HertzTsujiParameters { mu, ..*own }),
+        }
+    }
+
     /// Friction coefficient.
     pub fn mu(&self) -> f64 {
         self.parameters().mu()
