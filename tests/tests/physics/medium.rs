@@ -59,15 +59,16 @@ fn drags_with_the_axis_elsewhere_are_those_of_the_scenario() {
             run.name
         );
         let bed = whole.beds.iter().find(|bed| bed.name == run.bed).unwrap();
-        // Heights above the floor that the scenario asks for, of surfaces that settle alike.
+        let plan = shipped.beds().iter().find(|plan| plan.name == run.bed);
+        // The depth is the surface less the height of the axis, but for a rounding.
         let height = bed.surface - run.depth;
-        assert!(
-            [0.036, 0.0418]
-                .iter()
-                .any(|asked| (height - asked).abs() < 1e-6),
-            "{height}"
-        );
+        let asked = plan.unwrap().center[2];
+        assert!((height - asked).abs() < 1e-12, "{height} {asked}");
     }
+    let heights = shipped.beds().iter().map(|plan| plan.center[2]);
+    let above = |least: f64| heights.clone().filter(|height| *height > least).count();
+    // Four seeds with the axis in the middle, 36 mm above the floor, and four beyond it.
+    assert_eq!((above(0.0355), above(0.0365), above(0.041)), (8, 4, 4));
 }
 
 fn text(name: &str) -> String {
