@@ -19,8 +19,8 @@ use bitgrain_sim::error::{Error, Result};
 /// What the command takes.
 #[derive(Args)]
 pub(super) struct Sweep {
-    /// A campaign's TOML file, or the name of a shipped one: kumar-small, kumar-middle, kumar-table-1, kumar-fig-5,
-    /// kumar-depth, kumar-2018.
+    /// A campaign's TOML file, or the name of a shipped one: kumar-small, kumar-middle, kumar-yield, kumar-table-1,
+    /// kumar-fig-5, kumar-depth, kumar-2018.
     campaign: String,
     /// Folder for the results [default: out/NAME, NAME the campaign's name].
     #[arg(long)]

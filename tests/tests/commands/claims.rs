@@ -9,12 +9,14 @@ use bitgrain_tests::{golden, printed};
 use crate::PROGRAM;
 
 /// Goldens that the book's measurements come from.
-const GOLDENS: [&str; 5] = [
+const GOLDENS: [&str; 7] = [
     "guillard-small/summary.json",
     "guillard-medium/summary.json.gz",
     "guillard-axis/summary.json.gz",
     "kumar-small/results.csv.gz",
     "kumar-middle/results.csv.gz",
+    "kumar-table-1/results.csv.gz",
+    "kumar-fig-5/results.csv.gz",
 ];
 
 fn book() -> (Book, String) {

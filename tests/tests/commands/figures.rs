@@ -82,6 +82,28 @@ fn the_documents_have_the_books_counts() {
     assert!(words("CHANGELOG.md").contains(&format!("book of {all} claims")));
 }
 
+/// The chapter on validation names each claim, and behind each the verdict of the book.
+#[test]
+fn the_guide_has_the_books_verdicts() {
+    let page = std::fs::read_to_string(root().join("harness/guide/src/validation.md")).unwrap();
+    let mut wrong = Vec::new();
+    for claim in &Book::shipped().claim {
+        let verdict = claim.verdict().text().to_string();
+        let words = claim
+            .combined()
+            .map_or(verdict, |w| claim.words(w.value, w.of));
+        let places: Vec<&str> = page
+            .split(&format!("`{}` ", claim.id))
+            .skip(1)
+            .map(|rest| rest.split([';', '|']).next().unwrap().trim())
+            .collect();
+        if places.is_empty() || places.iter().any(|said| *said != words) {
+            wrong.push(format!("{} {words}: {places:?}", claim.id));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
 /// The reference codes are timed under the law and the time step that `bitgrain bench` uses.
 #[test]
 fn the_peers_inputs_have_our_numbers() {

@@ -22,6 +22,18 @@ pub const TABLE_ONE: [[f64; 4]; 6] = [
 /// and 0.606 fill a box of 40 d x 40 d to 36.1 d and 38.2 d, and it lies at z = 13.5 d (Kumar 2018, section II).
 pub const DEPTHS: [f64; 2] = [22.6, 24.7];
 
+/// Exponent of depth of drags that were measured near the paper's depth, if a campaign has no second depth to find its
+/// own from: that of a hydrostatic pressure, which the paper calls nearly true without friction (section III H), give or
+/// take what beds of other depths of ours are off it.
+const HYDROSTATIC: Value = Value {
+    value: 1.0,
+    error: 0.1,
+};
+
+/// Largest distance of a depth from the paper's, as the logarithm of their ratio, over which that is enough: drags are
+/// uncertain by a hundredth of themselves then.
+const NEAR_DEPTH: f64 = 0.1;
+
 /// Froude numbers between which drags are compared: the paper fits its law up to 1, and the least that its figure shows
 /// is not told.
 const FROUDE: [f64; 2] = [0.25, 1.0];
@@ -53,20 +65,23 @@ pub fn law(diameter: f64, froude: f64) -> Option<f64> {
     Some(a + b * libm::pow(froude, c))
 }
 
-/// The ratios for each diameter of the stiffest frictionless grains, at the depth that is nearest to the paper's.
+/// The ratio for each diameter, in the stiffest frictionless grains that it was dragged through, at the depth that is
+/// nearest to the paper's.
 pub(super) fn table_one(curves: &[Curve], scalings: &[Scaling]) -> Vec<TableOne> {
-    let slick = scalings.iter().filter(|s| s.material.mu < PLATEAU_MU);
-    let Some(own) = slick.reduce(|a, b| if b.material.kn > a.material.kn { b } else { a }) else {
-        return Vec::new();
+    let off = |c: &Curve| libm::log(middle() / (c.depth / c.mean_diameter)).abs();
+    let better = |b: &Curve, a: &Curve| {
+        b.material.kn > a.material.kn || b.material == a.material && off(b) < off(a)
     };
     let all = TABLE_ONE.iter().filter_map(|row| {
-        let at =
-            |c: &&Curve| c.material == own.material && near(c.diameter / c.mean_diameter, row[0]);
-        let deepest = curves.iter().filter(at).reduce(|a, b| {
-            let off = |c: &Curve| (middle() - c.depth / c.mean_diameter).abs();
-            if off(b) < off(a) { b } else { a }
-        });
-        compared(deepest?, own.depth_exponent()?, row[0])
+        let slick = curves
+            .iter()
+            .filter(|c| c.material.mu < PLATEAU_MU && near(c.diameter / c.mean_diameter, row[0]));
+        let curve = slick.reduce(|a, b| if better(b, a) { b } else { a })?;
+        let scaling = scalings.iter().find(|s| s.material == curve.material)?;
+        let alpha = scaling
+            .depth_exponent()
+            .or((off(curve) < NEAR_DEPTH).then_some(HYDROSTATIC));
+        compared(curve, alpha?, row[0])
     });
     all.collect()
 }
@@ -116,6 +131,8 @@ fn compared(curve: &Curve, alpha: Value, diameter: f64) -> Option<TableOne> {
 mod tests {
     use super::super::curves::Material;
     use super::super::point::{ErrorOf, Point};
+    use super::super::scaling::scaling;
+    use super::super::yields::yield_of;
     use super::*;
     use crate::fit::synthetic::normal;
     use bitgrain_sim::random::{Purpose, uniforms};
@@ -177,6 +194,28 @@ mod tests {
         // 5 % of one bed, and 2.1 d / sqrt(12) of 23.65 d.
         assert!((found.ratio.error - (0.05f64.powi(2) + 0.025_63_f64.powi(2)).sqrt()).abs() < 1e-4);
         assert!(compared(&curve(8.0, 23.0, 0.0), alpha, 7.0).is_none());
+    }
+
+    /// Without an exponent of its own a drag is compared near the paper's depth, and nowhere else; of two stiffnesses
+    /// the larger counts.
+    #[test]
+    fn near_the_papers_depth_no_other_depth_is_needed() {
+        let scalings = |curves: &[Curve]| -> Vec<Scaling> {
+            let own = |c: &Curve| scaling(c.material, &[(c, &yield_of(c))]);
+            curves.iter().map(own).collect()
+        };
+        let at = |depth| {
+            let curves = [curve(depth, middle(), 0.0)];
+            table_one(&curves, &scalings(&curves))
+        };
+        let found = at(24.5);
+        assert_eq!(found.len(), 1);
+        assert!((found[0].ratio.value - 1.0).abs() < 1e-12 && found[0].alpha == HYDROSTATIC);
+        assert!(at(16.0).is_empty());
+        let mut curves = [curve(24.5, middle(), 0.0), curve(24.5, middle(), 0.2)];
+        curves[1].material.kn *= 100.0;
+        let found = table_one(&curves, &scalings(&curves));
+        assert!((found[0].ratio.value - 1.2).abs() < 1e-12, "{found:?}");
     }
 
     /// A bed that is off by its error, a depth of the paper anywhere between the two, an exponent that is off by its

@@ -25,7 +25,7 @@ use bitgrain_sim::error::{Error, Result};
 use plan::Plan;
 
 /// Names and texts of the campaigns that ship with the program.
-pub const SHIPPED: [(&str, &str); 6] = [
+pub const SHIPPED: [(&str, &str); 7] = [
     (
         "kumar-small",
         include_str!("../../campaigns/kumar-small.toml"),
@@ -33,6 +33,10 @@ pub const SHIPPED: [(&str, &str); 6] = [
     (
         "kumar-middle",
         include_str!("../../campaigns/kumar-middle.toml"),
+    ),
+    (
+        "kumar-yield",
+        include_str!("../../campaigns/kumar-yield.toml"),
     ),
     (
         "kumar-table-1",

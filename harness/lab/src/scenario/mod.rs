@@ -27,7 +27,7 @@ use bitgrain_sim::error::{Error, Result};
 use keys::kumar_law;
 
 /// Names and texts of the scenarios that ship with the program.
-pub const SHIPPED: [(&str, &str); 8] = [
+pub const SHIPPED: [(&str, &str); 9] = [
     ("quick", include_str!("../../scenarios/quick.toml")),
     (
         "kumar-system-1",
@@ -52,6 +52,10 @@ pub const SHIPPED: [(&str, &str); 8] = [
     (
         "guillard-wake",
         include_str!("../../scenarios/guillard-wake.toml"),
+    ),
+    (
+        "guillard-centred",
+        include_str!("../../scenarios/guillard-centred.toml"),
     ),
     (
         "guillard-2014",
