@@ -128,6 +128,11 @@ pub enum Error {
     /// A step was requested of a world that was not started, or was stopped by a fault, or whose last stretch
     /// of steps was not ended.
     NotStarted,
+    /// There is no grain at this place.
+    NoGrain {
+        /// The place among the rows.
+        place: u32,
+    },
     /// What a step reads was written to since the last one ended; nothing was changed.
     Edited,
 }
@@ -260,6 +265,7 @@ impl fmt::Display for Error {
                 "grain {id} overlaps obstacle {obstacle} by more than a quarter of the smaller diameter"
             ),
             Error::NotStarted => write!(f, "the world was not started"),
+            Error::NoGrain { place } => write!(f, "there is no grain at place {place}"),
             Error::Edited => write!(
                 f,
                 "the world was changed between two steps; after a change start or resume it"

@@ -141,6 +141,23 @@ fn half_kick<R: Real>(
     (dv, dw)
 }
 
+/// The velocity at which the first grain of a range drifts next.
+pub(crate) fn next_velocity<R: Real>(m: &GrainMotion<'_, R>) -> Vec3<R> {
+    let rows = m.position.first().zip(m.velocity.first());
+    let pushes = m.force.first().zip(m.torque.first());
+    let group = m
+        .group
+        .first()
+        .and_then(|own| m.groups.get(usize::from(*own)));
+    let (Some((x, v)), Some((force, torque)), Some(group)) = (rows, pushes, group) else {
+        return [R::ZERO; 3];
+    };
+    let half = m.dt * R::HALF;
+    let (dv, dw) = half_kick(addend(group.gravity), v[3], x[3], force, torque, half);
+    let (dv, _) = answered(group, dv, dw);
+    head(plus(v, &dv))
+}
+
 /// A vector as a row that keeps the last word of a row it is added to: adding -0.0 changes no number.
 #[inline(always)]
 fn addend<R: Real>(v: Vec3<R>) -> Row<R> {

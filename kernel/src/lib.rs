@@ -71,7 +71,9 @@ compile_error!("x87 arithmetic rounds twice, so its bits differ: build for a tar
 pub mod conformance;
 pub mod contact;
 mod digest;
+mod edit;
 mod error;
+mod external;
 mod forces;
 mod fp_environment;
 mod integrate;
@@ -85,7 +87,9 @@ mod world;
 
 pub use digest::blake3;
 pub use digest::state::{Digest, PARTS, digest};
+pub use edit::nudge;
 pub use error::{ArithmeticDefect, Error};
+pub use external::GrainState;
 pub use forces::accumulate::{ContactForce, Partner};
 pub use fp_environment::check_arithmetic;
 pub use math::real::Real;
@@ -98,7 +102,7 @@ pub use neighbors::pair_list::{ContactHistory, PairList, TOUCHING};
 pub use state::domain::Domain;
 pub use state::grains::{Grains, Group};
 pub use state::obstacle::{Obstacle, Shape};
-pub use step::{resume, start, start_watched, step, step_watched};
+pub use step::{resume, start, start_watched, step, step_watched, step_with};
 pub use store::Store;
 pub use world::{Clock, World};
 

@@ -3,11 +3,13 @@
 
 use crate::contact::law::Law;
 use crate::error::Error;
+use crate::external::{GrainState, add_external};
 use crate::forces::accumulate::{After, ContactForce, accumulate, no_fetch};
 use crate::forces::obstacle_contacts::obstacle_forces;
 use crate::fp_environment::check_arithmetic;
 use crate::integrate::MotionPhase;
 use crate::math::real::{Real, smaller};
+use crate::math::vec3::Vec3;
 use crate::neighbors::pair_list::{ContactHistory, Listed};
 use crate::phases::begin;
 use crate::phases::check_overlaps;
@@ -45,6 +47,40 @@ pub fn step_watched<R: Real, L: Law<R>>(
     law: &L,
     watch: impl FnMut(ContactForce<R>),
 ) -> Result<(), Error> {
+    advance(world, law, watch, |_| ())
+}
+
+/// [`step`] with a force and a torque on each grain besides those of its contacts: the drag of a fluid, a buoyancy, a
+/// spring to a place. `external` is called once for each grain, by ascending id, and gives both vectors.
+///
+/// It sees positions as they are after the drift, and velocities and spins of the half step, as contact laws do. What it
+/// gives is added to the row of the grain when the sum over all its contacts is complete, so it is the last term of that
+/// sum: it acts in the half kick that ends this step and in the one that begins the next, and stands in
+/// [`Grains::force`](crate::Grains) and in the digest. A result of zero leaves the bits of [`step`]; the forces of
+/// [`start`] are of contacts alone. The same function called at each step gives the same bits at any skin and at
+/// any partition; it must itself use nothing but the operations of a step to give them on any machine.
+///
+/// # Errors
+/// As [`step`]; [`Error::NotFinite`] of a grain whose force or torque is not a number.
+#[inline]
+pub fn step_with<R: Real, L: Law<R>>(
+    world: &mut World<'_, R>,
+    law: &L,
+    mut external: impl FnMut(&GrainState<R>) -> (Vec3<R>, Vec3<R>),
+) -> Result<(), Error> {
+    advance(world, law, nobody, |world| {
+        add_external(world, &mut external)
+    })
+}
+
+/// One step; `added` adds to the complete sums of contact forces.
+#[inline]
+fn advance<R: Real, L: Law<R>>(
+    world: &mut World<'_, R>,
+    law: &L,
+    watch: impl FnMut(ContactForce<R>),
+    added: impl FnOnce(&mut World<'_, R>),
+) -> Result<(), Error> {
     // Within a stretch that the host began the rows are not looked at.
     let held = world.clock.has_begun();
     if !held {
@@ -61,6 +97,7 @@ pub fn step_watched<R: Real, L: Law<R>>(
     let passed = moved(world, MotionPhase::Drift);
     drift(world, passed)?;
     push_and_sum(world, law, world.dt, watch)?;
+    added(world);
     let passed = moved(world, MotionPhase::Kick);
     finish(world, passed)?;
     if held {

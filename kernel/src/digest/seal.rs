@@ -35,6 +35,11 @@ impl Sealed {
     pub fn and(self, other: Self) -> Self {
         Self(self.0.wrapping_add(other.0))
     }
+
+    /// What this seal adds to a sum that another one was in.
+    pub(crate) fn less(self, other: Self) -> u64 {
+        self.0.wrapping_sub(other.0)
+    }
 }
 
 /// Where in a row a word stands: digits of pi.

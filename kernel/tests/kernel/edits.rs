@@ -11,11 +11,11 @@ use bitgrain_kernel::{
 };
 
 /// From none to one that lists every pair.
-const SKINS: [f64; 5] = [0.0, 0.006, 0.03, 0.1, 1.0];
+pub const SKINS: [f64; 5] = [0.0, 0.006, 0.03, 0.1, 1.0];
 
-type Five<R> = Store<R, 5, 16, 16, 2>;
+pub type Five<R> = Store<R, 5, 16, 16, 2>;
 
-fn law<R: Real>() -> HertzHistory<R> {
+pub fn law<R: Real>() -> HertzHistory<R> {
     let [kn, kt, gamma, mu] = [2e4, 2.45e4, 50.0, 0.5].map(R::from_f64);
     HertzHistory {
         kn,
@@ -28,7 +28,7 @@ fn law<R: Real>() -> HertzHistory<R> {
 
 /// Three grains in a row, the first two in touch and the third 0.01 from them, over a floor; another one
 /// carried beside them, and a ball.
-fn row<R: Real>(skin: f64) -> Five<R> {
+pub fn row<R: Real>(skin: f64) -> Five<R> {
     let real = |v: [f64; 3]| v.map(R::from_f64);
     let domain = Domain::new(real([0.0; 3]), real([12.0, 8.0, 8.0]), [true, true, false]);
     let mut store = Five::new(domain.unwrap(), R::from_f64(1e-3), R::from_f64(skin));
@@ -52,7 +52,7 @@ fn row<R: Real>(skin: f64) -> Five<R> {
     store
 }
 
-fn steps<R: Real>(world: &mut World<'_, R>, count: usize) -> Result<(), Error> {
+pub fn steps<R: Real>(world: &mut World<'_, R>, count: usize) -> Result<(), Error> {
     (0..count).try_for_each(|_| step(world, &law()))
 }
 

@@ -13,6 +13,7 @@ mod examples;
 mod fixed_point;
 #[cfg(feature = "fixed")]
 mod fixed_worlds;
+mod hosts;
 mod images;
 mod oracle;
 mod reference;

@@ -10,9 +10,11 @@ use bitgrain_kernel::phases::{
 };
 use bitgrain_kernel::phases::{ObstacleContactRange, obstacle_forces};
 use bitgrain_kernel::{
-    ContactForce, Error as KernelError, Real, Row, World, start, start_watched, step, step_watched,
+    ContactForce, Error as KernelError, GrainState, Real, Row, World, start, start_watched, step,
+    step_watched, step_with,
 };
 
+type External<'w, R> = &'w mut dyn FnMut(&GrainState<R>) -> ([R; 3], [R; 3]);
 type Watch<'w, R> = &'w mut dyn FnMut(ContactForce<R>);
 type Ended = Result<(), KernelError>;
 type Summed<R> = (ExcessiveOverlap, MotionCheck<R>);
@@ -23,6 +25,7 @@ pub struct Calls<R: Real, L: Law<R>> {
     start_watched: fn(&mut World<'_, R>, &L, Watch<'_, R>) -> Ended,
     step: fn(&mut World<'_, R>, &L) -> Ended,
     step_watched: fn(&mut World<'_, R>, &L, Watch<'_, R>) -> Ended,
+    step_with: fn(&mut World<'_, R>, &L, External<'_, R>) -> Ended,
     obstacle_forces: fn(
         &mut GrainRange<'_, R>,
         &mut ObstacleContactRange<'_, R>,
@@ -58,6 +61,7 @@ impl<R: Real, L: Law<R>> Calls<R, L> {
         start_watched: |world, law, watch| start_watched(world, law, watch),
         step,
         step_watched: |world, law, watch| step_watched(world, law, watch),
+        step_with: |world, law, external| step_with(world, law, external),
         obstacle_forces: |part, touch, law, watch| obstacle_forces(part, touch, law, watch),
         spill: cross_range,
         sum: |part, law, lower, own, after| {

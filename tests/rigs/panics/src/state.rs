@@ -19,7 +19,7 @@ use bitgrain_kernel::scaling::{self, Margin, PRODUCTS, Refusal, Scales};
 use bitgrain_kernel::vec3::{self, Vec3};
 use bitgrain_kernel::{
     ArithmeticDefect, Clock, ContactHistory, Digest, Domain, Error as KernelError, Grains, Group,
-    Obstacle, Real, Row, Store, World, check_arithmetic, digest, resume,
+    Obstacle, Real, Row, Store, World, check_arithmetic, digest, nudge, resume,
 };
 use fixed::FixedI64;
 use fixed::types::extra::U32;
@@ -66,6 +66,7 @@ impl Plain {
 pub struct State<R: Real + 'static> {
     resume: fn(&mut World<'_, R>, &[ContactHistory<R>]) -> Ended,
     resume_any: fn(&mut World<'_, R>, &mut dyn Iterator<Item = ContactHistory<R>>) -> Ended,
+    nudge: fn(&mut World<'_, R>, usize, [R; 3], [R; 3]) -> Ended,
     begin: fn(&mut World<'_, R>, Sealed) -> Ended,
     end: fn(&mut World<'_, R>, Sealed) -> Ended,
     ensure_pair_list_ahead: fn(&mut World<'_, R>) -> Ended,
@@ -101,6 +102,7 @@ impl<R: Real + 'static> State<R> {
     pub const ALL: Self = Self {
         resume: |world, histories| resume(world, histories.iter().copied()),
         resume_any: |world, histories| resume(world, histories),
+        nudge,
         begin,
         end,
         ensure_pair_list_ahead,

@@ -1,0 +1,62 @@
+//! Changes of a world at rest that need no new start.
+
+use crate::digest::seal::seal;
+use crate::error::Error;
+use crate::integrate::next_velocity;
+use crate::math::real::{Real, larger};
+use crate::math::vec3::{Vec3, length_bound};
+use crate::world::{Stage, World};
+
+/// Gives the grain at a place another velocity and spin, between two steps: a blow, a jet, a correction. All contact
+/// histories stay, and so do the forces of the last step. It takes the time of one grain, whatever the size of the world,
+/// and gives the same bits at any skin: the bound of the coming travel grows with the grain's speed, and the world is
+/// sealed anew with it.
+///
+/// # Errors
+/// Before anything is changed: [`Error::NotStarted`] if the world is not between two stretches of steps;
+/// [`Error::NoGrain`]; [`Error::NotFinite`] for a number that is not finite; [`Error::TooFast`] if the grain would move more
+/// than its radius in the next step. A row that was written to otherwise is found by the next step, as ever.
+pub fn nudge<R: Real>(
+    world: &mut World<'_, R>,
+    place: usize,
+    velocity: Vec3<R>,
+    spin: Vec3<R>,
+) -> Result<(), Error> {
+    if world.clock.stage != Stage::Resting {
+        return Err(Error::NotStarted);
+    }
+    world.check_storage()?;
+    let Some(id) = world.grains.id.get(place).copied() else {
+        return Err(Error::NoGrain {
+            place: place.min(u32::MAX as usize) as u32,
+        });
+    };
+    if !velocity.iter().chain(&spin).all(|x| x.is_finite()) {
+        return Err(Error::not_finite::<R>(id));
+    }
+    let dt = world.dt;
+    let mut motion = world.grain_motion();
+    let grain = motion.stretch(place, place.saturating_add(1));
+    let before = seal(&grain, place);
+    let (Some(v), Some(w)) = (grain.velocity.first_mut(), grain.spin.first_mut()) else {
+        return Err(Error::BadStorage);
+    };
+    let old = (*v, *w);
+    *v = [velocity[0], velocity[1], velocity[2], v[3]];
+    *w = [spin[0], spin[1], spin[2], w[3]];
+    let radius = grain.position.first().map_or(R::ZERO, |x| x[3]);
+    // The drift to come begins with half a kick by the forces that stand in its row.
+    let next = next_velocity(&grain);
+    let way = length_bound(next) * dt;
+    if !(way < radius) {
+        if let (Some(v), Some(w)) = (grain.velocity.first_mut(), grain.spin.first_mut()) {
+            (*v, *w) = old;
+        }
+        return Err(Error::TooFast { id });
+    }
+    let after = seal(&grain, place);
+    let clock = &mut *world.clock;
+    clock.seal = clock.seal.wrapping_add(after.less(before));
+    clock.next_travel = larger(clock.next_travel, way);
+    Ok(())
+}
