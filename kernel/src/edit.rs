@@ -8,14 +8,14 @@ use crate::math::vec3::{Vec3, length_bound};
 use crate::world::{Stage, World};
 
 /// Gives the grain at a place another velocity and spin, between two steps: a blow, a jet, a correction. All contact
-/// histories stay, and so do the forces of the last step. It takes the time of one grain, whatever the size of the world,
-/// and gives the same bits at any skin: the bound of the coming travel grows with the grain's speed, and the world is
-/// sealed anew with it.
+/// histories stay, and so do the forces of the last step. It takes the time of one grain, whatever the size of the
+/// world, and gives the same bits at any skin: the bound of the coming travel grows with the grain's speed, and the
+/// world is sealed anew with it.
 ///
 /// # Errors
 /// Before anything is changed: [`Error::NotStarted`] if the world is not between two stretches of steps;
-/// [`Error::NoGrain`]; [`Error::NotFinite`] for a number that is not finite; [`Error::TooFast`] if the grain would move more
-/// than its radius in the next step. A row that was written to otherwise is found by the next step, as ever.
+/// [`Error::NoGrain`]; [`Error::NotFinite`] for a number that is not finite; [`Error::TooFast`] if the grain would move
+/// more than its radius in the next step. A row that was written to otherwise is found by the next step, as ever.
 pub fn nudge<R: Real>(
     world: &mut World<'_, R>,
     place: usize,
@@ -28,7 +28,7 @@ pub fn nudge<R: Real>(
     world.check_storage()?;
     let Some(id) = world.grains.id.get(place).copied() else {
         return Err(Error::NoGrain {
-            place: place.min(u32::MAX as usize) as u32,
+            place: u32::try_from(place).unwrap_or(u32::MAX),
         });
     };
     if !velocity.iter().chain(&spin).all(|x| x.is_finite()) {

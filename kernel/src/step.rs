@@ -53,12 +53,12 @@ pub fn step_watched<R: Real, L: Law<R>>(
 /// [`step`] with a force and a torque on each grain besides those of its contacts: the drag of a fluid, a buoyancy, a
 /// spring to a place. `external` is called once for each grain, by ascending id, and gives both vectors.
 ///
-/// It sees positions as they are after the drift, and velocities and spins of the half step, as contact laws do. What it
-/// gives is added to the row of the grain when the sum over all its contacts is complete, so it is the last term of that
-/// sum: it acts in the half kick that ends this step and in the one that begins the next, and stands in
+/// It sees positions as they are after the drift, and velocities and spins of the half step, as contact laws do. What
+/// it gives is added to the row of the grain when the sum over all its contacts is complete, so it is the last term of
+/// that sum: it acts in the half kick that ends this step and in the one that begins the next, and stands in
 /// [`Grains::force`](crate::Grains) and in the digest. A result of zero leaves the bits of [`step`]; the forces of
-/// [`start`] are of contacts alone. The same function called at each step gives the same bits at any skin and at
-/// any partition; it must itself use nothing but the operations of a step to give them on any machine.
+/// [`start`] are of contacts alone. The same function called at each step gives the same bits at any skin and at any
+/// partition; it must itself use nothing but the operations of a step to give them on any machine.
 ///
 /// # Errors
 /// As [`step`]; [`Error::NotFinite`] of a grain whose force or torque is not a number.

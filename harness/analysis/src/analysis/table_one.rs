@@ -23,8 +23,8 @@ pub const TABLE_ONE: [[f64; 4]; 6] = [
 pub const DEPTHS: [f64; 2] = [22.6, 24.7];
 
 /// Exponent of depth of drags that were measured near the paper's depth, if a campaign has no second depth to find its
-/// own from: that of a hydrostatic pressure, which the paper calls nearly true without friction (section III H), give or
-/// take what beds of other depths of ours are off it.
+/// own from: that of a hydrostatic pressure, which the paper calls nearly true without friction (section III H), give
+/// or take what beds of other depths of ours are off it.
 const HYDROSTATIC: Value = Value {
     value: 1.0,
     error: 0.1,

@@ -7,6 +7,7 @@ use super::kumar_drags::drags;
 use super::kumar_scaling::{collapses, exponents, stiffness, yields};
 use super::number::{Found, Number};
 use crate::analysis::{Analysis, Contacts, NearField, Value};
+use crate::fit::Fit;
 use crate::fit::regimes::Crossover;
 use bitgrain_sim::format::number_with_error;
 
@@ -176,16 +177,28 @@ fn quadratic(of: &Of) -> Vec<(Value, String)> {
 }
 
 fn near_field(id: &str, of: &Of) -> Option<Found> {
+    // The paper does not give the distance within which it counts coordination, and what kappa does with the speed
+    // depends on it: no distance of ours is the paper's.
     let of_kappa = |name: &'static str| -> Found {
         let near_field = of.near_field(MU)?;
-        let fit = found(&near_field.kappa)?;
-        let within = near_field.within.iter().filter_map(|one| {
-            let value = parameter(one.line.found()?, name).ok()?;
-            let number = number_with_error(value.value, value.error);
-            Some(format!("; {number} within {} d", one.reach))
-        });
-        let note = fit.line() + &within.collect::<String>();
-        Ok(Number::one(parameter(fit, name)?, note))
+        let number = |fit: &Fit| {
+            let value = parameter(fit, name)?;
+            Ok::<_, String>(number_with_error(value.value, value.error))
+        };
+        let mut each = vec![format!("{} within 2 d", number(found(&near_field.kappa)?)?)];
+        if !near_field.within.is_empty() {
+            each.clear();
+        }
+        for one in &near_field.within {
+            let all = number(found(&one.line)?)?;
+            let slow = one.slow.found().map(number).transpose()?;
+            let slow = slow.map_or(String::new(), |slow| format!(" ({slow} up to Fr = 5)"));
+            each.push(format!("{all}{slow} within {} d", one.reach));
+        }
+        Err(format!(
+            "the paper does not give the distance, on which the number depends: {}",
+            each.join(", ")
+        ))
     };
     let (id, contacts): (_, fn(&NearField) -> &Contacts) = match id.strip_suffix("-collisions") {
         Some(id) => (id, |a| &a.new_contacts),
