@@ -48,7 +48,8 @@ pub fn nudge<R: Real>(
     // The drift to come begins with half a kick by the forces that stand in its row.
     let next = next_velocity(&grain);
     let way = length_bound(next) * dt;
-    if !(way < radius) {
+    let slow = way < radius;
+    if !slow {
         if let (Some(v), Some(w)) = (grain.velocity.first_mut(), grain.spin.first_mut()) {
             (*v, *w) = old;
         }
