@@ -71,6 +71,29 @@ fn drags_with_the_axis_elsewhere_are_those_of_the_scenario() {
     assert_eq!((above(0.0355), above(0.0365), above(0.041)), (8, 4, 4));
 }
 
+/// Poured with less friction, the bed of `guillard-small` is denser in flow too, and drags more, with a gradient and
+/// without one.
+#[test]
+fn a_denser_bed_drags_more() {
+    let dense = read_summary(&golden("guillard-dense/summary.json.gz")).unwrap();
+    let loose = read_summary(&golden("guillard-small/summary.json")).unwrap();
+    let sets = ["name=guillard-dense", "bed.pouring_mu=0.1"].map(String::from);
+    assert_eq!(
+        dense.inputs,
+        scenario::load("guillard-small", &sets).unwrap()
+    );
+    assert_eq!((dense.runs.len(), loose.runs.len()), (2, 2));
+    for (a, b) in dense.runs.iter().zip(&loose.runs) {
+        let (a, b) = (a.flow.as_ref().unwrap(), b.flow.as_ref().unwrap());
+        assert_eq!(a.pressure_gradient, b.pressure_gradient);
+        assert!(a.packing_fraction > 0.615 && b.packing_fraction < 0.605);
+        let error = a.drag_coefficient_error.hypot(b.drag_coefficient_error);
+        let more = (a.drag_coefficient - b.drag_coefficient) / error;
+        // Five errors and more; the drag must not depend on the gradient either.
+        assert!(more > 5.0, "{more}");
+    }
+}
+
 fn text(name: &str) -> String {
     String::from_utf8(unpacked(&format!("guillard-medium/{name}"))).unwrap()
 }
