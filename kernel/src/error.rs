@@ -4,8 +4,10 @@ use core::fmt;
 
 use crate::math::real::Real;
 
-/// Why a world was refused or a step stopped. Grains are named by id, obstacles by number.
+/// Why a world was refused or a step stopped. Grains are named by id, obstacles by number. Later versions may have more
+/// kinds; [`Error::code`] numbers them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Error {
     /// The box edges are not finite or not in order on this axis.
@@ -178,6 +180,41 @@ impl fmt::Display for ArithmeticDefect {
 }
 
 impl Error {
+    /// The number of this kind of error, the same in every version and language; 0 is none. 1 to 19: something is wrong
+    /// with what was given; 20 to 29: a list is full, and nothing was changed; 30 to 49: the motion went wrong, and the
+    /// world is stopped; 50 to 59: the call was not due.
+    pub const fn code(&self) -> u32 {
+        match self {
+            Self::BadDomain { .. } => 1,
+            Self::PeriodTooShort { .. } => 2,
+            Self::BadStorage => 3,
+            Self::BadOrder { .. } => 4,
+            Self::BadGrain { .. } => 5,
+            Self::BadObstacle { .. } => 6,
+            Self::BadTimeStep => 7,
+            Self::Arithmetic { .. } => 8,
+            Self::TooSlow { .. } => 9,
+            Self::ObstacleTooSlow { .. } => 10,
+            Self::GravityTooWeak { .. } => 11,
+            Self::BadContactHistory => 12,
+            Self::PairListFull { .. } => 20,
+            Self::OuterListFull { .. } => 21,
+            Self::ObstacleContactsFull { .. } => 22,
+            Self::Overflow { .. } => 30,
+            Self::ObstacleOverflow { .. } => 31,
+            Self::NotFinite { .. } => 32,
+            Self::ObstacleNotFinite { .. } => 33,
+            Self::ObstacleTooFast { .. } => 34,
+            Self::TooFast { .. } => 35,
+            Self::Escaped { .. } => 36,
+            Self::OverlapTooDeep { .. } => 37,
+            Self::ObstacleTooDeep { .. } => 38,
+            Self::NotStarted => 50,
+            Self::Edited => 51,
+            Self::NoGrain { .. } => 52,
+        }
+    }
+
     /// A grain whose state is no number of this type.
     pub(crate) fn not_finite<R: Real>(id: u32) -> Self {
         match R::FIXED_POINT {

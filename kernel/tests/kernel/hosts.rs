@@ -179,3 +179,41 @@ fn a_nudge_that_cannot_be_changes_nothing() {
     world.clock.stop();
     assert_eq!(nudge(&mut world, 1, still, still), Err(Error::NotStarted));
 }
+
+/// Numbers of errors never change: a host in another language has them in its source.
+#[test]
+fn errors_have_their_numbers() {
+    let flaw = bitgrain_kernel::ArithmeticDefect::FlushToZero;
+    let (id, obstacle, needed, place) = (1, 2, 3, 4);
+    for (code, error) in [
+        (1, Error::BadDomain { axis: 0 }),
+        (2, Error::PeriodTooShort { axis: 0 }),
+        (3, Error::BadStorage),
+        (4, Error::BadOrder { id }),
+        (5, Error::BadGrain { id }),
+        (6, Error::BadObstacle { obstacle }),
+        (7, Error::BadTimeStep),
+        (8, Error::Arithmetic { flaw }),
+        (9, Error::TooSlow { id }),
+        (10, Error::ObstacleTooSlow { obstacle }),
+        (11, Error::GravityTooWeak { group: 0 }),
+        (12, Error::BadContactHistory),
+        (20, Error::PairListFull { needed }),
+        (21, Error::OuterListFull { needed }),
+        (22, Error::ObstacleContactsFull { needed }),
+        (30, Error::Overflow { id }),
+        (31, Error::ObstacleOverflow { obstacle }),
+        (32, Error::NotFinite { id }),
+        (33, Error::ObstacleNotFinite { obstacle }),
+        (34, Error::ObstacleTooFast { obstacle }),
+        (35, Error::TooFast { id }),
+        (36, Error::Escaped { id }),
+        (37, Error::OverlapTooDeep { i: 1, j: 2 }),
+        (38, Error::ObstacleTooDeep { id, obstacle }),
+        (50, Error::NotStarted),
+        (51, Error::Edited),
+        (52, Error::NoGrain { place }),
+    ] {
+        assert_eq!(error.code(), code, "{error}");
+    }
+}

@@ -41,6 +41,7 @@ pub struct Plain {
     stages: fn(conformance::World) -> &'static [conformance::Stage],
     first_excessive_overlap: fn(ExcessiveOverlap, ExcessiveOverlap) -> ExcessiveOverlap,
     show: fn(&KernelError, &mut dyn fmt::Write) -> fmt::Result,
+    code: fn(&KernelError) -> u32,
     show_flaw: fn(&ArithmeticDefect, &mut dyn fmt::Write) -> fmt::Result,
 }
 
@@ -58,6 +59,7 @@ impl Plain {
         stages: conformance::World::stages,
         first_excessive_overlap,
         show: |fault, out| write!(out, "{fault}"),
+        code: KernelError::code,
         show_flaw: |flaw, out| write!(out, "{flaw}"),
     };
 }
