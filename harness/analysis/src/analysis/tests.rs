@@ -28,7 +28,7 @@ impl Default for Made {
             diameters: vec![1.0, 2.0, 3.0, 4.0],
             depths: vec![4.0, 8.0, 14.0],
             froudes: vec![
-                0.05, 0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0, 1.5, 2.2, 3.0, 4.0, 5.0, 6.0, 7.0, 8.5,
+                0.08, 0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0, 1.5, 2.2, 3.0, 4.0, 5.0, 6.0, 7.0, 8.5,
                 10.0,
             ],
             kns: vec![2e5],
@@ -181,6 +181,29 @@ fn known_exponents_and_yield_forces_are_found() {
         }
         assert!(scaling.by_depth_deep.found().is_none());
     }
+}
+
+/// A run at V = 0.05 is the slow limit with friction; without friction only one at 0.01 is.
+#[test]
+fn a_slow_run_is_the_yield_force_sooner_with_friction() {
+    let mut made = Made::default();
+    made.froudes.insert(0, 0.05);
+    let methods = |made: &Made| {
+        let found = analyse(&made.table(), false);
+        let both = found.curves.iter().zip(&found.yields);
+        both.map(|(curve, own)| (curve.material.mu > 0.0, own.method))
+            .collect::<Vec<_>>()
+    };
+    for (rough, method) in methods(&made) {
+        let want = if rough {
+            Method::SlowRun
+        } else {
+            Method::Extrapolated
+        };
+        assert_eq!(method, want);
+    }
+    made.froudes.insert(0, 0.011);
+    assert!(methods(&made).iter().all(|own| own.1 == Method::SlowRun));
 }
 
 #[test]

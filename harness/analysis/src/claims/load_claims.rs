@@ -2,6 +2,7 @@
 
 use super::angles::spread;
 use super::book::Claim;
+use super::combine::weighted_mean;
 use super::fits::same_depth;
 use super::front::{beside, near};
 use super::load::{PointLoad, deep, difference, equation_4, highest, is_deep, odd_part, pairs};
@@ -13,6 +14,7 @@ use crate::analysis::Value;
 use crate::fit::Datum;
 use crate::fit::linear::line;
 use bitgrain_sim::coarse_graining::load::POINTS;
+use bitgrain_sim::format::number_with_error;
 
 const NO_LOAD: &str = "no run has a load: measure.fields asks for them";
 
@@ -55,23 +57,28 @@ fn note(load: &PointLoad) -> String {
     format!("h~/D = {:.0}", load.depth)
 }
 
-/// Lift of the deepest pair over what eq. 4 makes of its load without gradient.
+/// Lift over what eq. 4 makes of the load without gradient: the mean over the pairs from 16 D on, where the lift has
+/// its plateau.
 fn tenfold(loads: &[PointLoad]) -> Found {
-    let pairs = pairs(loads);
-    let deepest = pairs
-        .into_iter()
-        .reduce(|a, b| if b.0.depth > a.0.depth { b } else { a });
-    let none =
-        "no two runs with loads, with and without a pressure gradient, have one effective depth";
-    let (with, without) = deepest.ok_or(none)?;
-    if with.runs.len() < SEEDS {
+    let pairs = deep_pairs(loads);
+    let none = "no two runs with loads, with and without a pressure gradient, have one effective depth from \
+                16 D on";
+    let fewest = pairs.iter().map(|(with, _)| with.runs.len()).min();
+    let fewest = fewest.ok_or(none)?;
+    if fewest < SEEDS {
         return Err(format!(
-            "a lift is told from {SEEDS} seeds or more; there are {}",
-            with.runs.len()
+            "a lift is told from {SEEDS} seeds or more; there are {fewest}"
         ));
     }
-    let ratio = with.lift.over(without.simple_lift);
-    Ok(Number::one(ratio, note(with)))
+    let ratio = |(with, without): &(&PointLoad, &PointLoad)| with.lift.over(without.simple_lift);
+    let ratios: Vec<Value> = pairs.iter().map(ratio).collect();
+    let each = pairs.iter().zip(&ratios).map(|((with, _), ratio)| {
+        let number = number_with_error(ratio.value, ratio.error);
+        format!("{number} at {}", note(with))
+    });
+    let each: Vec<String> = each.collect();
+    let (mean, _) = weighted_mean(&ratios).ok_or("the lifts have no errors")?;
+    Ok(Number::one(mean, each.join(", ")))
 }
 
 /// A number of the load at the effective depth of the paper's Fig. 11(a), 16 D, or the next depth from there on, with
