@@ -9,10 +9,11 @@ use bitgrain_tests::{golden, printed};
 use crate::PROGRAM;
 
 /// Goldens that the book's measurements come from.
-const GOLDENS: [&str; 7] = [
+const GOLDENS: [&str; 8] = [
     "guillard-small/summary.json",
     "guillard-medium/summary.json.gz",
     "guillard-axis/summary.json.gz",
+    "guillard-wake/summary.json.gz",
     "kumar-small/results.csv.gz",
     "kumar-middle/results.csv.gz",
     "kumar-table-1/results.csv.gz",
