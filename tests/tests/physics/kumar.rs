@@ -1,4 +1,4 @@
-//! The campaigns on Kumar 2018: `kumar-small`, under forty minutes on two cores, and `kumar-middle`, two hours.
+//! The campaigns on Kumar 2018: `kumar-small`, under forty minutes on two cores, and `kumar-middle`, three hours.
 //! Their findings are made again from the tables here, and two drags of the small one are done again.
 //!
 //! `golden/README.md` says how the files are made.
@@ -26,7 +26,7 @@ const TABLES: [&str; 5] = [
 ];
 
 /// Rows that they have at least.
-const ROWS_LEAST: [usize; 5] = [113, 128, 5, 1, 3];
+const ROWS_LEAST: [usize; 5] = [113, 239, 5, 1, 3];
 
 /// Two drags of one bed that are done again: its files, all of the member.
 const MEMBER: &str = "mu0.5-D2-h8";
