@@ -38,23 +38,21 @@ pub fn nudge<R: Real>(
     let mut motion = world.grain_motion();
     let grain = motion.stretch(place, place.saturating_add(1));
     let before = seal(&grain, place);
-    let (Some(v), Some(w)) = (grain.velocity.first_mut(), grain.spin.first_mut()) else {
+    let rows = grain.velocity.first().zip(grain.spin.first());
+    let (Some([.., radius]), Some(([.., mass], [.., inverse]))) = (grain.position.first(), rows)
+    else {
         return Err(Error::BadStorage);
     };
-    let old = (*v, *w);
-    *v = [velocity[0], velocity[1], velocity[2], v[3]];
-    *w = [spin[0], spin[1], spin[2], w[3]];
-    let radius = grain.position.first().map_or(R::ZERO, |x| x[3]);
+    let moving = [velocity[0], velocity[1], velocity[2], *mass];
+    let turning = [spin[0], spin[1], spin[2], *inverse];
     // The drift to come begins with half a kick by the forces that stand in its row.
-    let next = next_velocity(&grain);
-    let way = length_bound(next) * dt;
-    let slow = way < radius;
+    let way = length_bound(next_velocity(&grain, &moving)) * dt;
+    let slow = way < *radius;
     if !slow {
-        if let (Some(v), Some(w)) = (grain.velocity.first_mut(), grain.spin.first_mut()) {
-            (*v, *w) = old;
-        }
         return Err(Error::TooFast { id });
     }
+    grain.velocity.fill(moving);
+    grain.spin.fill(turning);
     let after = seal(&grain, place);
     let clock = &mut *world.clock;
     clock.seal = clock.seal.wrapping_add(after.less(before));

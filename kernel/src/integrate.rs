@@ -141,15 +141,14 @@ fn half_kick<R: Real>(
     (dv, dw)
 }
 
-/// The velocity at which the first grain of a range drifts next.
-pub(crate) fn next_velocity<R: Real>(m: &GrainMotion<'_, R>) -> Vec3<R> {
-    let rows = m.position.first().zip(m.velocity.first());
+/// The velocity at which the first grain of a range drifts next, if this is the row of its velocity now.
+pub(crate) fn next_velocity<R: Real>(m: &GrainMotion<'_, R>, v: &Row<R>) -> Vec3<R> {
     let pushes = m.force.first().zip(m.torque.first());
     let group = m
         .group
         .first()
         .and_then(|own| m.groups.get(usize::from(*own)));
-    let (Some((x, v)), Some((force, torque)), Some(group)) = (rows, pushes, group) else {
+    let (Some(x), Some((force, torque)), Some(group)) = (m.position.first(), pushes, group) else {
         return [R::ZERO; 3];
     };
     let half = m.dt * R::HALF;

@@ -57,8 +57,8 @@ pub fn step_watched<R: Real, L: Law<R>>(
 /// it gives is added to the row of the grain when the sum over all its contacts is complete, so it is the last term of
 /// that sum: it acts in the half kick that ends this step and in the one that begins the next, and stands in
 /// [`Grains::force`](crate::Grains) and in the digest. A result of zero leaves the bits of [`step`]; the forces of
-/// [`start`] are of contacts alone. The same function called at each step gives the same bits at any skin and at any
-/// partition; it must itself use nothing but the operations of a step to give them on any machine.
+/// [`start`] are of contacts alone. The same function called at each step gives the same bits at any skin; it must
+/// itself use nothing but the operations of a step to give them on any machine.
 ///
 /// # Errors
 /// As [`step`]; [`Error::NotFinite`] of a grain whose force or torque is not a number.

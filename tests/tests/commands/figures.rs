@@ -88,10 +88,7 @@ fn the_guide_has_the_books_verdicts() {
     let page = std::fs::read_to_string(root().join("harness/guide/src/validation.md")).unwrap();
     let mut wrong = Vec::new();
     for claim in &Book::shipped().claim {
-        let verdict = claim.verdict().text().to_string();
-        let words = claim
-            .combined()
-            .map_or(verdict, |w| claim.words(w.value, w.of));
+        let words = claim.verdict_words();
         let places: Vec<&str> = page
             .split(&format!("`{}` ", claim.id))
             .skip(1)

@@ -25,6 +25,14 @@ impl Claim {
         whole.map_or(Verdict::NotResolved, |w| self.judge(w.value, w.of))
     }
 
+    /// The verdict of all measurements together in words, as [`Claim::words`] has them of one.
+    pub fn verdict_words(&self) -> String {
+        match self.combined() {
+            Some(whole) => self.words(whole.value, whole.of),
+            None => Verdict::NotResolved.text().into(),
+        }
+    }
+
     /// Whether a number agrees that is the worst of so many. It agrees within the tolerance if its error is no larger,
     /// and keeps a bound if it does so by an error. It disagrees if it lies outside of the tolerance or the bound by
     /// two errors, or by the more that the worst of several takes ([`beyond`]). To agree takes no more of several

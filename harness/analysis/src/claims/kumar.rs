@@ -185,9 +185,9 @@ fn near_field(id: &str, of: &Of) -> Option<Found> {
             let value = parameter(fit, name)?;
             Ok::<_, String>(number_with_error(value.value, value.error))
         };
-        let mut each = vec![format!("{} within 2 d", number(found(&near_field.kappa)?)?)];
-        if !near_field.within.is_empty() {
-            each.clear();
+        let mut each = Vec::new();
+        if near_field.within.is_empty() {
+            each.push(format!("{} within 2 d", number(found(&near_field.kappa)?)?));
         }
         for one in &near_field.within {
             let all = number(found(&one.line)?)?;

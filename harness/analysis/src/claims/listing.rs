@@ -18,17 +18,10 @@ pub fn lines(book: &Book) -> String {
     ])];
     for claim in &book.claim {
         let whole = claim.combined();
-        let (words, ours, [percent, errors]) = match &whole {
-            Some(w) => (
-                claim.words(w.value, w.of),
-                shown(w.value),
-                claim.deviation(w.value),
-            ),
-            None => (
-                Verdict::NotResolved.text().into(),
-                "-".into(),
-                ["-".into(), "-".into()],
-            ),
+        let words = claim.verdict_words();
+        let (ours, [percent, errors]) = match &whole {
+            Some(w) => (shown(w.value), claim.deviation(w.value)),
+            None => ("-".into(), ["-".into(), "-".into()]),
         };
         let mut by: Vec<String> = whole.iter().map(origin).collect();
         by.extend(roots(claim));
@@ -116,10 +109,7 @@ pub fn table(book: &Book) -> String {
         }
         let indented = |text: String| format!("{:<17} {text}", "");
         let whole = claim.combined();
-        let words = match &whole {
-            Some(w) => claim.words(w.value, w.of),
-            None => Verdict::NotResolved.text().into(),
-        };
+        let words = claim.verdict_words();
         lines.push(format!(
             "{words:<17} {} ({})",
             claim.statement, claim.source
