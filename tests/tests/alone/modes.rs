@@ -223,8 +223,11 @@ fn a_mode_of_another_thread_is_found_in_the_stretch_in_which_it_has_a_part() {
             .collect();
         for (bits, flaw) in MODES {
             for _ in 0..4 {
-                let found = on_threads(3, || steps_beside(PLAIN | bits, steps, &wanted));
-                let (fault, again) = found.unwrap().expect("another thread has a share");
+                // On a machine with other work the thread that calls may do every part itself for a while.
+                let found = (0..20).find_map(|_| {
+                    on_threads(3, || steps_beside(PLAIN | bits, steps, &wanted)).unwrap()
+                });
+                let (fault, again) = found.expect("another thread has a share");
                 assert_eq!(fault, KernelError::Arithmetic { flaw });
                 assert_eq!(again, Err(KernelError::NotStarted));
             }
