@@ -28,3 +28,12 @@ fn the_c_header_is_up_to_date() {
     let files = std::fs::read_dir(library.join("src")).unwrap();
     assert_eq!(files.count(), 9);
 }
+
+/// The page for C shows the example that is compiled and run.
+#[test]
+fn the_page_shows_the_example() {
+    let read = |name: &str| std::fs::read_to_string(root().join(name)).unwrap();
+    let example = read("kernel/capi/examples/drop.c");
+    let page = read("harness/guide/src/c-and-cpp.md");
+    assert!(page.contains(&format!("```c\n{example}```")));
+}
