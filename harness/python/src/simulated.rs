@@ -283,12 +283,12 @@ impl Core {
         }
     }
 
-    /// Steps in which no drive ends; each is looked at if there are obstacles.
+    /// Steps in which no drive ends; after each of them the forces on obstacles are added up.
     fn stretch(&mut self, count: u64, push: Option<&Push>) -> Result<(), KernelError> {
-        if self.driven.is_empty() {
-            return pushed(&mut self.sim, count, push);
+        if self.driven.is_empty() && push.is_none() {
+            return self.sim.steps(count);
         }
-        // Nothing is written to between the steps.
+        // Nothing is written to between the steps, so that the rows are sealed once.
         self.sim.hold()?;
         for _ in 0..count {
             if let Err(fault) = pushed(&mut self.sim, 1, push) {

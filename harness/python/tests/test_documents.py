@@ -116,3 +116,22 @@ def test_the_page_of_the_guide_runs(tmp_path, monkeypatch):
     names = {}
     for k, block in enumerate(blocks):
         exec(compile(block, f"python.md, block {k + 1}", "exec"), names)
+
+
+def test_notices_name_what_is_linked():
+    tree = "cargo tree -e normal,no-proc-macro --prefix none --format {p}|{l} --target x86_64-unknown-linux-gnu --locked"
+    out = subprocess.run(tree.split(), cwd=ROOT / "harness/python", capture_output=True, text=True, check=True).stdout
+    # Our own crates have a path behind their version.
+    lines = {line.replace(" (*)", "") for line in out.splitlines() if "(/" not in line}
+    rows = set()
+    for line in lines:
+        crate, licence = line.split("|")
+        name, version = crate.split(" ")[:2]
+        rows.add(f"| {name} | {version.lstrip('v')} | {licence.replace('/', ' OR ')} |")
+    written = (ROOT / "harness/python/THIRD-PARTY.md").read_text().splitlines()
+    assert len(rows) > 50
+    assert {line for line in written if line.startswith("| ")} - rows == {
+        "| crate | version | licence |",
+        "| --- | --- | --- |",
+    }, "cargo run -p bitgrain-tests --bin notices -- python"
+    assert rows <= set(written)
