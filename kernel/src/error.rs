@@ -62,6 +62,21 @@ pub enum Error {
     },
     /// A saved contact is not finite or joins bodies that are not near each other.
     BadContactHistory,
+    /// Bytes are no saved world, or were changed or cut off after they were written; or they were forged, and the store
+    /// that was to hold them is stopped.
+    BadSave,
+    /// A saved world of another layout, other arithmetic or another number type.
+    OtherVersion,
+    /// The lent bytes are too few for a saved world; nothing was written.
+    BufferTooShort {
+        /// Bytes that would have been enough.
+        needed: usize,
+    },
+    /// There is no room for so many grains; nothing was changed.
+    GrainsFull {
+        /// Grains that there would have to be room for.
+        needed: usize,
+    },
     /// The lent pair list is too short; nothing was changed.
     PairListFull {
         /// Entries that would have been enough.
@@ -135,6 +150,13 @@ pub enum Error {
         /// The place among the rows.
         place: u32,
     },
+    /// No grain has this id.
+    UnknownGrain {
+        /// The id.
+        id: u32,
+    },
+    /// Grains have left under the world's policy and were not taken out yet; nothing was changed.
+    GrainsLeaving,
     /// What a step reads was written to since the last one ended; nothing was changed.
     Edited,
 }
@@ -197,9 +219,13 @@ impl Error {
             Self::ObstacleTooSlow { .. } => 10,
             Self::GravityTooWeak { .. } => 11,
             Self::BadContactHistory => 12,
+            Self::BadSave => 13,
+            Self::OtherVersion => 14,
             Self::PairListFull { .. } => 20,
             Self::OuterListFull { .. } => 21,
             Self::ObstacleContactsFull { .. } => 22,
+            Self::BufferTooShort { .. } => 23,
+            Self::GrainsFull { .. } => 24,
             Self::Overflow { .. } => 30,
             Self::ObstacleOverflow { .. } => 31,
             Self::NotFinite { .. } => 32,
@@ -212,6 +238,8 @@ impl Error {
             Self::NotStarted => 50,
             Self::Edited => 51,
             Self::NoGrain { .. } => 52,
+            Self::UnknownGrain { .. } => 53,
+            Self::GrainsLeaving => 54,
         }
     }
 
@@ -261,15 +289,16 @@ impl fmt::Display for Error {
             }
             Error::GravityTooWeak { group } => write!(f, "grains of group {group} fall {TOO_SLOW}"),
             Error::BadContactHistory => write!(f, "a saved contact fits no bodies near each other"),
-            Error::PairListFull { needed } => {
-                write!(f, "pair list is full, {needed} entries needed")
-            }
-            Error::OuterListFull { needed } => {
-                write!(f, "candidate list is full, {needed} entries needed")
-            }
-            Error::ObstacleContactsFull { needed } => {
-                write!(f, "obstacle list is full, {needed} entries needed")
-            }
+            Error::BadSave => write!(f, "these bytes are no saved world as it was written"),
+            Error::OtherVersion => write!(
+                f,
+                "a saved world of another layout, other arithmetic or another number type"
+            ),
+            Error::BufferTooShort { needed } => write!(f, "a saved world takes {needed} bytes"),
+            Error::GrainsFull { needed } => write!(f, "there is no room for {needed} grains"),
+            Error::PairListFull { needed } => full(f, "pair", needed),
+            Error::OuterListFull { needed } => full(f, "candidate", needed),
+            Error::ObstacleContactsFull { needed } => full(f, "obstacle", needed),
             Error::Overflow { id } => write!(
                 f,
                 "a number of grain {id} is too large for the fixed-point type: {TOO_LARGE}"
@@ -303,6 +332,8 @@ impl fmt::Display for Error {
             ),
             Error::NotStarted => write!(f, "the world was not started"),
             Error::NoGrain { place } => write!(f, "there is no grain at place {place}"),
+            Error::UnknownGrain { id } => write!(f, "there is no grain with id {id}"),
+            Error::GrainsLeaving => f.write_str(LEAVING),
             Error::Edited => write!(
                 f,
                 "the world was changed between two steps; after a change start or resume it"
@@ -310,6 +341,13 @@ impl fmt::Display for Error {
         }
     }
 }
+
+/// Says how many entries a full list would need.
+fn full(f: &mut fmt::Formatter<'_>, list: &str, needed: usize) -> fmt::Result {
+    write!(f, "{list} list is full, {needed} entries needed")
+}
+
+const LEAVING: &str = "grains have left the world: take them out before the next step";
 
 const TOO_LARGE: &str = "take one with fewer places after the point, or other units";
 

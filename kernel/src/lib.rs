@@ -79,17 +79,17 @@ mod fp_environment;
 mod integrate;
 mod math;
 mod neighbors;
+mod owners;
 pub mod phases;
+mod saved;
 mod state;
 mod step;
-mod store;
 mod world;
 
-pub use digest::blake3;
 pub use digest::state::{Digest, PARTS, digest};
-pub use edit::nudge;
+pub use digest::{BITS_VERSION, blake3};
+pub use edit::{NewGrains, insert, nudge, regroup, remove, take_out};
 pub use error::{ArithmeticDefect, Error};
-pub use external::GrainState;
 pub use forces::accumulate::{ContactForce, Partner};
 pub use fp_environment::check_arithmetic;
 pub use math::real::Real;
@@ -99,13 +99,13 @@ pub use math::vec3;
 pub use math::{fixed_point, scaling};
 pub use neighbors::cell_list::{CellList, OuterList};
 pub use neighbors::pair_list::{ContactHistory, PairList, TOUCHING};
+pub use owners::capacity::Capacity;
+pub use owners::lent::{Head, LentStore, Memory};
+pub use owners::store::Store;
+pub use saved::{save, save_size};
 pub use state::domain::Domain;
-pub use state::grains::{Grains, Group};
+pub use state::grains::{GrainState, Grains, Group, NewGrain};
+pub use state::losses::{Cause, Departure, Drain, LossPolicy};
 pub use state::obstacle::{Obstacle, Shape};
 pub use step::{resume, start, start_watched, step, step_watched, step_with};
-pub use store::Store;
 pub use world::{Clock, World};
-
-/// Names the arithmetic of a step. Two builds with the same number give the same bits; a change that
-/// alters any bit raises it.
-pub const BITS_VERSION: u32 = 1;

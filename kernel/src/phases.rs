@@ -31,14 +31,20 @@ pub use crate::integrate::{GrainMotion, MotionCheck, MotionPhase, integrate};
 /// since the last stretch ended. From here to [`end`] only the phases may use what is lent.
 ///
 /// # Errors
-/// Before anything is changed: a world that does not rest, slices that do not fit together, and
-/// [`Error::Edited`].
+/// Before anything is changed: a world that does not rest, slices that do not fit together,
+/// [`Error::GrainsLeaving`] and [`Error::Edited`].
 #[inline]
 pub fn begin<R: Real>(world: &mut World<'_, R>, sealed: Sealed) -> Result<(), Error> {
     if world.clock.stage != Stage::Resting {
         return Err(Error::NotStarted);
     }
+    if world.clock.losing {
+        return Err(Error::GrainsLeaving);
+    }
     world.check_storage()?;
+    if world.grains.count() != world.clock.count {
+        return Err(Error::Edited);
+    }
     if whole(world, sealed) != world.clock.seal {
         return Err(Error::Edited);
     }
@@ -74,6 +80,9 @@ pub fn ensure_pair_list_ahead<R: Real>(world: &mut World<'_, R>) -> Result<(), E
     if world.clock.stage != Stage::Going {
         return Err(Error::NotStarted);
     }
+    if world.clock.losing {
+        return Err(Error::GrainsLeaving);
+    }
     world.check_storage()?;
     let travel = next_travel(world)?;
     refresh_if_old(world, travel, &[])
@@ -83,8 +92,8 @@ pub fn ensure_pair_list_ahead<R: Real>(world: &mut World<'_, R>) -> Result<(), E
 /// validity.
 ///
 /// # Errors
-/// A world that has not begun; a grain that left the box; an obstacle that is too fast or so far away that
-/// its place is not a number. The world is stopped in the middle of a step.
+/// A world that has not begun; a grain that left the box, unless the policy takes it out; an obstacle that is too fast
+/// or so far away that its place is not a number. The world is stopped in the middle of a step.
 #[inline]
 pub fn drift<R: Real>(world: &mut World<'_, R>, passed: MotionCheck<R>) -> Result<(), Error> {
     if world.clock.stage != Stage::Going {
@@ -93,7 +102,10 @@ pub fn drift<R: Real>(world: &mut World<'_, R>, passed: MotionCheck<R>) -> Resul
     world.clock.stage = Stage::Stopped;
     let travel = next_travel(world)?;
     if let Some(fault) = passed.escaped {
-        return Err(fault);
+        if !world.policy.takes_out {
+            return Err(fault);
+        }
+        world.clock.losing = true;
     }
     world.clock.budget = world.clock.budget - travel;
     world.clock.far = world.clock.far - (travel + travel);
@@ -225,9 +237,9 @@ fn rebuild_outer_list<R: Real>(world: &mut World<'_, R>, far: R) -> Result<Found
 /// The joint after [`obstacle_forces`] and [`accumulate`], which say what they found too deep.
 ///
 /// # Errors
-/// A force on an obstacle that is not finite, or one of the overlaps.
+/// A force on an obstacle that is not finite; one of the overlaps, unless the policy takes such grains out.
 pub fn check_overlaps<R: Real>(
-    world: &World<'_, R>,
+    world: &mut World<'_, R>,
     hit: ExcessiveOverlap,
     deep: ExcessiveOverlap,
 ) -> Result<(), Error> {
@@ -235,6 +247,10 @@ pub fn check_overlaps<R: Real>(
         if !body.force.iter().chain(&body.torque).all(|f| f.is_finite()) {
             return Err(Error::obstacle_not_finite::<R>(k as u32));
         }
+    }
+    if world.policy.takes_out {
+        world.clock.losing |= hit.is_some() || deep.is_some();
+        return Ok(());
     }
     let id = |place: u32| get_or_default(world.grains.id, place as usize);
     if let Some((i, obstacle)) = hit {
@@ -259,6 +275,9 @@ pub fn finish<R: Real>(world: &mut World<'_, R>, passed: MotionCheck<R>) -> Resu
         return Err(Error::NotStarted);
     }
     go_on(world, passed)?;
+    if let Some(drain) = &world.policy.drain {
+        world.clock.losing |= world.grains.position.iter().any(|x| drain.has(x));
+    }
     // A caller may have set any number; the largest one stays as it is.
     world.clock.step = world.clock.step.saturating_add(1);
     Ok(())
@@ -266,7 +285,10 @@ pub fn finish<R: Real>(world: &mut World<'_, R>, passed: MotionCheck<R>) -> Resu
 
 /// Leaves a world between two steps, unless it is unsound.
 #[inline]
-fn go_on<R: Real>(world: &mut World<'_, R>, passed: MotionCheck<R>) -> Result<(), Error> {
+pub(crate) fn go_on<R: Real>(
+    world: &mut World<'_, R>,
+    passed: MotionCheck<R>,
+) -> Result<(), Error> {
     world.clock.stage = Stage::Stopped;
     if let Some(fault) = passed.unsound {
         return Err(fault);
@@ -286,6 +308,7 @@ fn go_on<R: Real>(world: &mut World<'_, R>, passed: MotionCheck<R>) -> Result<()
 pub(crate) fn come_to_rest<R: Real>(world: &mut World<'_, R>) -> Result<(), Error> {
     let passed = moved(world, MotionPhase::CheckOnly);
     go_on(world, passed)?;
+    world.clock.count = world.grains.count();
     let sealed = seal_all(world);
     end(world, sealed)
 }

@@ -2,13 +2,14 @@
 //! pass that lives in its own file.
 
 use crate::contact::law::Law;
+use crate::edit::settle::weigh;
 use crate::error::Error;
-use crate::external::{GrainState, add_external};
+use crate::external::add_external;
 use crate::forces::accumulate::{After, ContactForce, accumulate, no_fetch};
 use crate::forces::obstacle_contacts::obstacle_forces;
 use crate::fp_environment::check_arithmetic;
 use crate::integrate::MotionPhase;
-use crate::math::real::{Real, smaller};
+use crate::math::real::Real;
 use crate::math::vec3::Vec3;
 use crate::neighbors::pair_list::{ContactHistory, Listed};
 use crate::phases::begin;
@@ -22,6 +23,7 @@ use crate::phases::moved;
 use crate::phases::next_travel;
 use crate::phases::refresh_pair_list;
 use crate::phases::seal_all;
+use crate::state::grains::GrainState;
 use crate::world::{Stage, World};
 
 /// Advances a started world by one step `dt`. Within a stretch that the host began with [`begin`] the rows are not
@@ -174,6 +176,7 @@ pub fn resume<R: Real>(
 fn prepare<R: Real>(world: &mut World<'_, R>, has_moved: bool) -> Result<(), Error> {
     let listed = world.clock.listed;
     world.clock.stage = Stage::Stopped;
+    world.clock.losing = false;
     world.clock.listed = Listed::default();
     let listed_anew = list_first(world, has_moved);
     if listed_anew.is_err() {
@@ -186,20 +189,7 @@ fn prepare<R: Real>(world: &mut World<'_, R>, has_moved: bool) -> Result<(), Err
 fn list_first<R: Real>(world: &mut World<'_, R>, has_moved: bool) -> Result<(), Error> {
     check_arithmetic::<R>()?;
     world.check(has_moved)?;
-    world.clock.radius_min = R::MAX;
-    // Without grains, obstacles may still cross no more than one period in a step.
-    let (lo, hi) = (world.domain.lo(), world.domain.hi());
-    for a in (0..3).filter(|a| world.domain.periodic()[*a]) {
-        world.clock.radius_min = smaller(world.clock.radius_min, hi[a] - lo[a]);
-    }
-    let g = &mut world.grains;
-    let rows = g.velocity.iter().zip(g.position.iter()).zip(g.group);
-    for (w, ((v, x), group)) in g.spin.iter_mut().zip(rows) {
-        world.clock.radius_min = smaller(world.clock.radius_min, x[3]);
-        let group = g.groups.get(usize::from(*group));
-        let heavy = group.is_some_and(|group| group.infinite_mass);
-        w[3] = if heavy { R::ZERO } else { R::ONE / v[3] };
-    }
+    weigh(world);
     world.clock.far = -R::ONE;
     world.clock.next_travel = R::ZERO;
     let travel = next_travel(world)?;

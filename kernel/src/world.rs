@@ -5,12 +5,13 @@ use crate::forces::accumulate::{GrainRange, GrainView, PairRange};
 use crate::forces::obstacle_contacts::ObstacleContactRange;
 use crate::integrate::GrainMotion;
 use crate::math::real::{Real, larger, magnitude};
-use crate::math::rows::{front_mut, get_or_default, halves_mut, prefix, split_at};
+use crate::math::rows::{front_mut, get_or_default, halves_mut, prefix, shorten, split_at};
 use crate::math::vec3::{Vec3, head, length_bound};
 use crate::neighbors::cell_list::{CellList, OuterList};
 use crate::neighbors::pair_list::{ContactHistory, Listed, PairList, TOUCHING};
 use crate::state::domain::Domain;
-use crate::state::grains::Grains;
+use crate::state::grains::{GrainState, Grains};
+use crate::state::losses::LossPolicy;
 use crate::state::obstacle::Obstacle;
 
 /// Units in the last place of the largest coordinate that a step must move by.
@@ -41,6 +42,10 @@ pub struct Clock<R> {
     pub(crate) rounding: R,
     /// Of the world as it came to rest; see [`crate::digest::seal`].
     pub(crate) seal: u64,
+    /// Grains of the world when it was started or edited.
+    pub(crate) count: usize,
+    /// Whether grains wait to be taken out; see [`crate::take_out`].
+    pub(crate) losing: bool,
     pub(crate) stage: Stage,
 }
 
@@ -80,6 +85,8 @@ impl<R: Real> Clock<R> {
         next_travel: R::ZERO,
         rounding: R::ZERO,
         seal: 0,
+        count: 0,
+        losing: false,
         stage: Stage::Stopped,
     };
 
@@ -113,6 +120,17 @@ impl<R: Real> Clock<R> {
         self.listed.obstacle_contacts
     }
 
+    /// How many grains the world has since it was started or last edited: an owner's rows in use.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Whether grains have left under a [`LossPolicy`] and must be taken out, with [`crate::take_out`], before the
+    /// next step.
+    pub fn is_losing(&self) -> bool {
+        self.losing
+    }
+
     /// Whether the world is between two stretches of steps: not after a fault, and not if a full list
     /// interrupted several steps.
     pub fn rests(&self) -> bool {
@@ -136,8 +154,8 @@ impl<R: Real> Clock<R> {
 /// It is rebuilt for each stretch of steps from storage that its owner keeps; building one costs
 /// nothing. All that a step reads is read-only between steps: after changing it by hand, call
 /// [`crate::start`] or [`crate::resume`], or the next step is refused with [`Error::Edited`]. Free to change
-/// at any time are skin, reach and range_bounds, the number of steps done, and the velocity of an obstacle, which is
-/// not checked then.
+/// at any time are skin, reach and range_bounds, the number of steps done, the policy, and the velocity of an
+/// obstacle, which is not checked then.
 pub struct World<'a, R> {
     /// The box.
     pub domain: &'a Domain<R>,
@@ -151,6 +169,8 @@ pub struct World<'a, R> {
     /// Where ranges of grains end, but for the last: places that ascend, none for one range. The list
     /// keeps pairs of two ranges apart, so that ranges share nothing: a matter of speed only.
     pub range_bounds: &'a [u32],
+    /// What becomes of grains that leave: a part of the physics, which may change between steps.
+    pub policy: LossPolicy<R>,
     /// The grains.
     pub grains: Grains<'a, R>,
     /// The obstacles, by number.
@@ -174,6 +194,29 @@ impl<R: Real> World<'_, R> {
         let (domain, position) = (self.domain, &*self.grains.position);
         self.pairs
             .contact_histories(self.clock.listed, domain, position)
+    }
+
+    /// The place of the grain with this id among the rows, by halving.
+    pub fn place_of(&self, id: u32) -> Option<usize> {
+        prefix(self.grains.id, self.clock.count)
+            .binary_search(&id)
+            .ok()
+    }
+
+    /// What is known of the grain at a place.
+    pub(crate) fn grain(&self, place: usize) -> GrainState<R> {
+        let g = &self.grains;
+        let rows = [&*g.position, &*g.velocity, &*g.spin].map(|rows| get_or_default(rows, place));
+        let [x, v, w] = &rows;
+        let (id, group) = (get_or_default(g.id, place), get_or_default(g.group, place));
+        GrainState::of(place, id, group, [x, v, w])
+    }
+
+    /// Shortens the world to its first grains.
+    pub(crate) fn shrink(&mut self, count: usize) {
+        self.grains.shrink(count);
+        shorten(&mut self.candidates.row, count.saturating_add(1));
+        self.clock.count = count;
     }
 
     /// What the passes of motion read and write, for all grains.
@@ -356,7 +399,7 @@ impl<R: Real> World<'_, R> {
     /// two images of one body.
     fn check_periods(&self) -> Result<(), Error> {
         let (mut radius, mut largest) = (R::ZERO, 0);
-        for (x, id) in self.grains.position.iter().zip(self.grains.id) {
+        for (x, id) in self.grains.position.iter().zip(self.grains.id.iter()) {
             if x[3] > radius {
                 (radius, largest) = (x[3], *id);
             }

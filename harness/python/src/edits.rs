@@ -6,7 +6,7 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 
 use crate::arrays::{ids, rows, vector};
-use crate::changes::{Change, Refusal, apply};
+use crate::changes::{Change, apply};
 use crate::errors::{input, kernel};
 use crate::grains::{Given, group_number, ids_of};
 use crate::views::{Shared, write};
@@ -84,13 +84,7 @@ impl Edit {
         let mut core = write(&self.shared)?;
         let done =
             py.detach(|| core.edit(|sim| changes.iter().try_for_each(|change| apply(sim, change))));
-        match done {
-            Ok(()) => Ok(false),
-            Err(Refusal::Kernel(fault)) => Err(kernel(fault)),
-            Err(Refusal::Unknown(id)) => {
-                Err(input("ids", format!("holds {id}; there is no such grain")))
-            }
-        }
+        done.map(|()| false).map_err(kernel)
     }
 
     /// Gives grains other velocities (length / time), shape (n, 3) or (3,) for all of them.
@@ -146,7 +140,7 @@ impl Edit {
     /// Removes grains.
     #[pyo3(signature = (ids))]
     fn remove(&self, ids: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.add(Change::Remove(named(ids)?))
+        self.add(Change::Remove(ascending(named(ids)?)))
     }
 
     /// Puts grains into another group: a `Group`, or one of "free", "frozen", "carried" and "lid".
@@ -156,10 +150,17 @@ impl Edit {
     #[pyo3(signature = (ids, group))]
     fn set_group(&self, ids: &Bound<'_, PyAny>, group: &Bound<'_, PyAny>) -> PyResult<()> {
         let group = group_number(Some(group), &self.shared)?;
-        self.add(Change::Group(named(ids)?, group))
+        self.add(Change::Group(ascending(named(ids)?), group))
     }
 }
 
 fn named(value: &Bound<'_, PyAny>) -> PyResult<Vec<u32>> {
     ids(value, "ids")
+}
+
+/// Each id once, in the order that the kernel asks for.
+fn ascending(mut ids: Vec<u32>) -> Vec<u32> {
+    ids.sort_unstable();
+    ids.dedup();
+    ids
 }

@@ -1,6 +1,7 @@
 //! Grains from arrays, and their groups.
 
 use bitgrain::simulation::Grain;
+use bitgrain_kernel::{Cause, Departure};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
@@ -28,6 +29,59 @@ impl Group {
 
     fn __repr__(&self) -> String {
         format!("<bitgrain.Group {}>", self.number)
+    }
+}
+
+/// A grain that was taken out of a world, as it was when it left.
+#[pyclass(frozen, get_all, module = "bitgrain")]
+pub struct Departed {
+    /// Its id.
+    pub id: u32,
+    /// Why: "escaped" from the box, "drained", or too deep in an "obstacle" or in a "grain".
+    pub cause: &'static str,
+    /// Number of that obstacle, or id of that grain.
+    pub partner: Option<u32>,
+    /// Centre (length).
+    pub position: (f64, f64, f64),
+    /// Velocity (length / time).
+    pub velocity: (f64, f64, f64),
+    /// Spin (radians / time).
+    pub spin: (f64, f64, f64),
+    /// Radius (length).
+    pub radius: f64,
+    /// Mass.
+    pub mass: f64,
+}
+
+impl From<&Departure<f64>> for Departed {
+    fn from(departure: &Departure<f64>) -> Self {
+        let Departure { grain, cause } = departure;
+        let (cause, partner) = match *cause {
+            Cause::Escaped => ("escaped", None),
+            Cause::Drained => ("drained", None),
+            Cause::ObstacleTooDeep { obstacle } => ("obstacle", Some(obstacle)),
+            Cause::OverlapTooDeep { with } => ("grain", Some(with)),
+            // A later kernel may have more causes.
+            _ => ("other", None),
+        };
+        Self {
+            id: grain.id,
+            cause,
+            partner,
+            position: grain.position.into(),
+            velocity: grain.velocity.into(),
+            spin: grain.spin.into(),
+            radius: grain.radius,
+            mass: grain.mass,
+        }
+    }
+}
+
+#[pymethods]
+impl Departed {
+    fn __repr__(&self) -> String {
+        let Self { id, cause, .. } = self;
+        format!("<bitgrain.Departed: grain {id}, {cause}>")
     }
 }
 

@@ -25,7 +25,7 @@ mod _native {
     #[pymodule_export]
     use super::edits::Edit;
     #[pymodule_export]
-    use super::grains::Group;
+    use super::grains::{Departed, Group};
     #[pymodule_export]
     use super::laboratory::{bisect, check, command, run, text, verify};
     #[pymodule_export]

@@ -8,6 +8,7 @@ use pyo3::types::PyDict;
 
 use crate::arrays::fixed;
 use crate::errors::kernel;
+use crate::grains::Departed;
 use crate::obstacles::Obstacle;
 use crate::views::{Shown, Window, read, write};
 use crate::world::World;
@@ -97,6 +98,16 @@ impl World {
     #[getter]
     fn groups<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.view(py, Shown::Groups)
+    }
+
+    /// The grains that were taken out in the steps of the last call of `step`, in the order in which they left.
+    #[getter]
+    fn departures(&self) -> PyResult<Vec<Departed>> {
+        Ok(read(&self.shared)?
+            .lost
+            .iter()
+            .map(Departed::from)
+            .collect())
     }
 
     /// Obstacles by number.

@@ -3,10 +3,10 @@
 
 use bitgrain::simulation::{Grain, Simulation};
 use bitgrain::threads::ThreadsError;
-use bitgrain_kernel::{Error as KernelError, Group, Obstacle, check_arithmetic};
+use bitgrain_kernel::{Departure, Error as KernelError, Group, Obstacle, check_arithmetic};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use crate::changes::{add_rows, insert, pushed_steps, try_a_step};
+use crate::changes::{Change, Push, add_rows, apply, pushed_step, try_a_step};
 
 /// Fewest grains of a thread: with fewer grains than twice this, a simulation steps on one thread.
 const GRAINS_OF_A_THREAD: usize = 500;
@@ -44,15 +44,6 @@ impl Kind {
     }
 }
 
-/// A force and a torque on each grain, by their places, that act in each step of a call.
-#[derive(Debug, Default)]
-pub struct Push {
-    /// Forces.
-    pub force: Vec<[f64; 3]>,
-    /// Torques.
-    pub torque: Vec<[f64; 3]>,
-}
-
 /// Steps that a driven obstacle still goes, and sums of the force and torque on it over the steps of a call.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Driven {
@@ -76,6 +67,8 @@ pub struct Core {
     pub threads: usize,
     /// The next id that no grain has had.
     pub next_id: u32,
+    /// The grains that left in the steps of the last call.
+    pub lost: Vec<Departure<f64>>,
     /// Steps that the means are over.
     counted: u64,
     pool: Option<ThreadPool>,
@@ -92,6 +85,7 @@ impl Core {
             driven: Vec::new(),
             threads,
             next_id: 1,
+            lost: Vec::new(),
             counted: 0,
             pool: None,
         }
@@ -103,7 +97,8 @@ impl Core {
     /// Of a world that has started, what the kernel finds wrong with it; it is as it was.
     pub fn put(&mut self, grains: &[Grain]) -> Result<(), KernelError> {
         if self.started {
-            return self.edit(|sim| insert(sim, grains));
+            let change = Change::Insert(grains.to_vec());
+            return self.edit(|sim| apply(sim, &change));
         }
         add_rows(&mut self.sim, grains);
         self.generation += 1;
@@ -209,15 +204,16 @@ impl Core {
         }
     }
 
-    /// Begins a call that steps: means are over the steps from here on.
-    pub fn begin_means(&mut self) {
+    /// Begins a call that steps: means are over the steps from here on, and so are losses.
+    pub fn begin_call(&mut self) {
+        self.lost.clear();
         self.counted = 0;
         self.driven
             .iter_mut()
             .for_each(|one| one.sum = [[0.0; 3]; 2]);
     }
 
-    /// Mean force and torque on an obstacle over the steps since [`Core::begin_means`]; NaN if there are none.
+    /// Mean force and torque on an obstacle over the steps since [`Core::begin_call`]; NaN if there are none.
     pub fn means(&self, number: usize) -> [[f64; 3]; 2] {
         let count = self.counted as f64;
         self.driven[number].sum.map(|sum| sum.map(|x| x / count))
@@ -227,7 +223,7 @@ impl Core {
     ///
     /// # Errors
     /// What stopped a step.
-    pub fn steps(&mut self, count: u64, push: Option<&Push>) -> Result<(), KernelError> {
+    pub fn steps(&mut self, count: u64, push: &mut Option<Push>) -> Result<(), KernelError> {
         self.generation += 1;
         match self.pool.take() {
             None => self.steps_here(count, push),
@@ -258,16 +254,40 @@ impl Core {
     }
 
     /// [`Core::steps`] on the threads that it is called on.
-    fn steps_here(&mut self, count: u64, push: Option<&Push>) -> Result<(), KernelError> {
+    fn steps_here(&mut self, count: u64, push: &mut Option<Push>) -> Result<(), KernelError> {
         let mut left = count;
+        self.take_out(push)?;
         while left > 0 {
             let drives = self.driven.iter().map(|one| one.left);
             let stretch = drives.filter(|left| *left > 0).fold(left, u64::min);
             let before = self.sim.step_count();
-            let went = self.stretch(stretch, push);
-            self.count_drives(self.sim.step_count() - before);
+            let went = self.stretch(stretch, push.as_ref());
+            let done = self.sim.step_count() - before;
+            self.count_drives(done);
             went?;
-            left -= stretch;
+            left -= done;
+            self.take_out(push)?;
+        }
+        Ok(())
+    }
+
+    /// Takes out the grains that were lost in the last step, with what pushes them.
+    fn take_out(&mut self, push: &mut Option<Push>) -> Result<(), KernelError> {
+        if !self.sim.clock.is_losing() {
+            return Ok(());
+        }
+        let first = self.lost.len();
+        self.sim.take_out(|departure| self.lost.push(departure))?;
+        let mut places: Vec<usize> = self.lost[first..]
+            .iter()
+            .map(|one| one.grain.place)
+            .collect();
+        places.sort_unstable();
+        if let Some(Push { force, torque }) = push {
+            for place in places.into_iter().rev() {
+                force.remove(place);
+                torque.remove(place);
+            }
         }
         Ok(())
     }
@@ -283,15 +303,23 @@ impl Core {
         }
     }
 
-    /// Steps in which no drive ends; after each of them the forces on obstacles are added up.
+    /// Steps in which no drive ends, up to one in which grains are lost; after each the forces on obstacles are added
+    /// up.
     fn stretch(&mut self, count: u64, push: Option<&Push>) -> Result<(), KernelError> {
         if self.driven.is_empty() && push.is_none() {
-            return self.sim.steps(count);
+            return match self.sim.steps(count) {
+                Err(KernelError::GrainsLeaving) => Ok(()),
+                done => done,
+            };
         }
         // Nothing is written to between the steps, so that the rows are sealed once.
         self.sim.hold()?;
         for _ in 0..count {
-            if let Err(fault) = pushed(&mut self.sim, 1, push) {
+            let done = match push {
+                None => self.sim.steps(1),
+                Some(push) => pushed_step(&mut self.sim, push),
+            };
+            if let Err(fault) = done {
                 // The fault says more than that the stretch cannot be ended well.
                 let _ = self.sim.release();
                 return Err(fault);
@@ -303,15 +331,10 @@ impl Core {
                     one.sum[1][a] += body.torque[a];
                 }
             }
+            if self.sim.clock.is_losing() {
+                break;
+            }
         }
         self.sim.release()
-    }
-}
-
-/// Steps with a push on each grain, or without.
-fn pushed(sim: &mut Simulation, count: u64, push: Option<&Push>) -> Result<(), KernelError> {
-    match push {
-        None => sim.steps(count),
-        Some(push) => pushed_steps(sim, count, push),
     }
 }

@@ -5,8 +5,9 @@ use bitgrain_kernel::Error as KernelError;
 use pyo3::prelude::*;
 
 use crate::arrays::rows;
+use crate::changes::Push;
 use crate::errors::{kernel, laboratory};
-use crate::simulated::{Core, Push};
+use crate::simulated::Core;
 use crate::views::{Writing, read, write};
 use crate::world::World;
 
@@ -40,6 +41,9 @@ impl World {
     ///     before the step. What is given acts in the half kick that ends a step and in the one that begins the next,
     ///     and stands in `forces` and in the digest.
     ///
+    /// In a world that takes out grains (`lose`, `drain`), those that left are in `departures`, and what was given for
+    /// them goes with them.
+    ///
     /// A call of `n` steps gives the bits of `n` calls of one. A force of zero gives the bits of none.
     ///
     /// Raises
@@ -63,18 +67,20 @@ impl World {
             .any(|(value, _)| value.is_some_and(|value| value.is_callable()))
         {
             let push = push(given, grains, |value| Ok(value.clone()))?;
-            return advance(py, write(shared)?, n, push.as_ref());
+            return advance(py, write(shared)?, n, push);
         }
         for _ in 0..n {
             let push = {
                 // Whoever is asked may look, but not step.
-                let _reading = read(shared)?;
-                push(given, grains, |value| match value.is_callable() {
-                    true => value.call1((slf,)),
-                    false => Ok(value.clone()),
+                let reading = read(shared)?;
+                push(given, reading.sim.count(), |value| {
+                    match value.is_callable() {
+                        true => value.call1((slf,)),
+                        false => Ok(value.clone()),
+                    }
                 })?
             };
-            advance(py, write(shared)?, 1, push.as_ref())?;
+            advance(py, write(shared)?, 1, push)?;
         }
         Ok(())
     }
@@ -85,17 +91,17 @@ fn begin(py: Python<'_>, core: &mut Core) -> PyResult<usize> {
     let threads: Result<(), ThreadsError> = core.start_threads();
     threads.map_err(|why| laboratory(&why.into()))?;
     py.detach(|| core.start()).map_err(kernel)?;
-    core.begin_means();
+    core.begin_call();
     Ok(core.sim.count())
 }
 
 /// Steps without the interpreter's lock, but for looks for Ctrl-C.
-fn advance(py: Python<'_>, mut core: Writing, n: u64, push: Option<&Push>) -> PyResult<()> {
+fn advance(py: Python<'_>, mut core: Writing, n: u64, mut push: Option<Push>) -> PyResult<()> {
     let many = UNINTERRUPTED / (core.sim.count() as u64 + 1) + 1;
     let mut left = n;
     while left > 0 {
         let now = left.min(many);
-        let done: Result<(), KernelError> = py.detach(|| core.steps(now, push));
+        let done: Result<(), KernelError> = py.detach(|| core.steps(now, &mut push));
         done.map_err(kernel)?;
         left -= now;
         py.check_signals()?;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use bitgrain::isa::Isa;
 use bitgrain::simulation::Simulation;
-use bitgrain_kernel::{Domain, Obstacle as Body};
+use bitgrain_kernel::{Domain, Drain, LossPolicy, Obstacle as Body};
 use numpy::PyArray1;
 use parking_lot::RwLock;
 use pyo3::prelude::*;
@@ -42,6 +42,13 @@ const THREADS: usize = 1024;
 /// instructions : str or None
 ///     "plain", "avx2" or "avx512"; None is the widest set that this machine has. No bit depends on it.
 ///
+/// lose : bool
+///     Whether a grain that leaves the box, or overlaps another body by more than a quarter of the smaller diameter, is
+///     taken out after the step in which it does; of two grains the one with the higher id. Else it stops the world.
+/// drain : tuple of two array_like of shape (3,), optional
+///     A point (length) and a normal of a plane: a grain whose centre comes behind it, on the side that the normal
+///     points away from, is taken out.
+///
 /// Units are free, as long as they fit together. Numbers are copied from arrays that are given.
 ///
 /// Raises
@@ -70,7 +77,9 @@ pub struct World {
 #[pymethods]
 impl World {
     #[new]
-    #[pyo3(signature = (r#box, gravity, dt, law, *, periodic=(false, false, false), threads=None, instructions=None))]
+    #[pyo3(signature = (r#box, gravity, dt, law, *, periodic=(false, false, false), threads=None, instructions=None,
+        lose=false, drain=None))]
+    #[allow(clippy::too_many_arguments)]
     fn new(
         r#box: Option<&Bound<'_, PyAny>>,
         gravity: &Bound<'_, PyAny>,
@@ -79,6 +88,8 @@ impl World {
         periodic: (bool, bool, bool),
         threads: Option<usize>,
         instructions: Option<&str>,
+        lose: bool,
+        drain: Option<(Bound<'_, PyAny>, Bound<'_, PyAny>)>,
     ) -> PyResult<Self> {
         let gravity = vector(gravity, "gravity")?;
         let domain = domain(r#box, periodic.into())?;
@@ -95,6 +106,14 @@ impl World {
         }
         let mut sim = Simulation::new(law_of(law)?, domain, dt, Vec::new(), &[], Vec::new());
         sim.stepping.registers = registers(instructions)?;
+        let drain = drain.map(|(point, normal)| {
+            let (point, normal) = (vector(&point, "drain")?, direction(&normal, "drain")?);
+            PyResult::Ok(Drain { point, normal })
+        });
+        sim.policy = LossPolicy {
+            takes_out: lose,
+            drain: drain.transpose()?,
+        };
         let core = Core::new(sim, gravity, threads);
         let shared = Arc::new(RwLock::new(core));
         Ok(Self { shared, gravity })

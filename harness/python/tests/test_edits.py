@@ -58,7 +58,7 @@ def test_removing_grains_of_a_bed(bed):
 def test_a_refused_edit_changes_nothing(bed):
     before, count = bed.digest, len(bed)
     view = bed.positions
-    with pytest.raises(bitgrain.InputError, match="there is no such grain"):
+    with pytest.raises(bitgrain.UnknownGrain, match="no grain with id 999"):
         with bed.edit() as edit:
             edit.set_velocities(1, [0, 0, 0.5])
             edit.remove(999)

@@ -1,8 +1,8 @@
 //! A world of the kernel and everything that it borrows, owned.
 
 use bitgrain_kernel::{
-    CellList, Clock, Domain, Error as KernelError, Grains, Group, Obstacle, OuterList, Real, Row,
-    World,
+    CellList, Clock, Domain, Error as KernelError, Grains, Group, LossPolicy, Obstacle, OuterList,
+    Real, Row, World,
 };
 
 use crate::lists::{Grown, List};
@@ -40,6 +40,8 @@ pub struct OwnedWorld<R> {
     pub obstacles: Vec<Obstacle<R>>,
     /// The pair list, and storage for the next one.
     pub lists: [List<R>; 2],
+    /// What becomes of grains that leave.
+    pub policy: LossPolicy<R>,
     /// Ends of ranges of grains, but for the last: speed only.
     pub range_bounds: Vec<u32>,
     /// Where the candidates of each grain end.
@@ -73,6 +75,7 @@ impl<R: Real> OwnedWorld<R> {
             image: Vec::new(),
             obstacles: Vec::new(),
             lists: [List::default(), List::default()],
+            policy: LossPolicy::STOP,
             range_bounds: Vec::new(),
             candidate_row: Vec::new(),
             candidate: Vec::new(),
@@ -92,6 +95,18 @@ impl<R: Real> OwnedWorld<R> {
         self.force.push([R::ZERO; 4]);
         self.torque.push([R::ZERO; 4]);
         self.image.push([0; 3]);
+    }
+
+    /// Makes so many rows, new ones empty.
+    pub(crate) fn set_rows(&mut self, count: usize) {
+        self.id.resize(count, 0);
+        self.group.resize(count, 0);
+        self.position.resize(count, [R::ZERO; 4]);
+        self.velocity.resize(count, [R::ZERO; 4]);
+        self.spin.resize(count, [R::ZERO; 4]);
+        self.force.resize(count, [R::ZERO; 4]);
+        self.torque.resize(count, [R::ZERO; 4]);
+        self.image.resize(count, [0; 3]);
     }
 
     /// Makes lists of at least this many entries.
@@ -127,9 +142,10 @@ impl<R: Real> OwnedWorld<R> {
             skin: self.skin,
             outer_skin: self.outer_skin,
             range_bounds: &self.range_bounds,
+            policy: self.policy,
             grains: Grains {
-                id: &self.id,
-                group: &self.group,
+                id: &mut self.id,
+                group: &mut self.group,
                 groups: &self.groups,
                 position: &mut self.position,
                 velocity: &mut self.velocity,

@@ -172,7 +172,7 @@ impl Simulation {
     /// Runs `act`, enlarging the lists as often as it finds them full: capacity affects no result. Lists that would
     /// be longer than bodies beside each other can make them, or than there is memory for, stay full, and that is
     /// returned.
-    fn grow_while_full(
+    pub(crate) fn grow_while_full(
         &mut self,
         mut act: impl FnMut(&mut Self) -> Result<(), KernelError>,
     ) -> Result<(), KernelError> {

@@ -1,7 +1,6 @@
 //! Steps over ranges of grains, one for each thread, with the machine's widest instructions. The phases are the
 //! kernel's and any partition into ranges gives the bits of one range, so nothing here can change a result.
 
-use std::sync::OnceLock;
 use std::time::Instant;
 
 use bitgrain_kernel::contact::Law;
@@ -11,14 +10,13 @@ use bitgrain_kernel::phases::{
     cross_range, drift, end, ensure_pair_list, finish, first_excessive_overlap, integrate,
     obstacle_forces, seal,
 };
-use bitgrain_kernel::{Error as KernelError, Row, World, check_arithmetic};
+use bitgrain_kernel::{Error as KernelError, LossPolicy, Row, World};
 use prefetch_index::prefetch_index;
 
 use crate::isa::{Isa, Kernel};
+use crate::modes::{Fallible, Modes};
 use crate::skin::{Lists, Skin};
 use crate::threads::{Split, awake, each};
-
-type Fallible<T> = std::result::Result<T, KernelError>;
 
 /// Fewest grains of a range: handing over less costs more than it saves.
 const RANGE_MIN: usize = 500;
@@ -97,7 +95,9 @@ impl Stepping {
         if world.clock.step >= last {
             return Ok(());
         }
-        let with = self.registers;
+        if world.clock.is_losing() {
+            return Err(KernelError::GrainsLeaving);
+        }
         self.skin.on_checkpoint();
         if world.clock.rests() {
             self.begin(world)?;
@@ -105,24 +105,31 @@ impl Stepping {
         }
         // A full list may have interrupted these steps.
         if world.clock.has_begun() {
-            let (range_bounds, modes) = (world.range_bounds, Modes::of(world));
-            let work = |m| modes.after(with.run(Move(m, MotionPhase::Drift)));
-            let passed = each(
-                world.grain_motion(),
-                0,
-                range_bounds,
-                &work,
-                &MotionCheck::and,
-            );
-            modes.check_overlaps(world)?;
+            let passed = self.drifted(world)?;
             drift(world, passed)?;
         }
         while world.clock.step < last {
             self.refresh_pair_list(world)?;
             let is_last = world.clock.step + 1 == last;
-            let passed = self.push_and_move(world, law, is_last)?;
+            // Grains that leave do so at the end of a step, before the next one moves any.
+            let pauses = is_last || world.policy != LossPolicy::STOP;
+            let passed = self.push_and_move(world, law, pauses)?;
             finish(world, passed)?;
+            if world.clock.is_losing() {
+                if !self.held {
+                    self.end(world)?;
+                }
+                return if is_last {
+                    Ok(())
+                } else {
+                    Err(KernelError::GrainsLeaving)
+                };
+            }
             if !is_last {
+                let passed = match pauses {
+                    true => self.drifted(world)?,
+                    false => passed,
+                };
                 drift(world, passed)?;
             }
         }
@@ -130,6 +137,21 @@ impl Stepping {
             true => Ok(()),
             false => self.end(world),
         }
+    }
+
+    /// The motion that begins a step, each range by its own thread.
+    fn drifted(&self, world: &mut World<'_, f64>) -> Fallible<MotionCheck<f64>> {
+        let (with, range_bounds, modes) = (self.registers, world.range_bounds, Modes::of(world));
+        let work = |m| modes.after(with.run(Move(m, MotionPhase::Drift)));
+        let passed = each(
+            world.grain_motion(),
+            0,
+            range_bounds,
+            &work,
+            &MotionCheck::and,
+        );
+        modes.check(world)?;
+        Ok(passed)
     }
 
     /// Begins a stretch of steps, if nothing was written to since the last one.
@@ -204,45 +226,9 @@ impl Stepping {
             (first_excessive_overlap(a, b), p.and(q))
         };
         let (within, passed) = each(part, 0, range_bounds, &work, &join);
-        modes.check_overlaps(world)?;
+        modes.check(world)?;
         check_overlaps(world, hit, first_excessive_overlap(deep, within))?;
         Ok(passed)
-    }
-}
-
-/// Whether the threads of several ranges compute by the bit contract: each has its own processor modes,
-/// and a library may change them at any time. The thread of a single range is checked when the
-/// steps end, and a check costs as much as a few contacts.
-struct Modes {
-    looks: bool,
-    found: OnceLock<KernelError>,
-}
-
-impl Modes {
-    fn of(world: &World<'_, f64>) -> Self {
-        Self {
-            looks: !world.range_bounds.is_empty(),
-            found: OnceLock::new(),
-        }
-    }
-
-    /// The result of a share of a phase, after a check of the thread that did it.
-    fn after<T>(&self, done: T) -> T {
-        if self.looks
-            && let Err(fault) = check_arithmetic::<f64>()
-        {
-            self.found.get_or_init(|| fault);
-        }
-        done
-    }
-
-    /// Stops the world if any of the checks found something.
-    fn check_overlaps(&self, world: &mut World<'_, f64>) -> Fallible<()> {
-        let Some(fault) = self.found.get() else {
-            return Ok(());
-        };
-        world.clock.stop();
-        Err(*fault)
     }
 }
 

@@ -2,10 +2,10 @@
 
 use crate::error::Error;
 use crate::math::real::Real;
+use crate::owners::store::Store;
 use crate::state::domain::Domain;
 use crate::state::grains::Group;
 use crate::state::obstacle::Obstacle;
-use crate::store::Store;
 
 /// Most grains of a world.
 pub const GRAINS: usize = 30;

@@ -7,4 +7,6 @@ pub(crate) mod law;
 
 pub use hertz_history::HertzHistory;
 pub use hertz_tsuji::HertzTsuji;
-pub use law::{Contact, Law, NormalForce, NormalState, Reaction, TangentialForce, TangentialState};
+pub use law::{
+    Contact, Law, NormalForce, NormalState, Reaction, TangentialForce, TangentialState, react,
+};

@@ -131,7 +131,7 @@ pub(crate) fn whole<R: Real>(world: &World<'_, R>, grains: Sealed) -> u64 {
     rest.vector(world.domain.hi());
     rest.flags(world.domain.periodic());
     for count in [
-        world.grains.count(),
+        world.clock.count,
         world.grains.groups.len(),
         world.obstacles.len(),
     ] {

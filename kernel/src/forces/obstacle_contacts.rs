@@ -1,10 +1,10 @@
 //! Forces on obstacles and of obstacles on grains: the first part of every grain's sum. An obstacle's
 //! own sum runs over grains by ascending id.
 
-use crate::contact::law::{Contact, Law};
+use crate::contact::law::{Contact, Law, react};
 use crate::forces::accumulate::{ContactForce, ExcessiveOverlap, GrainRange, Partner};
 use crate::integrate::GrainMotion;
-use crate::math::real::{Real, smaller};
+use crate::math::real::Real;
 use crate::math::rows::Row;
 use crate::math::rows::{add_at, get_or_default, row, sub_at};
 use crate::math::vec3::{Vec3, add, cross, head, scale, sub};
@@ -53,7 +53,7 @@ pub fn obstacle_forces<R: Real, L: Law<R>>(
             *spring = [R::ZERO; 4];
             continue;
         }
-        let r = law.react(&contact, head(*spring), dt);
+        let r = react(law, &contact, head(*spring), dt);
         let push = add(scale(contact.normal, r.normal), r.tangential);
         let couple = cross(contact.normal, r.tangential);
         // A ball's lever is the law's, as for two grains. Elsewhere the force acts where the grain's
@@ -77,13 +77,7 @@ pub fn obstacle_forces<R: Real, L: Law<R>>(
             normal_force: r.normal,
             tangential_force: r.tangential,
         });
-        let own = body.reach();
-        let least = if own > R::ZERO {
-            smaller(contact.radius_i, own)
-        } else {
-            contact.radius_i
-        };
-        if contact.overlap > least * R::HALF && deep.is_none() {
+        if contact.overlap > body.depth_allowed(contact.radius_i) && deep.is_none() {
             deep = Some((i as u32, k));
         }
     }

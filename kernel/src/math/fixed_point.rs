@@ -366,4 +366,8 @@ impl<F: Places> Real for Fixed<F> {
         let bits = self.to_bits() as u64;
         (bits as u32, Some((bits >> 32) as u32))
     }
+    #[inline(always)]
+    fn from_words(low: u32, high: Option<u32>) -> Self {
+        Self::from_bits((u64::from(low) | u64::from(high.unwrap_or(0)) << 32) as i64)
+    }
 }

@@ -63,10 +63,12 @@ pub trait Real:
     /// The number's bits in words, the lowest first, for a digest; the second is `None` if one
     /// word holds them.
     fn to_words(self) -> (u32, Option<u32>);
+    /// The number with these bits; a second word that its type has not is ignored.
+    fn from_words(low: u32, high: Option<u32>) -> Self;
 }
 
 macro_rules! real {
-    ($float:ident, $sqrt:path, $words:path) => {
+    ($float:ident, $sqrt:path, $words:path, $number:path) => {
         impl Real for $float {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
@@ -104,6 +106,10 @@ macro_rules! real {
             #[inline(always)]
             fn to_words(self) -> (u32, Option<u32>) {
                 $words(self)
+            }
+            #[inline(always)]
+            fn from_words(low: u32, high: Option<u32>) -> Self {
+                $number(low, high)
             }
         }
     };
@@ -143,8 +149,18 @@ mod words {
     }
 }
 
-real!(f64, root::f64, words::f64);
-real!(f32, root::f32, words::f32);
+real!(f64, root::f64, words::f64, numbers::f64);
+real!(f32, root::f32, words::f32, numbers::f32);
+
+/// The numbers of words.
+mod numbers {
+    pub fn f64(low: u32, high: Option<u32>) -> f64 {
+        f64::from_bits(u64::from(low) | u64::from(high.unwrap_or(0)) << 32)
+    }
+    pub fn f32(low: u32, _: Option<u32>) -> f32 {
+        f32::from_bits(low)
+    }
+}
 
 /// The larger of two numbers by comparison; the first when they compare equal or not at all.
 #[inline(always)]

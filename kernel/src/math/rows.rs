@@ -118,6 +118,12 @@ pub(crate) fn copy<T: Copy>(to: &mut [T], from: &[T]) {
     }
 }
 
+/// Shortens a lent slice to its beginning.
+pub(crate) fn shorten<T>(slice: &mut &mut [T], end: usize) {
+    let whole = core::mem::take(slice);
+    *slice = whole.get_mut(..end).unwrap_or_default();
+}
+
 /// The smaller of two numbers of entries.
 #[inline(always)]
 pub(crate) fn min(a: usize, b: usize) -> usize {

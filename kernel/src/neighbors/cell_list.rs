@@ -10,6 +10,7 @@ use crate::math::real::{Real, larger, magnitude, smaller};
 use crate::math::rows::Row;
 use crate::math::rows::{copy, front_mut, get_or_default, prefix, set};
 use crate::math::vec3::{head, is_beyond};
+use crate::neighbors::grid::Grid;
 use crate::neighbors::pair_list::{PLACE, PairList};
 use crate::state::domain::Domain;
 use crate::state::grains::Grains;
@@ -41,85 +42,6 @@ pub(crate) struct Found<R> {
     pub slack: R,
     /// What one step's rounding may add to a travel.
     pub rounding: R,
-}
-
-/// How coordinates become cells.
-struct Grid<R> {
-    lo: [R; 3],
-    per_length: [R; 3],
-    count: [usize; 3],
-    periodic: [bool; 3],
-}
-
-impl<R: Real> Grid<R> {
-    /// Cells of at least `width`, as many as `capacity` allows. Periodic axes span the box, others
-    /// the grains.
-    fn new(domain: &Domain<R>, position: &[Row<R>], width: R, capacity: usize) -> Self {
-        let periodic = domain.periodic();
-        let mut lo = domain.lo();
-        let mut hi = domain.hi();
-        for a in 0..3 {
-            if !periodic[a] {
-                (lo[a], hi[a]) = (R::MAX, -R::MAX);
-                for x in position {
-                    lo[a] = smaller(lo[a], x[a]);
-                    hi[a] = larger(hi[a], x[a]);
-                }
-            }
-        }
-        let mut width = width;
-        loop {
-            let mut count = [1usize; 3];
-            let mut per_length = [R::ZERO; 3];
-            for a in 0..3 {
-                let length = hi[a] - lo[a];
-                let fit = (length / width).to_index().clamp(1, 1 << 20);
-                count[a] = fit;
-                if length > R::ZERO {
-                    per_length[a] = R::from_count(fit as u32) / length;
-                }
-            }
-            let cells = count.iter().fold(1usize, |n, &c| n.saturating_mul(c));
-            if cells <= capacity {
-                return Self {
-                    lo,
-                    per_length,
-                    count,
-                    periodic,
-                };
-            }
-            width = width + width * R::HALF;
-        }
-    }
-
-    fn place(&self, x: &Row<R>) -> [usize; 3] {
-        let mut cell = [0; 3];
-        for a in 0..3 {
-            let k = ((x[a] - self.lo[a]) * self.per_length[a]).to_index();
-            cell[a] = k.min(self.count[a] - 1);
-        }
-        cell
-    }
-
-    fn number(&self, cell: [usize; 3]) -> usize {
-        (cell[2] * self.count[1] + cell[1]) * self.count[0] + cell[0]
-    }
-
-    /// The cells next to `k` along axis `a`, itself included, each once.
-    fn around(&self, a: usize, k: usize) -> ([usize; 3], usize) {
-        let n = self.count[a];
-        if n <= 3 && (self.periodic[a] || n < 3) {
-            return ([0, 1, 2], n);
-        }
-        if self.periodic[a] {
-            let before = if k > 0 { k - 1 } else { n - 1 };
-            let after = if k + 1 < n { k + 1 } else { 0 };
-            return ([before, k, after], 3);
-        }
-        let first = k.saturating_sub(1);
-        let last = (k + 1).min(n - 1);
-        ([first, first + 1, first + 2], last - first + 1)
-    }
 }
 
 /// What a search reads.

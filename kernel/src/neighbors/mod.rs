@@ -1,5 +1,6 @@
 //! Who may touch: cells, the outer list that is made from them, and the pair list that is pruned from that.
 
 pub(crate) mod cell_list;
+mod grid;
 pub(crate) mod pair_list;
 pub(crate) mod prune;

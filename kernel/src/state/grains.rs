@@ -1,7 +1,8 @@
 //! Grains as rows of four words, and the groups that say how they move.
 
-use crate::Row;
 use crate::math::real::Real;
+use crate::math::rows::{Row, get_or_default, set, shorten};
+use crate::math::vec3::{Vec3, head};
 
 /// How the grains of a group move and what weighs on them. A motion that is not integrated keeps
 /// the velocity that the grain's row holds: zero for frozen grains, the carrying velocity for others.
@@ -59,12 +60,69 @@ impl<R: Real> Group<R> {
     }
 }
 
+/// A grain that comes into a world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NewGrain<R> {
+    /// Its name, which no other grain has.
+    pub id: u32,
+    /// Number of its group.
+    pub group: u8,
+    /// Centre (length), inside the box.
+    pub position: Vec3<R>,
+    /// Radius (length), positive.
+    pub radius: R,
+    /// Mass, positive.
+    pub mass: R,
+    /// Velocity (length / time).
+    pub velocity: Vec3<R>,
+    /// Angular velocity (radians / time).
+    pub spin: Vec3<R>,
+}
+
+/// What is known of a grain within a step or at its end, in the units of the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GrainState<R> {
+    /// Place among the rows.
+    pub place: usize,
+    /// Id.
+    pub id: u32,
+    /// Group.
+    pub group: u8,
+    /// Centre (length), in the box unless it has left.
+    pub position: Vec3<R>,
+    /// Radius (length).
+    pub radius: R,
+    /// Velocity (length over time).
+    pub velocity: Vec3<R>,
+    /// Mass.
+    pub mass: R,
+    /// Angular velocity (one over time).
+    pub spin: Vec3<R>,
+}
+
+impl<R: Real> GrainState<R> {
+    /// From the rows of position, velocity and spin.
+    #[inline(always)]
+    pub(crate) fn of(place: usize, id: u32, group: u8, [x, v, w]: [&Row<R>; 3]) -> Self {
+        Self {
+            place,
+            id,
+            group,
+            position: head(*x),
+            radius: x[3],
+            velocity: head(*v),
+            mass: v[3],
+            spin: head(*w),
+        }
+    }
+}
+
 /// All grains of a world, borrowed: one entry a grain in each slice, by ascending id.
 pub struct Grains<'a, R> {
     /// Names; they strictly ascend, and need not be consecutive.
-    pub id: &'a [u32],
+    pub id: &'a mut [u32],
     /// Place of each grain's group in `groups`.
-    pub group: &'a [u8],
+    pub group: &'a mut [u8],
     /// The groups.
     pub groups: &'a [Group<R>],
     /// Position x, y, z (length, inside the box) and radius.
@@ -86,6 +144,43 @@ impl<R: Real> Grains<'_, R> {
     /// How many grains there are.
     pub fn count(&self) -> usize {
         self.position.len()
+    }
+
+    /// Copies all that is known of a grain to another row.
+    pub(crate) fn copy_row(&mut self, from: usize, to: usize) {
+        set(self.id, to, get_or_default(self.id, from));
+        set(self.group, to, get_or_default(self.group, from));
+        set(self.position, to, get_or_default(self.position, from));
+        set(self.velocity, to, get_or_default(self.velocity, from));
+        set(self.spin, to, get_or_default(self.spin, from));
+        set(self.force, to, get_or_default(self.force, from));
+        set(self.torque, to, get_or_default(self.torque, from));
+        set(self.image, to, get_or_default(self.image, from));
+    }
+
+    /// Writes a new grain to a row.
+    pub(crate) fn put(&mut self, place: usize, grain: &NewGrain<R>) {
+        let ([x, y, z], [u, v, w], [p, q, r]) = (grain.position, grain.velocity, grain.spin);
+        set(self.id, place, grain.id);
+        set(self.group, place, grain.group);
+        set(self.position, place, [x, y, z, grain.radius]);
+        set(self.velocity, place, [u, v, w, grain.mass]);
+        set(self.spin, place, [p, q, r, R::ZERO]);
+        set(self.force, place, [R::ZERO; 4]);
+        set(self.torque, place, [R::ZERO; 4]);
+        set(self.image, place, [0; 3]);
+    }
+
+    /// Shortens every slice to its first `count` grains.
+    pub(crate) fn shrink(&mut self, count: usize) {
+        shorten(&mut self.id, count);
+        shorten(&mut self.group, count);
+        shorten(&mut self.position, count);
+        shorten(&mut self.velocity, count);
+        shorten(&mut self.spin, count);
+        shorten(&mut self.force, count);
+        shorten(&mut self.torque, count);
+        shorten(&mut self.image, count);
     }
 
     /// Whether every slice has one entry a grain.

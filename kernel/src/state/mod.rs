@@ -2,4 +2,5 @@
 
 pub(crate) mod domain;
 pub(crate) mod grains;
+pub(crate) mod losses;
 pub(crate) mod obstacle;

@@ -1,7 +1,7 @@
 //! Obstacles: bodies that push grains and move as prescribed, and the force the grains put on them.
 
 use crate::error::Error;
-use crate::math::real::Real;
+use crate::math::real::{Real, smaller};
 use crate::math::vec3::{Vec3, dot, scale, sub};
 use crate::state::domain::Domain;
 
@@ -166,6 +166,18 @@ impl<R: Real> Obstacle<R> {
             Shape::Sphere { radius } | Shape::Cylinder { radius, .. } => radius,
             Shape::Plane { .. } => R::ZERO,
         }
+    }
+
+    /// How deep a grain of this radius may overlap it: a quarter of the smaller diameter.
+    #[inline(always)]
+    pub(crate) fn depth_allowed(&self, radius: R) -> R {
+        let own = self.reach();
+        let least = if own > R::ZERO {
+            smaller(radius, own)
+        } else {
+            radius
+        };
+        least * R::HALF
     }
 
     /// Moves the obstacle by one step of `dt` and wraps it.

@@ -201,6 +201,9 @@ impl<const FUSES: bool> Real for Off<FUSES> {
     fn to_words(self) -> (u32, Option<u32>) {
         self.value.to_words()
     }
+    fn from_words(low: u32, high: Option<u32>) -> Self {
+        Self::of(f64::from_words(low, high))
+    }
 }
 
 #[test]

@@ -179,7 +179,7 @@ fn another_table_or_box_is_found() {
     };
     let light = Group::free([0.0, 0.0, -0.5]);
     let free = Group::free([0.0, 0.0, -1.0]);
-    let group = [0, 0, 1, 1];
+    let mut group = [0, 0, 1, 1];
     for k in 0..5 {
         let mut world = store.world();
         let (tables, others) = ([free, heavy], [light, Group::prescribed_velocity()]);
@@ -188,7 +188,7 @@ fn another_table_or_box_is_found() {
             1 => world.domain = &closed,
             2 => world.grains.groups = &tables,
             3 => world.grains.groups = &others,
-            _ => world.grains.group = &group,
+            _ => world.grains.group = &mut group,
         }
         assert_eq!(step(&mut world, &law()), Err(Error::Edited), "{k}");
         // As it was, it goes on.

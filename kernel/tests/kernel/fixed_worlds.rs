@@ -122,7 +122,7 @@ fn state<R: Real>(world: &World<'_, R>) -> [f64; 2] {
         .iter()
         .zip(world.grains.velocity.iter());
     let (mut mass, mut height, mut energy) = (0.0, 0.0, 0.0);
-    for ((x, v), group) in rows.zip(world.grains.group) {
+    for ((x, v), group) in rows.zip(&*world.grains.group) {
         if *group == 0 {
             let m = v[3].to_f64();
             mass += m;

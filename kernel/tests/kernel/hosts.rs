@@ -198,9 +198,13 @@ fn errors_have_their_numbers() {
         (10, Error::ObstacleTooSlow { obstacle }),
         (11, Error::GravityTooWeak { group: 0 }),
         (12, Error::BadContactHistory),
+        (13, Error::BadSave),
+        (14, Error::OtherVersion),
         (20, Error::PairListFull { needed }),
         (21, Error::OuterListFull { needed }),
         (22, Error::ObstacleContactsFull { needed }),
+        (23, Error::BufferTooShort { needed }),
+        (24, Error::GrainsFull { needed }),
         (30, Error::Overflow { id }),
         (31, Error::ObstacleOverflow { obstacle }),
         (32, Error::NotFinite { id }),
@@ -213,6 +217,8 @@ fn errors_have_their_numbers() {
         (50, Error::NotStarted),
         (51, Error::Edited),
         (52, Error::NoGrain { place }),
+        (53, Error::UnknownGrain { id }),
+        (54, Error::GrainsLeaving),
     ] {
         assert_eq!(error.code(), code, "{error}");
     }

@@ -7,6 +7,7 @@ mod common {
 }
 
 mod canary;
+mod comings;
 mod edits;
 mod examples;
 #[cfg(feature = "fixed")]
@@ -18,6 +19,7 @@ mod images;
 mod oracle;
 mod reference;
 mod resolution;
+mod saved;
 #[cfg(feature = "fixed")]
 mod scaling;
 mod search;

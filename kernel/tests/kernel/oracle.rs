@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 
 use crate::common::cases::cases;
 use crate::common::crowd::{DENSE, PER_GRAIN, Packing, REDUCED, SI, Units, crowd, history, tsuji};
-use bitgrain_kernel::contact::{Contact, Law};
+use bitgrain_kernel::contact::{Contact, Law, react};
 use bitgrain_kernel::vec3::{self, head};
 use bitgrain_kernel::{ContactHistory, Domain, Group, Obstacle, Row, Shape, World, start, step};
 use proptest::prelude::*;
@@ -90,7 +90,7 @@ impl<L: Law<f64>> Slow<L> {
                     continue;
                 };
                 let spring = self.touches.get(&(i, k)).copied().unwrap_or([0.0; 3]);
-                let r = self.law.react(&contact, spring, dt);
+                let r = react(&self.law, &contact, spring, dt);
                 self.touches.insert((i, k), r.spring);
                 let push = vec3::add(vec3::scale(contact.normal, r.normal), r.tangential);
                 let couple = vec3::cross(contact.normal, r.tangential);
@@ -118,7 +118,7 @@ impl<L: Law<f64>> Slow<L> {
                     continue;
                 };
                 let spring = self.pairs.get(&(i, j)).copied().unwrap_or([0.0; 3]);
-                let r = self.law.react(&contact, spring, dt);
+                let r = react(&self.law, &contact, spring, dt);
                 self.pairs.insert((i, j), r.spring);
                 let push = vec3::add(vec3::scale(contact.normal, r.normal), r.tangential);
                 let couple = vec3::cross(contact.normal, r.tangential);

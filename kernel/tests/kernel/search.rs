@@ -323,3 +323,39 @@ fn two_that_fly_at_each_other_meet_in_time() {
         }
     }
 }
+
+/// Few strays, however far, leave the bed its cells: all pairs are found, and none is listed twice.
+#[test]
+fn strays_hide_no_pair() {
+    for far in [30.0, 1e4, 1e9, 1e150, f64::MAX] {
+        let mut store = Store::<f64, 600, 6000, 1, 1>::new(Domain::open(), 1e-3, 0.1);
+        store.add_group(Group::free([0.0; 3])).unwrap();
+        let mut id = 0..;
+        for k in 0..512u32 {
+            let x = [k % 8, k / 8 % 8, k / 64].map(|n| 1.05 * f64::from(n) - 4.0);
+            store.add_grain(id.next().unwrap(), 0, x, 0.5, 0.5).unwrap();
+        }
+        // On both sides of every axis, and two that touch.
+        let close = if far < 1e9 { 0.99 } else { 0.0 };
+        for x in [
+            [far, 0.0, 0.0],
+            [-far, far, 0.0],
+            [0.0, 0.5 * far, -far],
+            [close, 0.5 * far, -far],
+        ] {
+            store.add_grain(id.next().unwrap(), 0, x, 0.5, 0.5).unwrap();
+        }
+        let mut world = store.world();
+        let started = start(&mut world, &history(0.5));
+        let pairs = 3 * 7 * 64;
+        match far < 1e9 {
+            true => {
+                assert_eq!(started, Ok(()), "{far}");
+                assert_eq!(world.clock.listed(), pairs + 1);
+                compare_with_all(&world, 0.1).unwrap();
+            }
+            // The two lie in the same place, or are too far for numbers.
+            false => assert!(started.is_err() || world.clock.listed() >= pairs, "{far}"),
+        }
+    }
+}

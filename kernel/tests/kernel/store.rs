@@ -117,7 +117,7 @@ fn a_full_store_gives_back_what_it_did_not_take() {
     let obstacle = Obstacle::sphere([1.0, 2.0, 3.0], 0.25);
     assert_eq!(store.add_obstacle(obstacle), Err(obstacle));
     let refused = store.add_grain(99, 0, [1.0; 3], 0.5, 0.5);
-    assert_eq!(refused, Err(Error::BadStorage));
+    assert!(matches!(refused, Err(Error::GrainsFull { .. })));
     assert_eq!(digest(&store.world()), before, "nothing was changed");
     // The one group that was taken asks for a new start, and the bed is as it was.
     assert_eq!(step(&mut store.world(), &LAW), Err(Error::NotStarted));

@@ -147,4 +147,7 @@ impl Real for Exact {
     fn to_words(self) -> (u32, Option<u32>) {
         self.0.to_words()
     }
+    fn from_words(low: u32, high: Option<u32>) -> Self {
+        Self(I32F32::from_words(low, high))
+    }
 }

@@ -3,7 +3,7 @@
 
 use bitgrain_kernel::blake3::Hasher;
 use bitgrain_kernel::conformance::Line;
-use bitgrain_kernel::contact::{Contact, HertzHistory, HertzTsuji, Law};
+use bitgrain_kernel::contact::{Contact, HertzHistory, HertzTsuji, Law, react};
 use bitgrain_kernel::phases::obstacle_forces;
 use bitgrain_kernel::phases::{
     After, ExcessiveOverlap, GrainRange, accumulate, cross_range, first_excessive_overlap, no_fetch,
@@ -93,7 +93,7 @@ pub(super) fn world<R: Real, L: Law<R>>(bytes: &mut Bytes, law: &L) -> bool {
                     |bytes: &mut Bytes| (bytes.below(4) == 0).then(|| (word(bytes), word(bytes)));
                 let (hit, deep): (ExcessiveOverlap, ExcessiveOverlap) = (deep(bytes), deep(bytes));
                 either_way(check_overlaps(
-                    &lent.world(),
+                    &mut lent.world(),
                     hit,
                     first_excessive_overlap(hit, deep),
                 ));
@@ -247,8 +247,8 @@ pub(super) fn plain<R: Real>(bytes: &mut Bytes) -> bool {
         mu,
     };
     let tsuji = HertzTsuji::new(number(bytes), number(bytes), number(bytes), number(bytes));
-    history.react(&contact, vector(bytes), number(bytes));
-    tsuji.react(&contact, vector(bytes), number(bytes));
+    react(&history, &contact, vector(bytes), number(bytes));
+    react(&tsuji, &contact, vector(bytes), number(bytes));
     let mut hasher = Hasher::new();
     (0..bytes.byte()).for_each(|_| hasher.word(word(bytes)));
     let step = u64::from_le_bytes([0; 8].map(|_| bytes.byte()));

@@ -230,7 +230,7 @@ fn in_ranges<R: Real, L: Law<R>>(lent: &mut Lent<R>, law: &L) -> Result<(), Kern
         (deep, passed) = (first_excessive_overlap(deep, found), passed.and(went));
         part = rest;
     }
-    check_overlaps(&world, hit, deep)?;
+    check_overlaps(&mut world, hit, deep)?;
     finish(&mut world, passed)?;
     let sealed = seal_ranges(&mut world);
     end(&mut world, sealed)

@@ -21,6 +21,7 @@ mod figures;
 mod foreign;
 mod forged;
 mod formats;
+mod header;
 mod layers;
 mod memory;
 mod notices;

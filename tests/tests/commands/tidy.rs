@@ -104,6 +104,7 @@ fn a_step_calls_nothing_that_could_change_its_bits() {
     ];
     let whole = [
         "cell_list.rs",
+        "grid.rs",
         "pair_list.rs",
         "digest/state.rs",
         "store.rs",

@@ -11,6 +11,7 @@ from .view import View
 
 __all__ = [
     "BITS_VERSION",
+    "Departed",
     "Edit",
     "Group",
     "HertzHistory",
@@ -64,6 +65,25 @@ class HertzTsuji:
 class Group:
     @property
     def number(self) -> int: ...
+
+@final
+class Departed:
+    @property
+    def id(self) -> int: ...
+    @property
+    def cause(self) -> str: ...
+    @property
+    def partner(self) -> Optional[int]: ...
+    @property
+    def position(self) -> Tuple[float, float, float]: ...
+    @property
+    def velocity(self) -> Tuple[float, float, float]: ...
+    @property
+    def spin(self) -> Tuple[float, float, float]: ...
+    @property
+    def radius(self) -> float: ...
+    @property
+    def mass(self) -> float: ...
 
 @final
 class Obstacle:
@@ -127,6 +147,8 @@ class World:
         periodic: Tuple[bool, bool, bool] = ...,
         threads: Optional[int] = None,
         instructions: Optional[str] = None,
+        lose: bool = False,
+        drain: Optional[Tuple[_Array, _Array]] = None,
     ) -> World: ...
     def add(
         self,
@@ -188,6 +210,8 @@ class World:
     def ids(self) -> View: ...
     @property
     def groups(self) -> View: ...
+    @property
+    def departures(self) -> List[Departed]: ...
     @property
     def obstacles(self) -> List[Obstacle]: ...
     @property

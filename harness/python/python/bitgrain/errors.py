@@ -22,9 +22,13 @@ __all__ = [
     "ObstacleTooSlow",
     "GravityTooWeak",
     "BadContactHistory",
+    "BadSave",
+    "OtherVersion",
     "PairListFull",
     "OuterListFull",
     "ObstacleContactsFull",
+    "BufferTooShort",
+    "GrainsFull",
     "Overflow",
     "ObstacleOverflow",
     "NotFinite",
@@ -37,6 +41,8 @@ __all__ = [
     "NotStarted",
     "Edited",
     "NoGrain",
+    "UnknownGrain",
+    "GrainsLeaving",
     "StaleView",
     "Busy",
     "LaboratoryError",
@@ -137,6 +143,14 @@ class BadContactHistory(KernelError):
     """A saved contact is not finite or joins bodies that are not near each other."""
 
 
+class BadSave(KernelError):
+    """Bytes are no saved world, or were changed after they were written."""
+
+
+class OtherVersion(KernelError):
+    """A saved world of another layout, other arithmetic or another number type."""
+
+
 class PairListFull(KernelError):
     """There is no memory for so many pairs; nothing was changed."""
 
@@ -151,6 +165,18 @@ class OuterListFull(KernelError):
 
 class ObstacleContactsFull(KernelError):
     """There is no memory for so many contacts of obstacles; nothing was changed."""
+
+    needed: int
+
+
+class BufferTooShort(KernelError):
+    """Bytes that were lent are too few for a saved world."""
+
+    needed: int
+
+
+class GrainsFull(KernelError):
+    """There is no room for so many grains; nothing was changed."""
 
     needed: int
 
@@ -223,6 +249,16 @@ class NoGrain(KernelError):
     """There is no grain at this place."""
 
     place: int
+
+
+class UnknownGrain(KernelError):
+    """No grain has this id."""
+
+    id: int
+
+
+class GrainsLeaving(KernelError):
+    """Grains have left and were not taken out yet."""
 
 
 class StaleView(Error):

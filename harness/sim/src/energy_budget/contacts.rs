@@ -1,7 +1,7 @@
 //! Touching contacts as the audit sees them: where two bodies meet, how they move over each other, and
 //! what their springs store.
 
-use bitgrain_kernel::contact::{Contact, Law, Reaction};
+use bitgrain_kernel::contact::{Contact, Law, Reaction, react};
 use bitgrain_kernel::vec3::{Vec3, add, cross, dot, head, scale, sub};
 use bitgrain_kernel::{ContactForce, ContactHistory, Obstacle, Partner, Row, Shape};
 
@@ -216,6 +216,6 @@ impl WithLaw for React {
     type Output = Reaction<f64>;
 
     fn run<L: Law<f64> + Sprung>(self, law: &L) -> Reaction<f64> {
-        law.react(&self.contact, self.spring, 0.0)
+        react(law, &self.contact, self.spring, 0.0)
     }
 }

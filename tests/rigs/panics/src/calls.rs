@@ -1,7 +1,7 @@
 //! What is done under a law.
 
 use bitgrain_kernel::contact::{
-    Contact, Law, NormalForce, NormalState, Reaction, TangentialForce, TangentialState,
+    Contact, Law, NormalForce, NormalState, Reaction, TangentialForce, TangentialState, react,
 };
 use bitgrain_kernel::phases::MotionCheck;
 use bitgrain_kernel::phases::{
@@ -72,6 +72,6 @@ impl<R: Real, L: Law<R>> Calls<R, L> {
         },
         press: L::normal_force,
         shear: L::tangential_force,
-        react: L::react,
+        react: react::<R, L>,
     };
 }

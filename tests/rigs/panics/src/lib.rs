@@ -7,6 +7,7 @@
 #![allow(dead_code)]
 
 mod calls;
+mod hosts;
 mod state;
 
 use bitgrain_kernel::contact::{HertzHistory, HertzTsuji};

@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use crate::hosts::Hosts;
 use bitgrain_kernel::blake3::Hasher;
 use bitgrain_kernel::conformance::{self, Line, Room};
 use bitgrain_kernel::contact::{HertzHistory, HertzTsuji};
@@ -19,14 +20,14 @@ use bitgrain_kernel::scaling::{self, Margin, PRODUCTS, Refusal, Scales};
 use bitgrain_kernel::vec3::{self, Vec3};
 use bitgrain_kernel::{
     ArithmeticDefect, Clock, ContactHistory, Digest, Domain, Error as KernelError, Grains, Group,
-    Obstacle, Real, Row, Store, World, check_arithmetic, digest, nudge, resume,
+    Obstacle, Real, Row, Store, World, check_arithmetic, digest, resume,
 };
 use fixed::FixedI64;
 use fixed::types::extra::U32;
 
 type Ended = Result<(), KernelError>;
 /// A store small enough to be made on a stack.
-type Few<R> = Store<R, 6, 16, 8, 3>;
+pub type Few<R> = Store<R, 6, 16, 8, 3>;
 
 /// Functions that need no number type.
 pub struct Plain {
@@ -68,14 +69,13 @@ impl Plain {
 pub struct State<R: Real + 'static> {
     resume: fn(&mut World<'_, R>, &[ContactHistory<R>]) -> Ended,
     resume_any: fn(&mut World<'_, R>, &mut dyn Iterator<Item = ContactHistory<R>>) -> Ended,
-    nudge: fn(&mut World<'_, R>, usize, [R; 3], [R; 3]) -> Ended,
     begin: fn(&mut World<'_, R>, Sealed) -> Ended,
     end: fn(&mut World<'_, R>, Sealed) -> Ended,
     ensure_pair_list_ahead: fn(&mut World<'_, R>) -> Ended,
     ensure_pair_list: fn(&mut World<'_, R>) -> Ended,
     drift: fn(&mut World<'_, R>, MotionCheck<R>) -> Ended,
     finish: fn(&mut World<'_, R>, MotionCheck<R>) -> Ended,
-    check_overlaps: fn(&World<'_, R>, ExcessiveOverlap, ExcessiveOverlap) -> Ended,
+    check_overlaps: fn(&mut World<'_, R>, ExcessiveOverlap, ExcessiveOverlap) -> Ended,
     pass: fn(&mut GrainMotion<'_, R>, MotionPhase) -> MotionCheck<R>,
     and: fn(MotionCheck<R>, MotionCheck<R>) -> MotionCheck<R>,
     seal: fn(&GrainMotion<'_, R>, usize) -> Sealed,
@@ -93,10 +93,11 @@ pub struct State<R: Real + 'static> {
     split_span: for<'w> fn(PairRange<'w, R>, usize) -> (PairRange<'w, R>, PairRange<'w, R>),
     span: fn(&PairRange<'_, R>) -> (usize, bool),
     grains: fn(&Grains<'_, R>) -> usize,
-    clock: fn(&Clock<R>) -> ([u64; 2], [usize; 4], bool),
+    clock: fn(&Clock<R>) -> ([u64; 2], [usize; 5], bool),
     stop: fn(&mut Clock<R>),
     pieces: Pieces<R>,
     store: Stores<R>,
+    hosts: Hosts<R>,
 }
 
 impl<R: Real + 'static> State<R> {
@@ -104,7 +105,6 @@ impl<R: Real + 'static> State<R> {
     pub const ALL: Self = Self {
         resume: |world, histories| resume(world, histories.iter().copied()),
         resume_any: |world, histories| resume(world, histories),
-        nudge,
         begin,
         end,
         ensure_pair_list_ahead,
@@ -134,16 +134,18 @@ impl<R: Real + 'static> State<R> {
                 clock.listed_touching(),
                 clock.listed_across(),
                 clock.obstacle_contacts(),
+                clock.count(),
             ];
             (
                 [clock.outer_list_rebuilds(), clock.prunes()],
                 listed,
-                clock.rests() || clock.has_begun(),
+                clock.rests() || clock.has_begun() || clock.is_losing(),
             )
         },
         stop: |clock| clock.stop(),
         pieces: Pieces::ALL,
         store: Stores::ALL,
+        hosts: Hosts::ALL,
     };
 }
 
@@ -164,7 +166,7 @@ pub struct Pieces<R: Real> {
     tsuji: fn(f64, f64, f64, f64) -> HertzTsuji<R>,
     laws: fn(f64) -> (HertzHistory<R>, HertzTsuji<R>),
     vectors: fn(Vec3<R>, Vec3<R>, R, bool) -> [Vec3<R>; 5],
-    numbers: fn(Row<R>, f64) -> ([R; 3], f64, usize, bool, (u32, Option<u32>)),
+    numbers: fn(Row<R>, f64) -> ([R; 4], f64, usize, bool, (u32, Option<u32>)),
 }
 
 impl<R: Real> Pieces<R> {
@@ -203,7 +205,7 @@ impl<R: Real> Pieces<R> {
             let [x, y, z] = vec3::head(row);
             let root = vec3::dot([x, y, z], [z, x, y]).sqrt();
             (
-                [x, root, R::from_f64(value)],
+                [x, root, R::from_f64(value), R::from_words(7, Some(9))],
                 y.to_f64(),
                 z.to_index(),
                 x.is_finite(),

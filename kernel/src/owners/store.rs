@@ -2,14 +2,18 @@
 
 use heapless::Vec;
 
+use crate::edit::{NewGrains, insert};
 use crate::error::Error;
 use crate::math::real::Real;
 use crate::math::rows::Row;
 use crate::neighbors::cell_list::{CellList, OuterList};
 use crate::neighbors::pair_list::PairList;
+use crate::saved::Saved;
 use crate::state::domain::Domain;
-use crate::state::grains::{Grains, Group};
+use crate::state::grains::{Grains, Group, NewGrain};
+use crate::state::losses::LossPolicy;
 use crate::state::obstacle::Obstacle;
+use crate::step::resume;
 use crate::world::{Clock, Stage, World};
 
 /// A world of at most `GRAINS` grains, `PAIRS` listed pairs, `OBSTACLE_CONTACTS` listed obstacle contacts and
@@ -34,6 +38,7 @@ pub struct Store<
     dt: R,
     skin: R,
     outer_skin: R,
+    policy: LossPolicy<R>,
     id: Vec<u32, GRAINS>,
     group: Vec<u8, GRAINS>,
     groups: Vec<Group<R>, BODIES>,
@@ -104,6 +109,7 @@ impl<
             dt: R::ZERO,
             skin: R::ZERO,
             outer_skin: R::ZERO,
+            policy: LossPolicy::STOP,
             id: Vec::new(),
             group: Vec::new(),
             groups: Vec::new(),
@@ -134,6 +140,7 @@ impl<
     pub fn clear(&mut self, domain: Domain<R>, dt: R, skin: R) {
         (self.domain, self.dt) = (domain, dt);
         (self.skin, self.outer_skin) = (skin, R::ZERO);
+        self.policy = LossPolicy::STOP;
         self.id.clear();
         self.group.clear();
         self.groups.clear();
@@ -181,10 +188,15 @@ impl<
         Ok(())
     }
 
-    /// Adds a resting grain of this radius and mass; ids must ascend.
+    /// What becomes of grains that leave, from now on; at first they stop the world.
+    pub fn set_policy(&mut self, policy: LossPolicy<R>) {
+        self.policy = policy;
+    }
+
+    /// Adds a resting grain of this radius and mass before the world is started; ids must ascend.
     ///
     /// # Errors
-    /// [`Error::BadStorage`] if there are `GRAINS` already.
+    /// [`Error::GrainsFull`] if there are `GRAINS` already.
     pub fn add_grain(
         &mut self,
         id: u32,
@@ -193,27 +205,105 @@ impl<
         radius: R,
         mass: R,
     ) -> Result<(), Error> {
-        if self.id.is_full() {
-            return Err(Error::BadStorage);
-        }
+        self.fit();
+        let count = self.id.len();
+        self.lengthen(1)?;
         self.clock.stage = Stage::Stopped;
-        let rest = [R::ZERO; 4];
-        // Every list has the same capacity, so none of these can be full now.
-        let _ = self.id.push(id);
-        let _ = self.group.push(group);
-        let _ = self
-            .position
-            .push([position[0], position[1], position[2], radius]);
-        let _ = self.velocity.push([R::ZERO, R::ZERO, R::ZERO, mass]);
-        let _ = self.spin.push(rest);
-        let _ = self.force.push(rest);
-        let _ = self.torque.push(rest);
-        let _ = self.image.push([0; 3]);
+        self.clock.count = count + 1;
+        self.lend().grains.put(
+            count,
+            &NewGrain {
+                id,
+                group,
+                position,
+                radius,
+                mass,
+                velocity: [R::ZERO; 3],
+                spin: [R::ZERO; 3],
+            },
+        );
         Ok(())
+    }
+
+    /// Puts grains into a world between two steps; see [`insert`].
+    ///
+    /// # Errors
+    /// [`Error::GrainsFull`]; as [`insert`]. All is as it was.
+    pub fn insert<I>(&mut self, grains: I) -> Result<(), Error>
+    where
+        I: IntoIterator<Item = NewGrain<R>, IntoIter: NewGrains>,
+    {
+        let grains = grains.into_iter();
+        self.fit();
+        self.lengthen(grains.len())?;
+        let inserted = insert(&mut self.lend(), grains);
+        self.fit();
+        inserted
+    }
+
+    /// Goes on from what [`save`](crate::save) wrote: box, time step, groups, obstacles, grains and histories are those
+    /// of the saved world; skins stay as they are. Bytes behind the saved world are not looked at.
+    ///
+    /// # Errors
+    /// All is as it was: [`Error::BadSave`], [`Error::OtherVersion`], [`Error::GrainsFull`]; [`Error::BadStorage`] if
+    /// there is no room for its groups or obstacles. The store is stopped: a list that is too short for its skin (set
+    /// a smaller one and load again), and whatever [`resume`] finds wrong with forged bytes.
+    pub fn load(&mut self, bytes: &[u8]) -> Result<(), Error> {
+        let saved = Saved::<R>::open(bytes)?;
+        saved.check_room(GRAINS, BODIES, BODIES)?;
+        let outer_skin = self.outer_skin;
+        self.clear(saved.domain(), saved.dt(), self.skin);
+        self.outer_skin = outer_skin;
+        self.policy = saved.policy();
+        for group in saved.groups() {
+            self.add_group(group).map_err(|_| Error::BadStorage)?;
+        }
+        for obstacle in saved.obstacles() {
+            self.add_obstacle(obstacle).map_err(|_| Error::BadStorage)?;
+        }
+        self.lengthen(saved.count())?;
+        self.clock.count = saved.count();
+        let mut world = self.lend();
+        saved.fill(&mut world);
+        resume(&mut world, saved.histories())?;
+        saved.compare(&mut world)
+    }
+
+    /// Takes away the rows of grains that were taken out of the world.
+    fn fit(&mut self) {
+        let count = self.clock.count;
+        self.id.truncate(count);
+        self.group.truncate(count);
+        self.position.truncate(count);
+        self.velocity.truncate(count);
+        self.spin.truncate(count);
+        self.force.truncate(count);
+        self.torque.truncate(count);
+        self.image.truncate(count);
+    }
+
+    /// Adds rows for so many grains.
+    fn lengthen(&mut self, more: usize) -> Result<(), Error> {
+        let needed = self.id.len().saturating_add(more);
+        // Every list has the same capacity: all are resized or none.
+        let full = |_| Error::GrainsFull { needed };
+        self.id.resize(needed, 0).map_err(full)?;
+        self.group.resize(needed, 0).map_err(full)?;
+        self.position.resize(needed, [R::ZERO; 4]).map_err(full)?;
+        self.velocity.resize(needed, [R::ZERO; 4]).map_err(full)?;
+        self.spin.resize(needed, [R::ZERO; 4]).map_err(full)?;
+        self.force.resize(needed, [R::ZERO; 4]).map_err(full)?;
+        self.torque.resize(needed, [R::ZERO; 4]).map_err(full)?;
+        self.image.resize(needed, [0; 3]).map_err(full)
     }
 
     /// Lends everything as a world.
     pub fn world(&mut self) -> World<'_, R> {
+        self.fit();
+        self.lend()
+    }
+
+    fn lend(&mut self) -> World<'_, R> {
         let rows = self.id.len() + 1;
         // GRAINS + 1 <= PAIRS, so this always fits.
         let _ = self.candidate_row.resize(rows, 0);
@@ -224,9 +314,10 @@ impl<
             skin: self.skin,
             outer_skin: self.outer_skin,
             range_bounds: &[],
+            policy: self.policy,
             grains: Grains {
-                id: &self.id,
-                group: &self.group,
+                id: &mut self.id,
+                group: &mut self.group,
                 groups: &self.groups,
                 position: &mut self.position,
                 velocity: &mut self.velocity,

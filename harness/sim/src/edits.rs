@@ -1,0 +1,143 @@
+//! Changes of a simulation between two steps that keep the histories of all other grains, and forces of a host.
+
+use bitgrain_kernel::{Departure, Error as KernelError, GrainState, NewGrain, insert, nudge};
+use bitgrain_kernel::{regroup, remove, take_out};
+
+use crate::grain::{Grain, sphere_mass};
+use crate::law_work::{Push, Pushed};
+use crate::simulation::Simulation;
+
+impl Simulation {
+    /// Puts grains in, by ids that ascend; see [`bitgrain_kernel::insert`].
+    ///
+    /// # Errors
+    /// What the kernel refuses; all is as it was.
+    pub fn insert(&mut self, grains: &[Grain]) -> Result<(), KernelError> {
+        let new: Vec<_> = grains.iter().map(new_grain).collect();
+        let count = self.count();
+        self.set_rows(count + grains.len());
+        self.fit_storage();
+        let inserted = self.grow_while_full(|sim| insert(&mut sim.world(), new.iter().copied()));
+        if inserted.is_err() {
+            self.set_rows(count);
+        }
+        self.range_bounds.clear();
+        self.fit_storage();
+        inserted
+    }
+
+    /// Takes grains out, by ids that ascend; see [`bitgrain_kernel::remove`].
+    ///
+    /// # Errors
+    /// What the kernel refuses; all is as it was.
+    pub fn remove(&mut self, ids: &[u32]) -> Result<(), KernelError> {
+        remove(&mut self.world(), ids)?;
+        self.forget_rows();
+        Ok(())
+    }
+
+    /// Puts grains into another group, by ids that ascend; see [`bitgrain_kernel::regroup`].
+    ///
+    /// # Errors
+    /// What the kernel refuses; all is as it was.
+    pub fn regroup(&mut self, ids: &[u32], group: u8) -> Result<(), KernelError> {
+        self.grow_while_full(|sim| regroup(&mut sim.world(), ids, group))
+    }
+
+    /// Gives a grain another velocity and spin; see [`bitgrain_kernel::nudge`].
+    ///
+    /// # Errors
+    /// [`KernelError::UnknownGrain`]; what the kernel refuses; all is as it was.
+    pub fn nudge(
+        &mut self,
+        id: u32,
+        velocity: [f64; 3],
+        spin: [f64; 3],
+    ) -> Result<(), KernelError> {
+        let mut world = self.world();
+        let place = world.place_of(id);
+        let place = place.ok_or(KernelError::UnknownGrain { id })?;
+        nudge(&mut world, place, velocity, spin)
+    }
+
+    /// Takes out the grains that were lost in the last step, and shows each; see [`bitgrain_kernel::take_out`]. Call it
+    /// when [`Simulation::steps`] ends with [`KernelError::GrainsLeaving`], and then step on.
+    ///
+    /// # Errors
+    /// As the kernel.
+    pub fn take_out(&mut self, departed: impl FnMut(Departure<f64>)) -> Result<(), KernelError> {
+        take_out(&mut self.world(), departed)?;
+        self.forget_rows();
+        Ok(())
+    }
+
+    /// [`Simulation::steps`] that also takes out the grains that the policy lets go, and shows each as it leaves.
+    ///
+    /// # Errors
+    /// As [`Simulation::steps`].
+    pub fn steps_losing(
+        &mut self,
+        count: u64,
+        mut departed: impl FnMut(Departure<f64>),
+    ) -> Result<(), KernelError> {
+        let end = self.step_count().saturating_add(count);
+        loop {
+            self.take_out(&mut departed)?;
+            let stepped = self.steps(end.saturating_sub(self.step_count()));
+            if stepped != Err(KernelError::GrainsLeaving) {
+                stepped?;
+                return self.take_out(&mut departed);
+            }
+        }
+    }
+
+    /// Steps with a force and a torque on each grain besides those of its contacts, on one thread; see
+    /// [`bitgrain_kernel::step_with`]. Grains that the policy lets go are shown as they leave.
+    ///
+    /// # Errors
+    /// As [`Simulation::steps`].
+    pub fn steps_with(
+        &mut self,
+        count: u64,
+        mut external: impl FnMut(&GrainState<f64>) -> Push,
+        mut departed: impl FnMut(Departure<f64>),
+    ) -> Result<(), KernelError> {
+        let end = self.step_count().saturating_add(count);
+        self.take_out(&mut departed)?;
+        while self.step_count() < end {
+            self.grow_while_full(|sim| {
+                let (law, registers) = (sim.law, sim.stepping.registers);
+                law.with(Pushed {
+                    world: sim.world(),
+                    external: &mut external,
+                    registers,
+                })
+            })?;
+            self.take_out(&mut departed)?;
+        }
+        Ok(())
+    }
+
+    /// Takes away the rows that the kernel's world no longer covers.
+    fn forget_rows(&mut self) {
+        let count = self.clock.count();
+        if count != self.count() {
+            self.set_rows(count);
+            self.range_bounds.clear();
+            self.fit_storage();
+        }
+    }
+}
+
+/// A grain as the kernel takes it.
+fn new_grain(grain: &Grain) -> NewGrain<f64> {
+    NewGrain {
+        id: grain.id,
+        group: grain.group,
+        position: grain.position,
+        radius: 0.5 * grain.diameter,
+        mass: sphere_mass(grain.diameter, grain.density),
+        velocity: grain.velocity,
+        spin: grain.spin,
+    }
+}

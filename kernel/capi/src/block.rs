@@ -1,0 +1,363 @@
+//! The block of memory of a world: a header, the arrays of a lent store, and a mark at the end.
+//!
+//! All `unsafe` that looks at a caller's pointers is in this file. What C promises, and what is checked here, is written
+//! at each.
+
+use core::ptr::{addr_of, addr_of_mut};
+
+use bitgrain_kernel::contact::{HertzHistory, HertzTsuji};
+use bitgrain_kernel::{Capacity, Group, Head, LentStore, Memory, Obstacle};
+
+use crate::BG_ABI_VERSION;
+use crate::status::{
+    BG_BAD_ARGUMENT, BG_BAD_SIZE, BG_BUSY, BG_FOREIGN, BG_MISALIGNED, BG_NULL, BG_OK, BG_TOO_SMALL,
+    Done, fault,
+};
+use crate::types::{bg_capacity, bg_fault, bg_world};
+
+/// A block begins at a multiple of so many bytes; `malloc` sees to that.
+pub const BG_ALIGNMENT: u32 = 8;
+
+/// How a block begins: `bitgrain` in ASCII, then 0 to 9 backwards.
+const MAGIC: u64 = u64::from_le_bytes(*b"bitgrain");
+
+/// The contact law of a world.
+#[derive(Clone, Copy)]
+pub(crate) enum Law {
+    History(HertzHistory<f64>),
+    Tsuji(HertzTsuji<f64>),
+}
+
+/// What stands at the beginning of a block.
+#[repr(C)]
+pub(crate) struct Header {
+    magic: u64,
+    abi: u32,
+    /// 1 within a step, when callbacks may run.
+    busy: u32,
+    bytes: u64,
+    capacity: bg_capacity,
+    law: Law,
+    fault: bg_fault,
+    /// Steps of the last call that stepped.
+    stepped: u64,
+    departed: u64,
+    head: Head<f64>,
+}
+
+/// Sums of force and torque on an obstacle over the last steps.
+pub(crate) type Sums = [f64; 6];
+
+/// Where the arrays of a block begin, and its length.
+struct Layout {
+    numbers: usize,
+    sums: usize,
+    obstacles: usize,
+    groups: usize,
+    words: usize,
+    images: usize,
+    group: usize,
+    mark: usize,
+    bytes: usize,
+}
+
+/// The kernel's capacity.
+pub(crate) fn capacity_of(capacity: &bg_capacity) -> Capacity {
+    Capacity {
+        grains: capacity.grains as usize,
+        pairs: capacity.pairs as usize,
+        candidates: capacity.candidates as usize,
+        obstacle_contacts: capacity.obstacle_contacts as usize,
+        cells: capacity.cells as usize,
+        obstacles: capacity.obstacles as usize,
+        groups: capacity.groups as usize,
+    }
+}
+
+impl Layout {
+    /// `None` if no address space holds it, or without cells.
+    fn of(capacity: &bg_capacity) -> Option<Self> {
+        let room = capacity_of(capacity);
+        let mut end = size_of::<Header>();
+        // Parts of 8-byte alignment first; the others are not padded.
+        let mut next = |count: usize, size: usize| {
+            let begin = end;
+            end = count.checked_mul(size)?.checked_add(begin)?;
+            Some(begin)
+        };
+        let numbers = next(room.numbers()?, size_of::<f64>())?;
+        let sums = next(room.obstacles, size_of::<Sums>())?;
+        let obstacles = next(room.obstacles, size_of::<Obstacle<f64>>())?;
+        let groups = next(room.groups, size_of::<Group<f64>>())?;
+        let words = next(room.words()?, size_of::<u32>())?;
+        let images = next(room.grains, size_of::<[i32; 3]>())?;
+        let group = next(room.grains, 1)?;
+        let mark = next(0, 0)?.checked_next_multiple_of(8)?;
+        let bytes = mark.checked_add(8)?;
+        let possible = room.cells > 0 && room.groups <= 256 && isize::try_from(bytes).is_ok();
+        possible.then_some(Self {
+            numbers,
+            sums,
+            obstacles,
+            groups,
+            words,
+            images,
+            group,
+            mark,
+            bytes,
+        })
+    }
+}
+
+/// Bytes that a world of this capacity takes; `None` if it cannot be.
+pub(crate) fn bytes(capacity: &bg_capacity) -> Option<usize> {
+    Layout::of(capacity).map(|layout| layout.bytes)
+}
+
+/// The parts of a block, borrowed for a call.
+pub(crate) struct Parts<'a> {
+    pub store: LentStore<'a, f64>,
+    pub law: &'a mut Law,
+    pub sums: &'a mut [Sums],
+    pub stepped: &'a mut u64,
+    pub departed: &'a mut u64,
+    fault: &'a mut bg_fault,
+    /// Not borrowed: a callback that calls the world again reads it.
+    busy: *mut u32,
+}
+
+impl Parts<'_> {
+    /// Does something within which callbacks run: calls of the same world are refused until it is done.
+    pub fn locked<T>(&mut self, what: impl FnOnce(&mut Self) -> T) -> T {
+        // SAFETY: `busy` points into the block that this value borrows, and no reference to it exists.
+        unsafe { self.busy.write_volatile(1) };
+        let done = what(self);
+        // SAFETY: as above.
+        unsafe { self.busy.write_volatile(0) };
+        done
+    }
+}
+
+/// Makes a block of `bytes` bytes an empty world.
+pub(crate) fn init(
+    memory: *mut u8,
+    bytes: usize,
+    capacity: &bg_capacity,
+    law: Law,
+    head: Head<f64>,
+) -> Result<*mut bg_world, bg_fault> {
+    let layout = Layout::of(capacity).ok_or(fault(BG_TOO_SMALL))?;
+    if memory.is_null() {
+        return Err(fault(BG_NULL));
+    }
+    if !memory.addr().is_multiple_of(BG_ALIGNMENT as usize) {
+        return Err(fault(BG_MISALIGNED));
+    }
+    if bytes < layout.bytes {
+        return Err(fault(BG_TOO_SMALL));
+    }
+    let header = memory.cast::<Header>();
+    // SAFETY: the caller lends `bytes` bytes, at least as many as the layout has, aligned as its first parts need, and
+    // every offset is within them and a multiple of its part's alignment. Zeros are valid numbers; what is not made of
+    // numbers alone is written entry by entry.
+    unsafe {
+        memory.write_bytes(0, layout.bytes);
+        header.write(Header {
+            magic: MAGIC,
+            abi: BG_ABI_VERSION,
+            busy: 0,
+            bytes: layout.bytes as u64,
+            capacity: *capacity,
+            law,
+            fault: fault(BG_OK),
+            stepped: 0,
+            departed: 0,
+            head,
+        });
+        let obstacles = memory.add(layout.obstacles).cast::<Obstacle<f64>>();
+        for k in 0..capacity.obstacles as usize {
+            obstacles.add(k).write(Obstacle::sphere([0.0; 3], 0.0));
+        }
+        let groups = memory.add(layout.groups).cast::<Group<f64>>();
+        for k in 0..capacity.groups as usize {
+            groups.add(k).write(Group::frozen());
+        }
+        memory.add(layout.mark).cast::<u64>().write(!MAGIC);
+    }
+    Ok(memory.cast())
+}
+
+/// Looks at a block and borrows its parts.
+fn open<'a>(world: *mut bg_world) -> Result<Parts<'a>, bg_fault> {
+    let memory = world.cast::<u8>();
+    if memory.is_null() {
+        return Err(fault(BG_NULL));
+    }
+    if !memory.addr().is_multiple_of(BG_ALIGNMENT as usize) {
+        return Err(fault(BG_MISALIGNED));
+    }
+    let header = memory.cast::<Header>();
+    // SAFETY: the caller says that this is a block, of a header's size at least; these fields are whole numbers, for
+    // which any bits are valid, and no reference to them is made.
+    let (magic, abi, busy, size, capacity) = unsafe {
+        (
+            addr_of!((*header).magic).read(),
+            addr_of!((*header).abi).read(),
+            addr_of!((*header).busy).read_volatile(),
+            addr_of!((*header).bytes).read(),
+            addr_of!((*header).capacity).read(),
+        )
+    };
+    if magic != MAGIC || abi != BG_ABI_VERSION {
+        return Err(fault(BG_FOREIGN));
+    }
+    if busy != 0 {
+        return Err(fault(BG_BUSY));
+    }
+    let layout = Layout::of(&capacity).filter(|layout| layout.bytes as u64 == size);
+    let layout = layout.ok_or(fault(BG_FOREIGN))?;
+    // SAFETY: a header with this mark and a size that fits its capacity was written by `init`, so that the block is as
+    // long as the layout says.
+    let mark = unsafe { memory.add(layout.mark).cast::<u64>().read() };
+    if mark != !MAGIC {
+        return Err(fault(BG_FOREIGN));
+    }
+    let room = capacity_of(&capacity);
+    let none = fault(BG_FOREIGN);
+    let (numbers, words) = (room.numbers().ok_or(none)?, room.words().ok_or(none)?);
+    // SAFETY: the parts do not overlap, lie within the block, are aligned and were initialised by `init`; the caller
+    // uses a world from one thread at a time, and a callback cannot come here, because the world is busy then. So these
+    // are the only references until the call returns.
+    let (memory, parts) = unsafe {
+        let memory = Memory {
+            head: &mut *addr_of_mut!((*header).head),
+            numbers: slice_mut(memory, layout.numbers, numbers),
+            words: slice_mut(memory, layout.words, words),
+            images: slice_mut(memory, layout.images, room.grains),
+            group: slice_mut(memory, layout.group, room.grains),
+            groups: slice_mut(memory, layout.groups, room.groups),
+            obstacles: slice_mut(memory, layout.obstacles, room.obstacles),
+        };
+        let parts = (
+            &mut *addr_of_mut!((*header).law),
+            slice_mut(world.cast(), layout.sums, room.obstacles),
+            &mut *addr_of_mut!((*header).stepped),
+            &mut *addr_of_mut!((*header).departed),
+            &mut *addr_of_mut!((*header).fault),
+        );
+        (memory, parts)
+    };
+    let (law, sums, stepped, departed, last) = parts;
+    Ok(Parts {
+        store: LentStore::new(memory, room).map_err(|_| fault(BG_FOREIGN))?,
+        law,
+        sums,
+        stepped,
+        departed,
+        fault: last,
+        // SAFETY: within the header.
+        busy: unsafe { addr_of_mut!((*header).busy) },
+    })
+}
+
+/// # Safety
+/// From `offset` on there are `count` initialised entries, aligned, with no other reference to them.
+unsafe fn slice_mut<'a, T>(memory: *mut u8, offset: usize, count: usize) -> &'a mut [T] {
+    // SAFETY: as above.
+    unsafe { core::slice::from_raw_parts_mut(memory.add(offset).cast(), count) }
+}
+
+/// Does something with a world, and keeps the fault that comes of it.
+pub(crate) fn with(world: *mut bg_world, what: impl FnOnce(&mut Parts<'_>) -> Done) -> i32 {
+    let mut parts = match open(world) {
+        Ok(parts) => parts,
+        Err(fault) => return fault.code,
+    };
+    match what(&mut parts) {
+        Ok(()) => BG_OK,
+        Err(fault) => {
+            *parts.fault = fault;
+            fault.code
+        }
+    }
+}
+
+/// The last fault of a world.
+pub(crate) fn last_fault(world: *mut bg_world) -> Result<bg_fault, bg_fault> {
+    open(world).map(|parts| *parts.fault)
+}
+
+/// A structure that the caller lends, if its size is right.
+pub(crate) fn take<T: Copy>(from: *const T) -> Result<T, bg_fault> {
+    check(from)?;
+    // SAFETY: not null, aligned, and the caller wrote at least a size, which each structure begins with.
+    let size = unsafe { from.cast::<u32>().read() };
+    if size as usize != size_of::<T>() {
+        return Err(fault(BG_BAD_SIZE));
+    }
+    // SAFETY: the size says that it is whole, and all fields are numbers.
+    Ok(unsafe { from.read() })
+}
+
+/// Writes a structure to where the caller says, if the size that stands there is right.
+pub(crate) fn give<T: Copy>(to: *mut T, value: T) -> Done {
+    take(to.cast_const())?;
+    // SAFETY: as `take` has read from there, it is a whole structure.
+    unsafe { to.write(value) };
+    Ok(())
+}
+
+/// Entries that the caller lends.
+pub(crate) fn lent<'a, T>(from: *const T, count: usize) -> Result<&'a [T], bg_fault> {
+    if count == 0 {
+        return Ok(&[]);
+    }
+    check(from)?;
+    check_length::<T>(count)?;
+    // SAFETY: not null, aligned, no longer than an address space; the caller says that they are there, and they are
+    // read before the call returns.
+    Ok(unsafe { core::slice::from_raw_parts(from, count) })
+}
+
+/// Entries that the caller lends for writing.
+pub(crate) fn lent_mut<'a, T>(to: *mut T, count: usize) -> Result<&'a mut [T], bg_fault> {
+    if count == 0 {
+        return Ok(&mut []);
+    }
+    check(to.cast_const())?;
+    check_length::<T>(count)?;
+    // SAFETY: as `lent`; they are initialised or plain numbers that are written only.
+    Ok(unsafe { core::slice::from_raw_parts_mut(to, count) })
+}
+
+/// A vector.
+pub(crate) fn vector(from: *const f64) -> Result<[f64; 3], bg_fault> {
+    let numbers = lent(from, 3)?;
+    numbers.try_into().map_err(|_| fault(BG_BAD_ARGUMENT))
+}
+
+/// Writes one value.
+pub(crate) fn put<T: Copy>(to: *mut T, value: T) -> Done {
+    check(to.cast_const())?;
+    // SAFETY: not null and aligned; the caller says that there is room for it.
+    unsafe { to.write(value) };
+    Ok(())
+}
+
+fn check<T>(pointer: *const T) -> Done {
+    if pointer.is_null() {
+        return Err(fault(BG_NULL));
+    }
+    match pointer.is_aligned() {
+        true => Ok(()),
+        false => Err(fault(BG_MISALIGNED)),
+    }
+}
+
+fn check_length<T>(count: usize) -> Done {
+    let bytes = count.checked_mul(size_of::<T>());
+    match bytes.is_some_and(|bytes| isize::try_from(bytes).is_ok()) {
+        true => Ok(()),
+        false => Err(fault(BG_BAD_ARGUMENT)),
+    }
+}

@@ -1,0 +1,276 @@
+//! Worlds: how much memory they take, and what they are made of.
+
+use bitgrain_kernel::contact::{HertzHistory, HertzTsuji};
+use bitgrain_kernel::{Capacity, Domain, Drain, Group, Head, LossPolicy, Obstacle, Shape};
+
+use crate::block::{Law, bytes, give, init, last_fault, put, take, vector, with};
+use crate::status::{BG_BAD_ARGUMENT, BG_OK, BG_TOO_SMALL, Done, fault};
+use crate::types::{
+    BG_CYLINDER, BG_HERTZ_HISTORY, BG_HERTZ_TSUJI, BG_PLANE, BG_SPHERE, bg_capacity, bg_config,
+    bg_counts, bg_fault, bg_group, bg_law, bg_obstacle, bg_policy, bg_world,
+};
+
+/// The number of what came of a call that has no world.
+fn code(done: Done) -> i32 {
+    done.map_or_else(|fault| fault.code, |()| BG_OK)
+}
+
+/// Sets `out` to room for a bed of `grains` grains among `obstacles` obstacles: 8 pairs, 8 candidates, 2 obstacle
+/// contacts and 2 cells for each grain and 64 more of each, and 8 groups. Nothing but the memory depends on it.
+#[unsafe(no_mangle)]
+pub extern "C" fn bg_capacity_for_bed(grains: u32, obstacles: u32, out: *mut bg_capacity) -> i32 {
+    let room = Capacity::for_bed(grains as usize, obstacles as usize);
+    let count = |n: usize| u32::try_from(n).map_err(|_| fault(BG_TOO_SMALL));
+    let make = || {
+        Ok(bg_capacity {
+            size: size_of::<bg_capacity>() as u32,
+            grains,
+            pairs: count(room.pairs)?,
+            candidates: count(room.candidates)?,
+            obstacle_contacts: count(room.obstacle_contacts)?,
+            cells: count(room.cells)?,
+            obstacles,
+            groups: count(room.groups)?,
+        })
+    };
+    code(make().and_then(|capacity| give(out, capacity)))
+}
+
+/// Bytes of memory that a world of this capacity takes; 0 if there can be none.
+#[unsafe(no_mangle)]
+pub extern "C" fn bg_size(capacity: *const bg_capacity) -> usize {
+    let capacity = take(capacity).ok();
+    capacity.and_then(|room| bytes(&room)).unwrap_or(0)
+}
+
+/// Makes `memory` of `size` bytes an empty world and sets `out` to it. The memory is the world: it may be copied to
+/// another place between calls, and is free again when the caller says so. It begins at a multiple of `BG_ALIGNMENT`
+/// bytes.
+#[unsafe(no_mangle)]
+pub extern "C" fn bg_init(
+    memory: *mut core::ffi::c_void,
+    size: usize,
+    capacity: *const bg_capacity,
+    config: *const bg_config,
+    out: *mut *mut bg_world,
+) -> i32 {
+    let make = || {
+        let (capacity, config) = (take(capacity)?, take(config)?);
+        let law = law_of(&config.law)?;
+        let mut axes = [false; 3];
+        for (a, axis) in axes.iter_mut().enumerate() {
+            *axis = config.periodic >> a & 1 != 0;
+        }
+        let domain = match config.lo == config.hi && config.periodic == 0 {
+            true => Domain::open(),
+            false => Domain::new(config.lo, config.hi, axes)?,
+        };
+        put(out, core::ptr::null_mut())?;
+        let head = Head::new(domain, config.dt, config.skin);
+        let world = init(memory.cast(), size, &capacity, law, head)?;
+        let skins = (config.skin, config.outer_skin);
+        bg_set_skins(world, skins.0, skins.1);
+        put(out, world)
+    };
+    code(make())
+}
+
+/// A law, if there is one of its kind.
+pub(crate) fn law_of(law: &bg_law) -> Result<Law, bg_fault> {
+    if law.size as usize != size_of::<bg_law>() {
+        return Err(fault(crate::status::BG_BAD_SIZE));
+    }
+    match law.kind {
+        BG_HERTZ_HISTORY => Ok(Law::History(HertzHistory {
+            kn: law.kn,
+            kt: law.kt,
+            gamma_n: law.gamma_n,
+            gamma_t: law.gamma_t,
+            mu: law.mu,
+        })),
+        BG_HERTZ_TSUJI => Ok(Law::Tsuji(HertzTsuji {
+            kn: law.kn,
+            kt: law.kt,
+            cn: law.gamma_n,
+            ct: law.gamma_t,
+            mu: law.mu,
+        })),
+        _ => Err(fault(BG_BAD_ARGUMENT)),
+    }
+}
+
+/// A law as C sees it.
+pub(crate) fn law_for_c(law: &Law) -> bg_law {
+    let (kind, numbers) = match law {
+        Law::History(l) => (BG_HERTZ_HISTORY, [l.kn, l.kt, l.gamma_n, l.gamma_t, l.mu]),
+        Law::Tsuji(l) => (BG_HERTZ_TSUJI, [l.kn, l.kt, l.cn, l.ct, l.mu]),
+    };
+    let [kn, kt, gamma_n, gamma_t, mu] = numbers;
+    bg_law {
+        size: size_of::<bg_law>() as u32,
+        kind,
+        kn,
+        kt,
+        gamma_n,
+        gamma_t,
+        mu,
+    }
+}
+
+/// Sets `out` to the law of Guillard 2014 from Young's modulus (pressure), Poisson's ratio (-1 to 0.5), the coefficient
+/// of restitution (0 to 1, 0 excluded) and the friction coefficient.
+#[unsafe(no_mangle)]
+pub extern "C" fn bg_law_hertz_tsuji(
+    young: f64,
+    poisson: f64,
+    restitution: f64,
+    mu: f64,
+    out: *mut bg_law,
+) -> i32 {
+    let law = Law::Tsuji(HertzTsuji::new(young, poisson, restitution, mu));
+    code(give(out, law_for_c(&law)))
+}
+
+/// Sets how far beyond touching pairs are listed, and beyond that are candidates (length): speed only, never a bit.
+#[unsafe(no_mangle)]
+pub extern "C" fn bg_set_skins(world: *mut bg_world, skin: f64, outer_skin: f64) -> i32 {
+    with(world, |parts| {
+        parts.store.set_skins(skin, outer_skin);
+        Ok(())
+    })
+}
+
+/// Says what becomes of grains that leave, from now on.
+#[unsafe(no_mangle)]
+pub extern "C" fn bg_set_policy(world: *mut bg_world, policy: *const bg_policy) -> i32 {
+    with(world, |parts| {
+        let policy = take(policy)?;
+        let drain = Drain {
+            point: policy.point,
+            normal: policy.normal,
+        };
+        parts.store.set_policy(LossPolicy {
+            takes_out: policy.takes_out != 0,
+            drain: (policy.drains != 0).then_some(drain),
+        });
+        Ok(())
+    })
+}
+
+/// Adds a group before the world is started, and sets `number` to its number.
+#[unsafe(no_mangle)]
+pub extern "C" fn bg_add_group(
+    world: *mut bg_world,
+    group: *const bg_group,
+    number: *mut u32,
+) -> i32 {
+    with(world, |parts| {
+        let group = take(group)?;
+        put(number, 0)?;
+        let axis = |a: u32| group.integrates >> a & 1 != 0;
+        let added = parts.store.add_group(Group {
+            integrates: [axis(0), axis(1), axis(2)],
+            spins: group.spins != 0,
+            infinite_mass: group.infinite_mass != 0,
+            gravity: group.gravity,
+        })?;
+        put(number, u32::from(added))
+    })
+}
+
+/// Adds an obstacle before the world is started, and sets `number` to its number. Forces in the structure are not read.
+#[unsafe(no_mangle)]
+pub extern "C" fn bg_add_obstacle(
+    world: *mut bg_world,
+    obstacle: *const bg_obstacle,
+    number: *mut u32,
+) -> i32 {
+    with(world, |parts| {
+        let of = take(obstacle)?;
+        put(number, 0)?;
+        let made = match of.kind {
+            BG_SPHERE => Obstacle::sphere(of.point, of.radius),
+            BG_CYLINDER => Obstacle::cylinder(of.point, of.direction, of.radius),
+            BG_PLANE => Obstacle::plane(of.point, of.direction),
+            _ => return Err(fault(BG_BAD_ARGUMENT)),
+        };
+        let added = parts.store.add_obstacle(Obstacle {
+            velocity: of.velocity,
+            inverse_mass: of.inverse_mass,
+            ..made
+        })?;
+        put(number, added)
+    })
+}
+
+/// Lets an obstacle move at this velocity (length / time) from the next step on.
+#[unsafe(no_mangle)]
+pub extern "C" fn bg_drive(world: *mut bg_world, number: u32, velocity: *const f64) -> i32 {
+    with(world, |parts| {
+        let velocity = vector(velocity)?;
+        let world = parts.store.world();
+        let body = world.obstacles.get_mut(number as usize);
+        body.ok_or(fault(BG_BAD_ARGUMENT))?.velocity = velocity;
+        Ok(())
+    })
+}
+
+/// Sets `out` to an obstacle as it is: its place, the force on it in the last step, and the means over the last steps.
+#[unsafe(no_mangle)]
+pub extern "C" fn bg_get_obstacle(world: *mut bg_world, number: u32, out: *mut bg_obstacle) -> i32 {
+    with(world, |parts| {
+        let steps = (*parts.stepped).max(1) as f64;
+        let sums = parts.sums.get(number as usize).copied();
+        let world = parts.store.world();
+        let body = world.obstacles.get(number as usize).zip(sums);
+        let (body, sums) = body.ok_or(fault(BG_BAD_ARGUMENT))?;
+        let (kind, direction, radius) = match body.shape {
+            Shape::Sphere { radius } => (BG_SPHERE, [0.0; 3], radius),
+            Shape::Cylinder { axis, radius } => (BG_CYLINDER, axis, radius),
+            Shape::Plane { normal } => (BG_PLANE, normal, 0.0),
+        };
+        let [a, b, c, d, e, f] = sums.map(|sum| sum / steps);
+        give(
+            out,
+            bg_obstacle {
+                size: size_of::<bg_obstacle>() as u32,
+                kind,
+                point: body.point,
+                direction,
+                radius,
+                inverse_mass: body.inverse_mass,
+                velocity: body.velocity,
+                force: body.force,
+                torque: body.torque,
+                mean_force: [a, b, c],
+                mean_torque: [d, e, f],
+            },
+        )
+    })
+}
+
+/// Sets `out` to how much there is of everything.
+#[unsafe(no_mangle)]
+pub extern "C" fn bg_get_counts(world: *mut bg_world, out: *mut bg_counts) -> i32 {
+    with(world, |parts| {
+        let departed = *parts.departed;
+        let world = parts.store.world();
+        give(
+            out,
+            bg_counts {
+                size: size_of::<bg_counts>() as u32,
+                grains: world.grains.count() as u32,
+                obstacles: world.obstacles.len() as u32,
+                groups: world.grains.groups.len() as u32,
+                step: world.clock.step,
+                departed,
+            },
+        )
+    })
+}
+
+/// Sets `out` to the last error of a call with this world; its code is 0 if there was none.
+#[unsafe(no_mangle)]
+pub extern "C" fn bg_get_fault(world: *mut bg_world, out: *mut bg_fault) -> i32 {
+    code(last_fault(world).and_then(|last| give(out, last)))
+}

@@ -1,0 +1,71 @@
+//! Grains that are taken away.
+
+use super::renumber::{GONE, renumber, renumber_candidates};
+use super::settle::{check_ids, open, weigh};
+use crate::error::Error;
+use crate::math::real::Real;
+use crate::math::rows::{get_or_default, set};
+use crate::phases::come_to_rest;
+use crate::world::World;
+
+/// Takes grains out of a world between two steps, by ids that ascend. The rows of the others move up and keep all their
+/// histories; the world's slices become shorter by as many, and what they no longer cover is free. The forces of the
+/// last step stay in the rows, with what the removed grains gave to them, as they would in a saved state.
+///
+/// An owner takes the number of its grains from [`Clock::count`](crate::Clock::count) afterwards.
+///
+/// # Errors
+/// Before anything is changed: [`Error::NotStarted`], [`Error::GrainsLeaving`], [`Error::Edited`];
+/// [`Error::UnknownGrain`]; [`Error::BadOrder`] of ids that do not ascend. [`Error::Arithmetic`] stops the world.
+pub fn remove<R: Real>(world: &mut World<'_, R>, ids: &[u32]) -> Result<(), Error> {
+    open(world)?;
+    check_ids(world, ids)?;
+    for id in ids {
+        if let Some(place) = world.place_of(*id) {
+            mark(world, place);
+        }
+    }
+    drop_marked(world)
+}
+
+/// Marks a grain that is to go: an inverse mass is zero or more.
+pub(crate) fn mark<R: Real>(world: &mut World<'_, R>, place: usize) {
+    if let Some(row) = world.grains.spin.get_mut(place) {
+        row[3] = -R::ONE;
+    }
+}
+
+/// Whether a grain is marked.
+pub(crate) fn is_marked<R: Real>(world: &World<'_, R>, place: usize) -> bool {
+    get_or_default(world.grains.spin, place)[3] < R::ZERO
+}
+
+/// Takes out the marked grains, and leaves the world at rest.
+pub(crate) fn drop_marked<R: Real>(world: &mut World<'_, R>) -> Result<(), Error> {
+    let left = compact(world, true);
+    world.shrink(left);
+    weigh(world);
+    come_to_rest(world)
+}
+
+/// Moves the rows and contacts of the grains that are not marked together, and returns how many they are. Candidates
+/// that are not kept must be searched for again.
+pub(crate) fn compact<R: Real>(world: &mut World<'_, R>, keeps_candidates: bool) -> usize {
+    let mut left = 0;
+    for i in 0..world.clock.count {
+        let goes = is_marked(world, i);
+        set(world.cells.grain, i, if goes { GONE } else { left as u32 });
+        left += usize::from(!goes);
+    }
+    renumber(world);
+    if keeps_candidates {
+        renumber_candidates(world);
+    }
+    for i in 0..world.clock.count {
+        let to = get_or_default(world.cells.grain, i);
+        if to != GONE {
+            world.grains.copy_row(i, to as usize);
+        }
+    }
+    left
+}

@@ -1,0 +1,108 @@
+//! New places for the grains of the lists, when grains come or go.
+
+use crate::math::real::Real;
+use crate::math::rows::{get_or_default, prefix, set};
+use crate::neighbors::cell_list::OuterList;
+use crate::neighbors::pair_list::{Listed, PairList};
+use crate::world::World;
+
+/// The new place of a grain that is gone.
+pub(crate) const GONE: u32 = u32::MAX;
+
+/// The new place of each grain, by its old one; kept places ascend.
+#[derive(Clone, Copy)]
+pub(crate) struct NewPlaces<'a>(&'a [u32]);
+
+impl NewPlaces<'_> {
+    fn of(&self, old: u32) -> Option<u32> {
+        let new = self.0.get(old as usize).copied();
+        new.filter(|new| *new != GONE)
+    }
+}
+
+/// Renumbers pairs and obstacle contacts by the table that stands in the storage of the cells, which only a search
+/// uses. Contacts of grains that are gone go too; the others keep their springs and their order.
+pub(crate) fn renumber<R: Real>(world: &mut World<'_, R>) {
+    let count = world.clock.count;
+    let places = NewPlaces(prefix(world.cells.grain, count));
+    let listed = world.clock.listed;
+    let mut kept = Listed {
+        touching: listed.touching,
+        ..Listed::default()
+    };
+    kept.inner = pairs(&mut world.pairs, places, 0..listed.inner, 0);
+    kept.pairs = pairs(
+        &mut world.pairs,
+        places,
+        listed.inner..listed.pairs,
+        kept.inner,
+    );
+    kept.obstacle_contacts = obstacle_contacts(&mut world.pairs, places, listed.obstacle_contacts);
+    world.clock.listed = kept;
+}
+
+/// Moves the pairs of a stretch that stay to `to` and the places after it; returns where they end.
+fn pairs<R: Real>(
+    list: &mut PairList<'_, R>,
+    places: NewPlaces<'_>,
+    stretch: core::ops::Range<usize>,
+    mut to: usize,
+) -> usize {
+    for p in stretch {
+        let lower = places.of(get_or_default(list.lower, p));
+        let partner = places.of(get_or_default(list.partner, p));
+        let (Some(i), Some(j)) = (lower, partner) else {
+            continue;
+        };
+        set(list.lower, to, i);
+        set(list.partner, to, j);
+        let spring = list.spring_of(p);
+        list.set_spring(to, spring);
+        to += 1;
+    }
+    to
+}
+
+fn obstacle_contacts<R: Real>(
+    list: &mut PairList<'_, R>,
+    places: NewPlaces<'_>,
+    contacts: usize,
+) -> usize {
+    let mut to = 0;
+    for t in 0..contacts {
+        let Some(i) = places.of(get_or_default(list.obstacle_contact_grain, t)) else {
+            continue;
+        };
+        let word = get_or_default(list.obstacle_contact_obstacle, t);
+        let spring = get_or_default(list.obstacle_contact_spring, t);
+        set(list.obstacle_contact_grain, to, i);
+        set(list.obstacle_contact_obstacle, to, word);
+        set(list.obstacle_contact_spring, to, spring);
+        to += 1;
+    }
+    to
+}
+
+/// The same for the candidates of the last search, so that it need not be done again.
+pub(crate) fn renumber_candidates<R: Real>(world: &mut World<'_, R>) {
+    let count = world.clock.count;
+    let places = NewPlaces(prefix(world.cells.grain, count));
+    let OuterList { row, partner } = &mut world.candidates;
+    let (mut rows, mut to) = (0, 0);
+    for i in 0..count {
+        // Both are read before anything is written at or behind them.
+        let (from, end) = (get_or_default(row, i), get_or_default(row, i + 1));
+        if places.of(i as u32).is_none() {
+            continue;
+        }
+        set(row, rows, to as u32);
+        rows += 1;
+        for c in from..end {
+            if let Some(j) = places.of(get_or_default(partner, c as usize)) {
+                set(partner, to, j);
+                to += 1;
+            }
+        }
+    }
+    set(row, rows, to as u32);
+}

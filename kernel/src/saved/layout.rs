@@ -1,0 +1,58 @@
+//! The layout: words and numbers of each part.
+
+use crate::math::real::Real;
+
+/// The layout that this version writes and reads.
+pub(crate) const FORMAT: u32 = 1;
+pub(crate) const MAGIC: [u32; 2] = [u32::from_le_bytes(*b"bitg"), u32::from_le_bytes(*b"rain")];
+/// Words before the numbers of the head.
+pub(crate) const COUNTS: usize = 16;
+/// Numbers of the head, of a group, an obstacle, a grain and a history, and words beside them.
+pub(crate) const HEAD: usize = 13;
+pub(crate) const GROUP: (usize, usize) = (1, 3);
+pub(crate) const OBSTACLE: (usize, usize) = (4, 17);
+pub(crate) const GRAIN: (usize, usize) = (5, 17);
+pub(crate) const HISTORY: (usize, usize) = (2, 3);
+/// Words of the two hashes.
+pub(crate) const HASHES: usize = 16;
+
+/// Bits of the head's flags: the first three say which axes are periodic.
+pub(crate) const OPEN: u32 = 8;
+pub(crate) const TAKES_OUT: u32 = 16;
+pub(crate) const DRAINS: u32 = 32;
+
+/// Words of a number.
+pub(crate) fn width<R: Real>() -> usize {
+    match R::ZERO.to_words().1 {
+        Some(_) => 2,
+        None => 1,
+    }
+}
+
+/// Bytes that a world with these counts takes.
+pub(crate) fn size<R: Real>([grains, groups, obstacles, histories]: [usize; 4]) -> usize {
+    let all = [
+        (1, (COUNTS + HASHES, HEAD)),
+        (groups, GROUP),
+        (obstacles, OBSTACLE),
+        (grains, GRAIN),
+        (histories, HISTORY),
+    ];
+    all.iter().fold(0usize, |sum, (count, (words, numbers))| {
+        let each = 4 * (words + width::<R>() * numbers);
+        sum.saturating_add(count.saturating_mul(each))
+    })
+}
+
+/// The name of the number type in words.
+pub(crate) fn name<R: Real>() -> [u32; 4] {
+    let mut bytes = [0u8; 16];
+    for (to, from) in bytes.iter_mut().zip(R::NAME.bytes()) {
+        *to = from;
+    }
+    let mut words = [0; 4];
+    for (to, from) in words.iter_mut().zip(bytes.as_chunks::<4>().0) {
+        *to = u32::from_le_bytes(*from);
+    }
+    words
+}

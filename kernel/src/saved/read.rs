@@ -1,0 +1,270 @@
+//! Reading.
+
+use core::marker::PhantomData;
+
+use super::layout::{
+    COUNTS, DRAINS, FORMAT, GRAIN, GROUP, HASHES, HEAD, MAGIC, OBSTACLE, OPEN, TAKES_OUT, name,
+    size, width,
+};
+use crate::digest::BITS_VERSION;
+use crate::digest::blake3::Hasher;
+use crate::digest::state::digest;
+use crate::error::Error;
+use crate::math::real::Real;
+use crate::math::rows::set;
+use crate::math::vec3::Vec3;
+use crate::neighbors::pair_list::ContactHistory;
+use crate::state::domain::Domain;
+use crate::state::grains::Group;
+use crate::state::losses::{Drain, LossPolicy};
+use crate::state::obstacle::{Obstacle, Shape};
+use crate::world::World;
+
+fn axes(flags: u32) -> [bool; 3] {
+    [flags & 1 != 0, flags & 2 != 0, flags & 4 != 0]
+}
+
+/// A saved world whose bytes are as they were written.
+pub(crate) struct Saved<'b, R> {
+    words: &'b [[u8; 4]],
+    counts: [usize; 5],
+    number: PhantomData<R>,
+}
+
+impl<'b, R: Real> Saved<'b, R> {
+    /// Looks at bytes that may be longer than the world in them.
+    pub(crate) fn open(bytes: &'b [u8]) -> Result<Self, Error> {
+        let words = bytes.as_chunks::<4>().0;
+        let mut saved = Self {
+            words,
+            counts: [0; 5],
+            number: PhantomData,
+        };
+        let mut at = saved.from(0);
+        if [at.word(), at.word()] != MAGIC {
+            return Err(Error::BadSave);
+        }
+        if at.word() != FORMAT || at.word() != BITS_VERSION || name::<R>() != at.four() {
+            return Err(Error::OtherVersion);
+        }
+        saved.counts = [(); 5].map(|()| at.word() as usize);
+        let [grains, groups, obstacles, pairs, touches] = saved.counts;
+        let size = size::<R>([grains, groups, obstacles, pairs.saturating_add(touches)]) / 4;
+        let Some(words) = words.get(..size) else {
+            return Err(Error::BadSave);
+        };
+        saved.words = words;
+        let mut hasher = Hasher::new();
+        for word in words.iter().take(size.saturating_sub(HASHES / 2)) {
+            hasher.word(u32::from_le_bytes(*word));
+        }
+        match saved.from(size.saturating_sub(HASHES / 2)).hash() == hasher.finish() {
+            true => Ok(saved),
+            false => Err(Error::BadSave),
+        }
+    }
+
+    /// Whether a store has room for it.
+    pub(crate) fn check_room(
+        &self,
+        grains: usize,
+        groups: usize,
+        obstacles: usize,
+    ) -> Result<(), Error> {
+        let needed = self.counts[0];
+        if needed > grains {
+            return Err(Error::GrainsFull { needed });
+        }
+        match self.counts[1] <= groups && self.counts[2] <= obstacles {
+            true => Ok(()),
+            false => Err(Error::BadStorage),
+        }
+    }
+
+    pub(crate) fn count(&self) -> usize {
+        self.counts[0]
+    }
+
+    fn from(&self, word: usize) -> Reader<'b> {
+        Reader(self.words.get(word..).unwrap_or_default())
+    }
+
+    /// Where a part begins: after the head, groups, obstacles, grains.
+    fn part(&self, parts: usize) -> Reader<'b> {
+        let [grains, groups, obstacles, ..] = self.counts;
+        let sizes = [
+            (1, (COUNTS, HEAD)),
+            (groups, GROUP),
+            (obstacles, OBSTACLE),
+            (grains, GRAIN),
+        ];
+        let words = sizes.iter().take(parts).fold(0, |sum, (count, (w, n))| {
+            sum + count * (w + width::<R>() * n)
+        });
+        self.from(words)
+    }
+
+    fn flags(&self) -> u32 {
+        self.from(COUNTS - 3).word()
+    }
+
+    pub(crate) fn dt(&self) -> R {
+        self.from(COUNTS).number()
+    }
+
+    /// The box; one that is none becomes a box without space, which no world starts in.
+    pub(crate) fn domain(&self) -> Domain<R> {
+        let mut at = self.from(COUNTS);
+        let _: R = at.number();
+        let (lo, hi) = (at.vector(), at.vector());
+        match self.flags() & OPEN != 0 {
+            true => Domain::open(),
+            false => Domain::new(lo, hi, axes(self.flags())).unwrap_or(Domain::VACANT),
+        }
+    }
+
+    pub(crate) fn policy(&self) -> LossPolicy<R> {
+        let mut at = self.from(COUNTS);
+        for _ in 0..7 {
+            let _: R = at.number();
+        }
+        let drain = Drain {
+            point: at.vector(),
+            normal: at.vector(),
+        };
+        LossPolicy {
+            takes_out: self.flags() & TAKES_OUT != 0,
+            drain: (self.flags() & DRAINS != 0).then_some(drain),
+        }
+    }
+
+    pub(crate) fn groups(&self) -> impl Iterator<Item = Group<R>> + use<'b, R> {
+        let mut at = self.part(1);
+        (0..self.counts[1]).map(move |_| {
+            let flags = at.word();
+            Group {
+                integrates: axes(flags),
+                spins: flags & 8 != 0,
+                infinite_mass: flags & 16 != 0,
+                gravity: at.vector(),
+            }
+        })
+    }
+
+    pub(crate) fn obstacles(&self) -> impl Iterator<Item = Obstacle<R>> + use<'b, R> {
+        let mut at = self.part(2);
+        (0..self.counts[2]).map(move |_| {
+            let kind = at.word();
+            let image = at.images();
+            let (direction, size) = (at.vector(), at.number());
+            Obstacle {
+                shape: match kind {
+                    0 => Shape::Sphere { radius: size },
+                    1 => Shape::Cylinder {
+                        axis: direction,
+                        radius: size,
+                    },
+                    _ => Shape::Plane { normal: direction },
+                },
+                point: at.vector(),
+                image,
+                velocity: at.vector(),
+                inverse_mass: at.number(),
+                force: at.vector(),
+                torque: at.vector(),
+            }
+        })
+    }
+
+    /// Writes the rows of the grains, and the step.
+    pub(crate) fn fill(&self, world: &mut World<'_, R>) {
+        let mut at = self.part(3);
+        let g = &mut world.grains;
+        for i in 0..self.count() {
+            set(g.id, i, at.word());
+            // A group beyond the last one, which no byte may name, is refused as the world resumes.
+            set(g.group, i, u8::try_from(at.word()).unwrap_or(u8::MAX));
+            set(g.image, i, at.images());
+            set(g.position, i, at.row());
+            set(g.velocity, i, at.row());
+            for rows in [&mut g.spin, &mut g.force, &mut g.torque] {
+                let [x, y, z] = at.vector();
+                set(rows, i, [x, y, z, R::ZERO]);
+            }
+        }
+        let mut at = self.from(COUNTS - 2);
+        world.clock.step = u64::from(at.word()) | u64::from(at.word()) << 32;
+    }
+
+    pub(crate) fn histories(&self) -> impl Iterator<Item = ContactHistory<R>> + use<'b, R> {
+        let mut at = self.part(4);
+        let [.., pairs, touches] = self.counts;
+        (0..pairs.saturating_add(touches)).map(move |k| {
+            let (i, j, spring) = (at.word(), at.word(), at.vector());
+            match k < pairs {
+                true => ContactHistory::Pair { i, j, spring },
+                false => ContactHistory::Obstacle {
+                    i,
+                    obstacle: j,
+                    spring,
+                },
+            }
+        })
+    }
+
+    /// Whether a world that went on from here is the one that was saved; if not, it is stopped.
+    pub(crate) fn compare(&self, world: &mut World<'_, R>) -> Result<(), Error> {
+        let saved = self.from(self.words.len().saturating_sub(HASHES)).hash();
+        match digest(world).whole == saved {
+            true => Ok(()),
+            false => {
+                world.clock.stop();
+                Err(Error::BadSave)
+            }
+        }
+    }
+}
+
+/// Words that are still to be read; zeros behind the last one.
+struct Reader<'b>(&'b [[u8; 4]]);
+
+impl Reader<'_> {
+    fn word(&mut self) -> u32 {
+        match self.0 {
+            [first, others @ ..] => {
+                self.0 = others;
+                u32::from_le_bytes(*first)
+            }
+            [] => 0,
+        }
+    }
+
+    fn four(&mut self) -> [u32; 4] {
+        [(); 4].map(|()| self.word())
+    }
+
+    fn number<R: Real>(&mut self) -> R {
+        let low = self.word();
+        R::from_words(low, (width::<R>() == 2).then(|| self.word()))
+    }
+
+    fn vector<R: Real>(&mut self) -> Vec3<R> {
+        [(); 3].map(|()| self.number())
+    }
+
+    fn row<R: Real>(&mut self) -> crate::Row<R> {
+        [(); 4].map(|()| self.number())
+    }
+
+    fn images(&mut self) -> [i32; 3] {
+        [(); 3].map(|()| self.word() as i32)
+    }
+
+    fn hash(&mut self) -> [u8; 32] {
+        let mut bytes = [0; 32];
+        for to in bytes.as_chunks_mut::<4>().0 {
+            *to = self.word().to_le_bytes();
+        }
+        bytes
+    }
+}

@@ -1,0 +1,30 @@
+//! The header of the C library is what its sources say.
+
+use bitgrain_tests::root;
+
+#[test]
+fn the_c_header_is_up_to_date() {
+    let library = root().join("kernel/capi");
+    let settings = cbindgen::Config::from_file(library.join("cbindgen.toml")).unwrap();
+    let mut made = Vec::new();
+    let mut sources = cbindgen::Builder::new().with_config(settings);
+    for name in [
+        "lib", "types", "status", "block", "setup", "grains", "steps", "rows", "saved",
+    ] {
+        sources = sources.with_src(library.join(format!("src/{name}.rs")));
+    }
+    sources.generate().unwrap().write(&mut made);
+    let made = String::from_utf8(made).unwrap();
+    let path = library.join("include/bitgrain.h");
+    if std::env::var("INSTA_UPDATE").is_ok_and(|update| update == "always") {
+        std::fs::write(&path, &made).unwrap();
+    }
+    let committed = std::fs::read_to_string(&path).unwrap_or_default();
+    assert!(
+        committed == made,
+        "kernel/capi/include/bitgrain.h is not that of the sources: see kernel/capi/cbindgen.toml"
+    );
+    // Every file of the library is looked at.
+    let files = std::fs::read_dir(library.join("src")).unwrap();
+    assert_eq!(files.count(), 9);
+}
