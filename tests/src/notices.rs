@@ -1,5 +1,5 @@
-//! Notices of the crates that are linked into the command or the Python package: names, versions, licences, and the texts
-//! of these.
+//! Notices of the crates that are linked into the command or the Python package: names, versions, licences, and the
+//! texts of these.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;

@@ -1,8 +1,11 @@
 """The bits of Python's worlds are those of the kernel, of the command and of every other way to step."""
 
 import json
+import os
+import signal
 import subprocess
 import sys
+import threading
 
 import numpy as np
 import pytest
@@ -79,6 +82,19 @@ def test_threads_and_instructions_change_no_bit(threads, isa):
     one.step(100)
     other.step(100)
     assert one.digests == other.digests
+
+
+def test_ctrl_c_stops_between_two_steps():
+    stopped, whole = falling(), falling()
+    timer = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        stopped.step(10**9)
+    timer.join()
+    assert 0 < stopped.step_count < 10**9
+    stopped.step(10)
+    whole.step(stopped.step_count)
+    assert stopped.digest == whole.digest
 
 
 def test_a_force_of_zero_is_no_force():

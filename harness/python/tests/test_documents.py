@@ -14,8 +14,8 @@ import bitgrain
 
 PACKAGE = Path(bitgrain.__file__).parent
 EXAMPLES = sorted((ROOT / "harness/python/examples").glob("*.py"))
-CLASSES = [bitgrain.World, bitgrain.Obstacle, bitgrain.Edit, bitgrain.Group, bitgrain.Departed, bitgrain.View, bitgrain.Folder,
-           bitgrain.HertzHistory, bitgrain.HertzTsuji, bitgrain.Divergence]
+CLASSES = [bitgrain.World, bitgrain.Obstacle, bitgrain.Edit, bitgrain.Group, bitgrain.Departed, bitgrain.View,
+           bitgrain.Folder, bitgrain.HertzHistory, bitgrain.HertzTsuji, bitgrain.Divergence]
 
 
 def members():
@@ -119,7 +119,8 @@ def test_the_page_of_the_guide_runs(tmp_path, monkeypatch):
 
 
 def test_notices_name_what_is_linked():
-    tree = "cargo tree -e normal,no-proc-macro --prefix none --format {p}|{l} --target x86_64-unknown-linux-gnu --locked"
+    tree = "cargo tree --locked -e normal,no-proc-macro --prefix none --format {p}|{l} --target "
+    tree += "x86_64-unknown-linux-gnu"
     out = subprocess.run(tree.split(), cwd=ROOT / "harness/python", capture_output=True, text=True, check=True).stdout
     # Our own crates have a path behind their version.
     lines = {line.replace(" (*)", "") for line in out.splitlines() if "(/" not in line}
