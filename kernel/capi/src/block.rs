@@ -1,7 +1,7 @@
 //! The block of memory of a world: a header, the arrays of a lent store, and a mark at the end.
 //!
-//! All `unsafe` that looks at a caller's pointers is in this file. What C promises, and what is checked here, is written
-//! at each.
+//! All `unsafe` that looks at a caller's pointers is in this file. What C promises, and what is checked here, is
+//! written at each.
 
 use core::ptr::{addr_of, addr_of_mut};
 

@@ -6,9 +6,9 @@ use super::layout::{
     COUNTS, DRAINS, FORMAT, GRAIN, GROUP, HASHES, HEAD, MAGIC, OBSTACLE, OPEN, TAKES_OUT, name,
     size, width,
 };
+use super::write::checksum;
 use crate::digest::BITS_VERSION;
 use crate::digest::blake3::Hasher;
-use crate::digest::state::digest;
 use crate::error::Error;
 use crate::math::real::Real;
 use crate::math::rows::set;
@@ -58,7 +58,7 @@ impl<'b, R: Real> Saved<'b, R> {
         for word in words.iter().take(size.saturating_sub(HASHES / 2)) {
             hasher.word(u32::from_le_bytes(*word));
         }
-        match saved.from(size.saturating_sub(HASHES / 2)).hash() == hasher.finish() {
+        match saved.checksum() == hasher.finish() {
             true => Ok(saved),
             false => Err(Error::BadSave),
         }
@@ -212,16 +212,21 @@ impl<'b, R: Real> Saved<'b, R> {
         })
     }
 
-    /// Whether a world that went on from here is the one that was saved; if not, it is stopped.
+    /// Whether a world that went on from here would be saved as these bytes: with the same digest, and with nothing in
+    /// words that say nothing. If not, it is stopped.
     pub(crate) fn compare(&self, world: &mut World<'_, R>) -> Result<(), Error> {
-        let saved = self.from(self.words.len().saturating_sub(HASHES)).hash();
-        match digest(world).whole == saved {
+        match checksum(world) == self.checksum() {
             true => Ok(()),
             false => {
                 world.clock.stop();
                 Err(Error::BadSave)
             }
         }
+    }
+
+    fn checksum(&self) -> [u8; 32] {
+        self.from(self.words.len().saturating_sub(HASHES / 2))
+            .hash()
     }
 }
 

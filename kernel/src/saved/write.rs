@@ -50,78 +50,18 @@ pub fn save<R: Real>(world: &mut World<'_, R>, out: &mut [u8]) -> Result<usize, 
     let Some(out) = out.get_mut(..needed) else {
         return Err(Error::BufferTooShort { needed });
     };
-    let mut to = Writer {
-        words: out.as_chunks_mut().0.iter_mut(),
-        hasher: Hasher::new(),
-    };
-    let [pairs, touches] = histories(world);
-    let g = &world.grains;
-    for half in MAGIC {
-        to.word(half);
-    }
-    to.word(FORMAT);
-    to.word(BITS_VERSION);
-    for word in name::<R>() {
-        to.word(word);
-    }
-    let counts = [
-        g.count(),
-        g.groups.len(),
-        world.obstacles.len(),
-        pairs,
-        touches,
-    ];
-    for count in counts {
-        to.word(count as u32);
-    }
-    to.word(flags(world));
-    to.word(world.clock.step as u32);
-    to.word((world.clock.step >> 32) as u32);
-    to.number(world.dt);
-    to.numbers(&world.domain.lo());
-    to.numbers(&world.domain.hi());
-    let drain = world.policy.drain.unwrap_or(Drain {
-        point: [R::ZERO; 3],
-        normal: [R::ZERO; 3],
-    });
-    to.numbers(&drain.point);
-    to.numbers(&drain.normal);
-    for group in g.groups {
-        to.group(group);
-    }
-    for body in world.obstacles.iter() {
-        to.obstacle(body);
-    }
-    let moving = g.position.iter().zip(&*g.velocity).zip(&*g.spin);
-    let pushes = g.force.iter().zip(&*g.torque);
-    let names = g.id.iter().zip(&*g.group).zip(&*g.image);
-    for ((((x, v), w), (force, torque)), ((id, group), image)) in moving.zip(pushes).zip(names) {
-        to.word(*id);
-        to.word(u32::from(*group));
-        to.images(image);
-        to.numbers(x);
-        to.numbers(v);
-        for row in [w, force, torque] {
-            to.numbers(&head(*row));
-        }
-    }
-    for history in world.contact_histories() {
-        let (i, j, spring) = match history {
-            ContactHistory::Pair { i, j, spring } => (i, j, spring),
-            ContactHistory::Obstacle {
-                i,
-                obstacle,
-                spring,
-            } => (i, obstacle, spring),
-        };
-        to.word(i);
-        to.word(j);
-        to.numbers(&spring);
-    }
-    to.hash(&digest(world).whole);
+    let mut to = Writer::new(out.as_chunks_mut().0);
+    to.world(world);
     let sum = to.hasher.finish();
     to.hash(&sum);
     Ok(needed)
+}
+
+/// The hash that the bytes of a world end with.
+pub(crate) fn checksum<R: Real>(world: &World<'_, R>) -> [u8; 32] {
+    let mut to = Writer::new(&mut []);
+    to.world(world);
+    to.hasher.finish()
 }
 
 fn flags<R: Real>(world: &World<'_, R>) -> u32 {
@@ -147,7 +87,85 @@ struct Writer<'a> {
     hasher: Hasher,
 }
 
-impl Writer<'_> {
+impl<'a> Writer<'a> {
+    /// Writes to these words, and hashes what is beyond the last of them too.
+    fn new(words: &'a mut [[u8; 4]]) -> Self {
+        Self {
+            words: words.iter_mut(),
+            hasher: Hasher::new(),
+        }
+    }
+
+    /// All of a world but the checksum.
+    fn world<R: Real>(&mut self, world: &World<'_, R>) {
+        let [pairs, touches] = histories(world);
+        let g = &world.grains;
+        for half in MAGIC {
+            self.word(half);
+        }
+        self.word(FORMAT);
+        self.word(BITS_VERSION);
+        for word in name::<R>() {
+            self.word(word);
+        }
+        let counts = [
+            g.count(),
+            g.groups.len(),
+            world.obstacles.len(),
+            pairs,
+            touches,
+        ];
+        for count in counts {
+            self.word(count as u32);
+        }
+        self.word(flags(world));
+        self.word(world.clock.step as u32);
+        self.word((world.clock.step >> 32) as u32);
+        self.number(world.dt);
+        self.numbers(&world.domain.lo());
+        self.numbers(&world.domain.hi());
+        let drain = world.policy.drain.unwrap_or(Drain {
+            point: [R::ZERO; 3],
+            normal: [R::ZERO; 3],
+        });
+        self.numbers(&drain.point);
+        self.numbers(&drain.normal);
+        for group in g.groups {
+            self.group(group);
+        }
+        for body in world.obstacles.iter() {
+            self.obstacle(body);
+        }
+        let moving = g.position.iter().zip(&*g.velocity).zip(&*g.spin);
+        let pushes = g.force.iter().zip(&*g.torque);
+        let names = g.id.iter().zip(&*g.group).zip(&*g.image);
+        for ((((x, v), w), (force, torque)), ((id, group), image)) in moving.zip(pushes).zip(names)
+        {
+            self.word(*id);
+            self.word(u32::from(*group));
+            self.images(image);
+            self.numbers(x);
+            self.numbers(v);
+            for row in [w, force, torque] {
+                self.numbers(&head(*row));
+            }
+        }
+        for history in world.contact_histories() {
+            let (i, j, spring) = match history {
+                ContactHistory::Pair { i, j, spring } => (i, j, spring),
+                ContactHistory::Obstacle {
+                    i,
+                    obstacle,
+                    spring,
+                } => (i, obstacle, spring),
+            };
+            self.word(i);
+            self.word(j);
+            self.numbers(&spring);
+        }
+        self.hash(&digest(world).whole);
+    }
+
     fn word(&mut self, word: u32) {
         self.hasher.word(word);
         if let Some(to) = self.words.next() {

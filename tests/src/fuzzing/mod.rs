@@ -5,23 +5,29 @@
 //! that the replay of the committed corpus cannot pass by refusing everything.
 
 mod bytes;
+mod capi;
 mod checkpoint;
 mod contact;
 mod drawn;
+mod edits;
 mod exact;
 mod finite;
 mod hostile;
 mod lent;
 mod manifest;
 mod records;
+mod saved;
 mod search;
 mod texts;
 mod world;
 
+pub use capi::capi;
 pub use checkpoint::checkpoint;
 pub use contact::contact;
+pub use edits::edits;
 pub use manifest::manifest;
 pub use records::{book, campaign, summary, table};
+pub use saved::saved;
 pub use search::search;
 pub use texts::{assert_same_bits, case, lammps, scenario, series};
 pub use world::world;

@@ -9,7 +9,7 @@ type Target = fn(&[u8]) -> bool;
 
 /// Targets, and how many of their files at least must be sound: the others are refused, as they
 /// should be.
-const TARGETS: [(&str, Target, usize); 13] = [
+const TARGETS: [(&str, Target, usize); 16] = [
     ("contact", fuzzing::contact, 60),
     ("search", fuzzing::search, 30),
     ("world", fuzzing::world, 30),
@@ -23,6 +23,9 @@ const TARGETS: [(&str, Target, usize); 13] = [
     ("table", fuzzing::table, 6),
     ("book", fuzzing::book, 6),
     ("manifest", fuzzing::manifest, 6),
+    ("edits", fuzzing::edits, 20),
+    ("saved", fuzzing::saved, 5),
+    ("capi", fuzzing::capi, 1),
 ];
 
 #[test]

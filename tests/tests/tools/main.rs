@@ -1,6 +1,7 @@
 //! Tests that build or run other programs: emulated machines, mutants of the kernel, counted instructions, a browser.
 
 mod browser;
+mod capi;
 mod count;
 mod instructions;
 // The modules of the program `targets`, which uses the rest.
