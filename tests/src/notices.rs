@@ -1,4 +1,5 @@
-//! Notices of the crates that are linked into the command: names, versions, licences, and the texts of these.
+//! Notices of the crates that are linked into the command or the Python package: names, versions, licences, and the
+//! texts of these.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
@@ -9,13 +10,42 @@ use serde_json::Value;
 
 use crate::root;
 
-/// Where the notices lie, from the repository's root.
-pub const FILE: &str = "harness/THIRD-PARTY.md";
+/// What crates are linked into.
+#[derive(Clone, Copy, Debug)]
+pub struct Product {
+    /// Where its notices lie, from the repository's root.
+    pub file: &'static str,
+    /// What the notices call it.
+    name: &'static str,
+    /// The manifest of its workspace, and its package there.
+    manifest: &'static str,
+    package: &'static str,
+    /// The argument of the program `notices` that chooses it.
+    argument: &'static str,
+}
+
+/// The command.
+pub const COMMAND: Product = Product {
+    file: "harness/THIRD-PARTY.md",
+    name: "`bitgrain`",
+    manifest: "Cargo.toml",
+    package: "bitgrain",
+    argument: "",
+};
+
+/// The Python package.
+pub const PYTHON: Product = Product {
+    file: "harness/python/THIRD-PARTY.md",
+    name: "the Python package `bitgrain`",
+    manifest: "harness/python/Cargo.toml",
+    package: "bitgrain-python",
+    argument: " -- python",
+};
 
 /// The system that the crates are linked for: others need a few others.
 pub const TARGET: &str = "x86_64-unknown-linux-gnu";
 
-/// A crate that is linked into the command.
+/// A crate that is linked into a product.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Linked {
     /// Its name.
@@ -39,11 +69,12 @@ fn cargo(args: &[&str]) -> String {
     String::from_utf8(out.stdout).expect("cargo prints text")
 }
 
-/// The foreign crates that the command links: not those that only build it or test it. From `Cargo.lock`, without
+/// The foreign crates that a product links: not those that only build it or test it. From `Cargo.lock`, without
 /// a network.
-pub fn linked() -> Vec<Linked> {
-    let tree = "tree -p bitgrain -e normal,no-proc-macro --prefix none --format {p}|{l} --target";
-    let args: Vec<&str> = tree.split(' ').chain([TARGET]).collect();
+pub fn linked(product: &Product) -> Vec<Linked> {
+    let tree = "tree -e normal,no-proc-macro --prefix none --format {p}|{l} --target";
+    let own = ["-p", product.package, "--manifest-path", product.manifest];
+    let args: Vec<&str> = tree.split(' ').chain([TARGET]).chain(own).collect();
     let mut found = BTreeSet::new();
     for line in cargo(&args).lines() {
         let line = line.trim_end_matches(" (*)");
@@ -63,13 +94,15 @@ pub fn linked() -> Vec<Linked> {
 }
 
 /// The folder of each package in Cargo's store, by name and version.
-fn folders() -> BTreeMap<(String, String), PathBuf> {
+fn folders(product: &Product) -> BTreeMap<(String, String), PathBuf> {
     let metadata = cargo(&[
         "metadata",
         "--format-version",
         "1",
         "--filter-platform",
         TARGET,
+        "--manifest-path",
+        product.manifest,
     ]);
     let metadata: Value = serde_json::from_str(&metadata).expect("cargo prints JSON");
     let packages = metadata["packages"].as_array().expect("a list").iter();
@@ -132,12 +165,13 @@ fn texts(folder: &Path, licence: &str) -> Vec<String> {
 }
 
 /// The notices: a table of the crates, and each text once with the crates that have it.
-pub fn text() -> String {
-    let (linked, folders) = (linked(), folders());
+pub fn text(product: &Product) -> String {
+    let (linked, folders) = (linked(product), folders(product));
+    let Product { name, argument, .. } = product;
     let mut out = format!(
-        "# Third-party notices\n\nCrates linked into `bitgrain` for {TARGET}, with what they are licensed under, and \
+        "# Third-party notices\n\nCrates linked into {name} for {TARGET}, with what they are licensed under, and \
          the texts of these licences. The Rust standard library is linked too (MIT OR Apache-2.0). Written by \
-         `cargo run -p bitgrain-tests --bin notices`.\n\n| crate | version | licence |\n| --- | --- | --- |\n"
+         `cargo run -p bitgrain-tests --bin notices{argument}`.\n\n| crate | version | licence |\n| --- | --- | --- |\n"
     );
     let mut by_text: BTreeMap<String, Vec<String>> = BTreeMap::new();
     let own = |file: &str| std::fs::read_to_string(root().join(file)).unwrap_or_default();

@@ -219,7 +219,7 @@ impl Beds {
 
 /// Where settled beds are kept unless `--beds` says otherwise: in the user's cache, or, if the system names no
 /// such folder, in `beds` here.
-pub(super) fn own_beds() -> PathBuf {
+pub fn own_beds() -> PathBuf {
     match choose_base_strategy() {
         Ok(places) => places.cache_dir().join("bitgrain").join("beds"),
         Err(_) => "beds".into(),

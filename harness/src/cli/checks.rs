@@ -1,6 +1,6 @@
 //! `bitgrain verify` and `bitgrain bisect`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use clap::Args;
@@ -94,14 +94,13 @@ pub(super) fn run_verify(what: Verify) -> Result<()> {
 }
 
 /// Runs `bitgrain bisect`.
-pub(super) fn run_bisect(what: Bisect) -> Result<()> {
-    let this = std::env::current_exe().map_err(Error::Output)?;
+pub(super) fn run_bisect(what: Bisect, this: &Path) -> Result<()> {
     let say = |line: &str| print(&format!("{line}\n"));
     let sides = match &what.scenario {
         None => {
             [(what.a, what.program_a), (what.b, what.program_b)].map(|(folder, program)| Side {
                 folder,
-                program: program.unwrap_or_else(|| this.clone()),
+                program: program.unwrap_or_else(|| this.to_path_buf()),
             })
         }
         Some(scenario) => run_both([what.a, what.b], scenario, &what.sets, &what.out)?,

@@ -10,6 +10,7 @@ mod help;
 mod start;
 mod sweep;
 
+use std::ffi::OsString;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -17,7 +18,8 @@ use std::process::ExitCode;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::bench::{Timing, bench};
-use bed::{Bed, Beds, own_beds, run_bed};
+pub use bed::own_beds;
+use bed::{Bed, Beds, run_bed};
 use bitgrain_analysis::present;
 use bitgrain_lab::against::{self, Reference};
 use bitgrain_lab::folder::Folder;
@@ -205,8 +207,16 @@ pub fn main() -> ExitCode {
 
 /// The same with settled beds at `home` unless `--beds` says otherwise.
 pub fn main_with_beds(home: &Path) -> ExitCode {
+    // Few commands need it, and those say that nothing is to be found there.
+    let this = std::env::current_exe().unwrap_or_default();
+    ExitCode::from(main_of(std::env::args_os(), home, &this))
+}
+
+/// The same with these words, the first of which is the program's name; `this` is the program that is run when work is
+/// to be done again in a process of its own. Returns the exit status.
+pub fn main_of(words: impl IntoIterator<Item = OsString>, home: &Path, this: &Path) -> u8 {
     let told_of_full_files = heed_full_files();
-    let words = grouped(Cli::command()).try_get_matches();
+    let words = grouped(Cli::command()).try_get_matches_from(words);
     let command = match words.and_then(|found| Cli::from_arg_matches(&found)) {
         Ok(cli) => {
             set_most(cli.max_input << 20);
@@ -214,29 +224,29 @@ pub fn main_with_beds(home: &Path) -> ExitCode {
         }
         Err(wrong) if wrong.use_stderr() => {
             let _ = write!(std::io::stderr(), "{}", plain(&wrong.render().to_string()));
-            return ExitCode::from(2);
+            return 2;
         }
         // What --help and --version print.
         Err(asked) => {
             let _ = asked.print();
-            return ExitCode::SUCCESS;
+            return 0;
         }
     };
-    match told_of_full_files.and_then(|()| run(command, home)) {
-        Ok(()) => ExitCode::SUCCESS,
+    match told_of_full_files.and_then(|()| run(command, home, this)) {
+        Ok(()) => 0,
         // A reader that has seen enough of a replay (`| head`) is not an error.
-        Err(Error::Output(e)) if e.kind() == std::io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
+        Err(Error::Output(e)) if e.kind() == std::io::ErrorKind::BrokenPipe => 0,
         Err(error) => {
             let text = plain(&error.to_string());
             let _ = writeln!(std::io::stderr(), "bitgrain: {text}");
-            ExitCode::from(error.exit_status())
+            error.exit_status()
         }
     }
 }
 
-fn run(command: Command, home: &Path) -> Result<()> {
+fn run(command: Command, home: &Path, this: &Path) -> Result<()> {
     match command {
-        Command::Run(run) => run_scenario(run, home),
+        Command::Run(run) => run_scenario(run, home, this),
         Command::Sweep(what) => sweep::run(what, home),
         Command::Analyse(what) => analyse::run(what),
         Command::Claims(what) => analyse::run_claims(what),
@@ -250,7 +260,7 @@ fn run(command: Command, home: &Path) -> Result<()> {
         Command::Selftest => selftest(|line| print(&format!("{line}\n"))),
         Command::Replay(case) => run_replay(case),
         Command::Verify(what) => checks::run_verify(what),
-        Command::Bisect(what) => checks::run_bisect(what),
+        Command::Bisect(what) => checks::run_bisect(what, this),
         Command::New(what) => start::new(&what),
         Command::Completions(what) => start::completions(&what, Cli::command()),
         Command::Man(what) => start::man(&what, Cli::command()),
@@ -289,7 +299,7 @@ fn run_replay(case: Case) -> Result<()> {
     }
 }
 
-fn run_scenario(run: Run, home: &Path) -> Result<()> {
+fn run_scenario(run: Run, home: &Path, this: &Path) -> Result<()> {
     if run.scenario.is_none() && run.resume.is_none() {
         return start::list();
     }
@@ -331,9 +341,8 @@ fn run_scenario(run: Run, home: &Path) -> Result<()> {
     let (text, manifest) = ending::describe(&out, library.folder(), done.executed)?;
     print(&text)?;
     if let Some(against) = &against {
-        let this = std::env::current_exe().map_err(Error::Output)?;
         let say = |line: &str| print(&format!("{line}\n"));
-        against::check(&out, against, &this, &progress, say)?;
+        against::check(&out, against, this, &progress, say)?;
     }
     match run.expect.iter().find(|link| !manifest.has_link(link)) {
         None => Ok(()),

@@ -1,20 +1,20 @@
 //! The notices beside the command name the crates that it links, and no others.
 #![cfg(target_os = "linux")]
 
-use bitgrain_tests::notices::{FILE, linked, text};
+use bitgrain_tests::notices::{COMMAND, linked, text};
 use bitgrain_tests::root;
 
 const RECIPE: &str = "`cargo run -p bitgrain-tests --bin notices` rewrites it";
 
 #[test]
 fn notices_name_what_is_linked() {
-    let written = std::fs::read_to_string(root().join(FILE)).expect(RECIPE);
+    let written = std::fs::read_to_string(root().join(COMMAND.file)).expect(RECIPE);
     let rows = written
         .lines()
         .filter(|line| line.starts_with("| "))
         .skip(2);
     let rows: Vec<String> = rows.map(str::to_string).collect();
-    let linked = linked();
+    let linked = linked(&COMMAND);
     assert!(linked.len() > 50);
     let expected: Vec<String> = linked
         .iter()
@@ -31,5 +31,5 @@ fn notices_name_what_is_linked() {
         let has = |head: &&&str| head.split(", ").any(|word| word == own);
         assert!(heads.iter().any(|head| has(&head)), "{own}: {RECIPE}");
     }
-    assert_eq!(written, text(), "{RECIPE}");
+    assert_eq!(written, text(&COMMAND), "{RECIPE}");
 }

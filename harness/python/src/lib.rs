@@ -1,0 +1,41 @@
+//! The native part of the Python package `bitgrain`: worlds, laws, and the laboratory's commands as functions.
+//!
+//! A call goes from Python's arrays (`arrays`, `grains`) to `simulated`, which owns a simulation and knows no Python,
+//! and back through views (`views`, `readings`), handles (`obstacles`) and exceptions (`errors`). The laboratory's
+//! functions are in `laboratory`.
+
+mod arrays;
+mod changes;
+
+mod edits;
+mod errors;
+mod grains;
+mod laboratory;
+mod laws;
+mod obstacles;
+mod readings;
+mod simulated;
+mod steps;
+mod views;
+mod world;
+
+/// The native part of `bitgrain`.
+#[pyo3::pymodule]
+mod _native {
+    #[pymodule_export]
+    use super::edits::Edit;
+    #[pymodule_export]
+    use super::grains::{Departed, Group};
+    #[pymodule_export]
+    use super::laboratory::{bisect, check, command, run, text, verify};
+    #[pymodule_export]
+    use super::laws::{HertzHistory, HertzTsuji};
+    #[pymodule_export]
+    use super::obstacles::Obstacle;
+    #[pymodule_export]
+    use super::views::Window;
+    #[pymodule_export]
+    use super::world::World;
+    #[pymodule_export]
+    const BITS_VERSION: u32 = bitgrain_kernel::BITS_VERSION;
+}

@@ -1,0 +1,340 @@
+//! A simulation with what a Python world adds to it: drives of obstacles, mean forces, groups by kind, a number that
+//! says whether a view is of the present state. Nothing here knows Python.
+
+use bitgrain::simulation::{Grain, Simulation};
+use bitgrain::threads::ThreadsError;
+use bitgrain_kernel::{Departure, Error as KernelError, Group, Obstacle, check_arithmetic};
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+use crate::changes::{Change, Push, add_rows, apply, pushed_step, try_a_step};
+
+/// Fewest grains of a thread: with fewer grains than twice this, a simulation steps on one thread.
+const GRAINS_OF_A_THREAD: usize = 500;
+
+/// How the grains of a group move.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// As they are pushed.
+    Free,
+    /// Not at all.
+    Frozen,
+    /// At the velocity that they have.
+    Carried,
+    /// So along x and y, and as they are pushed along z.
+    Lid,
+}
+
+/// The kinds and their names in Python.
+pub const KINDS: [(Kind, &str); 4] = [
+    (Kind::Free, "free"),
+    (Kind::Frozen, "frozen"),
+    (Kind::Carried, "carried"),
+    (Kind::Lid, "lid"),
+];
+
+impl Kind {
+    /// The group of this kind under a gravity.
+    pub fn group(self, gravity: [f64; 3]) -> Group<f64> {
+        match self {
+            Self::Free => Group::free(gravity),
+            Self::Frozen => Group::frozen(),
+            Self::Carried => Group::prescribed_velocity(),
+            Self::Lid => Group::free_along_z(gravity),
+        }
+    }
+}
+
+/// Steps that a driven obstacle still goes, and sums of the force and torque on it over the steps of a call.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Driven {
+    /// Steps until it rests; 0 if it is not driven.
+    pub left: u64,
+    /// Sum of the force, then of the torque.
+    sum: [[f64; 3]; 2],
+}
+
+/// The state behind a Python world.
+pub struct Core {
+    /// The simulation.
+    pub sim: Simulation,
+    /// Rises with every change of the state.
+    pub generation: u64,
+    /// Whether forces were evaluated and contacts have histories.
+    pub started: bool,
+    /// One entry an obstacle.
+    pub driven: Vec<Driven>,
+    /// Threads to step on.
+    pub threads: usize,
+    /// The next id that no grain has had.
+    pub next_id: u32,
+    /// The grains that left in the steps of the last call.
+    pub lost: Vec<Departure<f64>>,
+    /// Steps that the means are over.
+    counted: u64,
+    pool: Option<ThreadPool>,
+}
+
+impl Core {
+    /// A world of this simulation without grains or obstacles, with one group of each kind.
+    pub fn new(mut sim: Simulation, gravity: [f64; 3], threads: usize) -> Self {
+        sim.groups = KINDS.iter().map(|(kind, _)| kind.group(gravity)).collect();
+        Self {
+            sim,
+            generation: 0,
+            started: false,
+            driven: Vec::new(),
+            threads,
+            next_id: 1,
+            lost: Vec::new(),
+            counted: 0,
+            pool: None,
+        }
+    }
+
+    /// Adds grains, behind those that there are.
+    ///
+    /// # Errors
+    /// Of a world that has started, what the kernel finds wrong with it; it is as it was.
+    pub fn put(&mut self, grains: &[Grain]) -> Result<(), KernelError> {
+        if self.started {
+            let change = Change::Insert(grains.to_vec());
+            return self.edit(|sim| apply(sim, &change));
+        }
+        add_rows(&mut self.sim, grains);
+        self.generation += 1;
+        Ok(())
+    }
+
+    /// Starts the world, if it has not started: an empty history, forces of the state as it is.
+    ///
+    /// # Errors
+    /// What the kernel finds wrong with the world.
+    pub fn start(&mut self) -> Result<(), KernelError> {
+        if !self.started {
+            self.generation += 1;
+            self.sim.fit_storage();
+            self.sim.choose_skin();
+            self.sim.start()?;
+            self.started = true;
+        }
+        Ok(())
+    }
+
+    /// Changes a copy of the simulation, which takes its place if all of the change succeeds.
+    ///
+    /// # Errors
+    /// What `act` returns; the world is as it was.
+    pub fn edit<E>(&mut self, act: impl FnOnce(&mut Simulation) -> Result<(), E>) -> Result<(), E> {
+        let mut sim = self.sim.clone();
+        act(&mut sim)?;
+        self.sim = sim;
+        self.generation += 1;
+        Ok(())
+    }
+
+    /// Changes something other than grains; contact histories stay.
+    ///
+    /// # Errors
+    /// What the kernel finds wrong with the changed world; the world is as it was.
+    pub fn rearrange(&mut self, act: impl FnOnce(&mut Simulation)) -> Result<(), KernelError> {
+        let started = self.started;
+        self.edit(|sim| {
+            let histories = match started {
+                true => sim.contact_histories(),
+                false => Vec::new(),
+            };
+            act(sim);
+            match started {
+                true => {
+                    sim.resume(&histories)?;
+                    try_a_step(sim)
+                }
+                false => Ok(()),
+            }
+        })
+    }
+
+    /// Adds an obstacle and returns its number.
+    ///
+    /// # Errors
+    /// [`KernelError::BadObstacle`] if it does not fit the box.
+    pub fn add_obstacle(&mut self, mut body: Obstacle<f64>) -> Result<usize, KernelError> {
+        let number = self.driven.len();
+        self.sim.domain.wrap(&mut body.point, &mut [0; 3]);
+        body.check(&self.sim.domain, number as u32)?;
+        self.rearrange(|sim| sim.obstacles.push(body))?;
+        self.driven.push(Driven::default());
+        Ok(number)
+    }
+
+    /// Moves an obstacle to a place at once.
+    ///
+    /// # Errors
+    /// [`KernelError::BadObstacle`] if it does not fit the box there.
+    pub fn place_obstacle(&mut self, number: usize, point: [f64; 3]) -> Result<(), KernelError> {
+        let mut body = self.sim.obstacles[number];
+        body.point = point;
+        self.sim.domain.wrap(&mut body.point, &mut [0; 3]);
+        body.check(&self.sim.domain, number as u32)?;
+        self.rearrange(|sim| sim.obstacles[number].point = body.point)?;
+        self.stop_drive(number);
+        Ok(())
+    }
+
+    /// Gives an obstacle a velocity for all steps to come.
+    pub fn move_obstacle(&mut self, number: usize, velocity: [f64; 3]) {
+        self.driven[number].left = 0;
+        self.sim.obstacles[number].velocity = velocity;
+    }
+
+    /// Has an obstacle go to `point` within `count` steps, at constant velocity, and rest there.
+    pub fn drive(&mut self, number: usize, point: [f64; 3], count: u64) {
+        let time = count as f64 * self.sim.dt;
+        let body = &mut self.sim.obstacles[number];
+        for a in 0..3 {
+            body.velocity[a] = (point[a] - body.point[a]) / time;
+        }
+        self.driven[number].left = count;
+    }
+
+    /// Ends a drive; what was not driven keeps its velocity.
+    fn stop_drive(&mut self, number: usize) {
+        if std::mem::take(&mut self.driven[number].left) > 0 {
+            self.sim.obstacles[number].velocity = [0.0; 3];
+        }
+    }
+
+    /// Begins a call that steps: means are over the steps from here on, and so are losses.
+    pub fn begin_call(&mut self) {
+        self.lost.clear();
+        self.counted = 0;
+        self.driven
+            .iter_mut()
+            .for_each(|one| one.sum = [[0.0; 3]; 2]);
+    }
+
+    /// Mean force and torque on an obstacle over the steps since [`Core::begin_call`]; NaN if there are none.
+    pub fn means(&self, number: usize) -> [[f64; 3]; 2] {
+        let count = self.counted as f64;
+        self.driven[number].sum.map(|sum| sum.map(|x| x / count))
+    }
+
+    /// Advances by `count` steps, on the threads of this world, and ends drives when they are due.
+    ///
+    /// # Errors
+    /// What stopped a step.
+    pub fn steps(&mut self, count: u64, push: &mut Option<Push>) -> Result<(), KernelError> {
+        self.generation += 1;
+        match self.pool.take() {
+            None => self.steps_here(count, push),
+            Some(pool) => {
+                let done = pool.install(|| self.steps_here(count, push));
+                self.pool = Some(pool);
+                done
+            }
+        }
+    }
+
+    /// Starts the threads of this world, if they are wanted and not there yet.
+    ///
+    /// # Errors
+    /// [`ThreadsError`].
+    pub fn start_threads(&mut self) -> Result<(), ThreadsError> {
+        let wanted = self.threads > 1 && self.sim.count() >= 2 * GRAINS_OF_A_THREAD;
+        if wanted && self.pool.is_none() {
+            let pool = ThreadPoolBuilder::new().num_threads(self.threads).build();
+            let pool = pool.map_err(|e| ThreadsError::start(self.threads, &e))?;
+            // Each thread has its own rounding mode.
+            for checked in pool.broadcast(|_| check_arithmetic::<f64>()) {
+                checked.map_err(ThreadsError::Arithmetic)?;
+            }
+            self.pool = Some(pool);
+        }
+        Ok(())
+    }
+
+    /// [`Core::steps`] on the threads that it is called on.
+    fn steps_here(&mut self, count: u64, push: &mut Option<Push>) -> Result<(), KernelError> {
+        let mut left = count;
+        self.take_out(push)?;
+        while left > 0 {
+            let drives = self.driven.iter().map(|one| one.left);
+            let stretch = drives.filter(|left| *left > 0).fold(left, u64::min);
+            let before = self.sim.step_count();
+            let went = self.stretch(stretch, push.as_ref());
+            let done = self.sim.step_count() - before;
+            self.count_drives(done);
+            went?;
+            left -= done;
+            self.take_out(push)?;
+        }
+        Ok(())
+    }
+
+    /// Takes out the grains that were lost in the last step, with what pushes them.
+    fn take_out(&mut self, push: &mut Option<Push>) -> Result<(), KernelError> {
+        if !self.sim.clock.is_losing() {
+            return Ok(());
+        }
+        let first = self.lost.len();
+        self.sim.take_out(|departure| self.lost.push(departure))?;
+        let mut places: Vec<usize> = self.lost[first..]
+            .iter()
+            .map(|one| one.grain.place)
+            .collect();
+        places.sort_unstable();
+        if let Some(Push { force, torque }) = push {
+            for place in places.into_iter().rev() {
+                force.remove(place);
+                torque.remove(place);
+            }
+        }
+        Ok(())
+    }
+
+    /// Counts steps off the drives.
+    fn count_drives(&mut self, done: u64) {
+        for number in 0..self.driven.len() {
+            match self.driven[number].left {
+                0 => {}
+                left if left <= done => self.stop_drive(number),
+                left => self.driven[number].left = left - done,
+            }
+        }
+    }
+
+    /// Steps in which no drive ends, up to one in which grains are lost; after each the forces on obstacles are added
+    /// up.
+    fn stretch(&mut self, count: u64, push: Option<&Push>) -> Result<(), KernelError> {
+        if self.driven.is_empty() && push.is_none() {
+            return match self.sim.steps(count) {
+                Err(KernelError::GrainsLeaving) => Ok(()),
+                done => done,
+            };
+        }
+        // Nothing is written to between the steps, so that the rows are sealed once.
+        self.sim.hold()?;
+        for _ in 0..count {
+            let done = match push {
+                None => self.sim.steps(1),
+                Some(push) => pushed_step(&mut self.sim, push),
+            };
+            if let Err(fault) = done {
+                // The fault says more than that the stretch cannot be ended well.
+                let _ = self.sim.release();
+                return Err(fault);
+            }
+            self.counted += 1;
+            for (one, body) in self.driven.iter_mut().zip(&self.sim.obstacles) {
+                for a in 0..3 {
+                    one.sum[0][a] += body.force[a];
+                    one.sum[1][a] += body.torque[a];
+                }
+            }
+            if self.sim.clock.is_losing() {
+                break;
+            }
+        }
+        self.sim.release()
+    }
+}

@@ -1,0 +1,404 @@
+//! The world of grains.
+
+use std::sync::Arc;
+
+use bitgrain::isa::Isa;
+use bitgrain::simulation::Simulation;
+use bitgrain_kernel::{Domain, Drain, LossPolicy, Obstacle as Body};
+use numpy::PyArray1;
+use parking_lot::RwLock;
+use pyo3::prelude::*;
+
+use crate::arrays::{rows, vector};
+use crate::edits::Edit;
+use crate::errors::{input, kernel};
+use crate::grains::{Given, Group, group_number, ids_of, kind_number};
+use crate::laws::law as law_of;
+use crate::obstacles::Obstacle;
+use crate::simulated::{Core, KINDS};
+use crate::views::{Shared, read, write};
+
+/// Most threads.
+const THREADS: usize = 1024;
+
+/// A world of grains and obstacles that is stepped with the same bits on any machine and any number of threads.
+///
+/// Parameters
+/// ----------
+/// box : array_like or None
+///     Lengths of the box, whose lower corner is the origin, shape (3,); or its two corners, shape (2, 3). None is open
+///     space. Grains must stay inside on axes that are not periodic, so give the box room above a bed.
+/// gravity : array_like, shape (3,)
+///     Acceleration of free grains (length / time^2).
+/// dt : float
+///     Time step, positive. A tenth of the duration of a collision is short enough.
+/// law : HertzHistory or HertzTsuji
+///     Contact law.
+/// periodic : tuple of three bool
+///     Which axes are periodic.
+/// threads : int or None
+///     Threads to step on, 1 to 1024; None is one for each processor. Worlds below 1,000 grains step on one. No bit
+///     depends on it.
+/// instructions : str or None
+///     "plain", "avx2" or "avx512"; None is the widest set that this machine has. No bit depends on it.
+///
+/// lose : bool
+///     Whether a grain that leaves the box, or overlaps another body by more than a quarter of the smaller diameter, is
+///     taken out after the step in which it does; of two grains the one with the higher id. Else it stops the world.
+/// drain : tuple of two array_like of shape (3,), optional
+///     A point (length) and a normal of a plane: a grain whose centre comes behind it, on the side that the normal
+///     points away from, is taken out.
+///
+/// Units are free, as long as they fit together. Numbers are copied from arrays that are given.
+///
+/// Raises
+/// ------
+/// InputError, BadDomain
+///
+/// Examples
+/// --------
+/// >>> import bitgrain
+/// >>> law = bitgrain.HertzTsuji(young=2e4, poisson=0.3, restitution=0.6, mu=0.5)
+/// >>> w = bitgrain.World(box=(6, 6, 40), gravity=(0, 0, -1), dt=5e-4, law=law, periodic=(True, True, False))
+/// >>> floor = w.plane(point=(0, 0, 0), normal=(0, 0, 1))
+/// >>> w.add([[3, 3, 0.5], [3, 3, 1.5]], radii=0.5, density=1.0)
+/// array([1, 2], dtype=uint32)
+/// >>> w.step(40_000)
+/// >>> round(float(floor.force[2]), 3)
+/// -1.047
+#[pyclass(frozen, weakref, module = "bitgrain")]
+pub struct World {
+    /// Its state.
+    pub shared: Shared,
+    /// Acceleration of free grains.
+    pub gravity: [f64; 3],
+}
+
+#[pymethods]
+impl World {
+    #[new]
+    #[pyo3(signature = (r#box, gravity, dt, law, *, periodic=(false, false, false), threads=None, instructions=None,
+        lose=false, drain=None))]
+    #[allow(clippy::too_many_arguments)]
+    fn new(
+        r#box: Option<&Bound<'_, PyAny>>,
+        gravity: &Bound<'_, PyAny>,
+        dt: f64,
+        law: &Bound<'_, PyAny>,
+        periodic: (bool, bool, bool),
+        threads: Option<usize>,
+        instructions: Option<&str>,
+        lose: bool,
+        drain: Option<(Bound<'_, PyAny>, Bound<'_, PyAny>)>,
+    ) -> PyResult<Self> {
+        let gravity = vector(gravity, "gravity")?;
+        let domain = domain(r#box, periodic.into())?;
+        if !(dt > 0.0 && dt.is_finite()) {
+            return Err(input("dt", format!("is {dt}; expected a positive number")));
+        }
+        let processors = || std::thread::available_parallelism().map_or(1, usize::from);
+        let threads = threads.unwrap_or_else(processors);
+        if !(1..=THREADS).contains(&threads) {
+            return Err(input(
+                "threads",
+                format!("is {threads}; expected 1 to {THREADS}"),
+            ));
+        }
+        let mut sim = Simulation::new(law_of(law)?, domain, dt, Vec::new(), &[], Vec::new());
+        sim.stepping.registers = registers(instructions)?;
+        let drain = drain.map(|(point, normal)| {
+            let (point, normal) = (vector(&point, "drain")?, direction(&normal, "drain")?);
+            PyResult::Ok(Drain { point, normal })
+        });
+        sim.policy = LossPolicy {
+            takes_out: lose,
+            drain: drain.transpose()?,
+        };
+        let core = Core::new(sim, gravity, threads);
+        let shared = Arc::new(RwLock::new(core));
+        Ok(Self { shared, gravity })
+    }
+
+    /// Adds grains and returns their ids, shape (n,).
+    ///
+    /// A started world goes on with its contacts; the new grains must touch nothing deeper than a quarter of the
+    /// smaller diameter.
+    ///
+    /// Parameters
+    /// ----------
+    /// positions : array_like, shape (n, 3)
+    ///     Centres (length), inside the box; on a periodic axis within one period of it.
+    /// radii : array_like, shape (n,), or float
+    ///     Radii (length), positive.
+    /// density : array_like, shape (n,), or float
+    ///     Mass density (mass / length^3), positive.
+    /// velocities : array_like, shape (n, 3), optional
+    ///     Velocities (length / time); zero by default.
+    /// spins : array_like, shape (n, 3), optional
+    ///     Spins (radians / time); zero by default.
+    /// group : Group or str, optional
+    ///     How they move: "free" (the default), "frozen", "carried" (at the velocity that they have), "lid" (so along x
+    ///     and y, free along z), or what `group` returned.
+    /// ids : array_like of int, shape (n,), optional
+    ///     Ids, ascending, above all that were used in this world; by default the next ones, from 1 on.
+    ///
+    /// Raises
+    /// ------
+    /// InputError, OverlapTooDeep, ObstacleTooDeep, Busy
+    #[pyo3(signature = (positions, radii, density, velocities=None, spins=None, group=None, ids=None))]
+    #[allow(clippy::too_many_arguments)]
+    fn add<'py>(
+        &self,
+        py: Python<'py>,
+        positions: &Bound<'py, PyAny>,
+        radii: &Bound<'py, PyAny>,
+        density: &Bound<'py, PyAny>,
+        velocities: Option<&Bound<'py, PyAny>>,
+        spins: Option<&Bound<'py, PyAny>>,
+        group: Option<&Bound<'py, PyAny>>,
+        ids: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyArray1<u32>>> {
+        let given = Given {
+            positions,
+            radii,
+            density,
+            velocities,
+            spins,
+            ids,
+        };
+        let arrays = given.arrays()?;
+        let group = group_number(group, &self.shared)?;
+        let mut core = write(&self.shared)?;
+        let grains = arrays.grains(&mut core, group)?;
+        core.put(&grains).map_err(kernel)?;
+        Ok(ids_of(py, &grains))
+    }
+
+    /// Adds a sphere that moves as it is told.
+    ///
+    /// Parameters
+    /// ----------
+    /// radius : float
+    ///     Radius (length), positive.
+    /// point : array_like, shape (3,)
+    ///     Centre (length), inside the box.
+    /// velocity : array_like, shape (3,)
+    ///     Velocity (length / time).
+    /// density : float, optional
+    ///     Mass density with which its mass enters its contacts; without one it is infinitely heavy.
+    ///
+    /// Raises
+    /// ------
+    /// BadObstacle, InputError, Busy
+    #[pyo3(signature = (radius, point=None, velocity=None, density=None))]
+    fn sphere(
+        &self,
+        radius: f64,
+        point: Option<&Bound<'_, PyAny>>,
+        velocity: Option<&Bound<'_, PyAny>>,
+        density: Option<f64>,
+    ) -> PyResult<Obstacle> {
+        let mut body = Body::sphere(or_zero(point, "point")?, radius);
+        if let Some(density) = density {
+            if !(density > 0.0 && density.is_finite()) {
+                return Err(input(
+                    "density",
+                    format!("is {density}; expected a positive number"),
+                ));
+            }
+            body.inverse_mass = 1.0 / bitgrain::simulation::sphere_mass(2.0 * radius, density);
+        }
+        self.obstacle(body, velocity)
+    }
+
+    /// Adds an endless round bar that moves as it is told.
+    ///
+    /// Parameters
+    /// ----------
+    /// radius : float
+    ///     Radius (length), positive.
+    /// axis : array_like, shape (3,)
+    ///     Direction of the bar, of any length but zero; along x, y or z if an axis of the box is periodic.
+    /// point : array_like, shape (3,)
+    ///     A point of its axis (length), inside the box.
+    /// velocity : array_like, shape (3,)
+    ///     Velocity (length / time).
+    ///
+    /// Raises
+    /// ------
+    /// BadObstacle, InputError, Busy
+    #[pyo3(signature = (radius, axis, point=None, velocity=None))]
+    fn cylinder(
+        &self,
+        radius: f64,
+        axis: &Bound<'_, PyAny>,
+        point: Option<&Bound<'_, PyAny>>,
+        velocity: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Obstacle> {
+        let axis = direction(axis, "axis")?;
+        self.obstacle(
+            Body::cylinder(or_zero(point, "point")?, axis, radius),
+            velocity,
+        )
+    }
+
+    /// Adds a flat wall that moves as it is told.
+    ///
+    /// Parameters
+    /// ----------
+    /// normal : array_like, shape (3,)
+    ///     Direction to the grains, of any length but zero; without a part along a periodic axis.
+    /// point : array_like, shape (3,)
+    ///     A point of the wall (length).
+    /// velocity : array_like, shape (3,)
+    ///     Velocity (length / time).
+    ///
+    /// Raises
+    /// ------
+    /// BadObstacle, InputError, Busy
+    #[pyo3(signature = (normal, point=None, velocity=None))]
+    fn plane(
+        &self,
+        normal: &Bound<'_, PyAny>,
+        point: Option<&Bound<'_, PyAny>>,
+        velocity: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Obstacle> {
+        let normal = direction(normal, "normal")?;
+        self.obstacle(Body::plane(or_zero(point, "point")?, normal), velocity)
+    }
+
+    /// Makes a group of grains with a gravity of its own, for `group=`.
+    ///
+    /// Parameters
+    /// ----------
+    /// kind : str
+    ///     "free", "frozen", "carried" or "lid".
+    /// gravity : array_like, shape (3,), optional
+    ///     Acceleration of its grains (length / time^2), if they are free along an axis; the world's by default.
+    ///
+    /// Raises
+    /// ------
+    /// InputError, Busy
+    #[pyo3(signature = (kind, gravity=None))]
+    fn group(&self, kind: &str, gravity: Option<&Bound<'_, PyAny>>) -> PyResult<Group> {
+        let place = kind_number(kind)?;
+        let shared = Arc::clone(&self.shared);
+        let Some(gravity) = gravity else {
+            return Ok(Group {
+                shared,
+                number: place as u8,
+            });
+        };
+        let group = KINDS[place].0.group(vector(gravity, "gravity")?);
+        let mut core = write(&self.shared)?;
+        let Ok(number) = u8::try_from(core.sim.groups.len()) else {
+            return Err(input(
+                "group",
+                "there are 256 groups already, and no more are possible",
+            ));
+        };
+        core.rearrange(|sim| sim.groups.push(group))
+            .map_err(kernel)?;
+        Ok(Group { shared, number })
+    }
+
+    /// Edits grains within `with world.edit() as edit:`; starts the world, if it has not started. See `Edit`.
+    fn edit(&self) -> Edit {
+        Edit::of(&self.shared)
+    }
+
+    /// How many grains there are.
+    fn __len__(&self) -> PyResult<usize> {
+        Ok(read(&self.shared)?.sim.count())
+    }
+
+    /// A world is true, also without grains.
+    fn __bool__(&self) -> bool {
+        true
+    }
+
+    fn __repr__(&self) -> PyResult<String> {
+        let core = read(&self.shared)?;
+        let (grains, obstacles) = (core.sim.count(), core.driven.len());
+        let steps = core.sim.step_count();
+        Ok(format!(
+            "<bitgrain.World: {grains} grains, {obstacles} obstacles, {steps} steps>"
+        ))
+    }
+}
+
+impl World {
+    fn obstacle(
+        &self,
+        mut body: Body<f64>,
+        velocity: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Obstacle> {
+        body.velocity = or_zero(velocity, "velocity")?;
+        let number = write(&self.shared)?.add_obstacle(body).map_err(kernel)?;
+        Ok(Obstacle::of(&self.shared, number))
+    }
+}
+
+fn or_zero(value: Option<&Bound<'_, PyAny>>, name: &str) -> PyResult<[f64; 3]> {
+    value.map_or(Ok([0.0; 3]), |value| vector(value, name))
+}
+
+/// A vector of any length but zero.
+fn direction(value: &Bound<'_, PyAny>, name: &str) -> PyResult<[f64; 3]> {
+    let direction = vector(value, name)?;
+    match direction == [0.0; 3] {
+        true => Err(input(name, "is zero; expected a direction")),
+        false => Ok(direction),
+    }
+}
+
+/// The box that a world is given.
+fn domain(given: Option<&Bound<'_, PyAny>>, periodic: [bool; 3]) -> PyResult<Domain<f64>> {
+    let Some(given) = given else {
+        return match periodic.contains(&true) {
+            true => Err(input("periodic", "asks for a period, but there is no box")),
+            false => Ok(Domain::open()),
+        };
+    };
+    let [lo, hi] = match vector(given, "box") {
+        Ok(lengths) => [[0.0; 3], lengths],
+        Err(_) => match rows(given, "box", Some(2)) {
+            Ok(corners) => [corners[0], corners[1]],
+            Err(_) => {
+                let problem = format!(
+                    "is {}; expected three lengths or two corners",
+                    given.repr()?
+                );
+                return Err(input("box", problem));
+            }
+        },
+    };
+    Domain::new(lo, hi, periodic).map_err(kernel)
+}
+
+/// The instructions that are asked for.
+fn registers(asked: Option<&str>) -> PyResult<Isa> {
+    let names = [
+        ("plain", Isa::Plain),
+        ("avx2", Isa::Avx2),
+        ("avx512", Isa::Avx512),
+    ];
+    let here = Isa::all();
+    let Some(asked) = asked else {
+        return Ok(Isa::best());
+    };
+    let found = names
+        .iter()
+        .find(|(name, isa)| *name == asked && here.contains(isa));
+    found.map(|(_, isa)| *isa).ok_or_else(|| {
+        let names = names
+            .iter()
+            .filter(|(_, isa)| here.contains(isa))
+            .map(|(name, _)| *name);
+        let names: Vec<&str> = names.collect();
+        input(
+            "instructions",
+            format!("is {asked:?}; this machine has {}", names.join(", ")),
+        )
+    })
+}

@@ -1,0 +1,137 @@
+"""Obstacles: handles, drives, forces and their means."""
+
+import numpy as np
+import pytest
+from conftest import falling, tsuji
+
+import bitgrain
+
+
+@pytest.fixture
+def ball():
+    """A ball in empty open space, with time steps of a thousandth."""
+    w = bitgrain.World(box=None, gravity=(0, 0, 0), dt=1e-3, law=tsuji())
+    # Its radius is what an obstacle may move in a step.
+    w.add([[10, 10, 10]], 0.5, 1.0)
+    return w, w.sphere(radius=0.05)
+
+
+def test_a_drive_arrives_and_rests(ball):
+    w, ball = ball
+    ball.drive((0.2, 0, -0.1), over=0.02)
+    assert ball.steps_left == 20
+    w.step(8)
+    assert ball.steps_left == 12
+    # Each of twenty additions rounds by at most half a unit in the last place of 0.2.
+    assert np.allclose(ball.point, (0.08, 0, -0.04), rtol=0, atol=20 * 2.8e-17)
+    assert np.allclose(ball.velocity, (10, 0, -5), rtol=1e-15)
+    w.step(30)
+    assert ball.steps_left == 0 and ball.velocity.tolist() == [0, 0, 0]
+    assert np.allclose(ball.point, (0.2, 0, -0.1), rtol=0, atol=20 * 2.8e-17)
+
+
+def test_a_drive_has_the_bits_of_a_velocity_set_by_hand():
+    driven, by_hand = falling(), falling()
+    for w in (driven, by_hand):
+        w.sphere(radius=0.5, point=(3, 3, 30))
+    driven.obstacles[1].drive((4, 3, 29), over=100 * 5e-4)
+    driven.step(130)
+    ball = by_hand.obstacles[1]
+    ball.velocity = (np.array([4, 3, 29]) - ball.point) / (100 * 5e-4)
+    by_hand.step(100)
+    ball.velocity = (0, 0, 0)
+    by_hand.step(30)
+    assert driven.digest == by_hand.digest
+
+
+def test_two_drives_end_on_their_own(ball):
+    w, first = ball
+    second = w.sphere(radius=0.05, point=(1, 0, 0))
+    first.drive((0.1, 0, 0), over=0.005)
+    second.drive((1, 0.1, 0), over=0.009)
+    w.step(7)
+    assert (first.steps_left, second.steps_left) == (0, 2)
+    w.step(7)
+    assert np.allclose([first.point, second.point], [(0.1, 0, 0), (1, 0.1, 0)], rtol=0, atol=1e-15)
+
+
+def test_a_velocity_ends_a_drive(ball):
+    w, ball = ball
+    ball.drive((0.2, 0, 0), over=0.02)
+    w.step(5)
+    ball.velocity = (0, 1, 0)
+    w.step(40)
+    assert ball.steps_left == 0
+    assert np.allclose(ball.point, (0.05, 0.04, 0), rtol=0, atol=1e-15)
+
+
+def test_a_drive_over_no_step_is_refused(ball):
+    _, ball = ball
+    for over in (0.0, -1.0, 4e-4, float("nan"), float("inf")):
+        with pytest.raises(bitgrain.InputError, match="at least half a time step"):
+            ball.drive((0, 0, 1), over=over)
+
+
+def test_the_floor_carries_the_weight():
+    w = falling(side=2, layers=1)
+    floor = w.obstacles[0]
+    w.step(20_000)
+    weight = w.masses.sum()
+    # At rest but for creep of less than a millionth.
+    assert floor.force[2] == pytest.approx(-weight, rel=1e-6)
+    assert floor.mean_force[2] < 0 and floor.shape == "plane"
+
+
+def test_means_are_over_the_last_call():
+    w, single = falling(), falling()
+    w.step(1200)
+    single.step(1200)
+    w.step(30)
+    sums = np.zeros((2, 3))
+    for _ in range(30):
+        single.step()
+        sums += [single.obstacles[0].force, single.obstacles[0].torque]
+        assert np.array_equal(single.obstacles[0].mean_force, single.obstacles[0].force)
+    assert sums[0, 2] < 0
+    assert np.array_equal(w.obstacles[0].mean_force, sums[0] / 30)
+    assert np.array_equal(w.obstacles[0].mean_torque, sums[1] / 30)
+    assert np.all(np.isnan(falling().obstacles[0].mean_force))
+
+
+def test_a_place_set_by_hand_keeps_contacts(bed):
+    floor = bed.obstacles[0]
+    histories = bed.digests["histories"]
+    floor.point = (1, 1, 0)
+    assert bed.digests["histories"] == histories
+    assert floor.point.tolist() == [1, 1, 0]
+    bed.step(10)
+
+
+def test_a_bad_place_changes_nothing(bed):
+    ball = bed.sphere(radius=0.5, point=(3, 3, 35))
+    before = bed.digest
+    with pytest.raises(bitgrain.BadObstacle) as refused:
+        ball.point = (3, 3, 41)
+    assert refused.value.obstacle == ball.number == 1
+    with pytest.raises(bitgrain.BadObstacle):
+        bed.cylinder(radius=0.5, axis=(1, 1, 0), point=(3, 3, 35))
+    assert bed.digest == before and len(bed.obstacles) == 2
+    bed.step()
+
+
+def test_arrays_of_obstacles_cannot_be_written_to(ball):
+    _, ball = ball
+    with pytest.raises(ValueError, match="read-only"):
+        ball.velocity[0] = 1
+
+
+def test_an_obstacle_of_its_own_mass():
+    """A ball with a density gives way in a contact's damping; one without does not."""
+    digests = set()
+    for density in (None, 1.0):
+        w = bitgrain.World(box=None, gravity=(0, 0, 0), dt=1e-4, law=tsuji())
+        w.add([[0, 0, 0.999]], 0.5, 1.0, velocities=[[0, 0, -1]])
+        w.sphere(radius=0.5, density=density)
+        w.step(20)
+        digests.add(w.digests["velocities"])
+    assert len(digests) == 2
