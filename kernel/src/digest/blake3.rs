@@ -240,7 +240,7 @@ mod tests {
     /// Every number of bytes up to two chunks, and after some words.
     #[test]
     fn bytes_are_hashed_to_the_last_one() {
-        let bytes: std::vec::Vec<u8> = (0..2200u32).map(|k| (k * k >> 3) as u8).collect();
+        let bytes: std::vec::Vec<u8> = (0..2200u32).map(|k| ((k * k) >> 3) as u8).collect();
         for count in 0..bytes.len() {
             let ours = Hasher::new().finish_with(&bytes[..count]);
             assert_eq!(ours, *::blake3::hash(&bytes[..count]).as_bytes(), "{count}");

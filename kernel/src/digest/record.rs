@@ -264,12 +264,14 @@ mod tests {
     use std::format;
     use std::string::String;
 
+    type Entry<'a> = (u64, &'a str, Element, &'a [usize], &'a [u8]);
+
     /// Written out with the published crate, as the guide says it is done.
     #[test]
     fn lines_are_as_the_guide_says() {
         let mut chain = Chain::new();
         let mut link = "0".repeat(64);
-        let arrays: [(u64, &str, Element, &[usize], &[u8]); 4] = [
+        let arrays: [Entry<'_>; 4] = [
             (0, "x", Element::F64, &[], &[1, 2, 3, 4, 5, 6, 7, 8]),
             (0, "a/b_c.d-9", Element::U8, &[7], b"seven b"),
             (10, "none", Element::F32, &[0, 3], b""),

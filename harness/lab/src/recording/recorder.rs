@@ -62,7 +62,11 @@ impl Recorder {
         }
         disk::make_folder(folder)?;
         let mut file = Appended::create(&path)?;
-        file.append(HEAD.as_bytes())?;
+        if let Err(e) = file.append(HEAD.as_bytes()) {
+            // What is no recording must not be taken for one.
+            disk::remove(&path)?;
+            return Err(e);
+        }
         Ok(Self {
             folder: folder.to_path_buf(),
             file,
@@ -137,9 +141,10 @@ impl Recorder {
                 self.ring.push_back(path);
             }
             if self.ring.len() > count
-                && let Some(oldest) = self.ring.pop_front()
+                && let Some(oldest) = self.ring.front()
             {
-                disk::remove(&oldest)?;
+                disk::remove(oldest)?;
+                self.ring.pop_front();
             }
         }
         Ok(())
