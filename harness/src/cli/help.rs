@@ -118,7 +118,7 @@ Examples:
   bitgrain bisect out/quick out/other
   bitgrain bisect out/quick elsewhere/quick --program-b ./bitgrain-of-last-week
   bitgrain bisect ./bitgrain-of-last-week target/release/bitgrain --scenario quick
-  bitgrain bisect out/one out/other
+  bitgrain bisect out/one out/two
   bitgrain bisect --commands './one' './other' --to 1000
 
 The last two compare recordings (`bitgrain record`), and two programs while they run.
@@ -127,8 +127,8 @@ Exit status: 0 the same at every link or step that both have, 3 they differ, 2 t
 
 pub(super) const RECORD_HELP: &str = "\
 Examples:
-  bitgrain record out/one < frames.bin
-  bitgrain record out/other --keep all < frames.bin
+  bitgrain record out/one < one.frames
+  bitgrain record out/two --keep all < two.frames
 
 A step comes as the line `step N`; for each array the line `array NAME TYPE SHAPE`, as in `array x f64 100x3`, and
 its bytes, little-endian, row by row; then the line `done`. After the last step comes the line `end`. The guide's

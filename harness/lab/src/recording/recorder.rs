@@ -61,7 +61,7 @@ impl Recorder {
             return Err(Error::input("keep", problem));
         }
         disk::make_folder(folder)?;
-        let mut file = Appended::create(&path)?;
+        let mut file = Appended::create(&path, disk::most())?;
         if let Err(e) = file.append(HEAD.as_bytes()) {
             // What is no recording must not be taken for one.
             disk::remove(&path)?;

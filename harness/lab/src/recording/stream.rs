@@ -210,7 +210,7 @@ pub fn record_all(source: impl BufRead, name: &str, recorder: &mut Recorder) -> 
             .collect();
         let recorded = recorder.record(frame.step, &arrays);
         recorded.map_err(|e| match e {
-            Error::Input { problem, .. } => frames.wrong(problem),
+            Error::Input { .. } => frames.wrong(e.to_string()),
             other => other,
         })?;
         count += 1;
