@@ -9,7 +9,7 @@ type Target = fn(&[u8]) -> bool;
 
 /// Targets, and how many of their files at least must be sound: the others are refused, as they
 /// should be.
-const TARGETS: [(&str, Target, usize); 13] = [
+const TARGETS: [(&str, Target, usize); 14] = [
     ("contact", fuzzing::contact, 60),
     ("search", fuzzing::search, 30),
     ("world", fuzzing::world, 30),
@@ -23,6 +23,7 @@ const TARGETS: [(&str, Target, usize); 13] = [
     ("table", fuzzing::table, 6),
     ("book", fuzzing::book, 6),
     ("manifest", fuzzing::manifest, 6),
+    ("recording", fuzzing::recording, 6),
 ];
 
 #[test]
