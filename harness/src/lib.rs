@@ -12,8 +12,8 @@ pub mod cli;
 pub use bitgrain_analysis::{analysis, claims, fit, present, remarks, report};
 pub use bitgrain_lab::{
     against, bed, bisect, campaign, case, changes, compare, drag, flow, folder, forecast, frames,
-    json, manifest, near_field, parse_errors, plain, plug_flow, progress, replay, rerun, run,
-    scenario, selftest, series, summary, verify,
+    json, manifest, near_field, parse_errors, plain, plug_flow, progress, recording, replay, rerun,
+    run, scenario, selftest, series, summary, verify,
 };
 pub use bitgrain_sim::{
     block_averaging, chain, checkpoint, coarse_graining, coefficients, disk, energy_budget, error,

@@ -19,7 +19,8 @@
 //!   fills them runs when it must, and when that is has no effect on any result.
 //! * [`World`] gathers all of that, borrowed. [`start`] evaluates the forces, [`step()`] goes on by
 //!   one time step, [`resume`] goes on from a saved state.
-//! * [`digest()`] hashes a state, part by part. [`BITS_VERSION`] names the arithmetic.
+//! * [`digest()`] hashes a state, part by part. [`BITS_VERSION`] names the arithmetic. [`record`] chains digests of any
+//!   arrays, for a host that records more than a state.
 //! * [`conformance`] holds small worlds with published digests: run them on a new target,
 //!   and see whether it keeps the contract. [`check_arithmetic`] tests what a host often gets wrong, and
 //!   every world calls it as it starts and after each stretch of steps.
@@ -86,6 +87,7 @@ mod state;
 mod step;
 mod world;
 
+pub use digest::record;
 pub use digest::state::{Digest, PARTS, digest};
 pub use digest::{BITS_VERSION, blake3};
 pub use edit::{NewGrains, insert, nudge, regroup, remove, take_out};

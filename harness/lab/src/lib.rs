@@ -10,6 +10,7 @@
 //! * [`campaign`] runs a scenario over the values of its grids into one table;
 //! * [`verify`], [`bisect`], [`against`], [`rerun`] and [`replay`] do parts of it again and compare ([`compare`],
 //!   [`changes`]); [`case`](mod@case) is the smallest unit of work, [`selftest`](mod@selftest) tests the machine;
+//! * [`recording`]: named arrays of any program, by step, and where two programs part;
 //! * below them [`progress`], [`plain`] (text for a terminal), [`json`] and [`parse_errors`].
 
 #![forbid(unsafe_code)]
@@ -33,6 +34,7 @@ pub mod parse_errors;
 pub mod plain;
 pub mod plug_flow;
 pub mod progress;
+pub mod recording;
 pub mod replay;
 pub mod rerun;
 pub mod run;

@@ -8,8 +8,10 @@
 //!
 //! Tests [`watch`] the calls, fail them, and stop a process at any of them.
 
+mod append;
 mod watch;
 
+pub use append::Appended;
 pub use watch::{Call, CallOutcome, Watch, watch};
 
 use std::fs::{File, Metadata};

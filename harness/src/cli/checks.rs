@@ -10,6 +10,11 @@ use bitgrain_lab::bisect::{Side, bisect, run_both};
 use bitgrain_lab::campaign;
 use bitgrain_lab::campaign::folder::{CAMPAIGN, CampaignFolder};
 use bitgrain_lab::folder::{Folder, is_of};
+use bitgrain_lab::recording::command::Patience;
+use bitgrain_lab::recording::parting::Parting;
+use bitgrain_lab::recording::read::{Recorded, is_recording};
+use bitgrain_lab::recording::search::Commands;
+use bitgrain_lab::recording::{part, search};
 use bitgrain_lab::rerun::RunArchive;
 use bitgrain_lab::verify::{Scope, Segment, verify};
 use bitgrain_sim::error::{Error, Result};
@@ -41,7 +46,7 @@ pub(super) struct Verify {
 /// What `bitgrain bisect` takes.
 #[derive(Args)]
 pub(super) struct Bisect {
-    /// The folder of a run, or with --scenario a `bitgrain` program.
+    /// The folder of a run or of a recording; with --scenario a `bitgrain` program, with --commands a command line.
     a: PathBuf,
     /// The other.
     b: PathBuf,
@@ -65,6 +70,22 @@ pub(super) struct Bisect {
     /// The program that executes the second run again [default: this one].
     #[arg(long, value_name = "PROGRAM")]
     program_b: Option<PathBuf>,
+    /// The two are command lines for the shell: run them, and ask them for their arrays (the guide's page
+    /// Recordings says how they answer).
+    #[arg(long, conflicts_with_all = ["scenario", "program_a", "program_b"])]
+    commands: bool,
+    /// Of two commands: the last step to compare [default: until one of them ends].
+    #[arg(long, value_name = "STEP", requires = "commands")]
+    to: Option<u64>,
+    /// Of two commands: compare them only every so many steps, and execute them again for those between. Faster; a
+    /// difference that goes away again is not seen.
+    #[arg(long, value_name = "STEPS", requires = "commands", default_value_t = 1,
+        value_parser = clap::value_parser!(u64).range(1..))]
+    every: u64,
+    /// Of two commands: seconds without an answer after which one is given up.
+    #[arg(long, value_name = "SECONDS", requires = "commands", default_value_t = 600,
+        value_parser = clap::value_parser!(u64).range(1..))]
+    limit: u64,
 }
 
 /// Runs `bitgrain verify`.
@@ -96,6 +117,13 @@ pub(super) fn run_verify(what: Verify) -> Result<()> {
 /// Runs `bitgrain bisect`.
 pub(super) fn run_bisect(what: Bisect, this: &Path) -> Result<()> {
     let say = |line: &str| print(&format!("{line}\n"));
+    if what.commands {
+        return verdict(search(&commands(&what)?, say)?);
+    }
+    if what.scenario.is_none() && (is_recording(&what.a) || is_recording(&what.b)) {
+        let sides = [Recorded::open(&what.a)?, Recorded::open(&what.b)?];
+        return verdict(part(&sides, say)?);
+    }
     let sides = match &what.scenario {
         None => {
             [(what.a, what.program_a), (what.b, what.program_b)].map(|(folder, program)| Side {
@@ -107,6 +135,35 @@ pub(super) fn run_bisect(what: Bisect, this: &Path) -> Result<()> {
     };
     match bisect(&sides, say)? {
         None => say("no difference: the same at every link that both have"),
+        Some(parting) => {
+            say(&parting.to_string())?;
+            Err(Error::Parted)
+        }
+    }
+}
+
+/// The two command lines to be searched.
+fn commands(what: &Bisect) -> Result<Commands> {
+    let text = |path: &PathBuf| {
+        let text = path.to_str().map(String::from);
+        text.ok_or_else(|| Error::input(path.display().to_string(), "is no command line in UTF-8"))
+    };
+    Ok(Commands {
+        texts: [text(&what.a)?, text(&what.b)?],
+        to: what.to,
+        every: what.every,
+        patience: Patience {
+            limit: what.limit,
+            stop: stoppable(false).stop_flag(),
+        },
+    })
+}
+
+/// Says where two recordings or commands part, and ends with the status for it.
+fn verdict(parting: Option<Parting>) -> Result<()> {
+    let say = |line: &str| print(&format!("{line}\n"));
+    match parting {
+        None => say("no difference: the same at every step that was compared in both"),
         Some(parting) => {
             say(&parting.to_string())?;
             Err(Error::Parted)

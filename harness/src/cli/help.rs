@@ -5,7 +5,10 @@ use clap::Command;
 /// The commands by what they are for.
 const GROUPS: [(&str, &[&str]); 4] = [
     ("Make", &["new", "run", "sweep"]),
-    ("Check", &["verify", "bisect", "replay", "selftest"]),
+    (
+        "Check",
+        &["verify", "bisect", "record", "replay", "selftest"],
+    ),
     ("Look", &["report", "analyse", "claims", "bed", "bench"]),
     ("Other", &["completions", "man", "help"]),
 ];
@@ -115,8 +118,24 @@ Examples:
   bitgrain bisect out/quick out/other
   bitgrain bisect out/quick elsewhere/quick --program-b ./bitgrain-of-last-week
   bitgrain bisect ./bitgrain-of-last-week target/release/bitgrain --scenario quick
+  bitgrain bisect out/one out/two
+  bitgrain bisect --commands './one' './other' --to 1000
 
-Exit status: 0 the same at every link that both have, 3 they differ.";
+The last two compare recordings (`bitgrain record`), and two programs while they run.
+
+Exit status: 0 the same at every link or step that both have, 3 they differ, 2 they cannot be compared.";
+
+pub(super) const RECORD_HELP: &str = "\
+Examples:
+  bitgrain record out/one < one.frames
+  bitgrain record out/two --keep all < two.frames
+
+A step comes as the line `step N`; for each array the line `array NAME TYPE SHAPE`, as in `array x f64 100x3`, and
+its bytes, little-endian, row by row; then the line `done`. After the last step comes the line `end`. The guide's
+page Recordings (harness/guide/src/recordings.md) shows this in Python. `bitgrain bisect` compares two recordings.
+
+Exit status: 0 recorded, 2 the input was refused or is cut off (what came before is recorded, without an end),
+1 it could not be written.";
 
 pub(super) const REPLAY_HELP: &str = "\
 Examples:

@@ -7,6 +7,7 @@ mod channels;
 mod checks;
 mod ending;
 mod help;
+mod record;
 mod start;
 mod sweep;
 
@@ -33,8 +34,8 @@ use bitgrain_sim::disk::{is_folder, set_most};
 use bitgrain_sim::error::{Error, Result, UNEXPECTED};
 use channels::{heed_full_files, print, processors, shown, stoppable};
 use help::{
-    ANALYSE_HELP, BED_HELP, BENCH_HELP, BISECT_HELP, CLAIMS_HELP, REPLAY_HELP, RUN_HELP,
-    SELFTEST_HELP, SWEEP_HELP, VERIFY_HELP, grouped,
+    ANALYSE_HELP, BED_HELP, BENCH_HELP, BISECT_HELP, CLAIMS_HELP, RECORD_HELP, REPLAY_HELP,
+    RUN_HELP, SELFTEST_HELP, SWEEP_HELP, VERIFY_HELP, grouped,
 };
 
 /// Granular beds whose every run is reproducible to the last bit.
@@ -89,9 +90,12 @@ enum Command {
     /// Execute a run again, whole or in pieces, and say whether it gives what was written.
     #[command(after_help = VERIFY_HELP)]
     Verify(checks::Verify),
-    /// Find the first step, grain and contact at which two runs, or two builds, differ.
+    /// Find the first step and number at which two runs, builds, recordings or commands differ.
     #[command(after_help = BISECT_HELP)]
     Bisect(checks::Bisect),
+    /// Record the arrays that any program writes to standard input, step by step, as a chain of digests.
+    #[command(after_help = RECORD_HELP)]
+    Record(record::Record),
     /// Write a scenario file to begin from, with a comment on every key.
     #[command(after_help = "Example:\n  bitgrain new my-drag")]
     New(start::New),
@@ -261,6 +265,7 @@ fn run(command: Command, home: &Path, this: &Path) -> Result<()> {
         Command::Replay(case) => run_replay(case),
         Command::Verify(what) => checks::run_verify(what),
         Command::Bisect(what) => checks::run_bisect(what, this),
+        Command::Record(what) => record::run(&what),
         Command::New(what) => start::new(&what),
         Command::Completions(what) => start::completions(&what, Cli::command()),
         Command::Man(what) => start::man(&what, Cli::command()),

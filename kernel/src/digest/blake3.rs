@@ -1,4 +1,4 @@
-//! BLAKE3 of words, written out for the digests: no allocation, no call that can panic, and the
+//! BLAKE3 of words and bytes, written out for the digests: no allocation, no call that can panic, and the
 //! words go in lowest byte first on every machine. The tests compare it with the reference crate.
 
 /// Chunks of 1024 bytes that a tree of this height can hold: 2^28, 256 GiB; all 4 GiB of a small machine.
@@ -86,10 +86,33 @@ impl Hasher {
 
     /// The hash of all words so far.
     pub fn finish(&self) -> [u8; 32] {
+        self.finish_without(0)
+    }
+
+    /// The hash of all words so far and of these bytes after them. The last 1 to 3 bytes of an odd number are no
+    /// word, so this ends the hash: what is taken in later has no meaning.
+    pub fn finish_with(&mut self, bytes: &[u8]) -> [u8; 32] {
+        let (words, rest) = bytes.as_chunks();
+        for word in words {
+            self.word(u32::from_le_bytes(*word));
+        }
+        if rest.is_empty() {
+            return self.finish();
+        }
+        let mut last = [0; 4];
+        for (slot, byte) in last.iter_mut().zip(rest) {
+            *slot = *byte;
+        }
+        self.word(u32::from_le_bytes(last));
+        self.finish_without(last.len().saturating_sub(rest.len()))
+    }
+
+    /// The hash of all words without so many of the last one's bytes, which are zero.
+    fn finish_without(&self, missing: usize) -> [u8; 32] {
         let mut flags = self.chunk_flags() | CHUNK_END;
         let mut chain = self.chain;
         let mut block = self.block;
-        let mut length = 4 * self.filled as u32;
+        let mut length = (4 * self.filled).saturating_sub(missing) as u32;
         let mut number = self.chunk;
         for root in self.left.iter().take(self.height).rev() {
             let right = compress(&chain, &block, number, length, flags);
@@ -212,5 +235,25 @@ mod tests {
             }
             assert_eq!(ours.finish(), *theirs.finalize().as_bytes(), "{words}");
         }
+    }
+
+    /// Every number of bytes up to two chunks, and after some words.
+    #[test]
+    fn bytes_are_hashed_to_the_last_one() {
+        let bytes: std::vec::Vec<u8> = (0..2200u32).map(|k| ((k * k) >> 3) as u8).collect();
+        for count in 0..bytes.len() {
+            let ours = Hasher::new().finish_with(&bytes[..count]);
+            assert_eq!(ours, *::blake3::hash(&bytes[..count]).as_bytes(), "{count}");
+        }
+        let mut ours = Hasher::new();
+        bytes[..1024]
+            .as_chunks()
+            .0
+            .iter()
+            .for_each(|word| ours.word(u32::from_le_bytes(*word)));
+        assert_eq!(
+            ours.finish_with(&bytes[1024..]),
+            *::blake3::hash(&bytes).as_bytes()
+        );
     }
 }

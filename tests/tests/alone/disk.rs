@@ -76,7 +76,9 @@ impl Watch for Spoiler {
             }
             state.spoilt = true;
             return match (self.spoil, call) {
-                (Spoil::Short, Call::Write(_, bytes)) => CallOutcome::Short(bytes.len() / 2),
+                (Spoil::Short, Call::Write(_, bytes) | Call::Append(_, bytes)) => {
+                    CallOutcome::Short(bytes.len() / 2)
+                }
                 (Spoil::Error, _) => CallOutcome::Fail(ErrorKind::Other),
                 _ => CallOutcome::Fail(ErrorKind::StorageFull),
             };
@@ -122,6 +124,7 @@ impl FakeDisk {
                     .insert(path.into(), Node::File(self.files.len() - 1));
             }
             Call::Write(path, bytes) => self.file(path).bytes = bytes.to_vec(),
+            Call::Append(path, bytes) => self.file(path).bytes.extend(bytes),
             Call::Sync(path) => {
                 let file = self.file(path);
                 file.lasting = file.bytes.clone();

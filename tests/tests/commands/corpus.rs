@@ -9,7 +9,7 @@ type Target = fn(&[u8]) -> bool;
 
 /// Targets, and how many of their files at least must be sound: the others are refused, as they
 /// should be.
-const TARGETS: [(&str, Target, usize); 16] = [
+const TARGETS: [(&str, Target, usize); 17] = [
     ("contact", fuzzing::contact, 60),
     ("search", fuzzing::search, 30),
     ("world", fuzzing::world, 30),
@@ -26,6 +26,7 @@ const TARGETS: [(&str, Target, usize); 16] = [
     ("edits", fuzzing::edits, 20),
     ("saved", fuzzing::saved, 5),
     ("capi", fuzzing::capi, 1),
+    ("recording", fuzzing::recording, 6),
 ];
 
 #[test]

@@ -113,6 +113,14 @@ static MADE: LazyLock<tempfile::TempDir> = LazyLock::new(|| {
     std::fs::copy(place("out/kumar-small/results.csv"), place("results.csv")).unwrap();
     std::fs::copy(golden("claims.toml"), place("claims.toml")).unwrap();
     std::fs::copy(golden("cases/collapse.json"), place("case.json")).unwrap();
+    for name in ["one", "two", "other"] {
+        let frames = "step 0\narray x u8 2\nabdone\nend\n";
+        std::fs::write(place(&format!("{name}.frames")), frames).unwrap();
+        let asked = "#!/bin/sh\nwhile read -r _ step; do printf 'step %s\\narray x u8 1\\nadone\\n' $step; done\n";
+        std::fs::write(place(name), asked).unwrap();
+        let mode = std::os::unix::fs::PermissionsExt::from_mode(0o755);
+        std::fs::set_permissions(place(name), mode).unwrap();
+    }
     folder
 });
 
@@ -141,6 +149,16 @@ fn run_commands(lines: Vec<String>) {
         };
         if let Some(cargo) = line.strip_prefix("cargo ") {
             cargo_command(cargo);
+            continue;
+        }
+        if let Some(fed) = line
+            .strip_prefix("bitgrain ")
+            .filter(|line| line.contains(" < "))
+        {
+            let line = format!("'{PROGRAM}' {fed}");
+            let out = output("sh", folder.path(), &["-c", &line]);
+            let error = String::from_utf8_lossy(&out.stderr);
+            assert!(out.status.success(), "{line}: {error}");
             continue;
         }
         // The bed has another name, and a small scenario does for two builds.
@@ -196,7 +214,7 @@ fn run_commands(lines: Vec<String>) {
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
 fn commands_of_every_help_run() {
-    let commands: [&[&str]; 18] = [
+    let commands: [&[&str]; 19] = [
         &["run"],
         &["sweep"],
         &["analyse"],
@@ -208,6 +226,8 @@ fn commands_of_every_help_run() {
         &["bench"],
         &["replay"],
         &["verify"],
+        // What it records is compared next.
+        &["record"],
         &["bisect"],
         &["selftest"],
         &["new"],
@@ -217,10 +237,10 @@ fn commands_of_every_help_run() {
         &["help", "run"],
     ];
     let mut lines = Vec::new();
-    for command in &commands[..16] {
+    for command in &commands[..17] {
         lines.extend(help_commands(command));
     }
-    for command in &commands[16..] {
+    for command in &commands[17..] {
         let help: Vec<&str> = if command.is_empty() {
             vec!["--help"]
         } else {
@@ -273,8 +293,8 @@ fn files_in_the_documents_are_read() {
         for (kind, text) in blocks(page) {
             *kinds.entry(kind).or_default() += 1;
             match kind {
-                // Python is run by the tests of its package.
-                "sh" | "text" | "rust" | "yaml" | "python" => {}
+                // Python is run by the tests of its package, and by the test `recordings` of `tools`.
+                "sh" | "text" | "rust" | "yaml" | "python" | "c" => {}
                 "toml" => is_read(name, &text),
                 "json" => is_replayed(name, &text),
                 other => panic!("{name}: a block of {other:?}"),

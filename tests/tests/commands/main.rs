@@ -7,6 +7,7 @@ use bitgrain_tests::{copied, made_run};
 
 mod against;
 mod api;
+mod asked;
 mod bisect;
 mod campaigns;
 mod channels;
@@ -27,6 +28,8 @@ mod memory;
 mod notices;
 mod packed;
 mod parsers;
+mod recorder;
+mod recordings;
 mod resume;
 mod safety;
 mod sources;

@@ -1,4 +1,5 @@
-//! Tests that build or run other programs: emulated machines, mutants of the kernel, counted instructions, a browser.
+//! Tests that build or run other programs: emulated machines, mutants of the kernel, counted instructions, a browser,
+//! other simulators.
 
 mod browser;
 mod capi;
@@ -10,4 +11,5 @@ mod instructions;
 mod machines;
 mod mutants;
 mod panics;
+mod recordings;
 mod targets;

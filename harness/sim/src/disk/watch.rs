@@ -21,6 +21,8 @@ pub enum Call<'a> {
     Create(&'a Path),
     /// All its bytes are written to a file that was just made.
     Write(&'a Path, &'a [u8]),
+    /// Bytes are written at the end of a file.
+    Append(&'a Path, &'a [u8]),
     /// A file's bytes are made to last.
     Sync(&'a Path),
     /// A file gets another name, in place of the file that had it.
@@ -76,7 +78,7 @@ pub(super) fn before(call: Call<'_>) -> io::Result<()> {
     match (verdict, call) {
         (CallOutcome::Go, _) => Ok(()),
         (CallOutcome::Fail(kind), _) => Err(io::Error::new(kind, "made to fail")),
-        (CallOutcome::Short(count), Call::Write(path, bytes)) => {
+        (CallOutcome::Short(count), Call::Write(path, bytes) | Call::Append(path, bytes)) => {
             let mut file = File::options().append(true).open(path)?;
             file.write_all(&bytes[..count.min(bytes.len())])?;
             Err(io::Error::new(io::ErrorKind::StorageFull, "made to fail"))

@@ -16,6 +16,7 @@ use bitgrain_kernel::phases::{Sealed, seal};
 use bitgrain_kernel::phases::{
     begin, check_overlaps, drift, end, ensure_pair_list, ensure_pair_list_ahead, finish,
 };
+use bitgrain_kernel::record::{self, Chain, Element, Refusal as Unrecorded};
 use bitgrain_kernel::scaling::{self, Margin, PRODUCTS, Refusal, Scales};
 use bitgrain_kernel::vec3::{self, Vec3};
 use bitgrain_kernel::{
@@ -35,6 +36,7 @@ pub struct Plain {
     word: fn(&mut Hasher, u32),
     hash: fn(&mut Hasher, &[u8; 32]),
     finish: fn(&Hasher) -> [u8; 32],
+    finish_with: fn(&mut Hasher, &[u8]) -> [u8; 32],
     parts: fn(&Digest) -> [&[u8; 32]; 6],
     text: fn(&Line) -> [u8; conformance::LINE],
     last: fn(&Hasher) -> Line,
@@ -44,6 +46,7 @@ pub struct Plain {
     show: fn(&KernelError, &mut dyn fmt::Write) -> fmt::Result,
     code: fn(&KernelError) -> u32,
     show_flaw: fn(&ArithmeticDefect, &mut dyn fmt::Write) -> fmt::Result,
+    records: Records,
 }
 
 impl Plain {
@@ -53,6 +56,7 @@ impl Plain {
         word: Hasher::word,
         hash: Hasher::hash,
         finish: Hasher::finish,
+        finish_with: Hasher::finish_with,
         parts: Digest::parts,
         text: Line::text,
         last: conformance::last,
@@ -62,6 +66,38 @@ impl Plain {
         show: |fault, out| write!(out, "{fault}"),
         code: KernelError::code,
         show_flaw: |flaw, out| write!(out, "{flaw}"),
+        records: Records::ALL,
+    };
+}
+
+type Recorded = Result<record::Line, Unrecorded>;
+
+/// Recordings of any arrays.
+pub struct Records {
+    new: fn() -> Chain,
+    add: fn(&mut Chain, u64, &str, Element, &[usize], &[u8]) -> Recorded,
+    add_digest: fn(&mut Chain, u64, &str, Element, &[usize], &[u8; 32]) -> Recorded,
+    link: fn(&Chain) -> &[u8; 32],
+    end: fn(&Chain) -> record::Line,
+    text: fn(&record::Line) -> &str,
+    length: fn(Element, &[usize]) -> Result<usize, Unrecorded>,
+    element: fn(&str) -> Option<Element>,
+    name: fn(Element) -> (&'static str, usize),
+    show: fn(&Unrecorded, &mut dyn fmt::Write) -> fmt::Result,
+}
+
+impl Records {
+    const ALL: Self = Self {
+        new: Chain::new,
+        add: Chain::add,
+        add_digest: Chain::add_digest,
+        link: Chain::link,
+        end: Chain::end,
+        text: record::Line::text,
+        length: record::length,
+        element: Element::of,
+        name: |element| (element.name(), element.size()),
+        show: |refusal, out| write!(out, "{refusal}"),
     };
 }
 
