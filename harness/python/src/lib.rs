@@ -2,11 +2,10 @@
 //!
 //! A call goes from Python's arrays (`arrays`, `grains`) to `simulated`, which owns a simulation and knows no Python,
 //! and back through views (`views`, `readings`), handles (`obstacles`) and exceptions (`errors`). The laboratory's
-//! functions are in `laboratory`.
+//! functions are in `laboratory`, recordings of any arrays in `recordings`.
 
 mod arrays;
 mod changes;
-
 mod edits;
 mod errors;
 mod grains;
@@ -14,6 +13,7 @@ mod laboratory;
 mod laws;
 mod obstacles;
 mod readings;
+mod recordings;
 mod simulated;
 mod steps;
 mod views;
@@ -32,6 +32,8 @@ mod _native {
     use super::laws::{HertzHistory, HertzTsuji};
     #[pymodule_export]
     use super::obstacles::Obstacle;
+    #[pymodule_export]
+    use super::recordings::{Writer, is_recording, part_recordings};
     #[pymodule_export]
     use super::views::Window;
     #[pymodule_export]

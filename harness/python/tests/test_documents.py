@@ -15,7 +15,8 @@ import bitgrain
 PACKAGE = Path(bitgrain.__file__).parent
 EXAMPLES = sorted((ROOT / "harness/python/examples").glob("*.py"))
 CLASSES = [bitgrain.World, bitgrain.Obstacle, bitgrain.Edit, bitgrain.Group, bitgrain.Departed, bitgrain.View,
-           bitgrain.Folder, bitgrain.HertzHistory, bitgrain.HertzTsuji, bitgrain.Divergence]
+           bitgrain.Folder, bitgrain.HertzHistory, bitgrain.HertzTsuji, bitgrain.Divergence,
+           bitgrain.Recorder, bitgrain.Parting]
 
 
 def members():

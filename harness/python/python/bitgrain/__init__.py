@@ -2,7 +2,7 @@
 
 A :class:`World` holds grains and obstacles and steps them with the bits of the kernel, whatever the machine and the
 number of threads. :func:`run`, :func:`verify`, :func:`bisect` and :func:`read` are the laboratory: scenarios, and the
-folders that they are run into.
+folders that they are run into. A :class:`Recorder` records the arrays of any program by step.
 """
 
 from . import errors
@@ -61,6 +61,7 @@ from .errors import (
     OutputFailed,
 )
 from .folder import Divergence, Folder, bisect, read, run, verify
+from .recording import Parting, Recorder
 from .view import View
 
 __all__ = [
@@ -115,7 +116,9 @@ __all__ = [
     "OverlapTooDeep",
     "PairListFull",
     "Parted",
+    "Parting",
     "PeriodTooShort",
+    "Recorder",
     "RunFailed",
     "StaleView",
     "TooFast",

@@ -19,9 +19,12 @@ __all__ = [
     "Obstacle",
     "Window",
     "World",
+    "Writer",
     "bisect",
     "check",
     "command",
+    "is_recording",
+    "part_recordings",
     "run",
     "text",
     "verify",
@@ -239,6 +242,15 @@ class Window:
     def dtype(self) -> str: ...
     def lend(self) -> NDArray[Any]: ...
 
+@final
+class Writer:
+    def __new__(cls, folder: _Path, keep: str) -> Writer: ...
+    def record(self, step: int, arrays: Sequence[Tuple[str, str, Sequence[int], bytes]]) -> None: ...
+    def close(self) -> str: ...
+    def abandon(self) -> None: ...
+
+def is_recording(path: _Path) -> bool: ...
+def part_recordings(first: _Path, second: _Path) -> Tuple[Optional[str], List[str]]: ...
 def run(
     name: Optional[str],
     sets: Sequence[str],

@@ -382,3 +382,10 @@ def made(name: str, message: str, attributes: str) -> Error:
         assert isinstance(cause, KernelError)
         error.fault = cause
     return error
+
+
+def wrong(place: str, problem: str) -> InputError:
+    """The exception for something that was given, of which the part in Python finds that it is wrong."""
+    error = InputError(f"{place}: {problem}")
+    error.place, error.problem = place, problem
+    return error

@@ -15,7 +15,8 @@ from typing import Any, Dict, Iterator, List, Optional, Sequence, Tuple, Union
 import numpy as np
 
 from . import _native
-from .errors import InputError
+from .errors import wrong
+from .recording import Parting, parting
 
 PathLike = Union[str, "os.PathLike[str]"]
 
@@ -150,7 +151,7 @@ def run(
     """
     kind = _kind(tables)
     if (scenario is None) == (resume is None) or (resume is not None and (set or out)):
-        raise _wrong("scenario", "give a scenario, with set and out if you like, or resume alone")
+        raise wrong("scenario", "give a scenario, with set and out if you like, or resume alone")
     sets = [f"{key}={_toml(value, key)}" for key, value in (set or {}).items()]
     name = None if scenario is None else os.fspath(scenario)
     place = out if resume is None else resume
@@ -232,24 +233,31 @@ def bisect(
     *,
     program_a: Optional[PathLike] = None,
     program_b: Optional[PathLike] = None,
-) -> Optional[Divergence]:
-    """Finds the first step, grain and contact at which two runs differ, as `bitgrain bisect` does; None if they agree.
+) -> Union[Divergence, Parting, None]:
+    """Finds where two runs or two recordings differ first, as `bitgrain bisect` does; None if they agree.
+
+    Of runs it is the first step, grain and contact, as a `Divergence`; of recordings the first step, array, element
+    and bit, as a `Parting`. What only one recording has is left out, with a warning.
 
     Parameters
     ----------
     a, b : path
-        The folders of the runs.
+        The folders of the runs or of the recordings; of a recording also its file `recording.csv` alone.
     program_a, program_b : path, optional
-        The programs that execute them again; the script `bitgrain` of this package by default.
+        The programs that execute runs again; the script `bitgrain` of this package by default.
 
     Raises
     ------
     InputError
-        The runs have nothing in common, or a program does not do as it should.
+        The two have nothing in common, a file was changed, or a program does not do as it should.
     """
+    if _native.is_recording(Path(a)) or _native.is_recording(Path(b)):
+        if program_a is not None or program_b is not None:
+            raise wrong("program_a", "recordings are compared without their programs; leave out both")
+        return parting(Path(a), Path(b))
     own = program()
     if own is None and (program_a is None or program_b is None):
-        raise _wrong("program_a", "the script bitgrain of this package is not installed; name both programs")
+        raise wrong("program_a", "the script bitgrain of this package is not installed; name both programs")
     programs = [Path(p or own or "") for p in (program_a, program_b)]
     found, _ = _native.bisect((Path(a), Path(b)), (programs[0], programs[1]))
     return None if found is None else Divergence(**json.loads(found))
@@ -263,12 +271,6 @@ def program() -> Optional[Path]:
     return next((path for path in paths if path.is_file()), None)
 
 
-def _wrong(place: str, problem: str) -> InputError:
-    error = InputError(f"{place}: {problem}")
-    error.place, error.problem = place, problem
-    return error
-
-
 def _read(path: Path, kind: str, executed: bool) -> Folder:
     found = json.loads(_native.check(path))
     names = [name[:-4] for name in found["files"] if name.endswith(".csv")]
@@ -280,14 +282,14 @@ def _read(path: Path, kind: str, executed: bool) -> Folder:
 def _kind(asked: Optional[str]) -> str:
     """What tables come as: what is asked for, or the first that is installed."""
     if asked is not None and asked not in KINDS:
-        raise _wrong("tables", f"is {asked!r}; expected one of {', '.join(KINDS)}")
+        raise wrong("tables", f"is {asked!r}; expected one of {', '.join(KINDS)}")
     for kind in KINDS if asked is None else (asked,):
         try:
             importlib.import_module(kind)
         except ImportError:
             continue
         return kind
-    raise _wrong("tables", f"{asked} is not installed: pip install {asked}")
+    raise wrong("tables", f"{asked} is not installed: pip install {asked}")
 
 
 def _table(text: str, kind: str) -> Any:
@@ -322,4 +324,4 @@ def _toml(value: Any, key: str) -> str:
         return "[" + ", ".join(_toml(item, key) for item in value) + "]"
     if isinstance(value, Mapping):
         return "{" + ", ".join(f"{name} = {_toml(item, key)}" for name, item in value.items()) + "}"
-    raise _wrong(f"set[{key!r}]", f"is {value!r}; expected a number, a word, a list or a dictionary of these")
+    raise wrong(f"set[{key!r}]", f"is {value!r}; expected a number, a word, a list or a dictionary of these")
