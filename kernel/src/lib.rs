@@ -104,7 +104,7 @@ pub use neighbors::pair_list::{ContactHistory, PairList, TOUCHING};
 pub use owners::capacity::Capacity;
 pub use owners::lent::{Head, LentStore, Memory};
 pub use owners::store::Store;
-pub use saved::{save, save_size};
+pub use saved::{Saved, save, save_size};
 pub use state::domain::Domain;
 pub use state::grains::{GrainState, Grains, Group, NewGrain};
 pub use state::losses::{Cause, Departure, Drain, LossPolicy};

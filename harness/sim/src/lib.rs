@@ -43,6 +43,7 @@ pub mod observe;
 pub mod observer;
 pub mod owned_world;
 pub mod random;
+mod saved;
 pub mod simulation;
 mod skin;
 pub mod spatial_order;

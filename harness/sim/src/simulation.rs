@@ -202,7 +202,7 @@ impl Simulation {
     ///
     /// # Errors
     /// [`KernelError::OverlapTooDeep`] with two of them.
-    fn check_crowds(&self) -> Result<(), KernelError> {
+    pub(crate) fn check_crowds(&self) -> Result<(), KernelError> {
         let light = |i: usize| {
             let group = self.groups.get(usize::from(self.group[i]));
             group.is_some_and(|group| !group.infinite_mass)

@@ -12,7 +12,6 @@ use crate::state::domain::Domain;
 use crate::state::grains::{Grains, Group, NewGrain};
 use crate::state::losses::LossPolicy;
 use crate::state::obstacle::Obstacle;
-use crate::step::resume;
 use crate::world::{Clock, Stage, World};
 
 /// What a lent store keeps beside its rows.
@@ -252,8 +251,7 @@ impl<'a, R: Real> LentStore<'a, R> {
         }
         let mut world = self.lend(saved.count());
         saved.fill(&mut world);
-        resume(&mut world, saved.histories())?;
-        saved.compare(&mut world)
+        saved.resume(&mut world)
     }
 
     fn check_room(&self, more: usize) -> Result<(), Error> {

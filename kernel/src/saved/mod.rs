@@ -9,5 +9,5 @@ mod layout;
 mod read;
 mod write;
 
-pub(crate) use read::Saved;
+pub use read::Saved;
 pub use write::{save, save_size};

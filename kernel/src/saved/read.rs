@@ -18,22 +18,28 @@ use crate::state::domain::Domain;
 use crate::state::grains::Group;
 use crate::state::losses::{Drain, LossPolicy};
 use crate::state::obstacle::{Obstacle, Shape};
+use crate::step::resume;
 use crate::world::World;
 
 fn axes(flags: u32) -> [bool; 3] {
     [flags & 1 != 0, flags & 2 != 0, flags & 4 != 0]
 }
 
-/// A saved world whose bytes are as they were written.
-pub(crate) struct Saved<'b, R> {
+/// A saved world whose bytes are as they were written: what a host that owns the storage of its worlds, as
+/// [`Store`](crate::Store) does, makes one from. It makes a world with this box, time step, policy, groups, obstacles
+/// and so many grains, then calls [`Saved::fill`] and [`Saved::resume`].
+pub struct Saved<'b, R> {
     words: &'b [[u8; 4]],
     counts: [usize; 5],
     number: PhantomData<R>,
 }
 
 impl<'b, R: Real> Saved<'b, R> {
-    /// Looks at bytes that may be longer than the world in them.
-    pub(crate) fn open(bytes: &'b [u8]) -> Result<Self, Error> {
+    /// Looks at bytes that [`save`](crate::save) wrote, and that may be longer than the world in them.
+    ///
+    /// # Errors
+    /// [`Error::BadSave`] of bytes that are not as they were written; [`Error::OtherVersion`].
+    pub fn open(bytes: &'b [u8]) -> Result<Self, Error> {
         let words = bytes.as_chunks::<4>().0;
         let mut saved = Self {
             words,
@@ -81,7 +87,8 @@ impl<'b, R: Real> Saved<'b, R> {
         }
     }
 
-    pub(crate) fn count(&self) -> usize {
+    /// How many grains it has.
+    pub fn count(&self) -> usize {
         self.counts[0]
     }
 
@@ -108,12 +115,13 @@ impl<'b, R: Real> Saved<'b, R> {
         self.from(COUNTS - 3).word()
     }
 
-    pub(crate) fn dt(&self) -> R {
+    /// Its time step.
+    pub fn dt(&self) -> R {
         self.from(COUNTS).number()
     }
 
-    /// The box; one that is none becomes a box without space, which no world starts in.
-    pub(crate) fn domain(&self) -> Domain<R> {
+    /// Its box; one that is none becomes a box without space, which no world starts in.
+    pub fn domain(&self) -> Domain<R> {
         let mut at = self.from(COUNTS);
         let _: R = at.number();
         let (lo, hi) = (at.vector(), at.vector());
@@ -123,7 +131,8 @@ impl<'b, R: Real> Saved<'b, R> {
         }
     }
 
-    pub(crate) fn policy(&self) -> LossPolicy<R> {
+    /// What becomes of its grains that leave.
+    pub fn policy(&self) -> LossPolicy<R> {
         let mut at = self.from(COUNTS);
         for _ in 0..7 {
             let _: R = at.number();
@@ -138,7 +147,8 @@ impl<'b, R: Real> Saved<'b, R> {
         }
     }
 
-    pub(crate) fn groups(&self) -> impl Iterator<Item = Group<R>> + use<'b, R> {
+    /// Its groups by number.
+    pub fn groups(&self) -> impl Iterator<Item = Group<R>> + use<'b, R> {
         let mut at = self.part(1);
         (0..self.counts[1]).map(move |_| {
             let flags = at.word();
@@ -151,7 +161,8 @@ impl<'b, R: Real> Saved<'b, R> {
         })
     }
 
-    pub(crate) fn obstacles(&self) -> impl Iterator<Item = Obstacle<R>> + use<'b, R> {
+    /// Its obstacles by number.
+    pub fn obstacles(&self) -> impl Iterator<Item = Obstacle<R>> + use<'b, R> {
         let mut at = self.part(2);
         (0..self.counts[2]).map(move |_| {
             let kind = at.word();
@@ -176,8 +187,8 @@ impl<'b, R: Real> Saved<'b, R> {
         })
     }
 
-    /// Writes the rows of the grains, and the step.
-    pub(crate) fn fill(&self, world: &mut World<'_, R>) {
+    /// Writes the rows of its grains, and its step, to a world with so many rows.
+    pub fn fill(&self, world: &mut World<'_, R>) {
         let mut at = self.part(3);
         let g = &mut world.grains;
         for i in 0..self.count() {
@@ -196,7 +207,7 @@ impl<'b, R: Real> Saved<'b, R> {
         world.clock.step = u64::from(at.word()) | u64::from(at.word()) << 32;
     }
 
-    pub(crate) fn histories(&self) -> impl Iterator<Item = ContactHistory<R>> + use<'b, R> {
+    fn histories(&self) -> impl Iterator<Item = ContactHistory<R>> + use<'b, R> {
         let mut at = self.part(4);
         let [.., pairs, touches] = self.counts;
         (0..pairs.saturating_add(touches)).map(move |k| {
@@ -212,9 +223,13 @@ impl<'b, R: Real> Saved<'b, R> {
         })
     }
 
-    /// Whether a world that went on from here would be saved as these bytes: with the same digest, and with nothing in
-    /// words that say nothing. If not, it is stopped.
-    pub(crate) fn compare(&self, world: &mut World<'_, R>) -> Result<(), Error> {
+    /// Goes on from its histories in a world that was filled with it. It may be called again after a list proved full.
+    ///
+    /// # Errors
+    /// As [`resume`](crate::resume), of forged bytes and of full lists; [`Error::BadSave`] if the world would not be
+    /// saved as these bytes, with the same digest and with nothing in words that say nothing. It is then stopped.
+    pub fn resume(&self, world: &mut World<'_, R>) -> Result<(), Error> {
+        resume(world, self.histories())?;
         match checksum(world) == self.checksum() {
             true => Ok(()),
             false => {

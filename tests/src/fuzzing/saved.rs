@@ -1,6 +1,8 @@
 //! Bytes that claim to be a saved world: any of them are refused or are a world that goes on, and with hashes that fit
 //! they are looked at all the same.
 
+use bitgrain::law::AnyLaw;
+use bitgrain::simulation::Simulation;
 use bitgrain_kernel::blake3::Hasher;
 use bitgrain_kernel::contact::HertzHistory;
 use bitgrain_kernel::{Domain, Group, Obstacle, Store, save, save_size, start, step};
@@ -8,6 +10,21 @@ use bitgrain_kernel::{Domain, Group, Obstacle, Store, save, save_size, start, st
 use super::bytes::Bytes;
 
 type Bed = Store<f64, 5, 24, 12, 3>;
+
+/// A simulation of the same bytes, with a law before them: refused, or read and written it is the same, and goes on.
+fn owned(law: HertzHistory<f64>, text: &[u8]) {
+    let law = AnyLaw::HertzHistory(law);
+    let mut empty = Simulation::new(law, Domain::open(), 1e-3, vec![], &[], vec![]);
+    empty.start().unwrap();
+    let mut bytes = empty.save().unwrap();
+    bytes.truncate(bytes.len() - save_size(&empty.world()));
+    bytes.extend_from_slice(text);
+    if let Ok(mut sim) = Simulation::load(&bytes) {
+        let again = sim.save().unwrap();
+        assert_eq!(again[..], bytes[..again.len()]);
+        let _ = sim.steps(5);
+    }
+}
 
 /// Whether the bytes were a world that could be loaded.
 pub fn saved(data: &[u8]) -> bool {
@@ -42,6 +59,7 @@ pub fn saved(data: &[u8]) -> bool {
         }
         text[words..].copy_from_slice(&hasher.finish());
     }
+    owned(law, &text);
     let mut other = Bed::vacant();
     if other.load(&text).is_err() {
         return false;

@@ -32,6 +32,7 @@ mod recorder;
 mod recordings;
 mod resume;
 mod safety;
+mod saved;
 mod sources;
 mod sweep;
 mod tidy;

@@ -2,7 +2,7 @@
 
 use bitgrain_kernel::{
     Capacity, Departure, Domain, Error as KernelError, Group, Head, LentStore, LossPolicy, Memory,
-    NewGrain, Obstacle, Real, World, insert, nudge, regroup, remove, save, save_size, take_out,
+    NewGrain, Obstacle, Real, Saved, World, insert, nudge, regroup, remove, save, save_size, take_out,
 };
 
 use crate::state::Few;
@@ -19,6 +19,12 @@ pub struct Hosts<R: Real + 'static> {
     place_of: fn(&World<'_, R>, u32) -> Option<usize>,
     save: fn(&mut World<'_, R>, &mut [u8]) -> Result<usize, KernelError>,
     save_size: fn(&World<'_, R>) -> usize,
+    saved: for<'b> fn(&'b [u8]) -> Result<Saved<'b, R>, KernelError>,
+    saved_settings: fn(&Saved<'_, R>) -> (Domain<R>, R, LossPolicy<R>, usize),
+    saved_groups: fn(&Saved<'_, R>, &mut dyn FnMut(Group<R>)),
+    saved_obstacles: fn(&Saved<'_, R>, &mut dyn FnMut(Obstacle<R>)),
+    saved_fill: fn(&Saved<'_, R>, &mut World<'_, R>),
+    saved_resume: fn(&Saved<'_, R>, &mut World<'_, R>) -> Ended,
     set_policy: fn(&mut Few<R>, LossPolicy<R>),
     store_insert: fn(&mut Few<R>, &[NewGrain<R>]) -> Ended,
     store_load: fn(&mut Few<R>, &[u8]) -> Ended,
@@ -47,6 +53,12 @@ impl<R: Real + 'static> Hosts<R> {
         place_of: |world, id| world.place_of(id),
         save,
         save_size,
+        saved: |bytes| Saved::open(bytes),
+        saved_settings: |saved| (saved.domain(), saved.dt(), saved.policy(), saved.count()),
+        saved_groups: |saved, of| saved.groups().for_each(of),
+        saved_obstacles: |saved, of| saved.obstacles().for_each(of),
+        saved_fill: |saved, world| saved.fill(world),
+        saved_resume: |saved, world| saved.resume(world),
         set_policy: Few::set_policy,
         store_insert: |store, grains| store.insert(grains.iter().copied()),
         store_load: Few::load,
