@@ -1,14 +1,14 @@
 //! Grains from arrays, and their groups.
 
 use bitgrain::simulation::Grain;
-use bitgrain_kernel::{Cause, Departure};
+use bitgrain_kernel::{Cause, Departure, Group as Motion};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
 use crate::arrays::{column, ids, rows};
-use crate::errors::input;
-use crate::simulated::{Core, KINDS};
-use crate::views::Shared;
+use crate::errors::{input, kernel};
+use crate::simulated::{Core, KINDS, Kind};
+use crate::views::{Shared, read, write};
 
 /// How grains move; `World.group` makes one.
 #[pyclass(frozen, module = "bitgrain")]
@@ -210,7 +210,7 @@ impl Arrays {
 /// `InputError` for a group of another world or an unknown kind.
 pub fn group_number(group: Option<&Bound<'_, PyAny>>, shared: &Shared) -> PyResult<u8> {
     let Some(group) = group else {
-        return Ok(0);
+        return kind_number(Kind::Free, shared);
     };
     if let Ok(handle) = group.cast::<Group>() {
         let handle = handle.get();
@@ -225,16 +225,49 @@ pub fn group_number(group: Option<&Bound<'_, PyAny>>, shared: &Shared) -> PyResu
     let word: String = group
         .extract()
         .map_err(|_| unknown(&format!("{group:?}")))?;
-    Ok(kind_number(&word)? as u8)
+    kind_number(kind_of(&word)?, shared)
 }
 
-/// The place of a kind in [`KINDS`], which is the number of the group that every world has of it.
+/// The number of a world's group of a kind under the world's gravity. A world that was saved in C may lack it, and then
+/// gets it.
+///
+/// # Errors
+/// `InputError` if there are as many groups as are possible; `Busy`.
+pub fn kind_number(kind: Kind, shared: &Shared) -> PyResult<u8> {
+    let found = read(shared)?.group_of(kind);
+    match found {
+        Some(number) => Ok(number),
+        None => {
+            let mut core = write(shared)?;
+            let group = kind.group(core.gravity);
+            added_group(group, &mut core)
+        }
+    }
+}
+
+/// Adds a group to a world and returns its number.
+///
+/// # Errors
+/// `InputError` if there are as many groups as are possible.
+pub fn added_group(group: Motion<f64>, core: &mut Core) -> PyResult<u8> {
+    let Ok(number) = u8::try_from(core.sim.groups.len()) else {
+        let problem = "there are 256 groups already, and no more are possible";
+        return Err(input("group", problem));
+    };
+    core.rearrange(|sim| sim.groups.push(group))
+        .map_err(kernel)?;
+    Ok(number)
+}
+
+/// The kind of a name.
 ///
 /// # Errors
 /// `InputError` for an unknown kind.
-pub fn kind_number(word: &str) -> PyResult<usize> {
-    let number = KINDS.iter().position(|(_, name)| *name == word);
-    number.ok_or_else(|| unknown(&format!("{word:?}")))
+pub fn kind_of(word: &str) -> PyResult<Kind> {
+    let found = KINDS.iter().find(|(_, name)| *name == word);
+    found
+        .map(|(kind, _)| *kind)
+        .ok_or_else(|| unknown(&format!("{word:?}")))
 }
 
 fn unknown(found: &str) -> PyErr {

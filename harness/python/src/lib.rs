@@ -14,6 +14,7 @@ mod laws;
 mod obstacles;
 mod readings;
 mod recordings;
+mod saved;
 mod simulated;
 mod steps;
 mod views;

@@ -57,6 +57,8 @@ pub struct Driven {
 pub struct Core {
     /// The simulation.
     pub sim: Simulation,
+    /// Acceleration of free grains.
+    pub gravity: [f64; 3],
     /// Rises with every change of the state.
     pub generation: u64,
     /// Whether forces were evaluated and contacts have histories.
@@ -78,17 +80,42 @@ impl Core {
     /// A world of this simulation without grains or obstacles, with one group of each kind.
     pub fn new(mut sim: Simulation, gravity: [f64; 3], threads: usize) -> Self {
         sim.groups = KINDS.iter().map(|(kind, _)| kind.group(gravity)).collect();
+        Self::of(sim, gravity, threads)
+    }
+
+    /// A world of a simulation that was saved.
+    pub fn loaded(sim: Simulation, threads: usize) -> Self {
+        let free = sim
+            .groups
+            .iter()
+            .find(|group| group.integrates == [true; 3]);
+        let gravity = free.map_or([0.0; 3], |group| group.gravity);
         Self {
-            sim,
+            started: true,
+            ..Self::of(sim, gravity, threads)
+        }
+    }
+
+    fn of(sim: Simulation, gravity: [f64; 3], threads: usize) -> Self {
+        Self {
             generation: 0,
+            gravity,
             started: false,
-            driven: Vec::new(),
+            driven: vec![Driven::default(); sim.obstacles.len()],
             threads,
-            next_id: 1,
+            next_id: sim.id.last().map_or(1, |id| id.saturating_add(1)),
+            sim,
             lost: Vec::new(),
             counted: 0,
             pool: None,
         }
+    }
+
+    /// The number of the first group of a kind under the gravity of this world.
+    pub fn group_of(&self, kind: Kind) -> Option<u8> {
+        let wanted = kind.group(self.gravity);
+        let found = self.sim.groups.iter().position(|group| *group == wanted);
+        found.and_then(|number| u8::try_from(number).ok())
     }
 
     /// Adds grains, behind those that there are.

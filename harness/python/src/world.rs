@@ -12,10 +12,10 @@ use pyo3::prelude::*;
 use crate::arrays::{rows, vector};
 use crate::edits::Edit;
 use crate::errors::{input, kernel};
-use crate::grains::{Given, Group, group_number, ids_of, kind_number};
+use crate::grains::{Given, Group, added_group, group_number, ids_of, kind_number, kind_of};
 use crate::laws::law as law_of;
 use crate::obstacles::Obstacle;
-use crate::simulated::{Core, KINDS};
+use crate::simulated::Core;
 use crate::views::{Shared, read, write};
 
 /// Most threads.
@@ -96,14 +96,7 @@ impl World {
         if !(dt > 0.0 && dt.is_finite()) {
             return Err(input("dt", format!("is {dt}; expected a positive number")));
         }
-        let processors = || std::thread::available_parallelism().map_or(1, usize::from);
-        let threads = threads.unwrap_or_else(processors);
-        if !(1..=THREADS).contains(&threads) {
-            return Err(input(
-                "threads",
-                format!("is {threads}; expected 1 to {THREADS}"),
-            ));
-        }
+        let threads = processors(threads)?;
         let mut sim = Simulation::new(law_of(law)?, domain, dt, Vec::new(), &[], Vec::new());
         sim.stepping.registers = registers(instructions)?;
         let drain = drain.map(|(point, normal)| {
@@ -281,24 +274,15 @@ impl World {
     /// InputError, Busy
     #[pyo3(signature = (kind, gravity=None))]
     fn group(&self, kind: &str, gravity: Option<&Bound<'_, PyAny>>) -> PyResult<Group> {
-        let place = kind_number(kind)?;
+        let kind = kind_of(kind)?;
         let shared = Arc::clone(&self.shared);
-        let Some(gravity) = gravity else {
-            return Ok(Group {
-                shared,
-                number: place as u8,
-            });
+        let number = match gravity {
+            None => kind_number(kind, &self.shared)?,
+            Some(gravity) => {
+                let group = kind.group(vector(gravity, "gravity")?);
+                added_group(group, &mut *write(&self.shared)?)?
+            }
         };
-        let group = KINDS[place].0.group(vector(gravity, "gravity")?);
-        let mut core = write(&self.shared)?;
-        let Ok(number) = u8::try_from(core.sim.groups.len()) else {
-            return Err(input(
-                "group",
-                "there are 256 groups already, and no more are possible",
-            ));
-        };
-        core.rearrange(|sim| sim.groups.push(group))
-            .map_err(kernel)?;
         Ok(Group { shared, number })
     }
 
@@ -376,8 +360,27 @@ fn domain(given: Option<&Bound<'_, PyAny>>, periodic: [bool; 3]) -> PyResult<Dom
     Domain::new(lo, hi, periodic).map_err(kernel)
 }
 
+/// Threads: so many as are asked for, or one for each processor.
+///
+/// # Errors
+/// `InputError` for none or too many.
+pub fn processors(asked: Option<usize>) -> PyResult<usize> {
+    let all = || std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = asked.unwrap_or_else(all);
+    match (1..=THREADS).contains(&threads) {
+        true => Ok(threads),
+        false => Err(input(
+            "threads",
+            format!("is {threads}; expected 1 to {THREADS}"),
+        )),
+    }
+}
+
 /// The instructions that are asked for.
-fn registers(asked: Option<&str>) -> PyResult<Isa> {
+///
+/// # Errors
+/// `InputError` for what this machine has not.
+pub fn registers(asked: Option<&str>) -> PyResult<Isa> {
     let names = [
         ("plain", Isa::Plain),
         ("avx2", Isa::Avx2),
