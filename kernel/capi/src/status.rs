@@ -83,6 +83,9 @@ pub const BG_BUSY: i32 = 105;
 /// An argument names nothing: a kind, a field, a number of an obstacle.
 pub const BG_BAD_ARGUMENT: i32 = 106;
 
+/// A name, type, shape or step that no recording can have: letters, digits, `_ . - /` and steps that do not descend.
+pub const BG_BAD_RECORD: i32 = 107;
+
 /// What the library's functions return.
 pub(crate) type Done = Result<(), bg_fault>;
 
@@ -186,6 +189,7 @@ fn text(code: i32) -> &'static core::ffi::CStr {
         BG_BAD_SIZE => c"the size of a structure is none that this library knows",
         BG_BUSY => c"the world is within a step",
         BG_BAD_ARGUMENT => c"an argument names nothing",
+        BG_BAD_RECORD => c"an array has a name, type, shape or step that no recording can have",
         _ => c"no error has this number",
     }
 }

@@ -152,6 +152,23 @@ int main(void) {
     IS(bg_step((bg_world *)moved, 1), BG_FOREIGN);
     free(moved);
     free(saved);
+    char line[BG_LINE];
+    const size_t shape[1] = {2};
+    bg_recording recording = {.size = sizeof recording};
+    IS(bg_record_begin(NULL, line, sizeof line), BG_NULL);
+    IS(bg_record_begin(&recording, line, 10), BG_TOO_SMALL);
+    IS(bg_record_begin(&recording, NULL, sizeof line), BG_NULL);
+    IS(bg_record_begin(&recording, line, sizeof line), BG_OK);
+    IS(bg_record(&recording, 5, NULL, "f64", shape, 1, out, line, sizeof line), BG_NULL);
+    IS(bg_record(&recording, 5, "a b", "f64", shape, 1, out, line, sizeof line), BG_BAD_RECORD);
+    IS(bg_record(&recording, 5, "x", "double", shape, 1, out, line, sizeof line), BG_BAD_RECORD);
+    IS(bg_record(&recording, 5, "x", "f64", NULL, 1, out, line, sizeof line), BG_NULL);
+    IS(bg_record(&recording, 5, "x", "f64", shape, 1, NULL, line, sizeof line), BG_NULL);
+    IS(bg_record(&recording, 5, "x", "f64", shape, 1, out, line, 9), BG_TOO_SMALL);
+    IS(bg_record(&recording, 5, "x", "f64", shape, 1, out, line, sizeof line), BG_OK);
+    IS(bg_record(&recording, 4, "x", "f64", shape, 1, out, line, sizeof line), BG_BAD_RECORD);
+    IS(bg_record_end(&recording, line, 9), BG_TOO_SMALL);
+    IS(bg_record_end(&recording, line, sizeof line), BG_OK);
     if (bg_abi_version() != BG_ABI_VERSION) return 3;
     for (int code = -2; code < 200; code++)
         if (strlen(bg_strerror(code)) < 5) return 4;
