@@ -27,6 +27,8 @@ int main(int count, char **words) {
     fputs(line, stdout);
     for (uint64_t step = 0; step < 200; step++) {
         /* The bytes are those of a little-endian machine. */
+        must(bg_record(&recording, step, "velocities", "f64", shape, 1, v, line, sizeof line));
+        fputs(line, stdout);
         must(bg_record(&recording, step, "positions", "f64", shape, 1, x, line, sizeof line));
         fputs(line, stdout);
         for (int i = 1; i < N - 1; i++) {

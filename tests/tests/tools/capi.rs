@@ -220,7 +220,7 @@ fn recordings_of_c_are_bisected() {
     let (status, text) = bisect(&one, &other);
     assert_eq!(status, Some(3), "{text}");
     assert!(
-        text.contains("different at step") && text.contains("positions"),
+        text.contains("different at step") && text.contains("velocities"),
         "{text}"
     );
 }
