@@ -130,6 +130,9 @@
 // A name, type, shape or step that no recording can have: letters, digits, `_ . - /` and steps that do not descend.
 #define BG_BAD_RECORD 107
 
+// A contact law's stiffness is not positive and finite, or another number of it is negative or not finite.
+#define BG_BAD_LAW 108
+
 // `bg_law.kind`: Hertz contact with a tangential spring, Kumar 2018, eqs. 1 and 2.
 #define BG_HERTZ_HISTORY 1
 
@@ -525,6 +528,18 @@ int32_t bg_law_hertz_tsuji(double young,
                            double mu,
                            bg_law *out);
 
+// Sets `overlap` to the deepest overlap (length) and `duration` to the duration of a collision without damping: of two
+// bodies with this effective mass and effective radius (half of each for two equal grains, those of the grain on a
+// floor) that meet at this speed. Choose `kn` so that the overlap is below a fiftieth of a diameter, and a time step
+// of at most a tenth of the duration: a longer one makes energy, and nothing refuses it. Landau and Lifshitz, Theory
+// of Elasticity, section 9.
+int32_t bg_collision(const bg_law *law,
+                     double radius,
+                     double mass,
+                     double speed,
+                     double *overlap,
+                     double *duration);
+
 // Sets how far beyond touching pairs are listed, and beyond that are candidates (length): speed only, never a bit.
 int32_t bg_set_skins(bg_world *world,
                      double skin,
@@ -606,6 +621,18 @@ int32_t bg_law_hertz_tsuji(double young,
                            double restitution,
                            double mu,
                            bg_law *out);
+
+// Sets `overlap` to the deepest overlap (length) and `duration` to the duration of a collision without damping: of two
+// bodies with this effective mass and effective radius (half of each for two equal grains, those of the grain on a
+// floor) that meet at this speed. Choose `kn` so that the overlap is below a fiftieth of a diameter, and a time step
+// of at most a tenth of the duration: a longer one makes energy, and nothing refuses it. Landau and Lifshitz, Theory
+// of Elasticity, section 9.
+int32_t bg_collision(const bg_law *law,
+                     double radius,
+                     double mass,
+                     double speed,
+                     double *overlap,
+                     double *duration);
 
 // Sets how far beyond touching pairs are listed, and beyond that are candidates (length): speed only, never a bit.
 int32_t bg_set_skins(bg_world *world,

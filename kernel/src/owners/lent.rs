@@ -12,7 +12,7 @@ use crate::state::domain::Domain;
 use crate::state::grains::{Grains, Group, NewGrain};
 use crate::state::losses::LossPolicy;
 use crate::state::obstacle::Obstacle;
-use crate::step::resume;
+use crate::step::take_up;
 use crate::world::{Clock, Stage, World};
 
 /// What a lent store keeps beside its rows.
@@ -252,7 +252,7 @@ impl<'a, R: Real> LentStore<'a, R> {
         }
         let mut world = self.lend(saved.count());
         saved.fill(&mut world);
-        resume(&mut world, saved.histories())?;
+        take_up(&mut world, saved.histories(), false)?;
         saved.compare(&mut world)
     }
 

@@ -13,7 +13,7 @@ use crate::state::domain::Domain;
 use crate::state::grains::{Grains, Group, NewGrain};
 use crate::state::losses::LossPolicy;
 use crate::state::obstacle::Obstacle;
-use crate::step::resume;
+use crate::step::take_up;
 use crate::world::{Clock, Stage, World};
 
 /// A world of at most `GRAINS` grains, `PAIRS` listed pairs, `OBSTACLE_CONTACTS` listed obstacle contacts and
@@ -247,7 +247,7 @@ impl<
     /// # Errors
     /// All is as it was: [`Error::BadSave`], [`Error::OtherVersion`], [`Error::GrainsFull`]; [`Error::BadStorage`] if
     /// there is no room for its groups or obstacles. The store is stopped: a list that is too short for its skin (set
-    /// a smaller one and load again), and whatever [`resume`] finds wrong with forged bytes.
+    /// a smaller one and load again), and whatever [`resume`](crate::resume) finds wrong with forged bytes.
     pub fn load(&mut self, bytes: &[u8]) -> Result<(), Error> {
         let saved = Saved::<R>::open(bytes)?;
         saved.check_room(GRAINS, BODIES, BODIES)?;
@@ -265,7 +265,7 @@ impl<
         self.clock.count = saved.count();
         let mut world = self.lend();
         saved.fill(&mut world);
-        resume(&mut world, saved.histories())?;
+        take_up(&mut world, saved.histories(), false)?;
         saved.compare(&mut world)
     }
 

@@ -55,6 +55,15 @@ int main(void) {
     wrong.law.kind = 9;
     IS(bg_init(memory, bytes, &room, &wrong, &world), BG_BAD_ARGUMENT);
     wrong.law = config.law;
+    wrong.law.kn = -1;
+    IS(bg_init(memory, bytes, &room, &wrong, &world), BG_BAD_LAW);
+    double overlap, duration;
+    IS(bg_collision(&wrong.law, 0.25, 0.25, 1, &overlap, &duration), BG_BAD_LAW);
+    IS(bg_collision(&config.law, 0.25, 0.25, 0, &overlap, &duration), BG_BAD_ARGUMENT);
+    IS(bg_collision(&config.law, 0.25, 0.25, 1, NULL, &duration), BG_NULL);
+    IS(bg_collision(&config.law, 0.25, 0.25, 1, &overlap, &duration), BG_OK);
+    if (!(overlap > 0.015 && overlap < 0.017 && duration > 2.94 * overlap && duration < 2.95 * overlap)) return 5;
+    wrong.law = config.law;
     wrong.periodic = 1;
     IS(bg_init(memory, bytes, &room, &wrong, &world), BG_BAD_DOMAIN);
 
