@@ -16,8 +16,8 @@ use crate::world::{Stage, World};
 /// # Errors
 /// Before anything is changed: [`Error::NotStarted`] if the world is not between two stretches of steps;
 /// [`Error::NoGrain`]; [`Error::NotFinite`] for a number that is not finite; [`Error::TooFast`] if the grain would move
-/// more than its radius in the next step; [`Error::TooSlow`] of one that is carried. A row that was written to otherwise
-/// is found by the next step, as ever.
+/// more than its radius in the next step; [`Error::TooSlow`] of one that is carried. A row that was written to
+/// otherwise is found by the next step, as ever.
 pub fn nudge<R: Real>(
     world: &mut World<'_, R>,
     place: usize,
