@@ -330,7 +330,7 @@ impl fmt::Display for Error {
                 f,
                 "grain {id} overlaps obstacle {obstacle} by more than a quarter of the smaller diameter"
             ),
-            Error::NotStarted => write!(f, "the world was not started"),
+            Error::NotStarted => write!(f, "the world was not started, or was stopped by a fault"),
             Error::NoGrain { place } => write!(f, "there is no grain at place {place}"),
             Error::UnknownGrain { id } => write!(f, "there is no grain with id {id}"),
             Error::GrainsLeaving => f.write_str(LEAVING),

@@ -133,7 +133,7 @@ pub fn start_watched<R: Real, L: Law<R>>(
     law: &L,
     watch: impl FnMut(ContactForce<R>),
 ) -> Result<(), Error> {
-    prepare(world, false)?;
+    prepare(world, false, true)?;
     world.grains.force.fill([R::ZERO; 4]);
     world.grains.torque.fill([R::ZERO; 4]);
     push_and_sum(world, law, R::ZERO, watch)?;
@@ -152,7 +152,16 @@ pub fn resume<R: Real>(
     world: &mut World<'_, R>,
     histories: impl IntoIterator<Item = ContactHistory<R>>,
 ) -> Result<(), Error> {
-    prepare(world, true)?;
+    take_up(world, histories, true)
+}
+
+/// [`resume`]; a world that ran is taken up too if a number type would not let it begin like this.
+pub(crate) fn take_up<R: Real>(
+    world: &mut World<'_, R>,
+    histories: impl IntoIterator<Item = ContactHistory<R>>,
+    begins: bool,
+) -> Result<(), Error> {
+    prepare(world, true, begins)?;
     // Saved rows may hold anything in the words that are unused; a step takes them for zero.
     for row in world
         .grains
@@ -173,12 +182,12 @@ pub fn resume<R: Real>(
 /// Checks a world and makes its first pair list. If that fails the contacts are still those that were
 /// listed before, so that a full list loses nothing.
 #[inline]
-fn prepare<R: Real>(world: &mut World<'_, R>, has_moved: bool) -> Result<(), Error> {
+fn prepare<R: Real>(world: &mut World<'_, R>, has_moved: bool, begins: bool) -> Result<(), Error> {
     let listed = world.clock.listed;
     world.clock.stage = Stage::Stopped;
     world.clock.losing = false;
     world.clock.listed = Listed::default();
-    let listed_anew = list_first(world, has_moved);
+    let listed_anew = list_first(world, has_moved, begins);
     if listed_anew.is_err() {
         world.clock.listed = listed;
     }
@@ -186,9 +195,16 @@ fn prepare<R: Real>(world: &mut World<'_, R>, has_moved: bool) -> Result<(), Err
 }
 
 #[inline]
-fn list_first<R: Real>(world: &mut World<'_, R>, has_moved: bool) -> Result<(), Error> {
+fn list_first<R: Real>(
+    world: &mut World<'_, R>,
+    has_moved: bool,
+    begins: bool,
+) -> Result<(), Error> {
     check_arithmetic::<R>()?;
     world.check(has_moved)?;
+    if begins {
+        world.check_resolution()?;
+    }
     weigh(world);
     world.clock.far = -R::ONE;
     world.clock.next_travel = R::ZERO;

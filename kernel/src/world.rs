@@ -339,13 +339,27 @@ impl<R: Real> World<'_, R> {
         for (number, body) in self.obstacles.iter().enumerate() {
             body.check_place(self.domain, number as u32, has_moved)?;
         }
-        self.check_periods()?;
-        self.check_resolution()
+        self.check_periods()
     }
 
     /// What is carried, what moves as prescribed and what falls must move by [`RESOLVED`] units in
     /// the last place in a step, or rounding would rule its speed: the valid range of a number type.
-    fn check_resolution(&self) -> Result<(), Error> {
+    pub(crate) fn check_resolution(&self) -> Result<(), Error> {
+        let least = self.least_way();
+        for (k, body) in self.obstacles.iter().enumerate() {
+            if self.is_lost(body.velocity, length_bound(body.velocity), least) {
+                return Err(Error::ObstacleTooSlow { obstacle: k as u32 });
+            }
+        }
+        let velocities = self.grains.velocity.iter().enumerate();
+        for (place, v) in velocities {
+            self.check_resolution_of(place, head(*v), least)?;
+        }
+        Ok(())
+    }
+
+    /// The least way of a step that counts as a motion: of the largest coordinate.
+    pub(crate) fn least_way(&self) -> R {
         let mut extent = R::ZERO;
         for a in 0..3 {
             for x in self.grains.position.iter() {
@@ -360,37 +374,42 @@ impl<R: Real> World<'_, R> {
             }
         }
         let extent = if R::FIXED_POINT { R::ONE } else { extent };
-        let least = extent * (R::EPSILON * R::from_f64(RESOLVED));
-        let moves = |v: &Vec3<R>| v.iter().any(|x| *x != R::ZERO);
-        let lost = |v: &Vec3<R>, speed: R| moves(v) && speed * self.dt < least;
-        for (k, body) in self.obstacles.iter().enumerate() {
-            if lost(&body.velocity, length_bound(body.velocity)) {
-                return Err(Error::ObstacleTooSlow { obstacle: k as u32 });
+        extent * (R::EPSILON * R::from_f64(RESOLVED))
+    }
+
+    /// Whether a motion in this direction at this speed would be lost to rounding.
+    fn is_lost(&self, direction: Vec3<R>, speed: R, least: R) -> bool {
+        direction.iter().any(|x| *x != R::ZERO) && speed * self.dt < least
+    }
+
+    /// The same of one grain that has this velocity.
+    pub(crate) fn check_resolution_of(
+        &self,
+        place: usize,
+        velocity: Vec3<R>,
+        least: R,
+    ) -> Result<(), Error> {
+        let g = &self.grains;
+        let number = get_or_default(g.group, place);
+        let Some(group) = g.groups.get(usize::from(number)) else {
+            return Ok(());
+        };
+        let mut carried = [R::ZERO; 3];
+        let mut pull = [R::ZERO; 3];
+        for a in 0..3 {
+            if group.integrates[a] {
+                pull[a] = group.gravity[a];
+            } else {
+                carried[a] = velocity[a];
             }
         }
-        let g = &self.grains;
-        for (i, (x, v)) in g.position.iter().zip(g.velocity.iter()).enumerate() {
-            let number = get_or_default(g.group, i);
-            let Some(group) = g.groups.get(usize::from(number)) else {
-                continue;
-            };
-            let mut carried = [R::ZERO; 3];
-            let mut pull = [R::ZERO; 3];
-            for a in 0..3 {
-                if group.integrates[a] {
-                    pull[a] = group.gravity[a];
-                } else {
-                    carried[a] = v[a];
-                }
-            }
-            if lost(&carried, length_bound(carried)) {
-                return Err(Error::TooSlow {
-                    id: get_or_default(g.id, i),
-                });
-            }
-            if lost(&pull, (length_bound(pull) * x[3]).sqrt()) {
-                return Err(Error::GravityTooWeak { group: number });
-            }
+        if self.is_lost(carried, length_bound(carried), least) {
+            let id = get_or_default(g.id, place);
+            return Err(Error::TooSlow { id });
+        }
+        let radius = get_or_default(g.position, place)[3];
+        if self.is_lost(pull, (length_bound(pull) * radius).sqrt(), least) {
+            return Err(Error::GravityTooWeak { group: number });
         }
         Ok(())
     }

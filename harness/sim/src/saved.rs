@@ -82,7 +82,11 @@ fn law_in(bytes: &[u8]) -> Result<AnyLaw, KernelError> {
     let [kn, kt, gamma_n, gamma_t, mu] = *numbers else {
         return Err(KernelError::BadSave);
     };
-    let [kn, kt, gamma_n, gamma_t, mu] = [kn, kt, gamma_n, gamma_t, mu].map(f64::from_le_bytes);
+    let numbers = [kn, kt, gamma_n, gamma_t, mu].map(f64::from_le_bytes);
+    if numbers[0] <= 0.0 || !numbers.iter().all(|x| *x >= 0.0 && x.is_finite()) {
+        return Err(KernelError::BadSave);
+    }
+    let [kn, kt, gamma_n, gamma_t, mu] = numbers;
     let kind = bytes[8..]
         .first_chunk()
         .map(|kind| u32::from_le_bytes(*kind));
@@ -187,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn laws_of_another_kind_or_format_are_refused() {
+    fn laws_of_another_kind_or_format_or_without_sense_are_refused() {
         let bytes = heap(laws()[1]).save().unwrap();
         let with = |at: usize, byte: u8| {
             let mut changed = bytes.clone();
@@ -199,6 +203,9 @@ mod tests {
         assert_eq!(with(4, 2), Some(KernelError::OtherVersion));
         assert_eq!(with(8, 3), Some(KernelError::BadSave));
         assert_eq!(with(8, 2), None);
+        // The sign of the stiffness, and of the friction.
+        assert_eq!(with(12 + 7, 0xc0), Some(KernelError::BadSave));
+        assert_eq!(with(LAW - 1, 0xbf), Some(KernelError::BadSave));
     }
 
     #[test]

@@ -20,7 +20,8 @@ int main(void) {
     size_t bytes = bg_size(&room);
     void *memory = malloc(bytes);
 
-    /* Units in which density, grain diameter and gravity are 1. */
+    /* Units in which density, grain diameter and gravity are 1. No .lo and .hi: open space. A collision at speed 1
+     * lasts 216 time steps (bg_collision says so; ten are enough). */
     bg_config config = {
         .size = sizeof config,
         .dt = 1e-4,
@@ -32,6 +33,7 @@ int main(void) {
     must(bg_init(memory, bytes, &room, &config, &world));
 
     uint32_t free_grains, floor;
+    /* 7: it answers forces along x, y and z. */
     bg_group falls = {.size = sizeof falls, .integrates = 7, .spins = 1, .gravity = {0, 0, -1}};
     must(bg_add_group(world, &falls, &free_grains));
     bg_obstacle plane = {.size = sizeof plane, .kind = BG_PLANE, .direction = {0, 0, 1}};

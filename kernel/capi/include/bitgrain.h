@@ -127,6 +127,12 @@
 // An argument names nothing: a kind, a field, a number of an obstacle.
 #define BG_BAD_ARGUMENT 106
 
+// A name, type, shape or step that no recording can have: letters, digits, `_ . - /` and steps that do not descend.
+#define BG_BAD_RECORD 107
+
+// A contact law's stiffness is not positive and finite, or another number of it is negative or not finite.
+#define BG_BAD_LAW 108
+
 // `bg_law.kind`: Hertz contact with a tangential spring, Kumar 2018, eqs. 1 and 2.
 #define BG_HERTZ_HISTORY 1
 
@@ -153,6 +159,9 @@
 
 // `bg_departure.cause`: too deep in the grain with the id `partner`.
 #define BG_CAUSE_OVERLAP_TOO_DEEP 4
+
+// Bytes that are enough for each text of a recording, with the zero at its end.
+#define BG_LINE 512
 
 // `bg_read`: ids, `uint32_t`.
 #define BG_ID 0
@@ -208,6 +217,18 @@ typedef struct {
   // Angular velocity (radians / time).
   double spin[3];
 } bg_grain;
+
+// A recording as it grows: see `bg_record_begin`. All of it is plain data, and it may be copied.
+typedef struct {
+  // `sizeof(bg_recording)`.
+  uint32_t size;
+  // Unused: 0.
+  uint32_t reserved;
+  // The step of the last array.
+  uint64_t step;
+  // The link of the last line.
+  uint8_t link[32];
+} bg_recording;
 
 // How many bodies and list entries there is room for: see `bg_capacity_for_bed`.
 typedef struct {
@@ -434,6 +455,28 @@ int32_t bg_regroup(bg_world *world, const uint32_t *ids, size_t count, uint32_t 
 // Gives a grain another velocity and angular velocity. It costs nothing to speak of.
 int32_t bg_nudge(bg_world *world, uint32_t id, const double *velocity, const double *spin);
 
+// Begins a recording: writes its first two lines, and a zero, to `out` of `size` bytes; `BG_LINE` are enough.
+// `bitgrain bisect A B` finds the step and the array at which two recordings part.
+int32_t bg_record_begin(bg_recording *recording,
+                        char *out,
+                        size_t size);
+
+// Writes the line of an array at a step, and a zero, to `out`. `type_name` is `"f64"`, `"f32"`, `"i32"`, `"u8"` and so
+// on; `shape` has `axes` lengths, none for a single number; `data` are the elements row by row, little-endian. Steps
+// do not descend, and the arrays of a step have names of their own.
+int32_t bg_record(bg_recording *recording,
+                  uint64_t step,
+                  const char *name,
+                  const char *type_name,
+                  const size_t *shape,
+                  size_t axes,
+                  const void *data,
+                  char *out,
+                  size_t size);
+
+// Writes the last line of a recording, and a zero, to `out`. Without it a recording is not whole.
+int32_t bg_record_end(bg_recording *recording, char *out, size_t size);
+
 // Copies a field of `count` grains from the place `first` on, by ascending id, to `out`: one record every `stride`
 // bytes, or one after the other if `stride` is 0. Types and lengths of records stand at `BG_ID` and the others; `out`
 // need not be aligned.
@@ -484,6 +527,18 @@ int32_t bg_law_hertz_tsuji(double young,
                            double restitution,
                            double mu,
                            bg_law *out);
+
+// Sets `overlap` to the deepest overlap (length) and `duration` to the duration of a collision without damping: of two
+// bodies with this effective mass and effective radius (half of each for two equal grains, those of the grain on a
+// floor) that meet at this speed. Choose `kn` so that the overlap is below a fiftieth of a diameter, and a time step
+// of at most a tenth of the duration: a longer one makes energy, and nothing refuses it. Landau and Lifshitz, Theory
+// of Elasticity, section 9.
+int32_t bg_collision(const bg_law *law,
+                     double radius,
+                     double mass,
+                     double speed,
+                     double *overlap,
+                     double *duration);
 
 // Sets how far beyond touching pairs are listed, and beyond that are candidates (length): speed only, never a bit.
 int32_t bg_set_skins(bg_world *world,
@@ -566,6 +621,18 @@ int32_t bg_law_hertz_tsuji(double young,
                            double restitution,
                            double mu,
                            bg_law *out);
+
+// Sets `overlap` to the deepest overlap (length) and `duration` to the duration of a collision without damping: of two
+// bodies with this effective mass and effective radius (half of each for two equal grains, those of the grain on a
+// floor) that meet at this speed. Choose `kn` so that the overlap is below a fiftieth of a diameter, and a time step
+// of at most a tenth of the duration: a longer one makes energy, and nothing refuses it. Landau and Lifshitz, Theory
+// of Elasticity, section 9.
+int32_t bg_collision(const bg_law *law,
+                     double radius,
+                     double mass,
+                     double speed,
+                     double *overlap,
+                     double *duration);
 
 // Sets how far beyond touching pairs are listed, and beyond that are candidates (length): speed only, never a bit.
 int32_t bg_set_skins(bg_world *world,

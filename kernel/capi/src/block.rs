@@ -3,6 +3,7 @@
 //! All `unsafe` that looks at a caller's pointers is in this file. What C promises, and what is checked here, is
 //! written at each.
 
+use core::ffi::c_char;
 use core::ptr::{addr_of, addr_of_mut};
 
 use bitgrain_kernel::contact::{HertzHistory, HertzTsuji};
@@ -342,6 +343,19 @@ pub(crate) fn put<T: Copy>(to: *mut T, value: T) -> Done {
     // SAFETY: not null and aligned; the caller says that there is room for it.
     unsafe { to.write(value) };
     Ok(())
+}
+
+/// A text that ends with a zero, if that comes within `most` bytes.
+pub(crate) fn text<'a>(from: *const c_char, most: usize) -> Result<Option<&'a str>, bg_fault> {
+    check(from)?;
+    for length in 0..=most {
+        // SAFETY: the caller says that a zero ends the text, and none of the bytes before this one was it.
+        if unsafe { from.add(length).read() } == 0 {
+            let bytes = lent(from.cast::<u8>(), length)?;
+            return Ok(core::str::from_utf8(bytes).ok());
+        }
+    }
+    Ok(None)
 }
 
 fn check<T>(pointer: *const T) -> Done {

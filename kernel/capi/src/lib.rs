@@ -7,7 +7,11 @@
 //!
 //! * [`types`]: what C sees; [`status`]: the numbers of errors and their texts;
 //! * [`block`]: the block and its parts;
-//! * [`setup`], [`grains`], [`steps`], [`rows`], [`saved`]: the functions.
+//! * [`setup`], [`grains`], [`steps`], [`rows`], [`saved`]: the functions;
+//! * [`record`]: recordings of any simulator, which need no world.
+//!
+//! What a pointer points to is the caller's promise, as everywhere in C. The functions are not marked `unsafe` for
+//! that, because only tests call them from Rust: a program in Rust takes the kernel itself.
 //!
 //! `include/bitgrain.h` is made of these files by cbindgen; a test compares them.
 #![no_std]
@@ -19,6 +23,7 @@ extern crate std;
 
 pub mod block;
 pub mod grains;
+pub mod record;
 pub mod rows;
 pub mod saved;
 pub mod setup;

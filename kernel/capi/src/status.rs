@@ -83,6 +83,12 @@ pub const BG_BUSY: i32 = 105;
 /// An argument names nothing: a kind, a field, a number of an obstacle.
 pub const BG_BAD_ARGUMENT: i32 = 106;
 
+/// A name, type, shape or step that no recording can have: letters, digits, `_ . - /` and steps that do not descend.
+pub const BG_BAD_RECORD: i32 = 107;
+
+/// A contact law's stiffness is not positive and finite, or another number of it is negative or not finite.
+pub const BG_BAD_LAW: i32 = 108;
+
 /// What the library's functions return.
 pub(crate) type Done = Result<(), bg_fault>;
 
@@ -149,7 +155,7 @@ fn text(code: i32) -> &'static core::ffi::CStr {
         }
         BG_BAD_STORAGE => c"there is no room for another obstacle or group",
         BG_BAD_ORDER => c"grain ids do not ascend, or one of them is taken",
-        BG_BAD_GRAIN => c"a grain has an impossible group, radius or mass",
+        BG_BAD_GRAIN => c"a grain's group is none, or its radius or mass is not positive (bg_get_fault: its id)",
         BG_BAD_OBSTACLE => c"an obstacle is impossible in this box",
         BG_BAD_TIME_STEP => c"time step or skin is not positive and finite",
         BG_ARITHMETIC => c"this machine's arithmetic would change the bits",
@@ -183,9 +189,13 @@ fn text(code: i32) -> &'static core::ffi::CStr {
         BG_MISALIGNED => c"the memory of a world must begin at a multiple of BG_ALIGNMENT bytes",
         BG_TOO_SMALL => c"the memory is smaller than bg_size says, or the capacity is impossible",
         BG_FOREIGN => c"this memory holds no world of this library and version, or is damaged",
-        BG_BAD_SIZE => c"the size of a structure is none that this library knows",
+        BG_BAD_SIZE => c"a structure (or its .law) has a size that this library does not know: set .size to sizeof",
         BG_BUSY => c"the world is within a step",
-        BG_BAD_ARGUMENT => c"an argument names nothing",
+        BG_BAD_ARGUMENT => c"a kind, a field or a number names nothing: a law's .kind, an obstacle's number",
+        BG_BAD_LAW => {
+            c"a contact law's kn must be positive, and kt, gamma_n, gamma_t and mu zero or more"
+        }
+        BG_BAD_RECORD => c"an array has a name, type, shape or step that no recording can have",
         _ => c"no error has this number",
     }
 }

@@ -237,6 +237,23 @@ pub struct bg_counts {
     pub departed: u64,
 }
 
+/// A recording as it grows: see `bg_record_begin`. All of it is plain data, and it may be copied.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct bg_recording {
+    /// `sizeof(bg_recording)`.
+    pub size: u32,
+    /// Unused: 0.
+    pub reserved: u32,
+    /// The step of the last array.
+    pub step: u64,
+    /// The link of the last line.
+    pub link: [u8; 32],
+}
+
+/// Bytes that are enough for each text of a recording, with the zero at its end.
+pub const BG_LINE: u32 = 512;
+
 /// BLAKE3 hashes of a state and of its parts.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]

@@ -173,6 +173,16 @@ impl Chain {
         }
     }
 
+    /// The chain that has come to this step and link: for a host that keeps them in a form of its own.
+    pub const fn at(step: u64, link: [u8; 32]) -> Self {
+        Self { link, step }
+    }
+
+    /// The step of the line before; 0 before the first.
+    pub const fn step(&self) -> u64 {
+        self.step
+    }
+
     /// The last link; zeros before the first.
     pub const fn link(&self) -> &[u8; 32] {
         &self.link

@@ -40,7 +40,7 @@ where
     }
     let clock = *world.clock;
     merge(world, grains.clone());
-    let settled = settle(world);
+    let settled = settle(world, grains.clone().map(|grain| grain.id));
     if settled.is_ok() {
         return seal_anew(world);
     }

@@ -4,18 +4,20 @@ use crate::digest::seal::seal;
 use crate::error::Error;
 use crate::integrate::next_velocity;
 use crate::math::real::{Real, larger};
+use crate::math::rows::get_or_default;
 use crate::math::vec3::{Vec3, length_bound};
 use crate::world::{Stage, World};
 
 /// Gives the grain at a place another velocity and spin, between two steps: a blow, a jet, a correction. All contact
 /// histories stay, and so do the forces of the last step. It takes the time of one grain, whatever the size of the
-/// world, and gives the same bits at any skin: the bound of the coming travel grows with the grain's speed, and the
-/// world is sealed anew with it.
+/// world (of a look at all, if the grain is carried), and gives the same bits at any skin: the bound of the coming
+/// travel grows with the grain's speed, and the world is sealed anew with it.
 ///
 /// # Errors
 /// Before anything is changed: [`Error::NotStarted`] if the world is not between two stretches of steps;
 /// [`Error::NoGrain`]; [`Error::NotFinite`] for a number that is not finite; [`Error::TooFast`] if the grain would move
-/// more than its radius in the next step. A row that was written to otherwise is found by the next step, as ever.
+/// more than its radius in the next step; [`Error::TooSlow`] of one that is carried. A row that was written to
+/// otherwise is found by the next step, as ever.
 pub fn nudge<R: Real>(
     world: &mut World<'_, R>,
     place: usize,
@@ -33,6 +35,11 @@ pub fn nudge<R: Real>(
     };
     if !velocity.iter().chain(&spin).all(|x| x.is_finite()) {
         return Err(Error::not_finite::<R>(id));
+    }
+    let group = get_or_default(world.grains.group, place);
+    let group = world.grains.groups.get(usize::from(group));
+    if group.is_some_and(|group| group.integrates != [true; 3]) {
+        world.check_resolution_of(place, velocity, world.least_way())?;
     }
     let dt = world.dt;
     let mut motion = world.grain_motion();

@@ -29,7 +29,7 @@ pub fn regroup<R: Real>(world: &mut World<'_, R>, ids: &[u32], group: u8) -> Res
             set_last(world, place, R::from_count(u32::from(old)));
         }
     }
-    let settled = settle(world);
+    let settled = settle(world, ids.iter().copied());
     for id in ids {
         if let Some(place) = world.place_of(*id) {
             let old = get_or_default(world.grains.torque, place)[3].to_index();

@@ -5,6 +5,8 @@ use crate::edit::depths::check_depths;
 use crate::error::Error;
 use crate::integrate::MotionPhase;
 use crate::math::real::{Real, smaller};
+use crate::math::rows::get_or_default;
+use crate::math::vec3::head;
 use crate::phases::{end, go_on, moved, next_travel, refresh_pair_list, seal_all};
 use crate::state::domain::Domain;
 use crate::world::{Clock, Stage, World};
@@ -29,10 +31,20 @@ pub(crate) fn open<R: Real>(world: &mut World<'_, R>) -> Result<(), Error> {
 
 /// Checks a world whose rows an edit has changed, and lists its pairs anew; then [`seal_anew`] leaves it at rest. All
 /// that can be refused is refused before the list is changed, but for overlaps, which only a list shows.
-pub(crate) fn settle<R: Real>(world: &mut World<'_, R>) -> Result<(), Error> {
+pub(crate) fn settle<R: Real>(
+    world: &mut World<'_, R>,
+    changed: impl Iterator<Item = u32>,
+) -> Result<(), Error> {
     weigh(world);
     world.check(true)?;
     world.clock.count = world.grains.count();
+    let least = world.least_way();
+    for id in changed {
+        if let Some(place) = world.place_of(id) {
+            let velocity = head(get_or_default(world.grains.velocity, place));
+            world.check_resolution_of(place, velocity, least)?;
+        }
+    }
     let passed = moved(world, MotionPhase::CheckOnly);
     go_on(world, passed)?;
     let travel = next_travel(world)?;

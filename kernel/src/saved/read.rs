@@ -18,7 +18,7 @@ use crate::state::domain::Domain;
 use crate::state::grains::Group;
 use crate::state::losses::{Drain, LossPolicy};
 use crate::state::obstacle::{Obstacle, Shape};
-use crate::step::resume;
+use crate::step::take_up;
 use crate::world::World;
 
 fn axes(flags: u32) -> [bool; 3] {
@@ -229,7 +229,7 @@ impl<'b, R: Real> Saved<'b, R> {
     /// As [`resume`](crate::resume), of forged bytes and of full lists; [`Error::BadSave`] if the world would not be
     /// saved as these bytes, with the same digest and with nothing in words that say nothing. It is then stopped.
     pub fn resume(&self, world: &mut World<'_, R>) -> Result<(), Error> {
-        resume(world, self.histories())?;
+        take_up(world, self.histories(), false)?;
         match checksum(world) == self.checksum() {
             true => Ok(()),
             false => {

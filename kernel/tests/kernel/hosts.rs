@@ -165,6 +165,8 @@ fn a_nudge_that_cannot_be_changes_nothing() {
             [0.0, 0.0, f64::INFINITY],
             Error::NotFinite { id: 3 },
         ),
+        // It is carried, and would move by less than 16 units in the last place of 12.
+        (3, [1e-12, 0.0, 0.0], still, Error::TooSlow { id: 7 }),
         // Half a diameter in a step of 1e-3.
         (1, [501.0, 0.0, 0.0], still, Error::TooFast { id: 3 }),
     ] {

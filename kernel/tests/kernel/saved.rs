@@ -297,3 +297,35 @@ fn memory_that_is_too_short_is_refused() {
     };
     assert!(refused(|_| (), none));
 }
+
+/// A host may drive an obstacle as slowly as it likes: the world runs, so it is saved and loaded too, and edited.
+#[test]
+fn a_slow_obstacle_hinders_no_load_and_no_edit() {
+    let mut store = row::<f64>(0.03);
+    store.world().obstacles[1].velocity = [1e-14, 0.0, 0.0];
+    steps(&mut store.world(), 3).unwrap();
+    let saved = bytes(&mut store);
+    let mut other = Five::<f64>::vacant();
+    other.load(&saved).unwrap();
+    remove(&mut other.world(), &[4]).unwrap();
+    remove(&mut store.world(), &[4]).unwrap();
+    let slow = NewGrain {
+        id: 9,
+        group: 1,
+        position: [9.0, 1.0, 2.0],
+        radius: 0.5,
+        mass: 0.5,
+        velocity: [1e-12, 0.0, 0.0],
+        spin: [0.0; 3],
+    };
+    assert_eq!(store.insert([slow]), Err(Error::TooSlow { id: 9 }));
+    let rests = NewGrain {
+        velocity: [0.0; 3],
+        ..slow
+    };
+    store.insert([rests]).unwrap();
+    other.insert([rests]).unwrap();
+    steps(&mut store.world(), 3).unwrap();
+    steps(&mut other.world(), 3).unwrap();
+    assert_eq!(digest(&store.world()), digest(&other.world()));
+}

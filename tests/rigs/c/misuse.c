@@ -55,6 +55,15 @@ int main(void) {
     wrong.law.kind = 9;
     IS(bg_init(memory, bytes, &room, &wrong, &world), BG_BAD_ARGUMENT);
     wrong.law = config.law;
+    wrong.law.kn = -1;
+    IS(bg_init(memory, bytes, &room, &wrong, &world), BG_BAD_LAW);
+    double overlap, duration;
+    IS(bg_collision(&wrong.law, 0.25, 0.25, 1, &overlap, &duration), BG_BAD_LAW);
+    IS(bg_collision(&config.law, 0.25, 0.25, 0, &overlap, &duration), BG_BAD_ARGUMENT);
+    IS(bg_collision(&config.law, 0.25, 0.25, 1, NULL, &duration), BG_NULL);
+    IS(bg_collision(&config.law, 0.25, 0.25, 1, &overlap, &duration), BG_OK);
+    if (!(overlap > 0.015 && overlap < 0.017 && duration > 2.94 * overlap && duration < 2.95 * overlap)) return 5;
+    wrong.law = config.law;
     wrong.periodic = 1;
     IS(bg_init(memory, bytes, &room, &wrong, &world), BG_BAD_DOMAIN);
 
@@ -152,6 +161,23 @@ int main(void) {
     IS(bg_step((bg_world *)moved, 1), BG_FOREIGN);
     free(moved);
     free(saved);
+    char line[BG_LINE];
+    const size_t shape[1] = {2};
+    bg_recording recording = {.size = sizeof recording};
+    IS(bg_record_begin(NULL, line, sizeof line), BG_NULL);
+    IS(bg_record_begin(&recording, line, 10), BG_TOO_SMALL);
+    IS(bg_record_begin(&recording, NULL, sizeof line), BG_NULL);
+    IS(bg_record_begin(&recording, line, sizeof line), BG_OK);
+    IS(bg_record(&recording, 5, NULL, "f64", shape, 1, out, line, sizeof line), BG_NULL);
+    IS(bg_record(&recording, 5, "a b", "f64", shape, 1, out, line, sizeof line), BG_BAD_RECORD);
+    IS(bg_record(&recording, 5, "x", "double", shape, 1, out, line, sizeof line), BG_BAD_RECORD);
+    IS(bg_record(&recording, 5, "x", "f64", NULL, 1, out, line, sizeof line), BG_NULL);
+    IS(bg_record(&recording, 5, "x", "f64", shape, 1, NULL, line, sizeof line), BG_NULL);
+    IS(bg_record(&recording, 5, "x", "f64", shape, 1, out, line, 9), BG_TOO_SMALL);
+    IS(bg_record(&recording, 5, "x", "f64", shape, 1, out, line, sizeof line), BG_OK);
+    IS(bg_record(&recording, 4, "x", "f64", shape, 1, out, line, sizeof line), BG_BAD_RECORD);
+    IS(bg_record_end(&recording, line, 9), BG_TOO_SMALL);
+    IS(bg_record_end(&recording, line, sizeof line), BG_OK);
     if (bg_abi_version() != BG_ABI_VERSION) return 3;
     for (int code = -2; code < 200; code++)
         if (strlen(bg_strerror(code)) < 5) return 4;

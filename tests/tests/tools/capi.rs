@@ -59,7 +59,7 @@ fn compiled(folder: &Path, example: &str, options: &[&str]) -> PathBuf {
     program
 }
 
-const EXAMPLES: [&str; 3] = ["drop.c", "tank.c", "bed.cpp"];
+const EXAMPLES: [&str; 4] = ["drop.c", "tank.c", "bed.cpp", "record.c"];
 
 fn hash(world: &World<'_, f64>) -> String {
     let whole = digest(world).whole;
@@ -176,7 +176,7 @@ fn bed() -> String {
 #[ignore = "builds the C library and compiles C: `.ci/run c`"]
 fn c_and_cpp_give_the_bits_of_rust() {
     let folder = tempfile::tempdir().unwrap();
-    let [drop, tank_c, bed_cpp] = EXAMPLES.map(|name| {
+    let [drop, tank_c, bed_cpp, _] = EXAMPLES.map(|name| {
         let program = compiled(folder.path(), name, &["-O1"]);
         run(&mut Command::new(program))
     });
@@ -196,6 +196,33 @@ fn c_and_cpp_give_the_bits_of_rust() {
     );
     assert!(tank_c.contains(&counts), "{tank_c}");
     assert_eq!(last(&bed_cpp), bed());
+}
+
+/// Two recordings that a C program made are read by the command, which says where they part.
+#[test]
+#[ignore = "builds the C library and compiles C: `.ci/run c`"]
+fn recordings_of_c_are_bisected() {
+    let folder = tempfile::tempdir().unwrap();
+    let program = compiled(folder.path(), "record.c", &["-O1"]);
+    let [one, again, other] =
+        [("a.csv", "0"), ("again.csv", "0"), ("b.csv", "1")].map(|(name, word)| {
+            let path = folder.path().join(name);
+            let text = run(Command::new(&program).arg(word));
+            std::fs::write(&path, text).unwrap();
+            path
+        });
+    let bisect = |a: &Path, b: &Path| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_bitgrain-under-test"));
+        let out = command.arg("bisect").args([a, b]).output().unwrap();
+        (out.status.code(), String::from_utf8(out.stdout).unwrap())
+    };
+    assert_eq!(bisect(&one, &again).0, Some(0));
+    let (status, text) = bisect(&one, &other);
+    assert_eq!(status, Some(3), "{text}");
+    assert!(
+        text.contains("different at step") && text.contains("velocities"),
+        "{text}"
+    );
 }
 
 /// Valgrind looks at every access of the library, the sanitizers at those of the program.
