@@ -108,6 +108,11 @@ pub fn vector(value: &Bound<'_, PyAny>, name: &str) -> PyResult<[f64; 3]> {
 /// # Errors
 /// `InputError` for what is no id.
 pub fn ids(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<u32>> {
+    let given = value.py().import("numpy")?.call_method1("asarray", (value,))?;
+    if given.getattr("dtype")?.getattr("kind")?.extract::<String>()? == "b" {
+        let wrong = "holds True and False; expected ids: for a mask, the ids that it picks, as w.ids[mask]";
+        return Err(input(name, wrong));
+    }
     let array = array(value, name)?;
     let found = array.shape().to_vec();
     if found.len() > 1 {

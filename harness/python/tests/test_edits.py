@@ -100,6 +100,14 @@ def test_an_edit_outside_its_block_is_refused(bed):
         edit.remove(1)
 
 
+def test_a_mask_is_no_list_of_ids():
+    w = falling(side=2, layers=2)
+    with pytest.raises(bitgrain.InputError, match="mask"):
+        with w.edit() as edit:
+            edit.remove(w.positions[:, 2] > 0)
+    assert len(w) == 8
+
+
 def test_an_edit_starts_a_world():
     w = falling()
     with w.edit() as edit:
