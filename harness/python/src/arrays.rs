@@ -103,15 +103,17 @@ pub fn vector(value: &Bound<'_, PyAny>, name: &str) -> PyResult<[f64; 3]> {
     Ok([numbers[0], numbers[1], numbers[2]])
 }
 
+const MASK: &str = "holds True and False; expected ids: those that a mask picks are w.ids[mask]";
+
 /// Ids of grains: a whole number, or an array of them.
 ///
 /// # Errors
 /// `InputError` for what is no id.
 pub fn ids(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<u32>> {
-    let given = value.py().import("numpy")?.call_method1("asarray", (value,))?;
-    if given.getattr("dtype")?.getattr("kind")?.extract::<String>()? == "b" {
-        let wrong = "holds True and False; expected ids: for a mask, the ids that it picks, as w.ids[mask]";
-        return Err(input(name, wrong));
+    let numpy = value.py().import("numpy")?;
+    let kind = numpy.call_method1("asarray", (value,))?.getattr("dtype")?;
+    if kind.getattr("kind")?.extract::<String>()? == "b" {
+        return Err(input(name, MASK));
     }
     let array = array(value, name)?;
     let found = array.shape().to_vec();
