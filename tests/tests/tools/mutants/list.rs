@@ -302,12 +302,4 @@ pub const MUTANTS: &[Mutant] = &[
         target: "saved",
         red: &["changed_bytes_are_refused_and_nothing_is_lost"],
     },
-    Mutant {
-        name: "cells at the ends of a trimmed axis lose the strays",
-        file: "neighbors/grid.rs",
-        from: "let within = smaller(larger(x[a], self.lo[a]), self.hi[a]);",
-        to: "let within = x[a] + (self.hi[a] - self.lo[a]);",
-        target: "search",
-        red: &["strays_hide_no_pair"],
-    },
 ];
