@@ -10,7 +10,7 @@ use crate::math::vec3::{Vec3, head, length_bound};
 use crate::neighbors::cell_list::{CellList, OuterList};
 use crate::neighbors::pair_list::{ContactHistory, Listed, PairList, TOUCHING};
 use crate::state::domain::Domain;
-use crate::state::grains::{GrainState, Grains};
+use crate::state::grains::Grains;
 use crate::state::losses::LossPolicy;
 use crate::state::obstacle::Obstacle;
 
@@ -201,15 +201,6 @@ impl<R: Real> World<'_, R> {
         prefix(self.grains.id, self.clock.count)
             .binary_search(&id)
             .ok()
-    }
-
-    /// What is known of the grain at a place.
-    pub(crate) fn grain(&self, place: usize) -> GrainState<R> {
-        let g = &self.grains;
-        let rows = [&*g.position, &*g.velocity, &*g.spin].map(|rows| get_or_default(rows, place));
-        let [x, v, w] = &rows;
-        let (id, group) = (get_or_default(g.id, place), get_or_default(g.group, place));
-        GrainState::of(place, id, group, [x, v, w])
     }
 
     /// Shortens the world to its first grains.

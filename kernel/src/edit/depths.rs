@@ -5,46 +5,16 @@ use crate::math::real::{Real, smaller};
 use crate::math::rows::get_or_default;
 use crate::math::vec3::{dot, head};
 use crate::neighbors::pair_list::PLACE;
+use crate::state::domain::Domain;
+use crate::state::grains::Grains;
 use crate::state::obstacle::Obstacle;
 use crate::world::World;
 
-/// The next of the listed pairs, by lower grain and partner, from the two ascending parts of the list.
-pub(crate) fn next_pair<R: Real>(
-    world: &World<'_, R>,
-    inner: &mut usize,
-    across: &mut usize,
-) -> Option<(usize, usize)> {
-    let listed = world.clock.listed;
-    let entry = |p: usize, end: usize| {
-        let pair = (
-            get_or_default(world.pairs.lower, p) as usize,
-            get_or_default(world.pairs.partner, p) as usize,
-        );
-        (p < end).then_some(pair)
-    };
-    let (a, b) = (entry(*inner, listed.inner), entry(*across, listed.pairs));
-    let from_across = match (a, b) {
-        (Some(a), Some(b)) => b < a,
-        (None, _) => true,
-        _ => false,
-    };
-    match from_across {
-        true => {
-            *across += 1;
-            b
-        }
-        false => {
-            *inner += 1;
-            a
-        }
-    }
-}
-
 /// Whether two grains overlap by more than half the smaller radius, as the forces found it.
-pub(crate) fn is_deep<R: Real>(world: &World<'_, R>, i: usize, j: usize) -> bool {
-    let x = get_or_default(world.grains.position, i);
-    let y = get_or_default(world.grains.position, j);
-    let d = world.domain.separation(head(x), head(y));
+pub(crate) fn is_deep<R: Real>(domain: &Domain<R>, grains: &Grains<'_, R>, i: u32, j: u32) -> bool {
+    let x = get_or_default(grains.position, i as usize);
+    let y = get_or_default(grains.position, j as usize);
+    let d = domain.separation(head(x), head(y));
     let overlap = (x[3] + y[3]) - dot(d, d).sqrt();
     overlap > smaller(x[3], y[3]) * R::HALF
 }
@@ -73,10 +43,12 @@ pub(crate) fn check_depths<R: Real>(world: &World<'_, R>) -> Result<(), Error> {
             });
         }
     }
-    let (mut inner, mut across) = (0, world.clock.listed.inner);
-    while let Some((i, j)) = next_pair(world, &mut inner, &mut across) {
-        if is_deep(world, i, j) {
-            return Err(Error::OverlapTooDeep { i: id(i), j: id(j) });
+    for (i, j, _) in world.pairs.in_order(world.clock.listed) {
+        if is_deep(world.domain, &world.grains, i, j) {
+            return Err(Error::OverlapTooDeep {
+                i: id(i as usize),
+                j: id(j as usize),
+            });
         }
     }
     Ok(())

@@ -1,6 +1,6 @@
 //! Grains that come in.
 
-use super::remove::{compact, mark};
+use super::remove::compact;
 use super::renumber::renumber;
 use super::settle::{open, put_back, seal_anew, settle};
 use crate::error::Error;
@@ -46,7 +46,7 @@ where
     }
     for grain in grains {
         if let Some(place) = world.place_of(grain.id) {
-            mark(world, place);
+            world.grains.mark(place);
         }
     }
     compact(world, false);

@@ -1,12 +1,13 @@
 //! Grains that a world loses: they leave the box, fall through a plane or overlap too deeply.
 
-use super::depths::{deep_in_obstacle, is_deep, next_pair};
-use super::remove::{drop_marked, is_marked, mark};
+use super::depths::{deep_in_obstacle, is_deep};
+use super::remove::drop_marked;
 use super::settle::open;
 use crate::error::Error;
 use crate::math::real::Real;
 use crate::math::rows::{Row, get_or_default};
 use crate::state::domain::Domain;
+use crate::state::grains::Grains;
 use crate::state::losses::{Cause, Departure};
 use crate::world::World;
 
@@ -35,13 +36,13 @@ pub fn take_out<R: Real>(
         return Err(fault);
     }
     let mut gone = 0;
-    let mut goes = |world: &mut World<'_, R>, place: usize, cause: Cause| {
-        if !is_marked(world, place) {
+    let mut goes = |grains: &mut Grains<'_, R>, place: usize, cause: Cause| {
+        if !grains.is_marked(place) {
             departed(Departure {
-                grain: world.grain(place),
+                grain: grains.state(place),
                 cause,
             });
-            mark(world, place);
+            grains.mark(place);
             gone += 1;
         }
     };
@@ -49,23 +50,23 @@ pub fn take_out<R: Real>(
     for place in 0..world.clock.count {
         let x = get_or_default(world.grains.position, place);
         if policy.takes_out && !is_inside(world.domain, &x) {
-            goes(world, place, Cause::Escaped);
+            goes(&mut world.grains, place, Cause::Escaped);
         } else if policy.drain.is_some_and(|drain| drain.has(&x)) {
-            goes(world, place, Cause::Drained);
+            goes(&mut world.grains, place, Cause::Drained);
         }
     }
     if policy.takes_out {
         for entry in 0..world.clock.listed.obstacle_contacts {
             if let Some((i, obstacle)) = deep_in_obstacle(world, entry) {
-                goes(world, i, Cause::ObstacleTooDeep { obstacle });
+                goes(&mut world.grains, i, Cause::ObstacleTooDeep { obstacle });
             }
         }
-        let (mut inner, mut across) = (0, world.clock.listed.inner);
-        while let Some((i, j)) = next_pair(world, &mut inner, &mut across) {
-            let whole = !is_marked(world, i) && !is_marked(world, j);
-            if whole && is_deep(world, i, j) {
-                let with = get_or_default(world.grains.id, i);
-                goes(world, j, Cause::OverlapTooDeep { with });
+        let grains = &mut world.grains;
+        for (i, j, _) in world.pairs.in_order(world.clock.listed) {
+            let whole = !grains.is_marked(i as usize) && !grains.is_marked(j as usize);
+            if whole && is_deep(world.domain, grains, i, j) {
+                let with = get_or_default(grains.id, i as usize);
+                goes(grains, j as usize, Cause::OverlapTooDeep { with });
             }
         }
     }

@@ -22,22 +22,10 @@ pub fn remove<R: Real>(world: &mut World<'_, R>, ids: &[u32]) -> Result<(), Erro
     check_ids(world, ids)?;
     for id in ids {
         if let Some(place) = world.place_of(*id) {
-            mark(world, place);
+            world.grains.mark(place);
         }
     }
     drop_marked(world)
-}
-
-/// Marks a grain that is to go: an inverse mass is zero or more.
-pub(crate) fn mark<R: Real>(world: &mut World<'_, R>, place: usize) {
-    if let Some(row) = world.grains.spin.get_mut(place) {
-        row[3] = -R::ONE;
-    }
-}
-
-/// Whether a grain is marked.
-pub(crate) fn is_marked<R: Real>(world: &World<'_, R>, place: usize) -> bool {
-    get_or_default(world.grains.spin, place)[3] < R::ZERO
 }
 
 /// Takes out the marked grains, and leaves the world at rest.
@@ -53,7 +41,7 @@ pub(crate) fn drop_marked<R: Real>(world: &mut World<'_, R>) -> Result<(), Error
 pub(crate) fn compact<R: Real>(world: &mut World<'_, R>, keeps_candidates: bool) -> usize {
     let mut left = 0;
     for i in 0..world.clock.count {
-        let goes = is_marked(world, i);
+        let goes = world.grains.is_marked(i);
         set(world.cells.grain, i, if goes { GONE } else { left as u32 });
         left += usize::from(!goes);
     }

@@ -146,6 +146,29 @@ impl<R: Real> Grains<'_, R> {
         self.position.len()
     }
 
+    /// What is known of the grain at a place.
+    pub(crate) fn state(&self, place: usize) -> GrainState<R> {
+        let rows = [&*self.position, &*self.velocity, &*self.spin];
+        let [x, v, w] = &rows.map(|rows| get_or_default(rows, place));
+        let (id, group) = (
+            get_or_default(self.id, place),
+            get_or_default(self.group, place),
+        );
+        GrainState::of(place, id, group, [x, v, w])
+    }
+
+    /// Marks a grain that is to go: an inverse mass is zero or more.
+    pub(crate) fn mark(&mut self, place: usize) {
+        if let Some(row) = self.spin.get_mut(place) {
+            row[3] = -R::ONE;
+        }
+    }
+
+    /// Whether a grain is marked.
+    pub(crate) fn is_marked(&self, place: usize) -> bool {
+        get_or_default(self.spin, place)[3] < R::ZERO
+    }
+
     /// Copies all that is known of a grain to another row.
     pub(crate) fn copy_row(&mut self, from: usize, to: usize) {
         set(self.id, to, get_or_default(self.id, from));
