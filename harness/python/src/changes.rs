@@ -1,9 +1,7 @@
 //! Changes of grains between two steps, one after the other, and steps with forces from outside.
 
-use bitgrain::law::{Sprung, WithLaw};
 use bitgrain::simulation::{Grain, Simulation, sphere_mass};
-use bitgrain_kernel::contact::Law;
-use bitgrain_kernel::{Error as KernelError, GrainState, World, step_with};
+use bitgrain_kernel::Error as KernelError;
 
 /// A change of some grains, which are named by id.
 #[derive(Clone, Debug)]
@@ -84,37 +82,10 @@ pub fn try_a_step(sim: &Simulation) -> Result<(), KernelError> {
     sim.clone().steps(1)
 }
 
-/// One step with forces from outside.
-struct Pushed<'a, 'w, 'p> {
-    world: &'a mut World<'w, f64>,
-    push: &'p Push,
-}
-
-impl WithLaw for Pushed<'_, '_, '_> {
-    type Output = Result<(), KernelError>;
-
-    fn run<L: Law<f64> + Sprung>(self, law: &L) -> Self::Output {
-        let Push { force, torque } = self.push;
-        let given = |grain: &GrainState<f64>| (force[grain.place], torque[grain.place]);
-        step_with(self.world, law, given)
-    }
-}
-
-/// A step with a push on each grain. Unlike `Simulation::steps_with` it may be one of a stretch that is held, so that
-/// the rows are sealed once for all of them.
+/// A step with a push on each grain; it may be one of a stretch that is held.
 ///
 /// # Errors
 /// What stopped the step.
 pub fn pushed_step(sim: &mut Simulation, push: &Push) -> Result<(), KernelError> {
-    loop {
-        let law = sim.law;
-        let mut world = sim.world();
-        match law.with(Pushed {
-            world: &mut world,
-            push,
-        }) {
-            Err(full) if sim.grow(full) => {}
-            other => return other,
-        }
-    }
+    sim.step_with(|grain| (push.force[grain.place], push.torque[grain.place]))
 }

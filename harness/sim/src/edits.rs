@@ -105,17 +105,29 @@ impl Simulation {
         let end = self.step_count().saturating_add(count);
         self.take_out(&mut departed)?;
         while self.step_count() < end {
-            self.grow_while_full(|sim| {
-                let (law, registers) = (sim.law, sim.stepping.registers);
-                law.with(Pushed {
-                    world: sim.world(),
-                    external: &mut external,
-                    registers,
-                })
-            })?;
+            self.step_with(&mut external)?;
             self.take_out(&mut departed)?;
         }
         Ok(())
+    }
+
+    /// One step of [`Simulation::steps_with`], which may be one of a stretch that [`Simulation::hold`] began: the rows
+    /// are then sealed once for all of them. Grains that leave wait for [`Simulation::take_out`].
+    ///
+    /// # Errors
+    /// As [`Simulation::steps`].
+    pub fn step_with(
+        &mut self,
+        mut external: impl FnMut(&GrainState<f64>) -> Push,
+    ) -> Result<(), KernelError> {
+        self.grow_while_full(|sim| {
+            let (law, registers) = (sim.law, sim.stepping.registers);
+            law.with(Pushed {
+                world: sim.world(),
+                external: &mut external,
+                registers,
+            })
+        })
     }
 
     /// Takes away the rows that the kernel's world no longer covers.
