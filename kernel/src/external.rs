@@ -19,7 +19,7 @@ pub(crate) fn add_external<R: Real>(
     for ((((x, v), w), (force, torque)), (place, (id, group))) in moving.zip(pushes).zip(names) {
         let grain = GrainState::of(place, *id, *group, [x, v, w]);
         let (push, turn) = external(&grain);
-        // The last words are zero and stay so.
+        // The last words stay as they are.
         *force = plus(force, &[push[0], push[1], push[2], R::ZERO]);
         *torque = plus(torque, &[turn[0], turn[1], turn[2], R::ZERO]);
     }

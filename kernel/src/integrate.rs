@@ -122,23 +122,27 @@ impl<'a, R: Real> GrainMotion<'a, R> {
     }
 }
 
-/// Change of velocity and of spin in half a step: `(F/m + g) h` and `(T/m) / (0.4 r^2) h`, with
-/// `h = dt/2`, in that order. Whole rows: the last words of force and torque are zero, and so are
-/// those of the changes.
+/// Change of velocity and of spin in half a step: `(F/m + g) h` and `(T/I) h`, with `h = dt/2`, in that order, where
+/// `F/m` is `F (1/m)` and `T/I` is `T (1/I)`; [`per_inertia`] stands in the last word of the torque. The last words of
+/// the changes are zero.
 #[inline(always)]
 fn half_kick<R: Real>(
     gravity: Row<R>,
-    mass: R,
-    radius: R,
+    per_mass: R,
     force: &Row<R>,
     torque: &Row<R>,
     half: R,
 ) -> (Row<R>, Row<R>) {
-    let per_mass = R::ONE / mass;
-    let per_inertia = per_mass / ((radius * radius) * R::from_f64(0.4));
     let dv = times(&plus(&times(force, per_mass), &gravity), half);
-    let dw = times(&times(torque, per_inertia), half);
+    let mut dw = times(&times(torque, torque[3]), half);
+    dw[3] = R::ZERO;
     (dv, dw)
+}
+
+/// One over the moment of inertia of a sphere: `(1/m) / (0.4 r^2)`. It is kept, so that no step divides.
+#[inline(always)]
+pub(crate) fn per_inertia<R: Real>(mass: R, radius: R) -> R {
+    (R::ONE / mass) / ((radius * radius) * R::from_f64(0.4))
 }
 
 /// The velocity at which the first grain of a range drifts next, if this is the row of its velocity now.
@@ -148,12 +152,10 @@ pub(crate) fn next_velocity<R: Real>(m: &GrainMotion<'_, R>, v: &Row<R>) -> Vec3
         .group
         .first()
         .and_then(|own| m.groups.get(usize::from(*own)));
-    let (Some(x), Some((force, torque)), Some(group)) = (m.position.first(), pushes, group) else {
+    let (Some((force, torque)), Some(group)) = (pushes, group) else {
         return [R::ZERO; 3];
     };
-    let half = m.dt * R::HALF;
-    let (dv, dw) = half_kick(addend(group.gravity), v[3], x[3], force, torque, half);
-    let (dv, _) = answered(group, dv, dw);
+    let (dv, _) = answered(group, v[3], force, torque, m.dt * R::HALF);
     head(plus(v, &dv))
 }
 
@@ -168,7 +170,7 @@ fn addend<R: Real>(v: Vec3<R>) -> Row<R> {
 struct Manner<R> {
     number: u8,
     gravity: Row<R>,
-    /// Whether its grains answer all forces and torques.
+    /// Whether its grains answer all forces and torques, with the mass that they have in contacts.
     free: bool,
 }
 
@@ -178,14 +180,22 @@ impl<R: Real> Manner<R> {
         Self {
             number,
             gravity: addend(group.gravity),
-            free: group.integrates == [true; 3] && group.spins,
+            free: group.integrates == [true; 3] && group.spins && !group.infinite_mass,
         }
     }
 }
 
-/// The part of the changes that a group answers to.
+/// The changes that a grain of any group answers to.
 #[inline(never)]
-fn answered<R: Real>(group: &Group<R>, mut dv: Row<R>, dw: Row<R>) -> (Row<R>, Row<R>) {
+fn answered<R: Real>(
+    group: &Group<R>,
+    mass: R,
+    force: &Row<R>,
+    torque: &Row<R>,
+    half: R,
+) -> (Row<R>, Row<R>) {
+    let per_mass = R::ONE / mass;
+    let (mut dv, dw) = half_kick(addend(group.gravity), per_mass, force, torque, half);
     for a in 0..3 {
         if !group.integrates[a] {
             dv[a] = R::ZERO;
@@ -263,13 +273,13 @@ pub fn integrate<R: Real>(m: &mut GrainMotion<'_, R>, which: MotionPhase) -> Mot
         {
             manner = Manner::of(*group, other);
         }
-        // Whole rows throughout; the last words of force and torque are zero, and so those of mass and
-        // inverse mass stay as they are.
-        let (mut dv, mut dw) = half_kick(manner.gravity, v[3], x[3], force, torque, half);
+        // Whole rows throughout; the last words of the changes are zero, and so those of mass and inverse mass
+        // stay as they are.
+        let (mut dv, mut dw) = half_kick(manner.gravity, w[3], force, torque, half);
         if !manner.free {
             cold_path();
             if let Some(group) = m.groups.get(usize::from(*group)) {
-                (dv, dw) = answered(group, dv, dw);
+                (dv, dw) = answered(group, v[3], force, torque, half);
             }
         }
         let (now, turning) = if ends {
@@ -293,7 +303,7 @@ pub fn integrate<R: Real>(m: &mut GrainMotion<'_, R>, which: MotionPhase) -> Mot
                     .iter()
                     .all(|row| row.iter().all(|x| x.is_finite()))
             } else {
-                all_at_most(&squares(&turning, force, torque), &[R::MAX; 4])
+                is_zero(&products_with_zero(&turning, force, torque))
             };
             if !(slow & sound) {
                 cold_path();
@@ -310,7 +320,7 @@ pub fn integrate<R: Real>(m: &mut GrainMotion<'_, R>, which: MotionPhase) -> Mot
             *v = next;
             *w = plus(&turning, &dw);
             *force = [R::ZERO; 4];
-            *torque = [R::ZERO; 4];
+            *torque = without_turn(torque);
             *x = plus(x, &times(&addend(head(next)), dt));
             // The last words are the radius and the number without limit.
             if !inside(&lo, x, &hi) {
@@ -329,9 +339,15 @@ pub fn integrate<R: Real>(m: &mut GrainMotion<'_, R>, which: MotionPhase) -> Mot
     passed
 }
 
+/// The row of a torque that is zero: one over the moment of inertia stays.
 #[inline(always)]
-fn all_at_most<R: Real>(a: &Row<R>, b: &Row<R>) -> bool {
-    (a[0] <= b[0]) & (a[1] <= b[1]) & (a[2] <= b[2]) & (a[3] <= b[3])
+pub(crate) fn without_turn<R: Real>(torque: &Row<R>) -> Row<R> {
+    [R::ZERO, R::ZERO, R::ZERO, torque[3]]
+}
+
+#[inline(always)]
+fn is_zero<R: Real>(a: &Row<R>) -> bool {
+    (a[0] == R::ZERO) & (a[1] == R::ZERO) & (a[2] == R::ZERO) & (a[3] == R::ZERO)
 }
 
 /// Whether `lo < x < hi` in every word, by the sign of one product. It may say no so near an edge
@@ -346,9 +362,10 @@ fn inside<R: Real>(lo: &Row<R>, x: &Row<R>, hi: &Row<R>) -> bool {
     word(0) & word(1) & word(2) & word(3)
 }
 
-/// Squares of the words of spin, force and torque: finite if all of them are.
+/// Words that are zero if those of spin, force and torque are finite.
 #[inline(always)]
-fn squares<R: Real>(w: &Row<R>, force: &Row<R>, torque: &Row<R>) -> Row<R> {
-    let word = |a: usize| (w[a] * w[a] + force[a] * force[a]) + torque[a] * torque[a];
+fn products_with_zero<R: Real>(w: &Row<R>, force: &Row<R>, torque: &Row<R>) -> Row<R> {
+    let zero = R::ZERO;
+    let word = |a: usize| (w[a] * zero + force[a] * zero) + torque[a] * zero;
     [word(0), word(1), word(2), word(3)]
 }

@@ -8,7 +8,7 @@ use crate::external::add_external;
 use crate::forces::accumulate::{After, ContactForce, accumulate, no_fetch};
 use crate::forces::obstacle_contacts::obstacle_forces;
 use crate::fp_environment::check_arithmetic;
-use crate::integrate::MotionPhase;
+use crate::integrate::{MotionPhase, without_turn};
 use crate::math::real::Real;
 use crate::math::vec3::Vec3;
 use crate::neighbors::pair_list::{ContactHistory, Listed};
@@ -135,7 +135,9 @@ pub fn start_watched<R: Real, L: Law<R>>(
 ) -> Result<(), Error> {
     prepare(world, false, true)?;
     world.grains.force.fill([R::ZERO; 4]);
-    world.grains.torque.fill([R::ZERO; 4]);
+    for torque in world.grains.torque.iter_mut() {
+        *torque = without_turn(torque);
+    }
     push_and_sum(world, law, R::ZERO, watch)?;
     come_to_rest(world)
 }
@@ -162,13 +164,8 @@ pub(crate) fn take_up<R: Real>(
     begins: bool,
 ) -> Result<(), Error> {
     prepare(world, true, begins)?;
-    // Saved rows may hold anything in the words that are unused; a step takes them for zero.
-    for row in world
-        .grains
-        .force
-        .iter_mut()
-        .chain(&mut *world.grains.torque)
-    {
+    // Saved rows may hold anything in the word that is unused; a step takes it for zero.
+    for row in world.grains.force.iter_mut() {
         row[3] = R::ZERO;
     }
     for history in histories {

@@ -101,6 +101,8 @@ fn arrays(sim: &mut Simulation, note: &StageState) -> Vec<Array> {
     let reals = |x: &[f64]| -> Vec<u8> { x.iter().flat_map(|x| x.to_le_bytes()).collect() };
     let words = |x: &[u32]| -> Vec<u8> { x.iter().flat_map(|x| x.to_le_bytes()).collect() };
     let rows = |rows: &[Row<f64>]| (Dtype::F64, vec![n, 4], reals(rows.as_flattened()));
+    // What a simulation keeps in the last word is no part of a state.
+    let torques: Vec<Row<f64>> = sim.torque.iter().map(|&[x, y, z, _]| [x, y, z, 0.0]).collect();
     let image = sim.image.as_flattened().iter();
     let image: Vec<u8> = image.flat_map(|x| x.to_le_bytes()).collect();
     let course = note.course.clone().into_bytes();
@@ -115,7 +117,7 @@ fn arrays(sim: &mut Simulation, note: &StageState) -> Vec<Array> {
         ("image", (Dtype::I32, vec![n, 3], image)),
         ("position", rows(&sim.position)),
         ("spin", rows(&sim.spin)),
-        ("torque", rows(&sim.torque)),
+        ("torque", rows(&torques)),
         ("velocity", rows(&sim.velocity)),
     ];
     for (name, bytes) in [(FIELDS, &note.fields[..]), (FRAMES, note.frames.as_bytes())] {

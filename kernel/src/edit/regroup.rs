@@ -32,7 +32,7 @@ pub fn regroup<R: Real>(world: &mut World<'_, R>, ids: &[u32], group: u8) -> Res
     let settled = settle(world, ids.iter().copied());
     for id in ids {
         if let Some(place) = world.place_of(*id) {
-            let old = get_or_default(world.grains.torque, place)[3].to_index();
+            let old = get_or_default(world.grains.force, place)[3].to_index();
             set_last(world, place, R::ZERO);
             if settled.is_err() {
                 set(world.grains.group, place, old as u8);
@@ -48,7 +48,7 @@ pub fn regroup<R: Real>(world: &mut World<'_, R>, ids: &[u32], group: u8) -> Res
 }
 
 fn set_last<R: Real>(world: &mut World<'_, R>, place: usize, word: R) {
-    if let Some(row) = world.grains.torque.get_mut(place) {
+    if let Some(row) = world.grains.force.get_mut(place) {
         row[3] = word;
     }
 }

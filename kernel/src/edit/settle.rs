@@ -3,7 +3,7 @@
 use crate::digest::seal::{seal, whole};
 use crate::edit::depths::check_depths;
 use crate::error::Error;
-use crate::integrate::MotionPhase;
+use crate::integrate::{MotionPhase, per_inertia};
 use crate::math::real::{Real, smaller};
 use crate::math::rows::get_or_default;
 use crate::math::vec3::head;
@@ -83,16 +83,19 @@ pub(crate) fn check_ids<R: Real>(world: &World<'_, R>, ids: &[u32]) -> Result<()
     Ok(())
 }
 
-/// Sets the smallest radius, and the inverse mass of each grain as it enters contacts.
+/// Sets the smallest radius, and what rows keep so that no step divides: one over the mass of each grain as it enters
+/// contacts, and over its moment of inertia.
 pub(crate) fn weigh<R: Real>(world: &mut World<'_, R>) {
     world.clock.radius_min = smallest_period(world.domain);
     let g = &mut world.grains;
     let rows = g.velocity.iter().zip(g.position.iter()).zip(g.group.iter());
-    for (w, ((v, x), group)) in g.spin.iter_mut().zip(rows) {
+    let kept = g.spin.iter_mut().zip(g.torque.iter_mut());
+    for ((w, torque), ((v, x), group)) in kept.zip(rows) {
         world.clock.radius_min = smaller(world.clock.radius_min, x[3]);
         let group = g.groups.get(usize::from(*group));
         let heavy = group.is_some_and(|group| group.infinite_mass);
         w[3] = if heavy { R::ZERO } else { R::ONE / v[3] };
+        torque[3] = per_inertia(v[3], x[3]);
     }
 }
 

@@ -134,7 +134,8 @@ pub struct Grains<'a, R> {
     pub spin: &'a mut [Row<R>],
     /// Contact force of the last evaluation, without weight; the last word is unused.
     pub force: &'a mut [Row<R>],
-    /// Its torque about the grain's centre; the last word is unused.
+    /// Its torque about the grain's centre, and 1 / moment of inertia; the last word is written when the world
+    /// starts.
     pub torque: &'a mut [Row<R>],
     /// Crossings of each periodic axis so far.
     pub image: &'a mut [[i32; 3]],
