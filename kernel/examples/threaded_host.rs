@@ -8,7 +8,9 @@ use bitgrain_kernel::phases::{
     After, CrossRangeForce, MotionCheck, MotionPhase, accumulate, begin, check_overlaps,
     cross_range, drift, end, ensure_pair_list, finish, integrate, no_fetch, obstacle_forces, seal,
 };
-use bitgrain_kernel::{Domain, Error, Group, Obstacle, Store, World, digest, start, step};
+use bitgrain_kernel::{
+    Domain, Error, Group, NEIGHBORS, Obstacle, Store, StretchList, World, digest, start, step,
+};
 
 const GRAINS: usize = 64;
 type Bed = Store<f64, GRAINS, 1024, 128, 1>;
@@ -98,6 +100,9 @@ pub fn main() -> Result<(), Error> {
     let (mut one, mut two) = (bed()?, bed()?);
     let (mut alone, mut shared) = (one.world(), two.world());
     shared.range_bounds = &[30];
+    // No stretch of grains is in two ranges, so there are two at least.
+    let (mut words, mut numbers) = ([0; 2 * (4 + NEIGHBORS) + 2], [0.0; 6]);
+    shared.stretches = StretchList::new(&mut words, &mut numbers);
     start(&mut alone, &law)?;
     start(&mut shared, &law)?;
     for _ in 0..2000 {

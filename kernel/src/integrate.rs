@@ -235,6 +235,16 @@ impl<R: Real> MotionCheck<R> {
     }
 }
 
+/// What a grain travels in a step at this square of a speed.
+pub(crate) fn travel_at<R: Real>(speed2: R, dt: R) -> R {
+    let speed2 = match R::FIXED_POINT {
+        // Squares of slow speeds vanish.
+        true => speed2 + (R::EPSILON + R::EPSILON),
+        false => speed2,
+    };
+    speed2.sqrt() * dt
+}
+
 /// Which halves of a step's motion a pass does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MotionPhase {

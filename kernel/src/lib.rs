@@ -101,6 +101,7 @@ pub use math::vec3;
 pub use math::{fixed_point, scaling};
 pub use neighbors::cell_list::{CellList, OuterList};
 pub use neighbors::pair_list::{ContactHistory, PairList, TOUCHING};
+pub use neighbors::stretch::{NEIGHBORS, STRETCH, StretchList};
 pub use owners::capacity::Capacity;
 pub use owners::lent::{Head, LentStore, Memory};
 pub use owners::store::Store;

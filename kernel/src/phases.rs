@@ -11,11 +11,11 @@
 use crate::digest::seal::whole;
 use crate::error::Error;
 use crate::fp_environment::check_arithmetic;
-use crate::math::real::{Real, magnitude};
-use crate::math::rows::get_or_default;
+use crate::math::real::{Real, larger, magnitude};
+use crate::math::rows::{get_or_default, set};
 use crate::math::vec3::length_bound;
 use crate::neighbors::cell_list::{Found, Scene, keep_obstacle_contacts, search};
-use crate::neighbors::prune::{Pruning, prune};
+use crate::neighbors::prune::{Pruning, flatten, prune_across, prune_all, prune_stretch};
 use crate::state::domain::limit;
 use crate::world::{Stage, World};
 
@@ -25,6 +25,7 @@ pub use crate::forces::accumulate::{
     cross_range, first_excessive_overlap, no_fetch,
 };
 pub use crate::forces::obstacle_contacts::{ObstacleContactRange, obstacle_forces};
+use crate::integrate::travel_at;
 pub use crate::integrate::{GrainMotion, MotionCheck, MotionPhase, integrate};
 
 /// The joint before a stretch of steps, after [`seal()`] over all grains: checks that nothing was written to
@@ -84,8 +85,11 @@ pub fn ensure_pair_list_ahead<R: Real>(world: &mut World<'_, R>) -> Result<(), E
         return Err(Error::GrainsLeaving);
     }
     world.check_storage()?;
-    let travel = next_travel(world)?;
-    refresh_if_old(world, travel, &[])
+    let ahead = Some(next_travel(world)?);
+    match is_any_old(world, ahead, &[]) {
+        true => refresh_pair_list(world, ahead, &[]),
+        false => Ok(()),
+    }
 }
 
 /// The joint after a pass that drifted: moves the obstacles, and counts what the list has lost of its
@@ -108,6 +112,11 @@ pub fn drift<R: Real>(world: &mut World<'_, R>, passed: MotionCheck<R>) -> Resul
         world.clock.losing = true;
     }
     world.clock.budget = world.clock.budget - travel;
+    let count = world.clock.listed.stretches;
+    world.stretches.foresee(count, world.clock.rounding);
+    world.stretches.spend(count);
+    // Until the passes that kick say so.
+    world.stretches.travel_alike(-R::ONE);
     world.clock.far = world.clock.far - (travel + travel);
     for (k, body) in world.obstacles.iter_mut().enumerate() {
         body.advance(world.domain, world.dt);
@@ -124,29 +133,37 @@ pub fn drift<R: Real>(world: &mut World<'_, R>, passed: MotionCheck<R>) -> Resul
 ///
 /// # Errors
 /// A full list: enlarge the storage and call again; nothing is lost. A world that has not drifted.
-#[inline]
+#[inline(always)]
 pub fn ensure_pair_list<R: Real>(world: &mut World<'_, R>) -> Result<(), Error> {
     if world.clock.stage != Stage::Drifted {
         return Err(Error::NotStarted);
     }
     world.check_storage()?;
-    refresh_if_old(world, R::ZERO, world.range_bounds)?;
+    if is_any_old(world, None, world.range_bounds) {
+        refresh_here(world, None, world.range_bounds)?;
+    }
     // A second call after a fault of the forces is refused: they would be summed twice.
     world.clock.stage = Stage::Listed;
     Ok(())
 }
 
-/// Lists the pairs again if the list does not hold for `travel`, or is cut elsewhere.
-#[inline]
-pub(crate) fn refresh_if_old<R: Real>(
+/// Whether there are pairs to list again: those that do not hold for the next drift, which takes a body as far as
+/// `ahead`, or after the last one; all if they are cut elsewhere.
+pub(crate) fn is_any_old<R: Real>(
     world: &mut World<'_, R>,
-    travel: R,
+    ahead: Option<R>,
     range_bounds: &[u32],
-) -> Result<(), Error> {
-    if travel > world.clock.budget || world.clock.partition_mark != mark(range_bounds) {
-        refresh_pair_list(world, travel, range_bounds)?;
+) -> bool {
+    let clock = &mut *world.clock;
+    let travel = ahead.unwrap_or(R::ZERO);
+    let count = clock.listed.stretches;
+    if ahead.is_some() {
+        world.stretches.foresee(count, clock.rounding);
     }
-    Ok(())
+    clock.partition_mark != mark(range_bounds)
+        || clock.far < travel + travel
+        || (!range_bounds.is_empty() && clock.budget < travel)
+        || (0..count).any(|s| world.stretches.is_old(s, ahead.is_some()))
 }
 
 /// Upper bound of what the fastest body moves in the next step.
@@ -172,40 +189,96 @@ pub(crate) fn mark(range_bounds: &[u32]) -> u64 {
     range_bounds.iter().fold(0xcbf2_9ce4_8422_2325, each)
 }
 
-/// Lists the pairs again, so that the list holds for `travel` at least; searches for candidates first,
-/// if those of the last search do not reach as far.
+/// [`refresh_here`]: one copy of it, for small machines.
 #[inline(never)]
 pub(crate) fn refresh_pair_list<R: Real>(
     world: &mut World<'_, R>,
-    travel: R,
+    ahead: Option<R>,
     range_bounds: &[u32],
 ) -> Result<(), Error> {
-    let need = travel + travel;
-    let skin = if need > world.skin { need } else { world.skin };
-    let mut found = None;
-    if world.clock.far < skin {
-        found = Some(rebuild_outer_list(world, skin + world.outer_skin)?);
+    refresh_here(world, ahead, range_bounds)
+}
+
+/// Lists the pairs again that are old, so that they hold for the next drift at least, which takes a body as far as
+/// `ahead`; searches for candidates first, if those of the last search do not reach as far.
+#[inline(always)]
+fn refresh_here<R: Real>(
+    world: &mut World<'_, R>,
+    ahead: Option<R>,
+    range_bounds: &[u32],
+) -> Result<(), Error> {
+    let travel = ahead.unwrap_or(R::ZERO);
+    let remade = cut_anew(world, ahead.is_some(), range_bounds);
+    let widest = larger(world.skin, travel + travel);
+    let found = match world.clock.far < widest {
+        true => Some(rebuild_outer_list(world, widest + world.outer_skin)?),
+        false => None,
+    };
+    let clock = &mut *world.clock;
+    let stretches = &mut world.stretches;
+    if found.is_some() {
+        stretches.note_neighbors(&world.candidates, clock.listed.stretches);
+    }
+    if ahead.is_some() {
+        stretches.foresee(clock.listed.stretches, clock.rounding);
     }
     let picking = Pruning {
         domain: world.domain,
         position: world.grains.position,
         candidates: &world.candidates,
-        near: skin + world.clock.slack,
         range_bounds,
+        slack: clock.slack,
     };
-    let old = world.clock.listed;
-    let clock = &mut *world.clock;
-    // If one is full, the lists are unchanged: nothing above wrote to them.
-    clock.listed = prune(&picking, &mut world.pairs, &mut world.spare, old)?;
+    let (pairs, spare, listed) = (&mut world.pairs, &mut world.spare, &mut clock.listed);
+    let mut all = remade || found.is_some();
+    for s in 0..listed.stretches {
+        if !all && stretches.is_old(s, ahead.is_some()) {
+            let skin = larger(world.skin, stretches.need(s, ahead.is_some()));
+            clock.picked += stretches.grains(s).len() as u64;
+            all = !prune_stretch(&picking, (stretches, s), skin, pairs, spare, listed);
+        }
+    }
+    let across = !range_bounds.is_empty() && clock.budget < travel;
+    if across && !all {
+        all = !prune_across(&picking, stretches, widest, pairs, spare, listed);
+    }
+    if all {
+        // If the list is full it is unchanged: nothing above wrote to what stands in it.
+        let skins = (world.skin, widest, ahead.is_some());
+        clock.picked += world.grains.count() as u64;
+        *listed = prune_all(&picking, stretches, skins, pairs, spare, *listed)?;
+    }
     if let Some(found) = found {
-        keep_obstacle_contacts(&mut world.pairs, &world.spare, found.obstacle_contacts);
-        clock.listed.obstacle_contacts = found.obstacle_contacts;
+        keep_obstacle_contacts(pairs, spare, found.obstacle_contacts);
+        listed.obstacle_contacts = found.obstacle_contacts;
         clock.far = found.far;
     }
-    clock.partition_mark = mark(range_bounds);
+    if all || across {
+        clock.budget = widest * R::HALF;
+    }
     clock.prunes += 1;
-    clock.budget = skin * R::HALF;
     Ok(())
+}
+
+/// Cuts the grains into stretches if that was not done, or for other ranges.
+fn cut_anew<R: Real>(world: &mut World<'_, R>, ahead: bool, range_bounds: &[u32]) -> bool {
+    let clock = &mut *world.clock;
+    let remade = clock.partition_mark != mark(range_bounds) || clock.listed.stretches == 0;
+    if remade {
+        let grains = (world.grains.count(), range_bounds);
+        clock.listed = flatten(
+            &mut world.stretches,
+            &mut world.pairs,
+            &mut world.spare,
+            clock.listed,
+            grains,
+        );
+        clock.partition_mark = mark(range_bounds);
+        clock.budget = -R::ONE;
+        let travel = if ahead { clock.next_travel } else { -R::ONE };
+        world.stretches.travel_alike(travel);
+    }
+    remade
 }
 
 /// The search for candidates. They count from when the pairs picked from them are listed.
@@ -293,12 +366,8 @@ pub(crate) fn go_on<R: Real>(
     if let Some(fault) = passed.unsound {
         return Err(fault);
     }
-    let speed2 = match R::FIXED_POINT {
-        // Squares of slow speeds vanish.
-        true => passed.speed2 + (R::EPSILON + R::EPSILON),
-        false => passed.speed2,
-    };
-    world.clock.next_travel = speed2.sqrt() * world.dt;
+    world.clock.next_travel = travel_at(passed.speed2, world.dt);
+    world.stretches.travel_at_most(world.clock.next_travel);
     world.clock.stage = Stage::Going;
     Ok(())
 }
@@ -313,10 +382,20 @@ pub(crate) fn come_to_rest<R: Real>(world: &mut World<'_, R>) -> Result<(), Erro
     end(world, sealed)
 }
 
-/// A pass over all grains: one copy of it, for small machines.
+/// A pass over all grains, stretch by stretch: one copy of it, for small machines.
 #[inline(never)]
 pub(crate) fn moved<R: Real>(world: &mut World<'_, R>, which: MotionPhase) -> MotionCheck<R> {
-    integrate(&mut world.grain_motion(), which)
+    let mut passed = MotionCheck::NONE;
+    for s in 0..world.clock.listed.stretches {
+        let own = world.stretches.grains(s);
+        let mut grains = world.grain_motion();
+        let one = integrate(&mut grains.stretch(own.start, own.end), which);
+        if which != MotionPhase::Drift {
+            set(world.stretches.travel, s, travel_at(one.speed2, world.dt));
+        }
+        passed = passed.and(one);
+    }
+    passed
 }
 
 /// The seal of all grains: one copy of it, for small machines.

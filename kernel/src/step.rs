@@ -169,7 +169,8 @@ pub(crate) fn take_up<R: Real>(
         row[3] = R::ZERO;
     }
     for history in histories {
-        if !world.pairs.restore(&history, world.clock.listed) {
+        let listed = world.clock.listed;
+        if !world.pairs.restore(&world.stretches, &history, listed) {
             return Err(Error::BadContactHistory);
         }
     }
@@ -183,7 +184,7 @@ fn prepare<R: Real>(world: &mut World<'_, R>, has_moved: bool, begins: bool) -> 
     let listed = world.clock.listed;
     world.clock.stage = Stage::Stopped;
     world.clock.losing = false;
-    world.clock.listed = Listed::default();
+    world.clock.listed = Listed::NONE;
     let listed_anew = list_first(world, has_moved, begins);
     if listed_anew.is_err() {
         world.clock.listed = listed;
@@ -206,7 +207,7 @@ fn list_first<R: Real>(
     world.clock.far = -R::ONE;
     world.clock.next_travel = R::ZERO;
     let travel = next_travel(world)?;
-    refresh_pair_list(world, travel, &[])
+    refresh_pair_list(world, Some(travel), &[])
 }
 
 /// Obstacles first, then pairs: the order of every grain's sum.

@@ -1,7 +1,7 @@
 //! A world: everything one step needs, borrowed from whoever owns it.
 
 use crate::error::Error;
-use crate::forces::accumulate::{GrainRange, GrainView, PairRange};
+use crate::forces::accumulate::{GrainRange, GrainView, PairRange, StretchRange};
 use crate::forces::obstacle_contacts::ObstacleContactRange;
 use crate::integrate::GrainMotion;
 use crate::math::real::{Real, larger, magnitude};
@@ -9,6 +9,7 @@ use crate::math::rows::{front_mut, get_or_default, halves_mut, prefix, shorten, 
 use crate::math::vec3::{Vec3, head, length_bound};
 use crate::neighbors::cell_list::{CellList, OuterList};
 use crate::neighbors::pair_list::{ContactHistory, Listed, PairList, TOUCHING};
+use crate::neighbors::stretch::StretchList;
 use crate::state::domain::Domain;
 use crate::state::grains::Grains;
 use crate::state::losses::LossPolicy;
@@ -25,12 +26,13 @@ pub struct Clock<R> {
     pub step: u64,
     pub(crate) outer_list_rebuilds: u64,
     pub(crate) prunes: u64,
+    pub(crate) picked: u64,
     pub(crate) listed: Listed,
     /// What the range_bounds were when the pairs were listed.
     pub(crate) partition_mark: u64,
     /// The smallest grain radius: what an obstacle may move in one step.
     pub(crate) radius_min: R,
-    /// Travel of the fastest body that the pair list still allows (length); below zero it is too old.
+    /// Travel of the fastest body that the pairs of two ranges still allow (length); below zero they are too old.
     pub(crate) budget: R,
     /// How far beyond touching every pair is still a candidate (length); below zero there are none.
     pub(crate) far: R,
@@ -71,12 +73,8 @@ impl<R: Real> Clock<R> {
         step: 0,
         outer_list_rebuilds: 0,
         prunes: 0,
-        listed: Listed {
-            inner: 0,
-            pairs: 0,
-            touching: 0,
-            obstacle_contacts: 0,
-        },
+        picked: 0,
+        listed: Listed::NONE,
         partition_mark: 0,
         radius_min: R::ZERO,
         budget: R::ZERO,
@@ -95,9 +93,14 @@ impl<R: Real> Clock<R> {
         self.outer_list_rebuilds
     }
 
-    /// Times that pairs were picked from the candidates of a search.
+    /// Times that pairs were picked from the candidates of a search: of all grains, or of a stretch at least.
     pub fn prunes(&self) -> u64 {
         self.prunes
+    }
+
+    /// Grains whose pairs were picked, all times together: what renewals cost.
+    pub fn picked(&self) -> u64 {
+        self.picked
     }
 
     /// Grain pairs listed.
@@ -112,7 +115,7 @@ impl<R: Real> Clock<R> {
 
     /// Those of them whose grains are in two ranges; see [`World::range_bounds`].
     pub fn listed_across(&self) -> usize {
-        self.listed.pairs.saturating_sub(self.listed.inner)
+        self.listed.across
     }
 
     /// Obstacle contacts listed.
@@ -179,6 +182,9 @@ pub struct World<'a, R> {
     pub pairs: PairList<'a, R>,
     /// Storage for the next list; its pair and obstacle entries bound how many can be listed.
     pub spare: PairList<'a, R>,
+    /// Storage of the stretches of grains that renew their pairs together; more of them than ranges. About one for
+    /// each 64 grains is fastest.
+    pub stretches: StretchList<'a, R>,
     /// Storage of the candidates.
     pub candidates: OuterList<'a>,
     /// Storage of the search.
@@ -193,7 +199,7 @@ impl<R: Real> World<'_, R> {
     pub fn contact_histories(&self) -> impl Iterator<Item = ContactHistory<R>> + '_ {
         let (domain, position) = (self.domain, &*self.grains.position);
         self.pairs
-            .contact_histories(self.clock.listed, domain, position)
+            .contact_histories(&self.stretches, self.clock.listed, domain, position)
     }
 
     /// The place of the grain with this id among the rows, by halving.
@@ -230,14 +236,20 @@ impl<R: Real> World<'_, R> {
         };
         let [x, y, z] = &mut pairs.spring;
         let range = PairRange {
-            lower: prefix(pairs.lower, listed.inner),
-            partner: prefix(pairs.partner, listed.inner),
-            spring: [x, y, z].map(|s| front_mut(s, listed.inner)),
+            lower: prefix(pairs.lower, listed.end),
+            partner: prefix(pairs.partner, listed.end),
+            spring: [x, y, z].map(|s| front_mut(s, listed.end)),
         };
         let part = GrainRange {
             first: 0,
             grains: GrainMotion::of_all(&mut self.grains, self.domain, self.dt),
             pairs: range,
+            stretches: StretchRange {
+                place: prefix(self.stretches.place, listed.stretches + 1),
+                begin: prefix(self.stretches.begin, listed.stretches + 1),
+                pairs: prefix(self.stretches.pairs, listed.stretches),
+                travel: front_mut(self.stretches.travel, listed.stretches),
+            },
             dt,
         };
         (part, touch)
@@ -246,7 +258,7 @@ impl<R: Real> World<'_, R> {
     /// The pairs of two ranges, and the rows they read.
     #[inline(always)]
     pub fn cross_range_pairs(&mut self) -> (GrainView<'_, R>, PairRange<'_, R>) {
-        let Listed { inner, pairs, .. } = self.clock.listed;
+        let (inner, pairs) = (self.clock.listed.end, self.clock.listed.last());
         let list = &mut self.pairs;
         let [x, y, z] = &mut list.spring;
         let range = PairRange {
@@ -274,7 +286,10 @@ impl<R: Real> World<'_, R> {
             && self.pairs.partner.len() >= self.spare.partner.len()
             && self.pairs.obstacle_contact_grain.len() >= self.spare.obstacle_contact_grain.len()
             && self.pairs.holds(self.clock.listed)
-            && self.candidates.row.len() == n + 1;
+            && self.candidates.row.len() == n + 1
+            && self.stretches.is_whole()
+            && self.stretches.budget.len() > self.range_bounds.len()
+            && self.stretches.budget.len() >= self.clock.listed.stretches;
         let cells = self.cells.start.len() >= 2 && self.cells.grain.len() >= n;
         let countable = n < TOUCHING as usize;
         if self.grains.is_whole() && lists && cells && countable {

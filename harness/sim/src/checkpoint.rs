@@ -102,7 +102,11 @@ fn arrays(sim: &mut Simulation, note: &StageState) -> Vec<Array> {
     let words = |x: &[u32]| -> Vec<u8> { x.iter().flat_map(|x| x.to_le_bytes()).collect() };
     let rows = |rows: &[Row<f64>]| (Dtype::F64, vec![n, 4], reals(rows.as_flattened()));
     // What a simulation keeps in the last word is no part of a state.
-    let torques: Vec<Row<f64>> = sim.torque.iter().map(|&[x, y, z, _]| [x, y, z, 0.0]).collect();
+    let torques: Vec<Row<f64>> = sim
+        .torque
+        .iter()
+        .map(|&[x, y, z, _]| [x, y, z, 0.0])
+        .collect();
     let image = sim.image.as_flattened().iter();
     let image: Vec<u8> = image.flat_map(|x| x.to_le_bytes()).collect();
     let course = note.course.clone().into_bytes();

@@ -2,7 +2,7 @@
 
 use std::collections::TryReserveError;
 
-use bitgrain_kernel::{PairList, Real, Row};
+use bitgrain_kernel::{NEIGHBORS, PairList, Real, Row, STRETCH, StretchList};
 
 /// Whether there was memory for a longer list.
 pub type Grown = Result<(), TryReserveError>;
@@ -36,6 +36,64 @@ fn lengthen<T: Clone>(list: &mut Vec<T>, least: usize, with: T) -> Grown {
         list.resize(least, with);
     }
     Ok(())
+}
+
+/// Stretches of grains that renew their pairs together, as the kernel borrows them.
+#[derive(Clone, Debug, Default)]
+pub struct Stretches<R> {
+    place: Vec<u32>,
+    begin: Vec<u32>,
+    pairs: Vec<u32>,
+    touching: Vec<u32>,
+    neighbor: Vec<u32>,
+    budget: Vec<R>,
+    travel: Vec<R>,
+    approach: Vec<R>,
+}
+
+impl<R: Real> Stretches<R> {
+    /// Makes at least as many as so many grains in so many ranges have, one at least.
+    pub fn fit(&mut self, grains: usize, ranges: usize) {
+        let count = self.budget.len().max(grains / STRETCH + ranges.max(1));
+        self.place.resize(count + 1, 0);
+        self.begin.resize(count + 1, 0);
+        self.pairs.resize(count, 0);
+        self.touching.resize(count, 0);
+        self.neighbor.resize(count * NEIGHBORS, 0);
+        self.budget.resize(count, R::ZERO);
+        self.travel.resize(count, R::ZERO);
+        self.approach.resize(count, R::ZERO);
+    }
+
+    /// Lends them to the kernel.
+    pub fn lend(&mut self) -> StretchList<'_, R> {
+        StretchList {
+            place: &mut self.place,
+            begin: &mut self.begin,
+            pairs: &mut self.pairs,
+            touching: &mut self.touching,
+            neighbor: &mut self.neighbor,
+            budget: &mut self.budget,
+            travel: &mut self.travel,
+            approach: &mut self.approach,
+        }
+    }
+
+    /// Where each stretch of so many grains ends, and its pairs; none if nothing is listed.
+    pub fn pairs(&self, grains: usize) -> impl Iterator<Item = (usize, usize)> {
+        let ends = self.place.iter().skip(1).map(|end| *end as usize);
+        let pairs = self.pairs.iter().map(|pairs| *pairs as usize);
+        let mut last = 0;
+        ends.zip(pairs).take_while(move |(end, _)| {
+            let before = std::mem::replace(&mut last, *end);
+            before < *end && *end <= grains
+        })
+    }
+
+    /// Bytes that they hold.
+    pub fn bytes(&self) -> usize {
+        self.budget.len() * (4 * (4 + NEIGHBORS) + 3 * size_of::<R>())
+    }
 }
 
 impl<R: Real> List<R> {

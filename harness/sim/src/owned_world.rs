@@ -5,7 +5,7 @@ use bitgrain_kernel::{
     Real, Row, World,
 };
 
-use crate::lists::{Grown, List};
+use crate::lists::{Grown, List, Stretches};
 
 /// A world and everything it borrows.
 #[derive(Clone, Debug)]
@@ -40,6 +40,8 @@ pub struct OwnedWorld<R> {
     pub obstacles: Vec<Obstacle<R>>,
     /// The pair list, and storage for the next one.
     pub lists: [List<R>; 2],
+    /// Stretches of grains that renew their pairs together.
+    pub stretches: Stretches<R>,
     /// What becomes of grains that leave.
     pub policy: LossPolicy<R>,
     /// Ends of ranges of grains, but for the last: speed only.
@@ -75,6 +77,7 @@ impl<R: Real> OwnedWorld<R> {
             image: Vec::new(),
             obstacles: Vec::new(),
             lists: [List::default(), List::default()],
+            stretches: Stretches::default(),
             policy: LossPolicy::STOP,
             range_bounds: Vec::new(),
             candidate_row: Vec::new(),
@@ -135,6 +138,8 @@ impl<R: Real> OwnedWorld<R> {
 
     /// Lends everything as a world of the kernel.
     pub fn world(&mut self) -> World<'_, R> {
+        self.stretches
+            .fit(self.position.len(), self.range_bounds.len() + 1);
         let [first, second] = &mut self.lists;
         World {
             domain: &self.domain,
@@ -157,6 +162,7 @@ impl<R: Real> OwnedWorld<R> {
             obstacles: &mut self.obstacles,
             pairs: first.lend(),
             spare: second.lend(),
+            stretches: self.stretches.lend(),
             candidates: OuterList {
                 row: &mut self.candidate_row,
                 partner: &mut self.candidate,

@@ -133,6 +133,7 @@ impl Simulation {
             + 4 * (self.cell_start.len() + self.cell_grain.len())
             + 4 * (self.candidate_row.len() + self.candidate.len())
             + self.lists.iter().map(List::bytes).sum::<usize>()
+            + self.stretches.bytes()
     }
 
     /// Places of the grains that touch an obstacle, ascending.
@@ -329,8 +330,7 @@ impl Simulation {
         let least = self.stepping.range_min.max(1);
         let ranges = threads().min(n / least).max(1);
         if ranges != self.range_bounds.len() + 1 {
-            let listed = self.clock.listed() - self.clock.listed_across();
-            self.range_bounds = cut(n, &self.lists[0].lower[..listed], ranges);
+            self.range_bounds = cut(n, self.stretches.pairs(n), ranges);
         }
     }
 

@@ -16,6 +16,9 @@ const POWER: f64 = 0.7;
 /// A change of the skin at a time: small, so that a wrong time of a busy machine has little effect.
 const CHANGE: f64 = 1.1;
 
+/// Steps between two changes of the skin.
+const STEPS: u32 = 64;
+
 fn change(wider: bool) -> f64 {
     if wider { CHANGE } else { 1.0 / CHANGE }
 }
@@ -28,69 +31,59 @@ const OUTER_SKINS: [f64; 2] = [0.02, 1.0];
 /// What is known of the costs.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Skin {
-    /// When stepping with the present list began.
+    /// When the forces of the present step began.
     since: Option<Instant>,
-    /// Time that picking took since the last search.
+    /// Steps since the skin was changed.
+    steps: u32,
+    /// Time that picking took in them.
     picking: Duration,
-}
-
-/// The lists at a moment: what a renewal changes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Lists {
-    outer_list_rebuilds: u64,
-    prunes: u64,
-    listed: usize,
-    touching: usize,
-}
-
-impl Lists {
-    pub fn of(world: &World<'_, f64>) -> Self {
-        Self {
-            outer_list_rebuilds: world.clock.outer_list_rebuilds(),
-            prunes: world.clock.prunes(),
-            listed: world.clock.listed(),
-            touching: world.clock.listed_touching(),
-        }
-    }
+    /// Time that all else took in them.
+    stepping: Duration,
+    /// Time that picking took since the last search.
+    picking_since_search: Duration,
 }
 
 impl Skin {
-    /// Steps do not go on from here: what follows does not count towards the cost of a list.
-    pub fn on_checkpoint(&mut self) {
-        self.since = None;
+    /// Records that the pair list was looked at since `began`, when so many searches were done: the forces of a step
+    /// begin.
+    pub fn listed(&mut self, world: &mut World<'_, f64>, searches: u64, began: Instant) {
+        let now = Instant::now();
+        let took = now.saturating_duration_since(began);
+        if world.clock.outer_list_rebuilds() > searches {
+            // Candidates grow with about the reach, and so do the candidates that are examined but not picked.
+            let vain = self.picking_since_search.mul_f64(0.5);
+            if !self.picking_since_search.is_zero() {
+                world.outer_skin *= change(took > vain);
+            }
+            self.picking_since_search = Duration::ZERO;
+        } else {
+            self.picking_since_search += took;
+            self.picking += took;
+        }
+        self.since = Some(now);
     }
 
-    /// Records a renewal, if there was one since `began`, when the lists were as `before`; changes
-    /// skin and reach for the next one.
-    pub fn learn(&mut self, world: &mut World<'_, f64>, before: Lists, began: Instant) {
-        let now = Lists::of(world);
-        if now.prunes == before.prunes {
+    /// Records that the forces of a step are done, and changes the skin after some steps.
+    pub fn stepped(&mut self, world: &mut World<'_, f64>) {
+        let Some(since) = self.since.take() else {
+            return;
+        };
+        self.stepping += since.elapsed();
+        self.steps += 1;
+        if self.steps < STEPS {
             return;
         }
-        let renewing = began.elapsed();
-        if now.outer_list_rebuilds > before.outer_list_rebuilds {
-            // Candidates grow with about the reach, and so do the candidates that are examined but not picked.
-            let vain = self.picking.mul_f64(0.5);
-            if !self.picking.is_zero() {
-                world.outer_skin *= change(renewing > vain);
-            }
-            self.picking = Duration::ZERO;
-        } else {
-            self.picking += renewing;
-            if let Some(since) = self.since {
-                let stepping = began.saturating_duration_since(since);
-                // A grain costs about as much as a pair.
-                let idle = before.listed.saturating_sub(before.touching);
-                let share = idle as f64 / (before.listed + world.grains.count()).max(1) as f64;
-                let vain = stepping.mul_f64(POWER * share);
-                world.skin *= change(renewing > vain);
-            }
-        }
+        // A grain costs about as much as a pair.
+        let (listed, touching) = (world.clock.listed(), world.clock.listed_touching());
+        let idle = listed.saturating_sub(touching);
+        let share = idle as f64 / (listed + world.grains.count()).max(1) as f64;
+        let vain = self.stepping.mul_f64(POWER * share);
+        world.skin *= change(self.picking > vain);
+        (self.steps, self.picking, self.stepping) = (0, Duration::ZERO, Duration::ZERO);
         let radius = world.grains.position.first().map_or(0.0, |x| x[3]);
         world.skin = world.skin.clamp(SKINS[0] * radius, SKINS[1] * radius);
         world.outer_skin = world
             .outer_skin
             .clamp(OUTER_SKINS[0] * radius, OUTER_SKINS[1] * radius);
-        self.since = Some(Instant::now());
     }
 }

@@ -15,7 +15,7 @@ use prefetch_index::prefetch_index;
 
 use crate::isa::{Isa, Kernel};
 use crate::modes::{Fallible, Modes};
-use crate::skin::{Lists, Skin};
+use crate::skin::Skin;
 use crate::threads::{Split, awake, each};
 
 /// Fewest grains of a range: handing over less costs more than it saves.
@@ -98,7 +98,6 @@ impl Stepping {
         if world.clock.is_losing() {
             return Err(KernelError::GrainsLeaving);
         }
-        self.skin.on_checkpoint();
         if world.clock.rests() {
             self.begin(world)?;
             self.held = false;
@@ -114,6 +113,7 @@ impl Stepping {
             // Grains that leave do so at the end of a step, before the next one moves any.
             let pauses = is_last || world.policy != LossPolicy::STOP;
             let passed = self.push_and_move(world, law, pauses)?;
+            self.skin.stepped(world);
             finish(world, passed)?;
             if world.clock.is_losing() {
                 if !self.held {
@@ -185,11 +185,11 @@ impl Stepping {
     /// Renews the pair list if it is too old, and measures what that costs.
     fn refresh_pair_list(&mut self, world: &mut World<'_, f64>) -> Fallible<()> {
         if !self.tunes {
-            return ensure_pair_list(world);
+            return self.registers.run(Renew(world));
         }
-        let (before, began) = (Lists::of(world), Instant::now());
-        ensure_pair_list(world)?;
-        self.skin.learn(world, before, began);
+        let (searches, began) = (world.clock.outer_list_rebuilds(), Instant::now());
+        self.registers.run(Renew(world))?;
+        self.skin.listed(world, searches, began);
         Ok(())
     }
 
@@ -306,6 +306,17 @@ impl Kernel for Move<'_> {
     #[inline(always)]
     fn run(mut self) -> Self::Output {
         integrate(&mut self.0, self.1)
+    }
+}
+
+struct Renew<'a, 'w>(&'a mut World<'w, f64>);
+
+impl Kernel for Renew<'_, '_> {
+    type Output = Fallible<()>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        ensure_pair_list(self.0)
     }
 }
 

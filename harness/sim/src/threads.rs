@@ -122,26 +122,31 @@ impl Drop for JoinMark {
 /// Looks without success after which a thread offers its core to others.
 const PATIENCE: u32 = 1000;
 
-/// Cuts the grains into ranges of about equal work, by the lower grains of the listed pairs, which
-/// ascend: the places where ranges end, but for the last.
-pub(crate) fn cut(grains: usize, lower: &[u32], ranges: usize) -> Vec<u32> {
+/// Cuts the grains into ranges of about equal work, by where stretches of them end and how many pairs these have: the
+/// places where ranges end, but for the last.
+pub(crate) fn cut(
+    grains: usize,
+    stretches: impl Iterator<Item = (usize, usize)>,
+    ranges: usize,
+) -> Vec<u32> {
     // A grain costs about as much as a pair.
-    let work = |i: usize| i + lower.partition_point(|&l| (l as usize) < i);
+    let mut ends = vec![(0, 0)];
+    for (end, pairs) in stretches {
+        let (before, work) = ends[ends.len() - 1];
+        ends.push((end, work + (end - before) + pairs));
+    }
+    let (last, work) = ends[ends.len() - 1];
+    ends.push((grains, work + (grains - last)));
+    let all = ends[ends.len() - 1].1;
     let mut range_bounds: Vec<u32> = Vec::new();
     for range in 1..ranges {
-        let share = work(grains) * range / ranges;
-        let (mut from, mut to) = (0, grains);
-        while from < to {
-            let middle = from + (to - from) / 2;
-            if work(middle) < share {
-                from = middle + 1;
-            } else {
-                to = middle;
-            }
-        }
+        let share = all * range / ranges;
+        let next = ends.partition_point(|(_, work)| *work < share).max(1);
+        let ((from, before), (to, after)) = (ends[next - 1], ends[next]);
+        let place = from + (to - from) * (share - before) / (after - before).max(1);
         // No range is empty, however few the grains.
         let least = range_bounds.last().map_or(1, |&before| before as usize + 1);
-        range_bounds.push(from.clamp(least, grains - (ranges - range)) as u32);
+        range_bounds.push(place.clamp(least, grains - (ranges - range)) as u32);
     }
     range_bounds
 }

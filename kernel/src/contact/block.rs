@@ -11,7 +11,7 @@ use crate::contact::law::{
 };
 use crate::math::real::{Real, smaller};
 use crate::math::rows::Row;
-use crate::math::rows::{copy, front_mut, less, min, prefix};
+use crate::math::rows::{copy, get_or_default, less, min, part, part_mut, prefix};
 use crate::math::vec3::{Vec3, add, cross, dot, either, head, scale};
 use crate::state::domain::Domain;
 
@@ -50,6 +50,8 @@ pub(crate) struct Bodies<'a, R> {
 )]
 pub(crate) struct Block<R> {
     count: usize,
+    /// Places of the lower grains, and of the higher ones.
+    place: [[u32; BLOCK]; 2],
     /// Position of the lower grain less that of the higher one; the last word is unused.
     apart: Rows<R>,
     /// Velocity likewise.
@@ -101,6 +103,7 @@ impl<R: Real> Block<R> {
         let rows = [[R::ZERO; 4]; BLOCK];
         Self {
             count: 0,
+            place: [[0; BLOCK]; 2],
             apart: rows,
             relative: rows,
             radius: [column; 2],
@@ -131,7 +134,19 @@ impl<R: Real> Block<R> {
         if whole < BLOCK { whole } else { BLOCK }
     }
 
-    /// Takes up the rows of these pairs, a block at most, and their springs.
+    /// Forgets its pairs.
+    #[inline(always)]
+    pub fn clear(&mut self) {
+        self.count = 0;
+    }
+
+    /// How many more pairs it can take.
+    #[inline(always)]
+    pub fn room(&self) -> usize {
+        BLOCK - min(self.count, BLOCK)
+    }
+
+    /// Takes up the rows of these pairs, as many as there is room for, and their springs.
     #[inline(always)]
     pub fn fill(
         &mut self,
@@ -140,24 +155,28 @@ impl<R: Real> Block<R> {
         partner: &[u32],
         spring: [&[R]; 3],
     ) {
-        self.count = 0;
+        let begin = min(self.count, BLOCK);
         // One length for all rows, so that a place is checked once for all of them.
         let grains = min(bodies.position.len(), bodies.velocity.len());
         let grains = min(grains, bodies.spin.len());
         let position = prefix(bodies.position, grains);
         let velocity = prefix(bodies.velocity, grains);
         let spin = prefix(bodies.spin, grains);
-        for (k, (i, j)) in lower.iter().zip(partner).enumerate().take(BLOCK) {
+        let end = begin + lower.len();
+        copy(part_mut(&mut self.place[0], begin, end), lower);
+        copy(part_mut(&mut self.place[1], begin, end), partner);
+        let mut filled = begin;
+        for (k, (i, j)) in (begin..BLOCK).zip(lower.iter().zip(partner)) {
             let i = (*i as usize).wrapping_sub(bodies.first);
             let j = (*j as usize).wrapping_sub(bodies.first);
             let (Some(x), Some(y)) = (position.get(i), position.get(j)) else {
-                return;
+                break;
             };
             let (Some(v), Some(u)) = (velocity.get(i), velocity.get(j)) else {
-                return;
+                break;
             };
             let (Some(w), Some(z)) = (spin.get(i), spin.get(j)) else {
-                return;
+                break;
             };
             // Whole rows, so that each is one wide load, subtraction and store.
             self.apart[k] = less(x, y);
@@ -166,10 +185,11 @@ impl<R: Real> Block<R> {
             self.radius[1][k] = y[3];
             self.spin[0][k] = *w;
             self.spin[1][k] = *z;
-            self.count = k + 1;
+            filled = k + 1;
         }
+        self.count = filled;
         for (column, spring) in self.spring.iter_mut().zip(spring) {
-            copy(front_mut(column, spring.len()), spring);
+            copy(part_mut(column, begin, begin + spring.len()), spring);
         }
     }
 
@@ -273,6 +293,22 @@ impl<R: Real> Block<R> {
         }
     }
 
+    /// The places of the grains of each pair.
+    #[inline(always)]
+    pub fn places(&self) -> impl Iterator<Item = (&u32, &u32)> {
+        let lower = prefix(&self.place[0], self.count).iter();
+        lower.zip(&self.place[1])
+    }
+
+    /// The places of the grains of one pair.
+    #[inline(always)]
+    pub fn places_of(&self, k: usize) -> (u32, u32) {
+        (
+            get_or_default(&self.place[0], k),
+            get_or_default(&self.place[1], k),
+        )
+    }
+
     /// What each pair of the block gives, in order: force on the lower grain, couple, and the levers of
     /// both grains.
     #[inline(always)]
@@ -289,15 +325,13 @@ impl<R: Real> Block<R> {
             })
     }
 
-    /// The springs that are left.
+    /// Puts the springs that are left of its pairs from `from` on back among the pairs.
     #[inline(always)]
-    pub fn springs(&self) -> [&[R]; 3] {
-        let [x, y, z] = &self.spring;
-        [
-            prefix(x, self.count),
-            prefix(y, self.count),
-            prefix(z, self.count),
-        ]
+    pub fn keep(&self, from: usize, springs: [&mut [R]; 3]) {
+        for (to, left) in springs.into_iter().zip(&self.spring) {
+            let end = from + to.len();
+            copy(to, part(left, from, end));
+        }
     }
 
     /// The first pair of the block that overlaps by more than half the smaller radius.

@@ -43,7 +43,7 @@ pub(crate) fn check_depths<R: Real>(world: &World<'_, R>) -> Result<(), Error> {
             });
         }
     }
-    for (i, j, _) in world.pairs.in_order(world.clock.listed) {
+    for (i, j, _) in world.pairs.in_order(&world.stretches, world.clock.listed) {
         if is_deep(world.domain, &world.grains, i, j) {
             return Err(Error::OverlapTooDeep {
                 i: id(i as usize),

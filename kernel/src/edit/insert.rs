@@ -74,7 +74,7 @@ fn merge<R: Real>(
         }
         set(world.cells.grain, i, (i + lower) as u32);
     }
-    renumber(world);
+    renumber(world, all);
     // From the last one down, so that no row is overwritten before it has moved.
     let (mut old, mut to) = (count, all);
     while let Some(grain) = grains.next_back() {

@@ -62,7 +62,7 @@ pub fn take_out<R: Real>(
             }
         }
         let grains = &mut world.grains;
-        for (i, j, _) in world.pairs.in_order(world.clock.listed) {
+        for (i, j, _) in world.pairs.in_order(&world.stretches, world.clock.listed) {
             let whole = !grains.is_marked(i as usize) && !grains.is_marked(j as usize);
             if whole && is_deep(world.domain, grains, i, j) {
                 let with = get_or_default(grains.id, i as usize);

@@ -64,5 +64,9 @@ pub fn nudge<R: Real>(
     let clock = &mut *world.clock;
     clock.seal = clock.seal.wrapping_add(after.less(before));
     clock.next_travel = larger(clock.next_travel, way);
+    let own = world.stretches.of(place as u32, clock.listed.stretches);
+    if let Some(travel) = world.stretches.travel.get_mut(own) {
+        *travel = larger(*travel, way);
+    }
     Ok(())
 }

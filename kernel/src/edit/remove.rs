@@ -45,7 +45,7 @@ pub(crate) fn compact<R: Real>(world: &mut World<'_, R>, keeps_candidates: bool)
         set(world.cells.grain, i, if goes { GONE } else { left as u32 });
         left += usize::from(!goes);
     }
-    renumber(world);
+    renumber(world, left);
     if keeps_candidates {
         renumber_candidates(world);
     }

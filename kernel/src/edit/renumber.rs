@@ -1,9 +1,11 @@
 //! New places for the grains of the lists, when grains come or go.
 
-use crate::math::real::Real;
+use crate::math::real::{Real, smaller};
 use crate::math::rows::{get_or_default, prefix, set};
 use crate::neighbors::cell_list::OuterList;
 use crate::neighbors::pair_list::{Listed, PairList};
+use crate::neighbors::prune::flatten;
+use crate::phases::mark;
 use crate::world::World;
 
 /// The new place of a grain that is gone.
@@ -21,34 +23,36 @@ impl NewPlaces<'_> {
 }
 
 /// Renumbers pairs and obstacle contacts by the table that stands in the storage of the cells, which only a search
-/// uses. Contacts of grains that are gone go too; the others keep their springs and their order.
-pub(crate) fn renumber<R: Real>(world: &mut World<'_, R>) {
+/// uses, of what will be so many grains. Contacts of grains that are gone go too; the others keep their springs and
+/// their order.
+pub(crate) fn renumber<R: Real>(world: &mut World<'_, R>, grains: usize) {
     let count = world.clock.count;
+    let (stretches, pairs, spare) = (&mut world.stretches, &mut world.pairs, &mut world.spare);
+    let before = world.clock.listed;
+    let mut budget = stretches.least_budget(before.stretches);
+    if before.across > 0 {
+        budget = smaller(budget, world.clock.budget);
+    }
+    let old = flatten(stretches, pairs, spare, before, (count, &[]));
     let places = NewPlaces(prefix(world.cells.grain, count));
-    let listed = world.clock.listed;
-    let mut kept = Listed {
-        touching: listed.touching,
-        ..Listed::default()
+    let kept = kept_pairs(pairs, places, old.pairs);
+    world.clock.listed = Listed {
+        stretches: stretches.divide(prefix(pairs.lower, kept), budget, (grains, &[])),
+        end: kept,
+        across: 0,
+        pairs: kept,
+        touching: old.touching,
+        obstacle_contacts: obstacle_contacts(pairs, places, old.obstacle_contacts),
     };
-    kept.inner = pairs(&mut world.pairs, places, 0..listed.inner, 0);
-    kept.pairs = pairs(
-        &mut world.pairs,
-        places,
-        listed.inner..listed.pairs,
-        kept.inner,
-    );
-    kept.obstacle_contacts = obstacle_contacts(&mut world.pairs, places, listed.obstacle_contacts);
-    world.clock.listed = kept;
+    world.clock.partition_mark = mark(&[]);
+    world.clock.budget = -R::ONE;
+    stretches.travel_alike(world.clock.next_travel);
 }
 
-/// Moves the pairs of a stretch that stay to `to` and the places after it; returns where they end.
-fn pairs<R: Real>(
-    list: &mut PairList<'_, R>,
-    places: NewPlaces<'_>,
-    stretch: core::ops::Range<usize>,
-    mut to: usize,
-) -> usize {
-    for p in stretch {
+/// Moves the pairs that stay together; returns how many they are.
+fn kept_pairs<R: Real>(list: &mut PairList<'_, R>, places: NewPlaces<'_>, count: usize) -> usize {
+    let mut to = 0;
+    for p in 0..count {
         let lower = places.of(get_or_default(list.lower, p));
         let partner = places.of(get_or_default(list.partner, p));
         let (Some(i), Some(j)) = (lower, partner) else {
@@ -105,4 +109,6 @@ pub(crate) fn renumber_candidates<R: Real>(world: &mut World<'_, R>) {
         }
     }
     set(row, rows, to as u32);
+    let stretches = world.clock.listed.stretches;
+    world.stretches.note_neighbors(&world.candidates, stretches);
 }

@@ -15,13 +15,15 @@
 //! After the pairs of grain `g` nothing is added to its force and nothing reads its rows any more: it
 //! can be kicked, and moved on, while its rows are in the cache.
 
+use core::ops::Range;
+
 use crate::contact::block::{BLOCK, Block, Bodies};
 use crate::contact::law::Law;
-use crate::integrate::{GrainMotion, MotionCheck, MotionPhase, integrate};
+use crate::integrate::{GrainMotion, MotionCheck, MotionPhase, integrate, travel_at};
 use crate::math::real::Real;
 use crate::math::rows::Row;
 use crate::math::rows::{
-    add_at, copy, get_or_default, halves_mut, min, part, part_mut, split_at, sub_at, times,
+    add_at, get_or_default, halves_mut, min, part, part_mut, prefix, set, split_at, sub_at, times,
 };
 use crate::math::vec3::Vec3;
 use crate::state::domain::Domain;
@@ -67,6 +69,39 @@ impl<R: Real> PairRange<'_, R> {
     }
 }
 
+/// Stretches of grains, and where their pairs are.
+pub struct StretchRange<'a, R> {
+    /// Place of the first grain of each, and where the last one ends.
+    pub place: &'a [u32],
+    /// Where the pairs of each begin in the list, and where those of the last one may end.
+    pub begin: &'a [u32],
+    /// How many pairs each has.
+    pub pairs: &'a [u32],
+    /// What the fastest grain of each travels in the next step.
+    pub travel: &'a mut [R],
+}
+
+impl<R: Real> StretchRange<'_, R> {
+    /// The first of them, and the others.
+    fn split(self, count: usize) -> (Self, Self) {
+        let pairs = split_at(self.pairs, count);
+        let travel = halves_mut(self.travel, count);
+        let left = Self {
+            place: prefix(self.place, count + 1),
+            begin: prefix(self.begin, count + 1),
+            pairs: pairs.0,
+            travel: travel.0,
+        };
+        let right = Self {
+            place: split_at(self.place, count).1,
+            begin: split_at(self.begin, count).1,
+            pairs: pairs.1,
+            travel: travel.1,
+        };
+        (left, right)
+    }
+}
+
 /// A range of grains and the pairs within it: what the force phase reads and writes. Ranges share
 /// nothing.
 pub struct GrainRange<'a, R> {
@@ -74,6 +109,8 @@ pub struct GrainRange<'a, R> {
     pub first: usize,
     /// Its grains.
     pub grains: GrainMotion<'a, R>,
+    /// Its stretches.
+    pub stretches: StretchRange<'a, R>,
     /// Its pairs.
     pub pairs: PairRange<'a, R>,
     /// Time that the tangential springs advance by; 0 at step 0.
@@ -85,18 +122,25 @@ impl<R: Real> GrainRange<'_, R> {
     /// at the place where the list was cut.
     pub fn split(self, grains: usize) -> (Self, Self) {
         let middle = self.first.saturating_add(grains);
-        let pairs = self.pairs.lower.partition_point(|&i| (i as usize) < middle);
+        let before = self.stretches.pairs.len();
+        let places = prefix(self.stretches.place, before);
+        let before = places.partition_point(|&i| (i as usize) < middle);
+        let begin = |s| get_or_default(self.stretches.begin, s);
+        let pairs = begin(before).saturating_sub(begin(0)) as usize;
         let (left, right) = self.grains.split(grains);
         let (within, others) = self.pairs.split(pairs);
+        let (lower, higher) = self.stretches.split(before);
         let left = Self {
             first: self.first,
             grains: left,
+            stretches: lower,
             pairs: within,
             dt: self.dt,
         };
         let right = Self {
             first: middle,
             grains: right,
+            stretches: higher,
             pairs: others,
             dt: self.dt,
         };
@@ -194,10 +238,13 @@ pub fn cross_range<R: Real, L: Law<R>>(
     let mut out = out.iter_mut();
     let mut done = 0;
     while done < pairs.len() {
-        let (lower, partner) = take(&mut block, bodies, &mut pairs, done);
+        let end = min(done + BLOCK, pairs.len());
+        block.clear();
+        take(&mut block, bodies, &pairs, done, end);
         block.evaluate(&domain, &law, view.dt);
-        keep(&block, &mut pairs, done);
-        let shares = lower.iter().zip(partner).zip(block.shares());
+        let [x, y, z] = &mut pairs.spring;
+        block.keep(0, [x, y, z].map(|s| part_mut(s, done, end)));
+        let shares = block.places().zip(block.shares());
         for (((i, j), (force, couple, lever_arm_i, lever_arm_j)), out) in shares.zip(&mut out) {
             *out = CrossRangeForce {
                 i: *i,
@@ -208,8 +255,8 @@ pub fn cross_range<R: Real, L: Law<R>>(
                 lever_arm_j,
             };
         }
-        deep = deep.or_else(|| deepest(&block, lower, partner));
-        done += BLOCK;
+        deep = deep.or_else(|| deepest(&block));
+        done = end;
     }
     deep
 }
@@ -252,7 +299,12 @@ pub fn accumulate<'s, R: Real, L: Law<R>>(
     after: After,
 ) -> (ExcessiveOverlap, MotionCheck<R>) {
     let (first, dt) = (range.first, range.dt);
-    let GrainRange { grains, pairs, .. } = range;
+    let GrainRange {
+        grains,
+        pairs,
+        stretches,
+        ..
+    } = range;
     // Local copies: the compiler must see that nothing written here can change them.
     let (law, domain) = (*law, *grains.domain);
     // One length for all rows, so that a place is checked once for all of them.
@@ -266,17 +318,23 @@ pub fn accumulate<'s, R: Real, L: Law<R>>(
     let mut own = own;
     let mut block = Block::new();
     let (mut deep, mut passed) = (None, MotionCheck::NONE);
-    let (mut finished, mut done) = (0, 0);
-    loop {
+    let mut next = Cursor::default();
+    let mut finished = 0;
+    let count = min(stretches.travel.len(), stretches.pairs.len());
+    while finished < count {
         let bodies = Bodies {
             first,
             position: grains.position,
             velocity: grains.velocity,
             spin: grains.spin,
         };
-        let (lower, partner) = take(&mut block, bodies, pairs, done);
+        let begin = next;
+        block.clear();
+        while let Some(piece) = next.take(stretches, block.room()) {
+            take(&mut block, bodies, pairs, piece.start, piece.end);
+        }
         if let Some(fetch) = &fetch {
-            for j in pairs.partner.iter().skip(done + BLOCK).take(BLOCK) {
+            for j in pairs.partner.iter().skip(next.entry(stretches)).take(BLOCK) {
                 let j = (*j as usize).wrapping_sub(first);
                 fetch(bodies.position, j);
                 fetch(bodies.velocity, j);
@@ -286,9 +344,13 @@ pub fn accumulate<'s, R: Real, L: Law<R>>(
             }
         }
         block.evaluate(&domain, &law, dt);
-        keep(&block, pairs, done);
-        for ((i, j), (push, couple, lever_arm_i, lever_arm_j)) in
-            lower.iter().zip(partner).zip(block.shares())
+        let (mut again, mut kept) = (begin, 0);
+        while let Some(piece) = again.take(stretches, BLOCK - kept) {
+            let [x, y, z] = &mut pairs.spring;
+            block.keep(kept, [x, y, z].map(|s| part_mut(s, piece.start, piece.end)));
+            kept += piece.len();
+        }
+        for ((i, j), (push, couple, lever_arm_i, lever_arm_j)) in block.places().zip(block.shares())
         {
             let i = (*i as usize).wrapping_sub(first);
             let j = (*j as usize).wrapping_sub(first);
@@ -298,36 +360,71 @@ pub fn accumulate<'s, R: Real, L: Law<R>>(
             sub_at(grains.torque, j, &times(couple, lever_arm_j));
         }
         block.seen(|k, overlap, normal, normal_force, tangential_force| {
+            let (i, j) = block.places_of(k);
             watch(ContactForce {
-                i: get_or_default(lower, k),
-                partner: Partner::Grain(get_or_default(partner, k)),
+                i,
+                partner: Partner::Grain(j),
                 overlap,
                 normal,
                 normal_force,
                 tangential_force,
             });
         });
-        deep = deep.or_else(|| deepest(&block, lower, partner));
-        done += BLOCK;
-        // Sums of the grains below that of the next pair are complete.
-        let next = pairs
-            .lower
-            .get(done)
-            .map(|&i| (i as usize).wrapping_sub(first));
-        let next = next.unwrap_or(all);
-        take_own(grains, &mut own, first, next);
-        let complete = &mut grains.stretch(finished, next);
-        match after {
-            After::Stay => {}
-            After::Rest => passed = passed.and(integrate(complete, MotionPhase::Kick)),
-            After::FinishAndBegin => {
-                passed = passed.and(integrate(complete, MotionPhase::KickAndDrift))
-            }
+        deep = deep.or_else(|| deepest(&block));
+        // Sums of these stretches are complete but for what pairs with higher ranges give.
+        for s in finished..next.stretch {
+            let place = |s| (get_or_default(stretches.place, s) as usize).wrapping_sub(first);
+            take_own(grains, &mut own, first, place(s + 1));
+            let complete = &mut grains.stretch(place(s), place(s + 1));
+            let one = match after {
+                After::Stay => continue,
+                After::Rest => integrate(complete, MotionPhase::Kick),
+                After::FinishAndBegin => integrate(complete, MotionPhase::KickAndDrift),
+            };
+            set(stretches.travel, s, travel_at(one.speed2, complete.dt));
+            passed = passed.and(one);
         }
-        finished = next;
-        if finished >= all {
-            return (deep, passed);
+        finished = next.stretch;
+    }
+    (deep, passed)
+}
+
+/// Where a walk along the pairs of stretches is.
+#[derive(Clone, Copy, Default)]
+struct Cursor {
+    stretch: usize,
+    /// Pairs of it that are done.
+    done: usize,
+}
+
+impl Cursor {
+    /// The entry of the next pair.
+    #[inline(always)]
+    fn entry<R: Real>(self, stretches: &StretchRange<'_, R>) -> usize {
+        let base = get_or_default(stretches.begin, 0);
+        let begin = get_or_default(stretches.begin, self.stretch);
+        begin.saturating_sub(base) as usize + self.done
+    }
+
+    /// Entries of pairs of one stretch, as many as there is room for; none if all is done.
+    #[inline(always)]
+    fn take<R: Real>(
+        &mut self,
+        stretches: &StretchRange<'_, R>,
+        room: usize,
+    ) -> Option<Range<usize>> {
+        let pairs = *stretches.pairs.get(self.stretch)? as usize;
+        let begin = self.entry(stretches);
+        let left = pairs.saturating_sub(self.done);
+        if left <= room {
+            *self = Self {
+                stretch: self.stretch + 1,
+                done: 0,
+            };
+            return Some(begin..begin + left);
         }
+        self.done += room;
+        (room > 0).then_some(begin..begin + room)
     }
 }
 
@@ -350,15 +447,15 @@ fn take_own<R: Real>(
     }
 }
 
-/// Fills a block with the pairs from `from` on, and says whose they are.
+/// Fills a block up with the pairs from `from` to `to`.
 #[inline(always)]
-fn take<'a, R: Real>(
+fn take<R: Real>(
     block: &mut Block<R>,
     bodies: Bodies<'_, R>,
-    pairs: &mut PairRange<'a, R>,
+    pairs: &PairRange<'_, R>,
     from: usize,
-) -> (&'a [u32], &'a [u32]) {
-    let to = min(from + BLOCK, pairs.len());
+    to: usize,
+) {
     let (lower, partner) = (part(pairs.lower, from, to), part(pairs.partner, from, to));
     let [x, y, z] = &pairs.spring;
     block.fill(
@@ -367,19 +464,9 @@ fn take<'a, R: Real>(
         partner,
         [part(x, from, to), part(y, from, to), part(z, from, to)],
     );
-    (lower, partner)
-}
-
-/// Puts the springs of a block back among the pairs.
-#[inline(always)]
-fn keep<R: Real>(block: &Block<R>, pairs: &mut PairRange<'_, R>, from: usize) {
-    for (to, left) in pairs.spring.iter_mut().zip(block.springs()) {
-        copy(part_mut(to, from, from + left.len()), left);
-    }
 }
 
 #[inline(always)]
-fn deepest<R: Real>(block: &Block<R>, lower: &[u32], partner: &[u32]) -> ExcessiveOverlap {
-    let k = block.deepest()?;
-    Some((get_or_default(lower, k), get_or_default(partner, k)))
+fn deepest<R: Real>(block: &Block<R>) -> ExcessiveOverlap {
+    Some(block.places_of(block.deepest()?))
 }

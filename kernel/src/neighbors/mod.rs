@@ -4,3 +4,4 @@ pub(crate) mod cell_list;
 mod grid;
 pub(crate) mod pair_list;
 pub(crate) mod prune;
+pub(crate) mod stretch;

@@ -1,13 +1,15 @@
 //! The list of pairs near enough to touch soon, and the tangential springs beside them.
 //!
-//! Grain pairs are listed once, by lower grain and then partner, both ascending. Obstacle contacts
-//! are a separate list, by grain and then obstacle. A pair keeps its spring as long as its bodies
-//! touch; which further pairs are listed has no effect on any result.
+//! Grain pairs are listed once, by lower grain and then partner, both ascending: those of each stretch of grains
+//! together, with room between stretches, then those of two ranges of grains. Obstacle contacts are a separate list, by
+//! grain and then obstacle. A pair keeps its spring as long as its bodies touch; which further pairs are listed has no
+//! effect on any result.
 
 use crate::math::real::Real;
 use crate::math::rows::Row;
 use crate::math::rows::{get_or_default, prefix, set};
 use crate::math::vec3::{dot, head};
+use crate::neighbors::stretch::StretchList;
 use crate::state::domain::Domain;
 
 /// Bit of a listed obstacle that says the contact touched in the last evaluation.
@@ -18,7 +20,7 @@ pub(crate) const PLACE: u32 = TOUCHING - 1;
 
 /// Storage of one list, borrowed. Two of them make a renewal possible.
 pub struct PairList<'a, R> {
-    /// Place of the lower grain of each pair. First the pairs within one range of grains, then, as
+    /// Place of the lower grain of each pair. First the pairs within one range of grains, by stretches, then, as
     /// ordered, those of two ranges; see [`crate::World::range_bounds`].
     pub lower: &'a mut [u32],
     /// Place of the higher grain.
@@ -37,14 +39,35 @@ pub struct PairList<'a, R> {
 /// How many entries of a list are in use.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Listed {
-    /// Pairs within one range of grains: the first ones.
-    pub inner: usize,
+    /// Stretches of grains; none before anything is listed.
+    pub stretches: usize,
+    /// Where the storage of their pairs ends, and those of two ranges begin.
+    pub end: usize,
+    /// Pairs of two ranges.
+    pub across: usize,
     /// All pairs.
     pub pairs: usize,
     /// Pairs that touched when they were listed; for timings only.
     pub touching: usize,
     /// Obstacle contacts.
     pub obstacle_contacts: usize,
+}
+
+impl Listed {
+    /// Before anything is listed.
+    pub const NONE: Self = Self {
+        stretches: 0,
+        end: 0,
+        across: 0,
+        pairs: 0,
+        touching: 0,
+        obstacle_contacts: 0,
+    };
+
+    /// Where the last pair ends.
+    pub fn last(self) -> usize {
+        self.end + self.across
+    }
 }
 
 /// One touching contact as the list holds it; places, not ids.
@@ -71,20 +94,28 @@ pub enum ContactHistory<R> {
     },
 }
 
-/// The listed pairs by lower grain and partner: the two ascending parts of a list as one.
-pub(crate) struct InOrder<'a> {
+/// The listed pairs by lower grain and partner: those of all stretches and those of two ranges as one.
+pub(crate) struct InOrder<'a, R> {
     lower: &'a [u32],
     partner: &'a [u32],
-    /// What is left of the pairs within ranges, and of those of two ranges.
+    stretches: &'a StretchList<'a, R>,
+    /// Stretches whose pairs have not begun.
+    others: core::ops::Range<usize>,
+    /// What is left of the pairs of a stretch, and of those of two ranges.
     inner: core::ops::Range<usize>,
     across: core::ops::Range<usize>,
 }
 
-impl Iterator for InOrder<'_> {
+impl<R: Real> Iterator for InOrder<'_, R> {
     /// Lower grain, partner and entry.
     type Item = (u32, u32, usize);
 
     fn next(&mut self) -> Option<Self::Item> {
+        while self.inner.is_empty()
+            && let Some(next) = self.others.next()
+        {
+            self.inner = self.stretches.entries(next);
+        }
         let entry = |p: usize| {
             (
                 get_or_default(self.lower, p),
@@ -98,12 +129,12 @@ impl Iterator for InOrder<'_> {
         } else {
             !self.across.is_empty() && entry(b) < entry(a)
         };
-        let stretch = if from_across {
+        let from = if from_across {
             &mut self.across
         } else {
             &mut self.inner
         };
-        stretch.next().map(entry)
+        from.next().map(entry)
     }
 }
 
@@ -118,17 +149,23 @@ impl<R: Real> PairList<'_, R> {
 
     /// Whether the list has room for what is said to be in it.
     pub(crate) fn holds(&self, listed: Listed) -> bool {
-        self.partner.len() >= listed.pairs
+        self.partner.len() >= listed.last()
             && self.obstacle_contact_grain.len() >= listed.obstacle_contacts
     }
 
     /// The listed pairs by lower grain and partner.
-    pub(crate) fn in_order(&self, listed: Listed) -> InOrder<'_> {
+    pub(crate) fn in_order<'b>(
+        &'b self,
+        stretches: &'b StretchList<'b, R>,
+        listed: Listed,
+    ) -> InOrder<'b, R> {
         InOrder {
             lower: self.lower,
             partner: self.partner,
-            inner: 0..listed.inner,
-            across: listed.inner..listed.pairs,
+            stretches,
+            others: 0..listed.stretches,
+            inner: 0..0,
+            across: listed.end..listed.last(),
         }
     }
 
@@ -153,6 +190,7 @@ impl<R: Real> PairList<'_, R> {
     /// touches.
     pub(crate) fn contact_histories<'b>(
         &'b self,
+        stretches: &'b StretchList<'b, R>,
         listed: Listed,
         domain: &'b Domain<R>,
         position: &'b [Row<R>],
@@ -165,7 +203,7 @@ impl<R: Real> PairList<'_, R> {
             let d = domain.separation(head(x), head(y));
             (x[3] + y[3]) - dot(d, d).sqrt() > R::ZERO
         };
-        let pairs = self.in_order(listed);
+        let pairs = self.in_order(stretches, listed);
         let pairs = pairs.filter(move |(i, j, _)| touching(*i, *j));
         let pairs = pairs.map(|(i, j, p)| ContactHistory::Pair {
             i,
@@ -185,7 +223,12 @@ impl<R: Real> PairList<'_, R> {
     }
 
     /// Puts a history back into a list that was just built; `false` if the list has no such entry.
-    pub(crate) fn restore(&mut self, history: &ContactHistory<R>, listed: Listed) -> bool {
+    pub(crate) fn restore(
+        &mut self,
+        stretches: &StretchList<'_, R>,
+        history: &ContactHistory<R>,
+        listed: Listed,
+    ) -> bool {
         let (ContactHistory::Pair { spring, .. } | ContactHistory::Obstacle { spring, .. }) =
             history;
         if !spring.iter().all(|s| s.is_finite()) {
@@ -193,9 +236,7 @@ impl<R: Real> PairList<'_, R> {
         }
         match *history {
             ContactHistory::Pair { i, j, spring } => {
-                let found = self.find(0..listed.inner, (i, j));
-                let found = found.or_else(|| self.find(listed.inner..listed.pairs, (i, j)));
-                let Some(p) = found else {
+                let Some(p) = self.find(stretches, listed, (i, j)) else {
                     return false;
                 };
                 self.set_spring(p, spring);
@@ -221,9 +262,24 @@ impl<R: Real> PairList<'_, R> {
         true
     }
 
-    /// The entry of a pair in a stretch that ascends, by halving.
-    fn find(&self, stretch: core::ops::Range<usize>, pair: (u32, u32)) -> Option<usize> {
-        let (mut from, mut to) = (stretch.start, stretch.end);
+    /// The entry of a pair.
+    pub(crate) fn find(
+        &self,
+        stretches: &StretchList<'_, R>,
+        listed: Listed,
+        pair: (u32, u32),
+    ) -> Option<usize> {
+        if listed.stretches == 0 {
+            return None;
+        }
+        let inner = stretches.entries(stretches.of(pair.0, listed.stretches));
+        let found = self.find_within(inner, pair);
+        found.or_else(|| self.find_within(listed.end..listed.last(), pair))
+    }
+
+    /// The entry of a pair among entries that ascend, by halving.
+    fn find_within(&self, entries: core::ops::Range<usize>, pair: (u32, u32)) -> Option<usize> {
+        let (mut from, mut to) = (entries.start, entries.end);
         while from < to {
             let middle = from + (to - from) / 2;
             let here = (

@@ -1,153 +1,411 @@
 //! The pairs near enough to touch soon, picked from the candidates of the last search.
 //!
-//! A search looks far, so that it is rare; the list that every step evaluates looks a short way, so
-//! that almost every pair in it touches, and is renewed as often as needed. The new list is
-//! made in the spare storage, takes over the springs of the old one and is copied back, so that a
-//! full list leaves the old one whole.
+//! A search looks far, so that it is rare; the list that every step evaluates looks a short way, so that almost every
+//! pair in it touches, and each stretch of grains renews its own part of it as often as needed. New pairs are written
+//! to the spare storage, take over the springs of the old ones and are copied back, so that a full list leaves the
+//! old one whole.
 
+use core::ops::Range;
+
+use crate::contact::block::BLOCK;
 use crate::error::Error;
-use crate::math::real::Real;
+use crate::math::real::{Real, larger};
 use crate::math::rows::Row;
-use crate::math::rows::{copy, front_mut, get_or_default, prefix, set};
+use crate::math::rows::{copy, get_or_default, less, min, part, part_mut, prefix, set, split_at};
 use crate::math::vec3::{dot, head, is_beyond};
 use crate::neighbors::cell_list::OuterList;
 use crate::neighbors::pair_list::{Listed, PairList};
+use crate::neighbors::stretch::StretchList;
 use crate::state::domain::Domain;
+
+/// Entries of room that a stretch gets beyond its pairs at most, so that they can grow in number in their place.
+const ROOM: usize = 24;
 
 /// What picking reads.
 pub(crate) struct Pruning<'a, R> {
     pub domain: &'a Domain<R>,
     pub position: &'a [Row<R>],
     pub candidates: &'a OuterList<'a>,
-    /// How far beyond touching a pair is listed.
-    pub near: R,
     /// Where ranges of grains end, but for the last.
     pub range_bounds: &'a [u32],
+    /// Margin for the rounding of coordinates and distances.
+    pub slack: R,
 }
 
-/// Lists every candidate closer than touching by up to `near`, with the springs of the old list.
-pub(crate) fn prune<R: Real>(
+impl<R: Real> Pruning<'_, R> {
+    /// The candidates of a grain.
+    fn row(&self, grain: usize) -> &[u32] {
+        let rows = &*self.candidates.row;
+        let from = get_or_default(rows, grain) as usize;
+        part(
+            self.candidates.partner,
+            from,
+            get_or_default(rows, grain + 1) as usize,
+        )
+    }
+
+    /// Where the range that holds a grain ends.
+    fn range_end(&self, grain: usize) -> u32 {
+        let ends = self.range_bounds.iter().copied();
+        let beyond = ends.filter(|end| *end as usize > grain).min();
+        beyond.unwrap_or(u32::MAX)
+    }
+
+    /// Whether a candidate is nearer than touching by up to `near`.
+    fn is_near(&self, x: &Row<R>, j: u32, near: R) -> bool {
+        let y = get_or_default(self.position, j as usize);
+        let d = self.domain.separation(head(*x), head(y));
+        !is_beyond(d, (x[3] + y[3]) + near)
+    }
+}
+
+/// Candidates whose distances are computed together.
+const CHUNK: usize = BLOCK;
+
+/// Some candidates of a stretch, in columns: each loop over them is short enough for wide registers.
+struct Chunk<R> {
+    count: usize,
+    lower: [u32; CHUNK],
+    partner: [u32; CHUNK],
+    apart: [Row<R>; CHUNK],
+    /// Sum of the radii.
+    touch: [R; CHUNK],
+    is_near: [bool; CHUNK],
+    touches: [bool; CHUNK],
+}
+
+impl<R: Real> Chunk<R> {
+    #[inline(always)]
+    fn new() -> Self {
+        Self {
+            count: 0,
+            lower: [0; CHUNK],
+            partner: [0; CHUNK],
+            apart: [[R::ZERO; 4]; CHUNK],
+            touch: [R::ZERO; CHUNK],
+            is_near: [false; CHUNK],
+            touches: [false; CHUNK],
+        }
+    }
+
+    /// Takes up candidates of a grain; returns those that there is no room for.
+    #[inline(always)]
+    fn fill<'c>(&mut self, position: &[Row<R>], i: usize, row: &'c [u32]) -> &'c [u32] {
+        let x = get_or_default(position, i);
+        let begin = min(self.count, CHUNK);
+        let (now, later) = split_at(row, min(CHUNK - begin, row.len()));
+        for (k, j) in (begin..CHUNK).zip(now) {
+            let y = get_or_default(position, *j as usize);
+            self.lower[k] = i as u32;
+            self.partner[k] = *j;
+            self.apart[k] = less(&x, &y);
+            self.touch[k] = x[3] + y[3];
+        }
+        self.count = begin + now.len();
+        later
+    }
+
+    /// Finds which are nearer than touching by up to `near`.
+    #[inline(always)]
+    fn measure(&mut self, domain: &Domain<R>, near: R) {
+        for k in 0..CHUNK {
+            let d = domain.nearest(head(self.apart[k]));
+            self.is_near[k] = !is_beyond(d, self.touch[k] + near);
+            self.touches[k] = dot(d, d) < self.touch[k] * self.touch[k];
+        }
+    }
+
+    /// Writes those that are near to a list from `to` on, as far as there is room; returns where they end, and how
+    /// many candidates touch.
+    #[inline(always)]
+    fn keep(&mut self, list: &mut PairList<'_, R>, mut to: usize) -> (usize, usize) {
+        let mut touching = 0;
+        for k in 0..min(self.count, CHUNK) {
+            // Written in any case, kept only if near: no branch to mispredict.
+            set(list.lower, to, self.lower[k]);
+            set(list.partner, to, self.partner[k]);
+            to += usize::from(self.is_near[k]);
+            touching += usize::from(self.touches[k]);
+        }
+        self.count = 0;
+        (to, touching)
+    }
+}
+
+/// Picks the pairs of these grains within their range into the spare list from `begin` on; returns where they end and
+/// how many touch. What there is no room for is only counted.
+#[inline(always)]
+fn pick<R: Real>(
     picking: &Pruning<'_, R>,
+    grains: Range<usize>,
+    near: R,
+    spare: &mut PairList<'_, R>,
+    begin: usize,
+) -> (usize, usize) {
+    let end = picking.range_end(grains.start);
+    let mut chunk = Chunk::new();
+    let (mut to, mut touching) = (begin, 0usize);
+    let mut empty = |chunk: &mut Chunk<R>| {
+        chunk.measure(picking.domain, near);
+        let kept = chunk.keep(spare, to);
+        to = kept.0;
+        touching += kept.1;
+    };
+    for i in grains {
+        let mut row = picking.row(i);
+        if end != u32::MAX {
+            row = prefix(row, row.partition_point(|j| *j < end));
+        }
+        while !row.is_empty() {
+            row = chunk.fill(picking.position, i, row);
+            if chunk.count == CHUNK {
+                empty(&mut chunk);
+            }
+        }
+    }
+    empty(&mut chunk);
+    (to, touching)
+}
+
+/// Gives the entries `new` of the spare list the springs that the entries `old` of the list have of the same pairs.
+#[inline(always)]
+fn take_springs<R: Real>(
+    pairs: &PairList<'_, R>,
+    old: Range<usize>,
+    spare: &mut PairList<'_, R>,
+    new: Range<usize>,
+) {
+    let had = |p: usize| {
+        (
+            get_or_default(pairs.lower, p),
+            get_or_default(pairs.partner, p),
+        )
+    };
+    // Of a full list, those that were written.
+    let new = new.start..min(new.end, spare.lower.len());
+    let old = old.start..min(old.end, pairs.lower.len());
+    let (mut from, mut to) = (old.start, new.start);
+    while to < new.end {
+        // Most pairs stay: as long as they do, springs are copied together.
+        let lower = part(pairs.lower, from, old.end)
+            .iter()
+            .zip(part(spare.lower, to, new.end));
+        let higher =
+            part(pairs.partner, from, old.end)
+                .iter()
+                .zip(part(spare.partner, to, new.end));
+        let same = lower
+            .zip(higher)
+            .take_while(|((a, b), (c, d))| a == b && c == d);
+        let count = same.count();
+        for (new, spring) in spare.spring.iter_mut().zip(&pairs.spring) {
+            copy(
+                part_mut(new, to, to + count),
+                part(spring, from, from + count),
+            );
+        }
+        from += count;
+        to += count;
+        if to >= new.end {
+            return;
+        }
+        let pair = (
+            get_or_default(spare.lower, to),
+            get_or_default(spare.partner, to),
+        );
+        while from < old.end && had(from) < pair {
+            from += 1;
+        }
+        if from >= old.end || had(from) != pair {
+            spare.set_spring(to, [R::ZERO; 3]);
+            to += 1;
+        }
+    }
+}
+
+/// Picks the pairs of two ranges into the spare list from `begin` on; returns where they end.
+fn pick_across<R: Real>(
+    picking: &Pruning<'_, R>,
+    near: R,
+    (pairs, stretches, old): (&PairList<'_, R>, &StretchList<'_, R>, Listed),
+    spare: &mut PairList<'_, R>,
+    begin: usize,
+) -> usize {
+    let mut to = begin;
+    for s in 0..old.stretches {
+        let grains = stretches.grains(s);
+        let end = picking.range_end(grains.start);
+        if end == u32::MAX {
+            break;
+        }
+        for i in grains {
+            let row = picking.row(i);
+            let x = get_or_default(picking.position, i);
+            let beyond = row.partition_point(|j| *j < end);
+            for &j in row.get(beyond..).unwrap_or_default() {
+                if !picking.is_near(&x, j, near) {
+                    continue;
+                }
+                set(spare.lower, to, i as u32);
+                set(spare.partner, to, j);
+                let had = pairs.find(stretches, old, (i as u32, j));
+                let spring = had.map_or([R::ZERO; 3], |p| pairs.spring_of(p));
+                spare.set_spring(to, spring);
+                to += 1;
+            }
+        }
+    }
+    to
+}
+
+/// Copies pairs of the spare list to another place of the list.
+fn keep<R: Real>(
+    pairs: &mut PairList<'_, R>,
+    to: usize,
+    spare: &PairList<'_, R>,
+    from: Range<usize>,
+) {
+    let end = to.saturating_add(from.len());
+    copy(
+        part_mut(pairs.lower, to, end),
+        part(spare.lower, from.start, from.end),
+    );
+    copy(
+        part_mut(pairs.partner, to, end),
+        part(spare.partner, from.start, from.end),
+    );
+    for (new, spring) in pairs.spring.iter_mut().zip(&spare.spring) {
+        copy(part_mut(new, to, end), part(spring, from.start, from.end));
+    }
+}
+
+/// Picks the pairs of one stretch nearer than touching by up to `skin`. `false`, and nothing is changed, if there is no
+/// room for them in its place.
+#[inline(always)]
+pub(crate) fn prune_stretch<R: Real>(
+    picking: &Pruning<'_, R>,
+    (stretches, s): (&mut StretchList<'_, R>, usize),
+    skin: R,
+    pairs: &mut PairList<'_, R>,
+    spare: &mut PairList<'_, R>,
+    listed: &mut Listed,
+) -> bool {
+    let old = stretches.entries(s);
+    let near = skin + picking.slack;
+    let (count, touching) = pick(picking, stretches.grains(s), near, spare, 0);
+    if count > min(stretches.room(s), spare.lower.len()) {
+        return false;
+    }
+    take_springs(pairs, old.clone(), spare, 0..count);
+    keep(pairs, old.start, spare, 0..count);
+    let before = get_or_default(stretches.touching, s) as usize;
+    listed.pairs = listed.pairs.saturating_sub(old.len()) + count;
+    listed.touching = listed.touching.saturating_sub(before) + touching;
+    set(stretches.pairs, s, count as u32);
+    set(stretches.touching, s, touching as u32);
+    set(stretches.budget, s, skin);
+    true
+}
+
+/// Picks the pairs of two ranges alone. `false`, and nothing is changed, if there is no room for them.
+pub(crate) fn prune_across<R: Real>(
+    picking: &Pruning<'_, R>,
+    stretches: &StretchList<'_, R>,
+    skin: R,
+    pairs: &mut PairList<'_, R>,
+    spare: &mut PairList<'_, R>,
+    listed: &mut Listed,
+) -> bool {
+    let near = skin + picking.slack;
+    let count = pick_across(picking, near, (pairs, stretches, *listed), spare, 0);
+    if listed.end.saturating_add(count) > spare.lower.len() {
+        return false;
+    }
+    keep(pairs, listed.end, spare, 0..count);
+    listed.pairs = listed.pairs.saturating_sub(listed.across) + count;
+    listed.across = count;
+    true
+}
+
+/// Picks all pairs, of each stretch for `skin` or what it needs in the next step, and makes room between stretches.
+///
+/// # Errors
+/// A full list, before anything is changed.
+#[inline(always)]
+pub(crate) fn prune_all<R: Real>(
+    picking: &Pruning<'_, R>,
+    stretches: &mut StretchList<'_, R>,
+    (skin, widest, ahead): (R, R, bool),
     pairs: &mut PairList<'_, R>,
     spare: &mut PairList<'_, R>,
     old: Listed,
 ) -> Result<Listed, Error> {
-    let new = list(picking, spare, old)?;
-    take_springs(pairs, old, spare, new);
-    copy(
-        front_mut(pairs.lower, new.pairs),
-        prefix(spare.lower, new.pairs),
-    );
-    copy(
-        front_mut(pairs.partner, new.pairs),
-        prefix(spare.partner, new.pairs),
-    );
-    for (to, from) in pairs.spring.iter_mut().zip(&spare.spring) {
-        copy(front_mut(to, new.pairs), prefix(from, new.pairs));
+    let (mut inner, mut touching) = (0, 0);
+    for s in 0..old.stretches {
+        let near = larger(skin, stretches.need(s, ahead)) + picking.slack;
+        let (end, touches) = pick(picking, stretches.grains(s), near, spare, inner);
+        take_springs(pairs, stretches.entries(s), spare, inner..end);
+        set(stretches.touching, s, touches as u32);
+        touching += touches;
+        inner = end;
     }
-    Ok(new)
-}
-
-/// Pairs within one range from the front, those of two ranges from the back, which are then turned
-/// round and moved up.
-fn list<R: Real>(
-    picking: &Pruning<'_, R>,
-    spare: &mut PairList<'_, R>,
-    old: Listed,
-) -> Result<Listed, Error> {
-    let capacity = spare.partner.len();
-    let rows = &*picking.candidates.row;
-    let mut range_bounds = picking.range_bounds.iter().copied();
-    let mut end = range_bounds.next().unwrap_or(u32::MAX);
-    let (mut inner, mut across, mut touching) = (0usize, 0usize, 0usize);
-    // Where the pairs of two ranges begin.
-    let mut room = capacity;
-    for (i, x) in picking.position.iter().enumerate() {
-        while i as u32 >= end {
-            end = range_bounds.next().unwrap_or(u32::MAX);
-        }
-        let row = prefix(
-            picking.candidates.partner,
-            get_or_default(rows, i + 1) as usize,
-        );
-        for &j in row
-            .get(get_or_default(rows, i) as usize..)
-            .unwrap_or_default()
-        {
-            let y = get_or_default(picking.position, j as usize);
-            let d = picking.domain.separation(head(*x), head(y));
-            let touch = x[3] + y[3];
-            let reach = touch + picking.near;
-            let distance2 = dot(d, d);
-            let is_far = is_beyond(d, reach);
-            touching += usize::from(distance2 < touch * touch);
-            if j < end {
-                // Written while there is room, kept only when near: no branch to mispredict.
-                if inner < room {
-                    set(spare.lower, inner, i as u32);
-                    set(spare.partner, inner, j);
-                }
-                inner += usize::from(!is_far);
-            } else if !is_far {
-                across += 1;
-                room = capacity.saturating_sub(across);
-                if inner <= room {
-                    set(spare.lower, room, i as u32);
-                    set(spare.partner, room, j);
-                }
-            }
-        }
+    let near = widest + picking.slack;
+    let all = pick_across(picking, near, (pairs, stretches, old), spare, inner);
+    let capacity = spare.lower.len();
+    if all > capacity {
+        return Err(Error::PairListFull { needed: all });
     }
-    let pairs = inner + across;
-    if pairs > capacity {
-        return Err(Error::PairListFull { needed: pairs });
+    let room = (capacity - all)
+        .checked_div(old.stretches)
+        .unwrap_or_default();
+    let room = min(room, ROOM);
+    let (mut from, mut to) = (0, 0);
+    for s in 0..old.stretches {
+        let end = stretches.grains(s).end;
+        let own = part(spare.lower, from, inner);
+        let count = own.partition_point(|i| (*i as usize) < end);
+        keep(pairs, to, spare, from..from + count);
+        set(stretches.begin, s, to as u32);
+        set(stretches.pairs, s, count as u32);
+        set(stretches.budget, s, larger(skin, stretches.need(s, ahead)));
+        from += count;
+        to += count + room;
     }
-    for column in [&mut *spare.lower, &mut *spare.partner] {
-        turn_round(column, capacity - across);
-        for k in 0..across {
-            let word = get_or_default(column, capacity - across + k);
-            set(column, inner + k, word);
-        }
-    }
+    set(stretches.begin, old.stretches, to as u32);
+    keep(pairs, to, spare, inner..all);
     Ok(Listed {
-        inner,
-        pairs,
+        end: to,
+        across: all - inner,
+        pairs: all,
         touching,
         ..old
     })
 }
 
-/// Reverses the words from a place on; the standard library's way can panic.
-fn turn_round(words: &mut [u32], from: usize) {
-    let end = words.len();
-    for k in 0..end.saturating_sub(from) / 2 {
-        let (a, b) = (
-            get_or_default(words, from + k),
-            get_or_default(words, end - 1 - k),
-        );
-        set(words, from + k, b);
-        set(words, end - 1 - k, a);
+/// Moves all pairs together, those of two ranges in their order, and cuts grains anew: so many, into stretches none of
+/// which is in two of the ranges that end there.
+pub(crate) fn flatten<R: Real>(
+    stretches: &mut StretchList<'_, R>,
+    pairs: &mut PairList<'_, R>,
+    spare: &mut PairList<'_, R>,
+    old: Listed,
+    cut: (usize, &[u32]),
+) -> Listed {
+    let mut all = 0;
+    for (i, j, p) in pairs.in_order(stretches, old) {
+        set(spare.lower, all, i);
+        set(spare.partner, all, j);
+        spare.set_spring(all, pairs.spring_of(p));
+        all += 1;
     }
-}
-
-/// Both lists ascend, so one walk along each finds the pairs that stay.
-fn take_springs<R: Real>(
-    old: &PairList<'_, R>,
-    had: Listed,
-    new: &mut PairList<'_, R>,
-    has: Listed,
-) {
-    for stretch in [0..has.inner, has.inner..has.pairs] {
-        let mut kept = old.in_order(had);
-        let mut at_hand = kept.next();
-        for p in stretch {
-            let pair = (get_or_default(new.lower, p), get_or_default(new.partner, p));
-            while at_hand.is_some_and(|(i, j, _)| (i, j) < pair) {
-                at_hand = kept.next();
-            }
-            let same = at_hand.filter(|&(i, j, _)| (i, j) == pair);
-            let spring = same.map_or([R::ZERO; 3], |(_, _, from)| old.spring_of(from));
-            new.set_spring(p, spring);
-        }
+    keep(pairs, 0, spare, 0..all);
+    let least = stretches.least_budget(old.stretches);
+    let count = stretches.divide(prefix(pairs.lower, all), least, cut);
+    Listed {
+        stretches: count,
+        end: all,
+        across: 0,
+        pairs: all,
+        ..old
     }
 }

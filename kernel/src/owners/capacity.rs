@@ -1,5 +1,7 @@
 //! How much room a world needs.
 
+use crate::neighbors::stretch::{NEIGHBORS, STRETCH};
+
 /// How many bodies and list entries there is room for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Capacity {
@@ -42,19 +44,24 @@ impl Capacity {
         }
     }
 
-    /// Numbers of the world's type that its rows and springs take: `20 grains + 6 pairs + 8 obstacle_contacts`. `None`
-    /// if that cannot be counted.
+    /// Stretches of grains that renew their pairs together: one for each 64 grains, and one more.
+    pub const fn stretches(&self) -> usize {
+        self.grains / STRETCH + 1
+    }
+
+    /// Numbers of the world's type that its rows and springs take: `20 grains + 6 pairs + 8 obstacle_contacts +
+    /// 3 stretches`. `None` if that cannot be counted.
     pub const fn numbers(&self) -> Option<usize> {
         sum([
             (20, self.grains),
             (6, self.pairs),
             (8, self.obstacle_contacts),
-            (0, 0),
+            (3, self.stretches()),
         ])
     }
 
     /// Words of 32 bits that ids, lists and cells take: `3 grains + 4 pairs + candidates + 4 obstacle_contacts + cells
-    /// + 2`. `None` if that cannot be counted.
+    /// + 32 stretches + 4`. `None` if that cannot be counted.
     pub const fn words(&self) -> Option<usize> {
         let lists = sum([
             (3, self.grains),
@@ -62,8 +69,14 @@ impl Capacity {
             (1, self.candidates),
             (4, self.obstacle_contacts),
         ]);
-        match (lists, self.cells.checked_add(2)) {
-            (Some(lists), Some(cells)) => lists.checked_add(cells),
+        let others = sum([
+            (1, self.cells),
+            (4 + NEIGHBORS, self.stretches()),
+            (1, 4),
+            (0, 0),
+        ]);
+        match (lists, others) {
+            (Some(lists), Some(others)) => lists.checked_add(others),
             _ => None,
         }
     }

@@ -7,6 +7,7 @@ use crate::math::real::Real;
 use crate::math::rows::{Row, front_mut, prefix, set};
 use crate::neighbors::cell_list::{CellList, OuterList};
 use crate::neighbors::pair_list::PairList;
+use crate::neighbors::stretch::{NEIGHBORS, StretchList};
 use crate::saved::Saved;
 use crate::state::domain::Domain;
 use crate::state::grains::{Grains, Group, NewGrain};
@@ -277,6 +278,7 @@ impl<'a, R: Real> LentStore<'a, R> {
             cells,
             ..
         } = self.capacity;
+        let stretches = self.capacity.stretches();
         let Memory {
             head,
             numbers,
@@ -321,6 +323,10 @@ impl<'a, R: Real> LentStore<'a, R> {
             obstacles: front_mut(obstacles, head.obstacles),
             pairs: first,
             spare: second,
+            stretches: StretchList::new(
+                words.take((4 + NEIGHBORS) * stretches + 2),
+                numbers.take(3 * stretches),
+            ),
             candidates: OuterList {
                 row: front_mut(words.take(grains + 1), rows + 1),
                 partner: words.take(candidates),

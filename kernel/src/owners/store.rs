@@ -8,6 +8,7 @@ use crate::math::real::Real;
 use crate::math::rows::Row;
 use crate::neighbors::cell_list::{CellList, OuterList};
 use crate::neighbors::pair_list::PairList;
+use crate::neighbors::stretch::StretchList;
 use crate::saved::Saved;
 use crate::state::domain::Domain;
 use crate::state::grains::{Grains, Group, NewGrain};
@@ -49,6 +50,7 @@ pub struct Store<
     image: Vec<[i32; 3], GRAINS>,
     obstacles: Vec<Obstacle<R>, BODIES>,
     lists: [List<R, PAIRS, OBSTACLE_CONTACTS>; 2],
+    stretch: OneStretch<R>,
     /// One entry more than grains.
     candidate_row: Vec<u32, PAIRS>,
     candidate: [u32; PAIRS],
@@ -64,6 +66,42 @@ struct List<R, const PAIRS: usize, const OBSTACLE_CONTACTS: usize> {
     obstacle_contact_grain: [u32; OBSTACLE_CONTACTS],
     obstacle_contact_obstacle: [u32; OBSTACLE_CONTACTS],
     obstacle_contact_spring: [Row<R>; OBSTACLE_CONTACTS],
+}
+
+/// All grains as one stretch: stretches save time in beds of thousands.
+struct OneStretch<R> {
+    place: [u32; 2],
+    begin: [u32; 2],
+    pairs: [u32; 1],
+    touching: [u32; 1],
+    budget: [R; 1],
+    travel: [R; 1],
+    approach: [R; 1],
+}
+
+impl<R: Real> OneStretch<R> {
+    const EMPTY: Self = Self {
+        place: [0; 2],
+        begin: [0; 2],
+        pairs: [0],
+        touching: [0],
+        budget: [R::ZERO],
+        travel: [R::ZERO],
+        approach: [R::ZERO],
+    };
+
+    fn lend(&mut self) -> StretchList<'_, R> {
+        StretchList {
+            place: &mut self.place,
+            begin: &mut self.begin,
+            pairs: &mut self.pairs,
+            touching: &mut self.touching,
+            neighbor: &mut [],
+            budget: &mut self.budget,
+            travel: &mut self.travel,
+            approach: &mut self.approach,
+        }
+    }
 }
 
 impl<R: Real, const PAIRS: usize, const OBSTACLE_CONTACTS: usize>
@@ -120,6 +158,7 @@ impl<
             image: Vec::new(),
             obstacles: Vec::new(),
             lists: [const { List::EMPTY }; 2],
+            stretch: OneStretch::EMPTY,
             candidate_row: Vec::new(),
             candidate: [0; PAIRS],
             cell_start: [0; PAIRS],
@@ -327,6 +366,7 @@ impl<
             obstacles: &mut self.obstacles,
             pairs: first.lend(),
             spare: second.lend(),
+            stretches: self.stretch.lend(),
             candidates: OuterList {
                 row: &mut self.candidate_row,
                 partner: &mut self.candidate,

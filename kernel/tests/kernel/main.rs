@@ -24,4 +24,5 @@ mod saved;
 mod scaling;
 mod search;
 mod store;
+mod stretches;
 mod sums;

@@ -6,8 +6,8 @@ use crate::common::range_bounds::steps_cut;
 use bitgrain_kernel::contact::Law;
 use bitgrain_kernel::vec3::{Vec3, add, cross, dot, head, scale, sub};
 use bitgrain_kernel::{
-    ContactForce, Digest, Domain, Error, Group, Obstacle, Partner, Store, World, digest, start,
-    step, step_watched,
+    ContactForce, Digest, Domain, Error, Group, NEIGHBORS, Obstacle, Partner, Store, StretchList,
+    World, digest, start, step, step_watched,
 };
 use proptest::prelude::*;
 
@@ -176,6 +176,8 @@ fn after_cut_steps(seed: &[f64], range_bounds: &[u32], at_once: u64) -> Result<D
     let mut store = crowd(seed, &DENSE, &REDUCED, 0.2);
     let mut world = store.world();
     world.range_bounds = range_bounds;
+    let (mut words, mut numbers) = ([0; 12 * (4 + NEIGHBORS) + 2], [0.0; 36]);
+    world.stretches = StretchList::new(&mut words, &mut numbers);
     start(&mut world, &law)?;
     while world.clock.step < 200 {
         steps_cut(&mut world, &law, at_once)?;

@@ -2,7 +2,8 @@
 
 use bitgrain_kernel::{
     Capacity, Departure, Domain, Error as KernelError, Group, Head, LentStore, LossPolicy, Memory,
-    NewGrain, Obstacle, Real, Saved, World, insert, nudge, regroup, remove, save, save_size, take_out,
+    NewGrain, Obstacle, Real, Saved, StretchList, World, insert, nudge, regroup, remove, save,
+    save_size, take_out,
 };
 
 use crate::state::Few;
@@ -28,8 +29,9 @@ pub struct Hosts<R: Real + 'static> {
     set_policy: fn(&mut Few<R>, LossPolicy<R>),
     store_insert: fn(&mut Few<R>, &[NewGrain<R>]) -> Ended,
     store_load: fn(&mut Few<R>, &[u8]) -> Ended,
-    for_bed: fn(usize, usize) -> (Capacity, Option<usize>, Option<usize>),
+    for_bed: fn(usize, usize) -> (Capacity, usize, Option<usize>, Option<usize>),
     head: fn(Domain<R>, R, R) -> Head<R>,
+    stretches: for<'m> fn(&'m mut [u32], &'m mut [R]) -> StretchList<'m, R>,
     lent: for<'m> fn(Memory<'m, R>, Capacity) -> Result<LentStore<'m, R>, KernelError>,
     lent_sizes: fn(&LentStore<'_, R>) -> (Capacity, usize),
     lent_settings: fn(&mut LentStore<'_, R>, R, LossPolicy<R>),
@@ -64,9 +66,11 @@ impl<R: Real + 'static> Hosts<R> {
         store_load: Few::load,
         for_bed: |grains, obstacles| {
             let capacity = Capacity::for_bed(grains, obstacles);
-            (capacity, capacity.numbers(), capacity.words())
+            let stretches = capacity.stretches();
+            (capacity, stretches, capacity.numbers(), capacity.words())
         },
         head: Head::new,
+        stretches: StretchList::new,
         lent: |memory, capacity| LentStore::new(memory, capacity),
         lent_sizes: |store| (store.capacity(), store.count()),
         lent_settings: |store, skin, policy| {

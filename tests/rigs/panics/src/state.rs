@@ -131,7 +131,7 @@ pub struct State<R: Real + 'static> {
     split_span: for<'w> fn(PairRange<'w, R>, usize) -> (PairRange<'w, R>, PairRange<'w, R>),
     span: fn(&PairRange<'_, R>) -> (usize, bool),
     grains: fn(&Grains<'_, R>) -> usize,
-    clock: fn(&Clock<R>) -> ([u64; 2], [usize; 5], bool),
+    clock: fn(&Clock<R>) -> ([u64; 3], [usize; 5], bool),
     stop: fn(&mut Clock<R>),
     pieces: Pieces<R>,
     store: Stores<R>,
@@ -175,7 +175,7 @@ impl<R: Real + 'static> State<R> {
                 clock.count(),
             ];
             (
-                [clock.outer_list_rebuilds(), clock.prunes()],
+                [clock.outer_list_rebuilds(), clock.prunes(), clock.picked()],
                 listed,
                 clock.rests() || clock.has_begun() || clock.is_losing(),
             )
