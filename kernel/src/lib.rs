@@ -99,7 +99,8 @@ pub use math::rows::Row;
 pub use math::vec3;
 #[cfg(feature = "fixed")]
 pub use math::{fixed_point, scaling};
-pub use neighbors::cell_list::{CellList, OuterList};
+pub use neighbors::cell_list::CellList;
+pub use neighbors::outer_list::OuterList;
 pub use neighbors::pair_list::{ContactHistory, PairList, TOUCHING};
 pub use neighbors::stretch::{NEIGHBORS, STRETCH, StretchList};
 pub use owners::capacity::Capacity;

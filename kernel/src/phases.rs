@@ -25,6 +25,7 @@ pub use crate::forces::accumulate::{
     cross_range, first_excessive_overlap, no_fetch,
 };
 pub use crate::forces::obstacle_contacts::{ObstacleContactRange, obstacle_forces};
+pub use crate::forces::stretch_range::StretchRange;
 use crate::integrate::travel_at;
 pub use crate::integrate::{GrainMotion, MotionCheck, MotionPhase, integrate};
 
@@ -181,6 +182,9 @@ pub(crate) fn next_travel<R: Real>(world: &World<'_, R>) -> Result<R, Error> {
     // The speed was rounded; a thousandth covers that and is negligible against the skin.
     Ok(travel * R::from_f64(1.001) + world.clock.rounding)
 }
+
+/// No [`mark`] of any ranges, as far as can be.
+pub(crate) const NEVER_CUT: u64 = 0;
 
 /// Distinguishes one list of range_bounds from another: the hash of Fowler, Noll and Vo, word by word.
 #[inline]

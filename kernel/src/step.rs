@@ -12,6 +12,7 @@ use crate::integrate::{MotionPhase, without_turn};
 use crate::math::real::Real;
 use crate::math::vec3::Vec3;
 use crate::neighbors::pair_list::{ContactHistory, Listed};
+use crate::phases::NEVER_CUT;
 use crate::phases::begin;
 use crate::phases::check_overlaps;
 use crate::phases::come_to_rest;
@@ -177,27 +178,17 @@ pub(crate) fn take_up<R: Real>(
     come_to_rest(world)
 }
 
-/// Checks a world and makes its first pair list. If that fails the contacts are still those that were
-/// listed before, so that a full list loses nothing.
+/// Checks a world and makes its first pair list, without histories. If that fails the contacts are still those that
+/// were listed before, so that a full list loses nothing.
 #[inline]
 fn prepare<R: Real>(world: &mut World<'_, R>, has_moved: bool, begins: bool) -> Result<(), Error> {
-    let listed = world.clock.listed;
-    world.clock.stage = Stage::Stopped;
-    world.clock.losing = false;
-    world.clock.listed = Listed::NONE;
-    let listed_anew = list_first(world, has_moved, begins);
-    if listed_anew.is_err() {
-        world.clock.listed = listed;
+    let clock = &mut *world.clock;
+    clock.stage = Stage::Stopped;
+    clock.losing = false;
+    if !world.pairs.holds(clock.listed) || !world.stretches.holds(clock.listed.stretches) {
+        // Of other storage.
+        clock.listed = Listed::NONE;
     }
-    listed_anew
-}
-
-#[inline]
-fn list_first<R: Real>(
-    world: &mut World<'_, R>,
-    has_moved: bool,
-    begins: bool,
-) -> Result<(), Error> {
     check_arithmetic::<R>()?;
     world.check(has_moved)?;
     if begins {
@@ -206,8 +197,11 @@ fn list_first<R: Real>(
     weigh(world);
     world.clock.far = -R::ONE;
     world.clock.next_travel = R::ZERO;
+    world.clock.partition_mark = NEVER_CUT;
     let travel = next_travel(world)?;
-    refresh_pair_list(world, Some(travel), &[])
+    refresh_pair_list(world, Some(travel), &[])?;
+    world.pairs.forget(world.clock.listed);
+    Ok(())
 }
 
 /// Obstacles first, then pairs: the order of every grain's sum.

@@ -1,13 +1,15 @@
 //! A world: everything one step needs, borrowed from whoever owns it.
 
 use crate::error::Error;
-use crate::forces::accumulate::{GrainRange, GrainView, PairRange, StretchRange};
+use crate::forces::accumulate::{GrainRange, GrainView, PairRange};
 use crate::forces::obstacle_contacts::ObstacleContactRange;
+use crate::forces::stretch_range::StretchRange;
 use crate::integrate::GrainMotion;
 use crate::math::real::{Real, larger, magnitude};
 use crate::math::rows::{front_mut, get_or_default, halves_mut, prefix, shorten, split_at};
 use crate::math::vec3::{Vec3, head, length_bound};
-use crate::neighbors::cell_list::{CellList, OuterList};
+use crate::neighbors::cell_list::CellList;
+use crate::neighbors::outer_list::OuterList;
 use crate::neighbors::pair_list::{ContactHistory, Listed, PairList, TOUCHING};
 use crate::neighbors::stretch::StretchList;
 use crate::state::domain::Domain;
@@ -202,6 +204,12 @@ impl<R: Real> World<'_, R> {
             .contact_histories(&self.stretches, self.clock.listed, domain, position)
     }
 
+    /// The listed pairs, lower grain and partner, by places and in order.
+    pub fn listed_pairs(&self) -> impl Iterator<Item = (u32, u32)> + '_ {
+        let listed = self.pairs.in_order(&self.stretches, self.clock.listed);
+        listed.map(|(i, j, _)| (i, j))
+    }
+
     /// The place of the grain with this id among the rows, by halving.
     pub fn place_of(&self, id: u32) -> Option<usize> {
         prefix(self.grains.id, self.clock.count)
@@ -289,7 +297,7 @@ impl<R: Real> World<'_, R> {
             && self.candidates.row.len() == n + 1
             && self.stretches.is_whole()
             && self.stretches.budget.len() > self.range_bounds.len()
-            && self.stretches.budget.len() >= self.clock.listed.stretches;
+            && self.stretches.holds(self.clock.listed.stretches);
         let cells = self.cells.start.len() >= 2 && self.cells.grain.len() >= n;
         let countable = n < TOUCHING as usize;
         if self.grains.is_whole() && lists && cells && countable {

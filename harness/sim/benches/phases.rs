@@ -158,9 +158,10 @@ fn sums(c: &mut Criterion) {
     let mut world = bed.world();
     let mut spills = vec![CrossRangeForce::default(); pairs];
     let mut springs = [vec![0.0; pairs], vec![0.0; pairs], vec![0.0; pairs]];
+    let (lower, partner): (Vec<u32>, Vec<u32>) = world.listed_pairs().unzip();
     let span = PairRange {
-        lower: &world.pairs.lower[..pairs],
-        partner: &world.pairs.partner[..pairs],
+        lower: &lower,
+        partner: &partner,
         spring: springs.each_mut().map(|s| &mut s[..]),
     };
     let sight = GrainView {

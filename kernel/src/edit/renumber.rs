@@ -2,7 +2,7 @@
 
 use crate::math::real::{Real, smaller};
 use crate::math::rows::{get_or_default, prefix, set};
-use crate::neighbors::cell_list::OuterList;
+use crate::neighbors::outer_list::OuterList;
 use crate::neighbors::pair_list::{Listed, PairList};
 use crate::neighbors::prune::flatten;
 use crate::phases::mark;

@@ -15,10 +15,9 @@
 //! After the pairs of grain `g` nothing is added to its force and nothing reads its rows any more: it
 //! can be kicked, and moved on, while its rows are in the cache.
 
-use core::ops::Range;
-
 use crate::contact::block::{BLOCK, Block, Bodies};
 use crate::contact::law::Law;
+use crate::forces::stretch_range::{Cursor, StretchRange};
 use crate::integrate::{GrainMotion, MotionCheck, MotionPhase, integrate, travel_at};
 use crate::math::real::Real;
 use crate::math::rows::Row;
@@ -64,39 +63,6 @@ impl<R: Real> PairRange<'_, R> {
             lower: lower.1,
             partner: partner.1,
             spring: [x.1, y.1, z.1],
-        };
-        (left, right)
-    }
-}
-
-/// Stretches of grains, and where their pairs are.
-pub struct StretchRange<'a, R> {
-    /// Place of the first grain of each, and where the last one ends.
-    pub place: &'a [u32],
-    /// Where the pairs of each begin in the list, and where those of the last one may end.
-    pub begin: &'a [u32],
-    /// How many pairs each has.
-    pub pairs: &'a [u32],
-    /// What the fastest grain of each travels in the next step.
-    pub travel: &'a mut [R],
-}
-
-impl<R: Real> StretchRange<'_, R> {
-    /// The first of them, and the others.
-    fn split(self, count: usize) -> (Self, Self) {
-        let pairs = split_at(self.pairs, count);
-        let travel = halves_mut(self.travel, count);
-        let left = Self {
-            place: prefix(self.place, count + 1),
-            begin: prefix(self.begin, count + 1),
-            pairs: pairs.0,
-            travel: travel.0,
-        };
-        let right = Self {
-            place: split_at(self.place, count).1,
-            begin: split_at(self.begin, count).1,
-            pairs: pairs.1,
-            travel: travel.1,
         };
         (left, right)
     }
@@ -350,26 +316,8 @@ pub fn accumulate<'s, R: Real, L: Law<R>>(
             block.keep(kept, [x, y, z].map(|s| part_mut(s, piece.start, piece.end)));
             kept += piece.len();
         }
-        for ((i, j), (push, couple, lever_arm_i, lever_arm_j)) in block.places().zip(block.shares())
-        {
-            let i = (*i as usize).wrapping_sub(first);
-            let j = (*j as usize).wrapping_sub(first);
-            add_at(grains.force, i, push);
-            sub_at(grains.force, j, push);
-            sub_at(grains.torque, i, &times(couple, lever_arm_i));
-            sub_at(grains.torque, j, &times(couple, lever_arm_j));
-        }
-        block.seen(|k, overlap, normal, normal_force, tangential_force| {
-            let (i, j) = block.places_of(k);
-            watch(ContactForce {
-                i,
-                partner: Partner::Grain(j),
-                overlap,
-                normal,
-                normal_force,
-                tangential_force,
-            });
-        });
+        add_shares(grains, &block, first);
+        show(&block, &mut watch);
         deep = deep.or_else(|| deepest(&block));
         // Sums of these stretches are complete but for what pairs with higher ranges give.
         for s in finished..next.stretch {
@@ -389,43 +337,33 @@ pub fn accumulate<'s, R: Real, L: Law<R>>(
     (deep, passed)
 }
 
-/// Where a walk along the pairs of stretches is.
-#[derive(Clone, Copy, Default)]
-struct Cursor {
-    stretch: usize,
-    /// Pairs of it that are done.
-    done: usize,
+/// Adds what the pairs of a block give to the sums of their grains, in order.
+#[inline(always)]
+fn add_shares<R: Real>(grains: &mut GrainMotion<'_, R>, block: &Block<R>, first: usize) {
+    for ((i, j), (push, couple, lever_arm_i, lever_arm_j)) in block.places().zip(block.shares()) {
+        let i = (*i as usize).wrapping_sub(first);
+        let j = (*j as usize).wrapping_sub(first);
+        add_at(grains.force, i, push);
+        sub_at(grains.force, j, push);
+        sub_at(grains.torque, i, &times(couple, lever_arm_i));
+        sub_at(grains.torque, j, &times(couple, lever_arm_j));
+    }
 }
 
-impl Cursor {
-    /// The entry of the next pair.
-    #[inline(always)]
-    fn entry<R: Real>(self, stretches: &StretchRange<'_, R>) -> usize {
-        let base = get_or_default(stretches.begin, 0);
-        let begin = get_or_default(stretches.begin, self.stretch);
-        begin.saturating_sub(base) as usize + self.done
-    }
-
-    /// Entries of pairs of one stretch, as many as there is room for; none if all is done.
-    #[inline(always)]
-    fn take<R: Real>(
-        &mut self,
-        stretches: &StretchRange<'_, R>,
-        room: usize,
-    ) -> Option<Range<usize>> {
-        let pairs = *stretches.pairs.get(self.stretch)? as usize;
-        let begin = self.entry(stretches);
-        let left = pairs.saturating_sub(self.done);
-        if left <= room {
-            *self = Self {
-                stretch: self.stretch + 1,
-                done: 0,
-            };
-            return Some(begin..begin + left);
-        }
-        self.done += room;
-        (room > 0).then_some(begin..begin + room)
-    }
+/// Shows the contacts of a block that touch.
+#[inline(always)]
+fn show<R: Real>(block: &Block<R>, watch: &mut impl FnMut(ContactForce<R>)) {
+    block.seen(|k, overlap, normal, normal_force, tangential_force| {
+        let (i, j) = block.places_of(k);
+        watch(ContactForce {
+            i,
+            partner: Partner::Grain(j),
+            overlap,
+            normal,
+            normal_force,
+            tangential_force,
+        });
+    });
 }
 
 /// Takes what the pairs with higher ranges give to grains below `next`.

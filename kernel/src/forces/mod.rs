@@ -2,3 +2,4 @@
 
 pub(crate) mod accumulate;
 pub(crate) mod obstacle_contacts;
+pub(crate) mod stretch_range;

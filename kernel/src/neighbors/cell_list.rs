@@ -3,7 +3,7 @@
 //! Grains are sorted into cells at least as wide as the largest listed distance, by counting, so
 //! that each cell holds its grains in ascending order; a grain then looks at its own cell and the
 //! ones around it. What it finds are candidates, kept for many steps; the pairs that a step
-//! evaluates are picked from them, more often, in `near.rs`.
+//! evaluates are picked from them, more often, in `prune.rs`.
 
 use crate::error::Error;
 use crate::math::real::{Real, larger, magnitude, smaller};
@@ -11,6 +11,7 @@ use crate::math::rows::Row;
 use crate::math::rows::{copy, front_mut, get_or_default, prefix, set};
 use crate::math::vec3::{head, is_beyond};
 use crate::neighbors::grid::Grid;
+use crate::neighbors::outer_list::OuterList;
 use crate::neighbors::pair_list::{PLACE, PairList};
 use crate::state::domain::Domain;
 use crate::state::grains::Grains;
@@ -22,14 +23,6 @@ pub struct CellList<'a> {
     pub start: &'a mut [u32],
     /// The grains, cell by cell.
     pub grain: &'a mut [u32],
-}
-
-/// Storage of the candidates, borrowed: pairs that may come near before the next search.
-pub struct OuterList<'a> {
-    /// Where each grain's row begins in `partner`; one entry more than grains.
-    pub row: &'a mut [u32],
-    /// Places of the higher grains, ascending in a row.
-    pub partner: &'a mut [u32],
 }
 
 /// What a search found.

@@ -7,7 +7,7 @@
 
 use crate::math::real::Real;
 use crate::math::rows::Row;
-use crate::math::rows::{get_or_default, prefix, set};
+use crate::math::rows::{front_mut, get_or_default, prefix, set};
 use crate::math::vec3::{dot, head};
 use crate::neighbors::stretch::StretchList;
 use crate::state::domain::Domain;
@@ -151,6 +151,18 @@ impl<R: Real> PairList<'_, R> {
     pub(crate) fn holds(&self, listed: Listed) -> bool {
         self.partner.len() >= listed.last()
             && self.obstacle_contact_grain.len() >= listed.obstacle_contacts
+    }
+
+    /// Empties all histories.
+    pub(crate) fn forget(&mut self, listed: Listed) {
+        for spring in &mut self.spring {
+            front_mut(spring, listed.last()).fill(R::ZERO);
+        }
+        let contacts = listed.obstacle_contacts;
+        for word in front_mut(self.obstacle_contact_obstacle, contacts) {
+            *word &= PLACE;
+        }
+        front_mut(self.obstacle_contact_spring, contacts).fill([R::ZERO; 4]);
     }
 
     /// The listed pairs by lower grain and partner.

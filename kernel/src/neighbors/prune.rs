@@ -13,7 +13,7 @@ use crate::math::real::{Real, larger};
 use crate::math::rows::Row;
 use crate::math::rows::{copy, get_or_default, less, min, part, part_mut, prefix, set, split_at};
 use crate::math::vec3::{dot, head, is_beyond};
-use crate::neighbors::cell_list::OuterList;
+use crate::neighbors::outer_list::OuterList;
 use crate::neighbors::pair_list::{Listed, PairList};
 use crate::neighbors::stretch::StretchList;
 use crate::state::domain::Domain;
@@ -46,9 +46,10 @@ impl<R: Real> Pruning<'_, R> {
 
     /// Where the range that holds a grain ends.
     fn range_end(&self, grain: usize) -> u32 {
-        let ends = self.range_bounds.iter().copied();
-        let beyond = ends.filter(|end| *end as usize > grain).min();
-        beyond.unwrap_or(u32::MAX)
+        let next = self
+            .range_bounds
+            .partition_point(|end| *end as usize <= grain);
+        self.range_bounds.get(next).copied().unwrap_or(u32::MAX)
     }
 
     /// Whether a candidate is nearer than touching by up to `near`.
@@ -120,7 +121,8 @@ impl<R: Real> Chunk<R> {
     #[inline(always)]
     fn keep(&mut self, list: &mut PairList<'_, R>, mut to: usize) -> (usize, usize) {
         let mut touching = 0;
-        for k in 0..min(self.count, CHUNK) {
+        let count = min(self.count, CHUNK);
+        for k in 0..count {
             // Written in any case, kept only if near: no branch to mispredict.
             set(list.lower, to, self.lower[k]);
             set(list.partner, to, self.partner[k]);
@@ -182,18 +184,17 @@ fn take_springs<R: Real>(
         )
     };
     // Of a full list, those that were written.
-    let new = new.start..min(new.end, spare.lower.len());
-    let old = old.start..min(old.end, pairs.lower.len());
+    let end = min(new.end, spare.lower.len());
+    let old_end = min(old.end, pairs.lower.len());
     let (mut from, mut to) = (old.start, new.start);
-    while to < new.end {
+    while to < end {
         // Most pairs stay: as long as they do, springs are copied together.
-        let lower = part(pairs.lower, from, old.end)
+        let lower = part(pairs.lower, from, old_end)
             .iter()
-            .zip(part(spare.lower, to, new.end));
-        let higher =
-            part(pairs.partner, from, old.end)
-                .iter()
-                .zip(part(spare.partner, to, new.end));
+            .zip(part(spare.lower, to, end));
+        let higher = part(pairs.partner, from, old_end)
+            .iter()
+            .zip(part(spare.partner, to, end));
         let same = lower
             .zip(higher)
             .take_while(|((a, b), (c, d))| a == b && c == d);
@@ -206,17 +207,17 @@ fn take_springs<R: Real>(
         }
         from += count;
         to += count;
-        if to >= new.end {
+        if to >= end {
             return;
         }
         let pair = (
             get_or_default(spare.lower, to),
             get_or_default(spare.partner, to),
         );
-        while from < old.end && had(from) < pair {
+        while from < old_end && had(from) < pair {
             from += 1;
         }
-        if from >= old.end || had(from) != pair {
+        if from >= old_end || had(from) != pair {
             spare.set_spring(to, [R::ZERO; 3]);
             to += 1;
         }

@@ -7,7 +7,7 @@
 
 use crate::math::real::{Real, larger, smaller};
 use crate::math::rows::{front_mut, get_or_default, halves_mut, min, part, part_mut, prefix, set};
-use crate::neighbors::cell_list::OuterList;
+use crate::neighbors::outer_list::OuterList;
 
 /// Grains of a stretch at which a bed is fastest.
 pub const STRETCH: usize = 64;
@@ -79,10 +79,17 @@ impl<'a, R: Real> StretchList<'a, R> {
             && self.approach.len() == n
     }
 
+    /// Whether there is room for so many.
+    pub(crate) fn holds(&self, count: usize) -> bool {
+        self.budget.len() >= count
+    }
+
     /// Cuts so many grains into stretches about alike, none of which is in two ranges; returns how many they are.
     pub(crate) fn lay_out(&mut self, grains: usize, range_bounds: &[u32]) -> usize {
         let most = self.budget.len();
-        let mut size = grains.div_ceil(most.max(1)).max(LEAST);
+        let alike = grains.saturating_add(most.saturating_sub(1));
+        let alike = alike.checked_div(most).unwrap_or(grains);
+        let mut size = if alike > LEAST { alike } else { LEAST };
         loop {
             let mut count = 0;
             let mut from = 0;
@@ -98,7 +105,7 @@ impl<'a, R: Real> StretchList<'a, R> {
             }
             if count <= most || size >= grains {
                 // Without grains there is one, which is empty.
-                let count = count.clamp(1, most.max(1));
+                let count = if count > 0 { min(count, most) } else { 1 };
                 set(self.place, count, grains as u32);
                 return count;
             }

@@ -76,14 +76,9 @@ fn distance(domain: &Domain<f64>, a: V, b: V) -> f64 {
 
 /// The listed pairs, which ascend.
 fn listed_pairs(world: &World<'_, f64>) -> Listed {
-    let listed = 0..world.clock.listed();
-    let pair = |p: usize| {
-        (
-            world.pairs.lower[p] as usize,
-            world.pairs.partner[p] as usize,
-        )
-    };
-    let all: Vec<_> = listed.map(pair).collect();
+    let pairs = world.listed_pairs();
+    let all: Vec<_> = pairs.map(|(i, j)| (i as usize, j as usize)).collect();
+    assert_eq!(all.len(), world.clock.listed());
     assert!(all.is_sorted_by(|a, b| a < b), "pairs ascend");
     all.into_iter().collect()
 }

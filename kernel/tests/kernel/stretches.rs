@@ -118,7 +118,8 @@ proptest! {
     }
 }
 
-/// Stretches at rest keep their pairs while others renew theirs: 3,408 grains were looked at, and 9,600 with one stretch.
+/// Stretches at rest keep their pairs while others renew theirs: 3,408 grains were looked at, and 9,600 with one
+/// stretch.
 #[test]
 fn slow_stretches_keep_their_pairs() {
     let renewals = |stretches: usize| {

@@ -179,18 +179,9 @@ fn gap_to(world: &World<'_, f64>, i: u32, k: usize) -> f64 {
 fn compare(world: &World<'_, f64>, met: &Met) {
     let (g, n) = (&world.grains, world.grains.count() as u32);
     let heavy = |i: u32| g.groups[usize::from(g.group[i as usize])].infinite_mass;
-    let listed: Met = (0..world.clock.listed())
-        .map(|p| (world.pairs.lower[p], world.pairs.partner[p]))
-        .collect();
-    let (inner, across) = listed.split_at(listed.len() - world.clock.listed_across());
-    assert!(
-        inner.is_sorted_by(|a, b| a < b),
-        "pairs of one range ascend"
-    );
-    assert!(
-        across.is_sorted_by(|a, b| a < b),
-        "pairs of two ranges ascend"
-    );
+    let listed: Met = world.listed_pairs().collect();
+    assert_eq!(listed.len(), world.clock.listed());
+    assert!(listed.is_sorted_by(|a, b| a < b), "pairs ascend");
     let touches: Met = (0..world.clock.obstacle_contacts())
         .map(|t| {
             (

@@ -120,6 +120,7 @@ pub struct State<R: Real + 'static> {
     and_sealed: fn(Sealed, Sealed) -> Sealed,
     digest: fn(&World<'_, R>) -> Digest,
     contact_histories: fn(&World<'_, R>, &mut dyn FnMut(ContactHistory<R>)),
+    listed_pairs: fn(&World<'_, R>, &mut dyn FnMut((u32, u32))),
     moving: for<'w> fn(&'w mut World<'_, R>) -> GrainMotion<'w, R>,
     pushing:
         for<'w> fn(&'w mut World<'_, R>, R) -> (GrainRange<'w, R>, ObstacleContactRange<'w, R>),
@@ -156,6 +157,7 @@ impl<R: Real + 'static> State<R> {
         and_sealed: Sealed::and,
         digest,
         contact_histories: |world, show| world.contact_histories().for_each(show),
+        listed_pairs: |world, show| world.listed_pairs().for_each(show),
         moving: |world| world.grain_motion(),
         pushing: |world, dt| world.force_ranges(dt),
         across: |world| world.cross_range_pairs(),
