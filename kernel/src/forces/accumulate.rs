@@ -5,15 +5,15 @@
 //! both partners without a sort: contributions of earlier rows were added before, in order, when the
 //! row of grain `g` is walked. The chain of orderings, so that no change breaks one link unnoticed:
 //!
-//! * pairs are listed by `i` and then `j`, ascending;
+//! * pairs are listed by `i` and then `j`, ascending, stretch of grains by stretch;
 //! * a block of them is evaluated at once but summed pair by pair; a pair that does not touch gives
 //!   +0.0, which changes no sum that began at +0.0;
 //! * a range of grains first takes what pairs with lower ranges give it (their [`CrossRangeForce`]s, in order),
-//!   then walks the pairs within it, then, grain by grain, takes what its pairs with higher ranges
+//!   then walks the pairs within it, then, stretch by stretch, takes what its pairs with higher ranges
 //!   give. So any cut into ranges gives the bits of one range.
 //!
-//! After the pairs of grain `g` nothing is added to its force and nothing reads its rows any more: it
-//! can be kicked, and moved on, while its rows are in the cache.
+//! After the pairs of a stretch nothing is added to the forces on its grains and nothing reads their rows any more:
+//! they can be kicked, and moved on, while their rows are in the cache.
 
 use crate::contact::block::{BLOCK, Block, Bodies};
 use crate::contact::law::Law;
