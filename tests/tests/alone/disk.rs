@@ -212,6 +212,7 @@ impl Work for Campaign {
             save: SaveEvery::Steps(5000),
             // A failed disk is no reason to record a failure.
             retry: true,
+            merge: false,
             write_report: bitgrain::present::write_report,
             progress: &Progress::new(false),
         })

@@ -12,4 +12,5 @@ mod machines;
 mod mutants;
 mod panics;
 mod recordings;
+mod slurm;
 mod targets;
