@@ -171,6 +171,8 @@ pub(crate) fn refuse_others(folder: &Path, contents: &Contents) -> Result<()> {
     let taken = |name: &&&str| disk::is_there(&folder.join(name));
     match contents.names.iter().find(taken) {
         None => Ok(()),
+        // Another process of the same campaign has made it meanwhile.
+        Some(_) if is_of(folder, contents) => Ok(()),
         Some(name) => {
             let kind = contents.of.word();
             let problem = format!(

@@ -90,7 +90,7 @@ pub(super) fn run(what: Sweep, home: &Path, program: &str) -> Result<()> {
     }
     let plan = campaign::load(&what.campaign, &what.sets)?;
     let command = command(&what, program)?;
-    let only = Only::new(what.only, &plan)?;
+    let only = Only::new(what.only.clone(), &plan)?;
     let against = what
         .against
         .map(|path| Ok::<_, Error>((CampaignTable::read(&path)?, path)))
@@ -107,6 +107,7 @@ pub(super) fn run(what: Sweep, home: &Path, program: &str) -> Result<()> {
         retry: what.retry,
         threads: what.threads.unwrap_or(1),
         command,
+        names: what.only,
     };
     if what.submit.is_some() {
         return pieces.submit(&what.sbatch, what.dry_run);

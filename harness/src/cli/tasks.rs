@@ -24,6 +24,8 @@ pub(super) struct Pieces<'a> {
     pub threads: u16,
     /// The words of each command, as a shell reads them: program, campaign, and options that hold for all.
     pub command: String,
+    /// Names of what alone is wanted.
+    pub names: Vec<String>,
 }
 
 impl Pieces<'_> {
@@ -36,6 +38,13 @@ impl Pieces<'_> {
     fn command(&self, task: &str) -> String {
         let retry = if self.retry { " --retry" } else { "" };
         format!("{}{retry} --task {task}", self.command)
+    }
+
+    /// The command that puts together what is wanted.
+    fn merge(&self) -> String {
+        let only = |name: &String| format!(" --only {}", quoted(name));
+        let names: String = self.names.iter().map(only).collect();
+        format!("{}{names} --merge", self.command)
     }
 
     /// Prints the commands of the tasks that are left, a line each.
@@ -58,8 +67,8 @@ impl Pieces<'_> {
         let Missing { beds, drags } = self.missing()?;
         if drags.is_empty() {
             return print(&format!(
-                "nothing to submit: no drag is missing; `{} --merge` writes the table\n",
-                self.command
+                "nothing to submit: no drag is missing; `{}` writes the table\n",
+                self.merge()
             ));
         }
         let folder = CampaignFolder(self.out);
@@ -81,7 +90,7 @@ impl Pieces<'_> {
         }
         submission.array(&drags, &work("drags"))?;
         submission.then();
-        let merge = format!("{} --merge", self.command);
+        let merge = self.merge();
         submission.one(&Work {
             kind: "merge",
             name,

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use bitgrain_tests::{CAMPAIGN, CampaignDesk, output, results};
+use bitgrain_tests::{CAMPAIGN, CampaignDesk, RIG, output, results};
 
 use crate::PROGRAM;
 
@@ -145,6 +145,32 @@ fn stages_and_what_is_left_can_be_done_apart() {
     does(&desk, &drags[3], 0);
     desk.done(&[]);
     same(&desk, &want);
+}
+
+/// Of beds under lids those below are listed first, each once.
+#[test]
+fn beds_below_lids_come_first() {
+    let campaign = CAMPAIGN
+        .replace("small.toml", "rig.toml")
+        .replace("\"bed.settled\" = 1e-2, ", "")
+        .replace("speed = [1.0, 2.0]", "speed = 0.1");
+    let desk = Desk::new(PROGRAM, &campaign);
+    desk.write("rig.toml", RIG);
+    let list = lines(&desk, &[]);
+    let tasks: Vec<&str> = list
+        .iter()
+        .map(|line| {
+            line.split(' ')
+                .skip_while(|word| *word != "--task")
+                .nth(1)
+                .unwrap()
+        })
+        .collect();
+    assert_eq!(tasks[..2], ["mu0.1/bed-1", "mu0.5/bed-1"]);
+    assert_eq!(tasks.len(), 16);
+    for (k, task) in tasks.iter().enumerate() {
+        assert_eq!(task.contains("-run-"), k >= 8, "{tasks:?}");
+    }
 }
 
 /// All tasks at once; one process is killed at its drag, which alone is missing, and is gone on with.

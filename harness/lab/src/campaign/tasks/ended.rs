@@ -32,15 +32,18 @@ pub(super) fn look(place: &Path, scenario: &CheckedScenario, drag: &str) -> Foun
         Ok(_) => return Found::Nothing,
         Err(damage) => return Found::Unsound(damage.to_string()),
     };
-    if let Some(reason) = failure(place, Some(drag)) {
-        return Found::Failed(manifest, reason);
-    }
-    if !manifest.has_finished(drag) {
+    let failed = failure(place, Some(drag));
+    if failed.is_none() && !manifest.has_finished(drag) {
         return Found::Nothing;
     }
-    match wrong(place, &manifest, scenario, drag) {
-        Some(problem) => Found::Unsound(problem),
-        None => Found::Done(manifest),
+    let problem = damage(place, &manifest, drag);
+    match (problem, failed) {
+        (Some(problem), _) => Found::Unsound(problem),
+        (None, Some(reason)) => Found::Failed(manifest, reason),
+        (None, None) => match wrong(place, &manifest, scenario, drag) {
+            Some(problem) => Found::Unsound(problem),
+            None => Found::Done(manifest),
+        },
     }
 }
 
@@ -56,27 +59,30 @@ pub(super) fn failure(place: &Path, drag: Option<&str>) -> Option<String> {
     })
 }
 
-/// What is wrong with a drag that is finished.
+/// The first file of a drag or its bed that is not as it was written.
+fn damage(place: &Path, manifest: &Manifest, drag: &str) -> Option<String> {
+    let own = format!("runs/{drag}/");
+    let of_it = |path: &str| path.starts_with(&own) || path.starts_with("beds/");
+    let mut files = manifest.files.iter().filter(|entry| of_it(&entry.path));
+    files.find_map(|entry| match entry.read(place) {
+        Ok(_) => None,
+        Err(Departure::Changed(how)) => {
+            Some(format!("{} {how}", place.join(&entry.path).display()))
+        }
+        Err(Departure::Unreadable(error)) => Some(error.to_string()),
+    })
+}
+
+/// What is wrong with the summary of a drag that is finished.
 fn wrong(
     place: &Path,
     manifest: &Manifest,
     scenario: &CheckedScenario,
     drag: &str,
 ) -> Option<String> {
-    let own = format!("runs/{drag}/");
-    let files = manifest.files.iter();
-    for entry in files.filter(|entry| entry.path.starts_with(&own) || is_of_bed(&entry.path)) {
-        match entry.read(place) {
-            Ok(_) => {}
-            Err(Departure::Changed(how)) => {
-                return Some(format!("{} {how}", place.join(&entry.path).display()));
-            }
-            Err(Departure::Unreadable(error)) => return Some(error.to_string()),
-        }
-    }
     let folder = Folder(place);
     let path = folder.of_run(drag, "summary.json");
-    let Some(entry) = manifest.entry(&format!("{own}summary.json")) else {
+    let Some(entry) = manifest.entry(&format!("runs/{drag}/summary.json")) else {
         return Some(format!("{} is not in {NAME}", path.display()));
     };
     let text = match entry.read(place) {
@@ -93,9 +99,4 @@ fn wrong(
         && !record.run.plug.is_unknown()
         && stage.is_some_and(|stage| stage.link == record.run.chain);
     (!of_it).then(|| format!("{} is of another drag", path.display()))
-}
-
-/// Whether a path is that of a file of a bed.
-fn is_of_bed(path: &str) -> bool {
-    path.starts_with("beds/")
 }
