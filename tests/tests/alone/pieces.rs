@@ -4,17 +4,19 @@
 use std::io::ErrorKind;
 use std::path::Path;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use bitgrain::bed::library::BedCache;
 use bitgrain::campaign::only::Only;
 use bitgrain::campaign::plan::Plan;
-use bitgrain::campaign::sweep::{Sweep, sweep};
+use bitgrain::campaign::sweep::{Outcome, Sweep, sweep};
 use bitgrain::campaign::tasks::{Worker, missing, perform};
 use bitgrain::disk::{self, Call, CallOutcome, Watch};
 use bitgrain::error::Result;
 use bitgrain::progress::Progress;
 use bitgrain::run::SaveEvery;
 use bitgrain_tests::results;
+use bitgrain_tests::wee::copy_all;
 
 use crate::alone;
 use crate::disk::{Spoil, Work, campaign, spoil_all, spoilt};
@@ -43,8 +45,8 @@ impl Pieces {
         Ok(())
     }
 
-    fn merge(&self, room: &Path) -> Result<()> {
-        let merged = sweep(&Sweep {
+    fn merge(&self, room: &Path) -> Result<Outcome> {
+        sweep(&Sweep {
             plan: &self.0,
             only: &Only::new(vec![], &self.0)?,
             out: &room.join("out"),
@@ -56,15 +58,14 @@ impl Pieces {
             merge: true,
             write_report: bitgrain::present::write_report,
             progress: &Progress::new(false),
-        });
-        merged.map(|_| ())
+        })
     }
 }
 
 impl Work for Pieces {
     fn go(&self, room: &Path) -> Result<()> {
         self.tasks(room)?;
-        self.merge(room)
+        self.merge(room).map(|_| ())
     }
 }
 
@@ -78,6 +79,59 @@ fn a_campaign_in_pieces_survives_a_call_that_fails() {
 #[ignore = "half an hour"]
 fn a_campaign_in_pieces_survives_every_call_that_fails() {
     spoil_all(&Pieces(campaign().0), 1);
+}
+
+/// Calls of a process that is killed at one of them: it and those after it are not made.
+struct Killed {
+    at: usize,
+    calls: AtomicUsize,
+}
+
+impl Watch for Killed {
+    fn before(&self, _: &Call<'_>) -> CallOutcome {
+        match self.calls.fetch_add(1, Ordering::Relaxed) >= self.at {
+            true => CallOutcome::Fail(ErrorKind::StorageFull),
+            false => CallOutcome::Go,
+        }
+    }
+}
+
+/// A merge is killed at every eleventh of its calls: the next one finds every row, and computes none.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn a_merge_that_is_killed_loses_no_row() {
+    let _alone = alone();
+    let pieces = Pieces(campaign().0);
+    let made = tempfile::tempdir().unwrap();
+    pieces.tasks(made.path()).unwrap();
+    let mut want = None;
+    let mut at = usize::MAX;
+    loop {
+        let folder = tempfile::tempdir().unwrap();
+        let room = folder.path();
+        copy_all(made.path(), room);
+        let killed = Arc::new(Killed {
+            at,
+            calls: AtomicUsize::new(0),
+        });
+        disk::watch(Some(killed.clone()));
+        let _ = pieces.merge(room);
+        disk::watch(None);
+        let outcome = pieces.merge(room).unwrap();
+        assert_eq!((outcome.done, outcome.missing), (4, 0), "call {at}");
+        let files = results(&room.join("out"));
+        assert!(
+            *want.get_or_insert_with(|| files.clone()) == files,
+            "call {at}"
+        );
+        let calls = killed.calls.load(Ordering::Relaxed);
+        // First all of it, then from the last call to the first.
+        at = match at {
+            usize::MAX => calls - 1,
+            0..11 => return,
+            at => at - 11,
+        };
+    }
 }
 
 /// A file system that cannot lock.
