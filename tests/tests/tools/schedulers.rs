@@ -1,5 +1,5 @@
-//! The guide's page about many machines as it stands: GNU parallel, HyperQueue and Snakemake run the tasks of a campaign,
-//! and its table is that of one process.
+//! The guide's page about many machines as it stands: GNU parallel, HyperQueue and Snakemake run the tasks of a
+//! campaign, and its table is that of one process.
 //!
 //! `cargo test -p bitgrain-tests --release --test tools schedulers:: -- --ignored` needs Debian's `parallel` and
 //! `snakemake`, and Python with hyperqueue (the variable `PYTHON` names it if it is not `python3`).
@@ -11,7 +11,8 @@ use bitgrain_tests::{CAMPAIGN, SMALL, output, results, root};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
 
-/// Does a campaign in a folder of its own by a command line, in which `bitgrain` is the one under test; what comes of it.
+/// Does a campaign in a folder of its own by a command line, in which `bitgrain` is the one under test; returns its
+/// files.
 fn by(line: &str, file: (&str, &str)) -> BTreeMap<String, Vec<u8>> {
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
