@@ -36,8 +36,12 @@ pub(crate) const RUN: Contents = Contents {
         "report.html",
         "performance.json",
         "analysis.json",
+        SUBMITTED,
     ],
 };
+
+/// The folder with the job scripts that were submitted: of the machine, not of the results.
+pub const SUBMITTED: &str = "slurm";
 
 /// A folder that this process owns as long as this value lives, and its manifest.
 #[derive(Debug)]
@@ -63,28 +67,38 @@ impl DirectoryLock {
         stages: &[String],
         settle: impl FnOnce(&Ledger) -> Result<()>,
     ) -> Result<Self> {
+        Self::try_take(folder, contents, stages, settle)?.ok_or_else(|| at_work(folder))
+    }
+
+    /// The same; `None` if another process is at work in it.
+    ///
+    /// # Errors
+    /// As [`DirectoryLock::take`], but for that.
+    pub(crate) fn try_take(
+        folder: &Path,
+        contents: &Contents,
+        stages: &[String],
+        settle: impl FnOnce(&Ledger) -> Result<()>,
+    ) -> Result<Option<Self>> {
         refuse_others(folder, contents)?;
         make_folder(folder)?;
-        let file = folder.join(contents.marker);
-        let (mut locks, mut sure) = (Vec::new(), false);
-        // Before anything is written: what another process wrote is not to be replaced. The lock of the folder holds
-        // if its file is replaced, that of the file if a network file system cannot lock folders.
-        lock(folder, disk::open_folder(folder), &mut locks, &mut sure)?;
-        let held = locks.len();
-        if disk::kind(&file) == Some(Kind::File) {
-            lock(folder, disk::open_to_lock(&file), &mut locks, &mut sure)?;
-        }
+        // Before anything is written: what another process wrote is not to be replaced.
+        let Some(mut held) = hold(folder, contents) else {
+            return Ok(None);
+        };
         let (ledger, damage) = Ledger::open(folder, contents.of, stages)?;
         settle(&ledger)?;
         // It may be another file now; a second lock on the same one would wait for the first.
-        locks.truncate(held);
-        lock(folder, disk::open_to_lock(&file), &mut locks, &mut sure)?;
-        Ok(Self {
-            _locks: locks,
-            sure,
+        held.marker = None;
+        let Some(marker) = lock(disk::open_to_lock(&folder.join(contents.marker))) else {
+            return Ok(None);
+        };
+        Ok(Some(Self {
+            sure: marker.is_some(),
+            _locks: held.folder.into_iter().chain(marker).collect(),
             ledger,
             damage,
-        })
+        }))
     }
 
     /// Warns of what was wrong with the manifest that was there.
@@ -97,30 +111,42 @@ impl DirectoryLock {
     }
 }
 
-fn lock(
-    folder: &Path,
-    opened: std::io::Result<File>,
-    locks: &mut Vec<File>,
-    sure: &mut bool,
-) -> Result<()> {
-    *sure = false;
+/// What a process is told that wants a folder in which another is at work.
+pub(crate) fn at_work(folder: &Path) -> Error {
+    let problem = "another run is at work in it; wait for it to end, or choose another --out";
+    Error::input(folder.display().to_string(), problem)
+}
+
+/// The locks of a folder, as far as its file system can lock.
+pub(crate) struct Held {
+    folder: Option<File>,
+    marker: Option<File>,
+}
+
+/// Locks a folder and its marker, and reads and writes nothing; `None` if another process has. The lock of the folder
+/// holds if its marker is replaced, that of the marker if a network file system cannot lock folders.
+pub(crate) fn hold(folder: &Path, contents: &Contents) -> Option<Held> {
+    let marker = folder.join(contents.marker);
+    let folder = lock(disk::open_folder(folder))?;
+    let marker = match disk::kind(&marker) {
+        Some(Kind::File) => lock(disk::open_to_lock(&marker))?,
+        _ => None,
+    };
+    Some(Held { folder, marker })
+}
+
+/// A lock, or none if the file system has no locks; `None` if another process has it.
+fn lock(opened: std::io::Result<File>) -> Option<Option<File>> {
     match opened.map(|file| (file.try_lock(), file)) {
-        Ok((Ok(()), file)) => {
-            locks.push(file);
-            *sure = true;
-            Ok(())
-        }
-        Ok((Err(TryLockError::WouldBlock), _)) => Err(Error::input(
-            folder.display().to_string(),
-            "another run is at work in it; wait for it to end, or choose another --out",
-        )),
-        _ => Ok(()),
+        Ok((Ok(()), file)) => Some(Some(file)),
+        Ok((Err(TryLockError::WouldBlock), _)) => None,
+        _ => Some(None),
     }
 }
 
 /// Refuses a folder that is not of this kind and holds a name that would be written, and one within the
 /// results of a run.
-fn refuse_others(folder: &Path, contents: &Contents) -> Result<()> {
+pub(crate) fn refuse_others(folder: &Path, contents: &Contents) -> Result<()> {
     let place = || folder.display().to_string();
     let full = std::path::absolute(folder).map_err(|e| Error::read(folder, &e))?;
     for above in full.ancestors().skip(1) {
@@ -145,6 +171,8 @@ fn refuse_others(folder: &Path, contents: &Contents) -> Result<()> {
     let taken = |name: &&&str| disk::is_there(&folder.join(name));
     match contents.names.iter().find(taken) {
         None => Ok(()),
+        // Another process of the same campaign has made it meanwhile.
+        Some(_) if is_of(folder, contents) => Ok(()),
         Some(name) => {
             let kind = contents.of.word();
             let problem = format!(

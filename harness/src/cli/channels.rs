@@ -11,6 +11,9 @@ use bitgrain_lab::plain::escaped;
 use bitgrain_lab::progress::Progress;
 use bitgrain_sim::error::{Error, Result};
 
+/// Largest file that is read unless something else is said, unpacked, in MiB.
+pub(super) const MAX_INPUT: u64 = 512;
+
 /// Signals that come within this time are one request to stop.
 const ONE_BREATH: Duration = Duration::from_millis(10);
 

@@ -36,11 +36,13 @@ Examples:
   bitgrain run quick --out out/thick --set intruder.diameter=3 --set 'intruder.froude=[1, 4]' \\
       --set drag.distance=12
   bitgrain run --resume out/quick
+  bitgrain run kumar-system-1 --submit slurm -- --time=8:00:00 --cpus-per-task=4
 
 Results depend neither on --threads, nor on whether a bed was poured or reused, nor on whether a run was
 stopped: Ctrl-C (or SIGTERM) saves unfinished stages; the same command goes on from there, after a kill or
 a full disk from the last save; finished stages are kept. Missing or damaged files are made again. A folder
-with other files under names that a run would write is refused.
+with other files under names that a run would write is refused. A job that was submitted saves itself before
+its time is up and goes back into the queue; if it could save nothing in its time it stops, and says so.
 
 Exit status: 0 done, 2 the scenario was refused, 3 a run failed, 1 results could not be written,
 130 interrupted.";
@@ -50,12 +52,21 @@ Examples:
   bitgrain sweep kumar-small
   bitgrain sweep kumar-2018 --dry-run
   bitgrain sweep my-campaign.toml --threads 16 --jobs 4
+  bitgrain sweep my-campaign.toml --tasks
+  bitgrain sweep my-campaign.toml --merge
+  bitgrain sweep my-campaign.toml --submit slurm -- --time=8:00:00 --array=%20
 
 A campaign's file holds a base scenario and grids of values; harness/lab/campaigns/kumar-small.toml is one to
 begin from. Each member (the runs that share a bed) is a separate run directory, which `bitgrain verify`
 and `bitgrain run --resume` accept. Finished runs are in results.csv and results.parquet at once; those that
 fail have a row with the reason. A campaign that was stopped or killed goes on with the same command, and
 ends with the same bytes.
+
+Many machines: --tasks prints a command for each bed and drag; run them by any scheduler, in any order and any
+number at a time, where the campaign's file, --out and --beds are shared; then --merge writes the table of one
+process. A drag whose bed another worker pours waits for it: to avoid that, end those of --tasks=beds before those
+of --tasks=drags. What was killed is done by the same command again. --submit does all this on Slurm; given again
+it submits what is missing. The guide's page Many machines (harness/guide/src/many-machines.md) has the rest.
 
 Exit status: 0 done, 2 the campaign was refused, 3 runs failed, 1 results could not be written,
 130 interrupted.";

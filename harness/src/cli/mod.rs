@@ -8,8 +8,11 @@ mod checks;
 mod ending;
 mod help;
 mod record;
+mod run;
+mod slurm;
 mod start;
 mod sweep;
+mod tasks;
 
 use std::ffi::OsString;
 use std::io::{BufWriter, Write};
@@ -20,19 +23,16 @@ use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::bench::{Timing, bench};
 pub use bed::own_beds;
-use bed::{Bed, Beds, run_bed};
+use bed::{Bed, run_bed};
 use bitgrain_analysis::present;
-use bitgrain_lab::against::{self, Reference};
 use bitgrain_lab::folder::Folder;
 use bitgrain_lab::plain::plain;
 use bitgrain_lab::replay::{Replay, Stretch, replay, replay_run};
 use bitgrain_lab::rerun::RunArchive;
-use bitgrain_lab::run::{SaveEvery, Setting};
 use bitgrain_lab::selftest::selftest;
-use bitgrain_lab::{forecast, scenario};
 use bitgrain_sim::disk::{is_folder, set_most};
-use bitgrain_sim::error::{Error, Result, UNEXPECTED};
-use channels::{heed_full_files, print, processors, shown, stoppable};
+use bitgrain_sim::error::{Error, Result};
+use channels::{MAX_INPUT, heed_full_files, print, shown, stoppable};
 use help::{
     ANALYSE_HELP, BED_HELP, BENCH_HELP, BISECT_HELP, CLAIMS_HELP, RECORD_HELP, REPLAY_HELP,
     RUN_HELP, SELFTEST_HELP, SWEEP_HELP, VERIFY_HELP, grouped,
@@ -48,7 +48,7 @@ use help::{
 )]
 struct Cli {
     /// Largest file that is read, unpacked, in MiB.
-    #[arg(long, global = true, value_name = "MIB", default_value_t = 512,
+    #[arg(long, global = true, value_name = "MIB", default_value_t = MAX_INPUT,
         value_parser = clap::value_parser!(u64).range(1..=1 << 40))]
     max_input: u64,
     #[command(subcommand)]
@@ -59,7 +59,7 @@ struct Cli {
 enum Command {
     /// Run a scenario: pour its beds, drag its intruder, write the results and a report.
     #[command(after_help = RUN_HELP)]
-    Run(Run),
+    Run(run::Run),
     /// Run a campaign: a base scenario over the values of its grids, into one table.
     #[command(after_help = SWEEP_HELP)]
     Sweep(sweep::Sweep),
@@ -105,48 +105,6 @@ enum Command {
     /// Write manual pages, one for the program and one for each command.
     #[command(after_help = "Example:\n  bitgrain man man")]
     Man(start::Man),
-}
-
-#[derive(Args)]
-struct Run {
-    /// A TOML file, or the name of a shipped scenario; without it those are listed, with sizes and times.
-    scenario: Option<String>,
-    /// Folder for the results [default: out/NAME, NAME the scenario's name].
-    #[arg(long)]
-    out: Option<PathBuf>,
-    /// Go on with the run in this folder from where it was stopped; its scenario is in it.
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["scenario", "out", "sets"])]
-    resume: Option<PathBuf>,
-    /// Save unfinished stages this often, in minutes (5m) or in steps (20000) [default: 5m].
-    #[arg(long, value_name = "INTERVAL")]
-    save_every: Option<SaveEvery>,
-    #[command(flatten)]
-    beds: Beds,
-    /// Threads, for beds and speeds side by side, and several for each if there are fewer of them [default: one
-    /// for each processor].
-    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
-    /// Change a key of the scenario, as in --set law.mu=0.3; may be given several times.
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    sets: Vec<String>,
-    /// Do only this drag, as run-1 or bed-2-run-1, and its bed; may be given several times. The same command
-    /// without it does the others, and writes summary and report
-    #[arg(long, value_name = "RUN", conflicts_with = "dry_run")]
-    only: Vec<String>,
-    /// Print what it would take (steps, memory, disk, time, dimensionless groups), and run nothing.
-    #[arg(long)]
-    dry_run: bool,
-    /// A closing hash or the last link of a stage that was kept elsewhere: the run ends with status 3 if it
-    /// does not arrive at it; may be given several times.
-    #[arg(long, value_name = "LINK", conflicts_with_all = ["only", "dry_run"])]
-    expect: Vec<String>,
-    /// Another run's folder, the chain.csv of one of its stages, or a link: the run ends with status 3 if a
-    /// link differs, and says at which step, body and number, here and in difference.json.
-    #[arg(long, value_name = "DIR|CHAIN|LINK", conflicts_with_all = ["only", "dry_run"])]
-    against: Option<String>,
-    /// Print lines if standard error is not a terminal: each minute, and as each stage ends.
-    #[arg(long, short)]
-    verbose: bool,
 }
 
 #[derive(Args)]
@@ -220,6 +178,10 @@ pub fn main_with_beds(home: &Path) -> ExitCode {
 /// to be done again in a process of its own. Returns the exit status.
 pub fn main_of(words: impl IntoIterator<Item = OsString>, home: &Path, this: &Path) -> u8 {
     let told_of_full_files = heed_full_files();
+    let words: Vec<OsString> = words.into_iter().collect();
+    let program = words
+        .first()
+        .map(|word| word.to_string_lossy().into_owned());
     let words = grouped(Cli::command()).try_get_matches_from(words);
     let command = match words.and_then(|found| Cli::from_arg_matches(&found)) {
         Ok(cli) => {
@@ -236,7 +198,7 @@ pub fn main_of(words: impl IntoIterator<Item = OsString>, home: &Path, this: &Pa
             return 0;
         }
     };
-    match told_of_full_files.and_then(|()| run(command, home, this)) {
+    match told_of_full_files.and_then(|()| run(command, home, this, &program.unwrap_or_default())) {
         Ok(()) => 0,
         // A reader that has seen enough of a replay (`| head`) is not an error.
         Err(Error::Output(e)) if e.kind() == std::io::ErrorKind::BrokenPipe => 0,
@@ -248,10 +210,10 @@ pub fn main_of(words: impl IntoIterator<Item = OsString>, home: &Path, this: &Pa
     }
 }
 
-fn run(command: Command, home: &Path, this: &Path) -> Result<()> {
+fn run(command: Command, home: &Path, this: &Path, program: &str) -> Result<()> {
     match command {
-        Command::Run(run) => run_scenario(run, home, this),
-        Command::Sweep(what) => sweep::run(what, home),
+        Command::Run(what) => run::run_scenario(what, home, this, program),
+        Command::Sweep(what) => sweep::run(what, home, program),
         Command::Analyse(what) => analyse::run(what),
         Command::Claims(what) => analyse::run_claims(what),
         Command::Report { folder } => {
@@ -301,65 +263,6 @@ fn run_replay(case: Case) -> Result<()> {
             case.case.display().to_string(),
             "is not a folder; --stage needs the folder of a run",
         )),
-    }
-}
-
-fn run_scenario(run: Run, home: &Path, this: &Path) -> Result<()> {
-    if run.scenario.is_none() && run.resume.is_none() {
-        return start::list();
-    }
-    // A wrong word is reported before hours of work.
-    let against = run.against.as_deref().map(Reference::of).transpose()?;
-    let (scenario, out) = match (&run.resume, &run.scenario) {
-        (Some(folder), _) => (Folder(folder).saved_scenario()?, folder.clone()),
-        (None, name) => {
-            let scenario = scenario::load(name.as_deref().unwrap_or_default(), &run.sets)?;
-            let own = PathBuf::from("out").join(&scenario.name);
-            (scenario, run.out.unwrap_or(own))
-        }
-    };
-    let hint = run.beds.hint(home);
-    let library = run.beds.library(home);
-    let threads = processors(run.threads);
-    if run.dry_run {
-        return print(&forecast::forecast(&scenario, &library, threads)?);
-    }
-    let progress = stoppable(run.verbose);
-    hint.iter().for_each(|hint| progress.warn(hint));
-    let done = bitgrain_lab::run::run_in(Setting {
-        scenario: &scenario,
-        folder: &Folder(&out),
-        library: &library,
-        threads,
-        save: run.save_every.unwrap_or_default(),
-        frames: true,
-        only: &run.only,
-        write_report: present::write_report,
-        progress: &progress,
-    })?;
-    let Some(done) = done else {
-        return print(&format!(
-            "done: {}; the same command without --only does the others\n",
-            run.only.join(", ")
-        ));
-    };
-    let (text, manifest) = ending::describe(&out, library.folder(), done.executed)?;
-    print(&text)?;
-    if let Some(against) = &against {
-        let say = |line: &str| print(&format!("{line}\n"));
-        against::check(&out, against, this, &progress, say)?;
-    }
-    match run.expect.iter().find(|link| !manifest.has_link(link)) {
-        None => Ok(()),
-        Some(link) => {
-            let place = out.display();
-            let problem =
-                format!("{place}: {link} is neither its closing hash nor the last link of a stage");
-            Err(Error::Unverified {
-                problem,
-                hint: UNEXPECTED,
-            })
-        }
     }
 }
 

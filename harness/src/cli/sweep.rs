@@ -6,11 +6,14 @@ use clap::Args;
 
 use super::bed::Beds;
 use super::channels::{print, processors, shown, stoppable};
+use super::slurm::{check_scheduler, utf8};
+use super::tasks::{Pieces, interval, max_input, shared_words, told};
 use bitgrain_analysis::claims::evidence::Evidence;
 use bitgrain_analysis::report::campaign_page;
 use bitgrain_lab::campaign::folder::CampaignFolder;
 use bitgrain_lab::campaign::only::Only;
 use bitgrain_lab::campaign::table::CampaignTable;
+use bitgrain_lab::campaign::tasks::{Worker, perform};
 use bitgrain_lab::campaign::{self, forecast, sweep};
 use bitgrain_lab::run::SaveEvery;
 use bitgrain_sim::disk::write_whole;
@@ -55,31 +58,84 @@ pub(super) struct Sweep {
     /// before, the time is by the speed of that, for the rest.
     #[arg(long)]
     dry_run: bool,
+    /// Print a command for each bed and each drag that is left, a line each, beds first: for any scheduler, on machines
+    /// that share --out and --beds. KIND prints only `beds` or only `drags`.
+    #[arg(long, value_name = "KIND", num_args = 0..=1, require_equals = true, default_missing_value = "all",
+        value_parser = ["all", "beds", "drags"], group = "pieces")]
+    tasks: Option<String>,
+    /// Do one bed or one drag, as --tasks names them, in a folder of its own; other processes may do others at the
+    /// same time.
+    #[arg(long, value_name = "MEMBER/STAGE", group = "pieces", conflicts_with_all = ["only", "jobs", "dry_run"])]
+    task: Option<String>,
+    /// Put together what was done with --task, and compute nothing: the table, or which rows are missing and the
+    /// commands for them, with status 3.
+    #[arg(long, group = "pieces", conflicts_with_all = ["retry", "dry_run"])]
+    merge: bool,
+    /// Write job scripts of what is left into OUT/slurm and submit them: an array of beds, one of drags, and the merge
+    /// after them. SCHEDULER is slurm. With --dry-run they are only written.
+    #[arg(long, value_name = "SCHEDULER", group = "pieces")]
+    submit: Option<String>,
+    /// Options for each sbatch, as in -- --time=2:00:00 --partition=long; --array=%4 runs at most 4 at a time.
+    #[arg(last = true, requires = "submit", value_name = "SBATCH OPTION")]
+    sbatch: Vec<String>,
     /// Print lines if standard error is not a terminal: each minute, and as each stage ends.
     #[arg(long, short)]
     verbose: bool,
 }
 
-/// Runs it.
-pub(super) fn run(what: Sweep, home: &Path) -> Result<()> {
+/// Runs it; `program` is what it was called by.
+pub(super) fn run(what: Sweep, home: &Path, program: &str) -> Result<()> {
+    if let Some(scheduler) = &what.submit {
+        check_scheduler(scheduler)?;
+    }
     let plan = campaign::load(&what.campaign, &what.sets)?;
-    let only = Only::new(what.only, &plan)?;
+    let command = command(&what, program)?;
+    let only = Only::new(what.only.clone(), &plan)?;
     let against = what
         .against
         .map(|path| Ok::<_, Error>((CampaignTable::read(&path)?, path)))
         .transpose()?;
     let hint = what.beds.hint(home);
     let library = what.beds.library(home);
-    let threads = processors(what.threads);
-    let jobs = what.jobs.map_or(threads, usize::from);
     let own = PathBuf::from("out").join(&plan.campaign.name);
     let out = what.out.unwrap_or(own);
+    let pieces = Pieces {
+        plan: &plan,
+        only: &only,
+        out: &out,
+        library: &library,
+        retry: what.retry,
+        threads: what.threads.unwrap_or(1),
+        command,
+        names: what.only,
+    };
+    if what.submit.is_some() {
+        return pieces.submit(&what.sbatch, what.dry_run);
+    }
+    if let Some(kind) = &what.tasks {
+        return pieces.list(kind);
+    }
+    let threads = processors(what.threads);
+    let jobs = what.jobs.map_or(threads, usize::from);
     if what.dry_run {
         let text = forecast::forecast(&plan, &only, &out, &library, threads, jobs)?;
         return print(&text);
     }
     let progress = stoppable(what.verbose);
     hint.iter().for_each(|hint| progress.warn(hint));
+    let save = what.save_every.unwrap_or_default();
+    if let Some(task) = &what.task {
+        let worker = Worker {
+            plan: &plan,
+            out: &out,
+            library: &library,
+            threads,
+            save,
+            retry: what.retry,
+            progress: &progress,
+        };
+        return told(task, perform(&worker, task)?);
+    }
     let outcome = sweep::sweep(&sweep::Sweep {
         plan: &plan,
         only: &only,
@@ -87,13 +143,41 @@ pub(super) fn run(what: Sweep, home: &Path) -> Result<()> {
         library: &library,
         threads,
         jobs,
-        save: what.save_every.unwrap_or_default(),
+        save,
         retry: what.retry,
+        merge: what.merge,
         write_report: bitgrain_analysis::present::write_report,
         progress: &progress,
     })?;
-    let folder = CampaignFolder(&out);
-    let evidence = Evidence::read(&out, false)?;
+    if outcome.missing > 0 {
+        let there = outcome.done + outcome.failed;
+        return pieces.lacking(outcome.missing, outcome.missing + there);
+    }
+    conclude(&out, outcome, against)
+}
+
+/// The words that every process of a campaign in pieces is called with.
+fn command(what: &Sweep, program: &str) -> Result<String> {
+    let path = |path: Option<&Path>| path.map(|path| utf8(path).map(String::from)).transpose();
+    let sets = what.sets.iter().map(|set| ("--set", Some(set.clone())));
+    let mut options: Vec<(&str, Option<String>)> = sets.collect();
+    options.extend([
+        ("--out", path(what.out.as_deref())?),
+        ("--beds", path(what.beds.folder.as_deref())?),
+        ("--save-every", what.save_every.map(interval)),
+        ("--max-input", max_input()),
+    ]);
+    Ok(shared_words(program, &["sweep", &what.campaign], &options))
+}
+
+/// Writes what the table says, and holds it against another.
+fn conclude(
+    out: &Path,
+    outcome: sweep::Outcome,
+    against: Option<(CampaignTable, PathBuf)>,
+) -> Result<()> {
+    let folder = CampaignFolder(out);
+    let evidence = Evidence::read(out, false)?;
     write_whole(&folder.analysis(), evidence.text().as_bytes())?;
     write_whole(&folder.report(), campaign_page(&evidence).as_bytes())?;
     print(&format!(

@@ -23,7 +23,7 @@ use crate::alone;
 
 /// How a call is disturbed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Spoil {
+pub enum Spoil {
     /// It fails; the process goes on.
     Error,
     /// Half of its bytes arrive.
@@ -174,7 +174,7 @@ impl FakeDisk {
 }
 
 /// What is run: into `out`, with its beds in `beds`, both in a room.
-trait Work {
+pub trait Work {
     fn go(&self, room: &Path) -> Result<()>;
 }
 
@@ -198,7 +198,7 @@ impl Work for Run {
     }
 }
 
-struct Campaign(bitgrain::campaign::plan::Plan);
+pub struct Campaign(pub bitgrain::campaign::plan::Plan);
 
 impl Work for Campaign {
     fn go(&self, room: &Path) -> Result<()> {
@@ -212,6 +212,7 @@ impl Work for Campaign {
             save: SaveEvery::Steps(5000),
             // A failed disk is no reason to record a failure.
             retry: true,
+            merge: false,
             write_report: bitgrain::present::write_report,
             progress: &Progress::new(false),
         })
@@ -223,7 +224,7 @@ fn run() -> Run {
     Run(bitgrain::scenario::parse(WEE, "wee", &[], Path::new("")).unwrap())
 }
 
-fn campaign() -> Campaign {
+pub fn campaign() -> Campaign {
     let room = tempfile::tempdir().unwrap();
     std::fs::write(room.path().join("wee.toml"), WEE).unwrap();
     let plan = bitgrain::campaign::plan::parse(WEE_CAMPAIGN, "weecamp", &[], room.path());
@@ -236,7 +237,7 @@ fn spoiler(at: usize, spoil: Spoil) -> Arc<Spoiler> {
 }
 
 /// Runs it with one call disturbed, then again undisturbed; returns how many calls the first one made.
-fn spoilt(work: &impl Work, at: usize, spoil: Spoil, want: Option<&Files>) -> (usize, Files) {
+pub fn spoilt(work: &impl Work, at: usize, spoil: Spoil, want: Option<&Files>) -> (usize, Files) {
     let folder = tempfile::tempdir().unwrap();
     let room = folder.path();
     let spoiler = spoiler(at, spoil);
@@ -269,10 +270,10 @@ fn spoilt(work: &impl Work, at: usize, spoil: Spoil, want: Option<&Files>) -> (u
     (state.calls, results(&room.join("out")))
 }
 
-type Files = BTreeMap<String, Vec<u8>>;
+pub type Files = BTreeMap<String, Vec<u8>>;
 
 /// Disturbs every `nth` call in every way.
-fn spoil_all(work: &impl Work, nth: usize) {
+pub fn spoil_all(work: &impl Work, nth: usize) {
     let _alone = alone();
     let (calls, want) = spoilt(work, usize::MAX, Spoil::Kill, None);
     let mut tried = 0;

@@ -6,6 +6,7 @@ use std::sync::{Mutex, MutexGuard};
 mod allocations;
 mod disk;
 mod modes;
+mod pieces;
 mod recordings;
 
 /// One test at a time holds this: they examine the whole process.

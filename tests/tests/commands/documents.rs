@@ -161,6 +161,17 @@ fn run_commands(lines: Vec<String>) {
             assert!(out.status.success(), "{line}: {error}");
             continue;
         }
+        // What the commands of a list do, they do in the shell.
+        if let Some(piped) = line
+            .strip_prefix("bitgrain ")
+            .filter(|line| line.contains(" | "))
+        {
+            let line = format!("'{PROGRAM}' {piped}");
+            let out = output("sh", folder.path(), &["-c", &line]);
+            let error = String::from_utf8_lossy(&out.stderr);
+            assert!(out.status.success(), "{line}: {error}");
+            continue;
+        }
         // The bed has another name, and a small scenario does for two builds.
         let line = line.replace("4f1c", &bed_name(folder.path()));
         let line = line.replace("--scenario quick", "--scenario my-bed.toml");
@@ -191,13 +202,13 @@ fn run_commands(lines: Vec<String>) {
         }
         let mine = line.contains("my-bed") || line.contains("--resume");
         let planned = args[0] == "sweep" || args[0] == "run" && !mine;
-        if planned && !line.contains("--dry-run") {
-            args.push("--dry-run".into());
+        if planned && !line.contains("--dry-run") && !line.contains("--merge") {
+            args.insert(1, "--dry-run".into());
         }
         // A command that writes nothing prints the same in every folder.
         let file = |word: &String| word.contains(['/', '.']);
         let writes_nothing = args.iter().any(|word| word == "--dry-run")
-            && !args[..2].iter().any(file)
+            && !args.iter().take(3).any(file)
             || ["bench", "selftest"].contains(&args[0].as_str());
         if writes_nothing && !ONCE.lock().unwrap().insert(args.join(" ")) {
             continue;

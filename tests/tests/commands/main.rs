@@ -33,8 +33,10 @@ mod recordings;
 mod resume;
 mod safety;
 mod saved;
+mod slurm;
 mod sources;
 mod sweep;
+mod tasks;
 mod tidy;
 mod verify;
 

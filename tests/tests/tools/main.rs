@@ -1,5 +1,5 @@
 //! Tests that build or run other programs: emulated machines, mutants of the kernel, counted instructions, a browser,
-//! other simulators.
+//! other simulators, schedulers.
 
 mod browser;
 mod capi;
@@ -12,4 +12,6 @@ mod machines;
 mod mutants;
 mod panics;
 mod recordings;
+mod schedulers;
+mod slurm;
 mod targets;

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::plan::{Member, Plan};
 use super::written;
 use crate::changes;
-use crate::folder::{Contents, DirectoryLock};
+use crate::folder::{Contents, DirectoryLock, SUBMITTED, refuse_others};
 use crate::manifest::{self, FolderKind, Ledger, Vouched};
 use bitgrain_sim::disk::{self, Kind};
 use bitgrain_sim::error::{Error, Result};
@@ -29,14 +29,38 @@ pub const CAMPAIGN: Contents = Contents {
         super::pace::NAME,
         "analysis.json",
         "report.html",
+        TASKS,
+        SUBMITTED,
     ],
 };
+
+/// The folder of what workers do, until it is gathered.
+const TASKS: &str = "tasks";
 
 /// Why a run or a bed failed, kept so that it is not tried again with the same result.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Failure {
     pub(super) reason: String,
+}
+
+impl Failure {
+    /// Of a stage that ended so; what stops a whole campaign is returned as it is.
+    pub(super) fn of(error: Error) -> Result<Self> {
+        match error {
+            Error::Run { .. } | Error::Unsettled { .. } | Error::Input { .. } => Ok(Self {
+                reason: error.to_string(),
+            }),
+            other => Err(other),
+        }
+    }
+
+    /// Keeps it in the folder of what failed.
+    pub(super) fn keep(&self, ledger: &Ledger, place: &Path) -> Result<()> {
+        let text = serde_json::to_string_pretty(self).expect("a sentence is text");
+        ledger.write(&place.join(FAILURE), format!("{text}\n").as_bytes())?;
+        ledger.save()
+    }
 }
 
 /// What lies beside a campaign's table.
@@ -105,6 +129,53 @@ impl CampaignFolder<'_> {
         self.0.join("members").join(name)
     }
 
+    /// What workers do, until it is gathered.
+    pub fn tasks(&self) -> PathBuf {
+        self.0.join(TASKS)
+    }
+
+    /// The run directory of one task.
+    pub fn task(&self, member: &str, stage: &str) -> PathBuf {
+        self.tasks().join(member).join(stage)
+    }
+
+    /// Makes the folder one of this campaign, in which several processes may work, each in a folder of its own: all
+    /// of them write the same file.
+    ///
+    /// # Errors
+    /// [`Error::Input`] if it holds something else; [`Error::Write`].
+    pub fn share(&self, plan: &Plan) -> Result<()> {
+        self.refuse_others(plan)?;
+        let (path, text) = (self.campaign(), self.text(plan));
+        let old = disk::read_if_there(&path)?.unwrap_or_default();
+        if old == text.as_bytes() || !old.is_empty() && self.has_begun() {
+            return Ok(());
+        }
+        disk::write_whole(&path, text.as_bytes())
+    }
+
+    /// Refuses a folder that holds something else; nothing is written.
+    ///
+    /// # Errors
+    /// [`Error::Input`] with the difference.
+    pub fn refuse_others(&self, plan: &Plan) -> Result<()> {
+        refuse_others(self.0, &CAMPAIGN)?;
+        match self.has_begun() {
+            true => self.refuse_another(plan, &self.text(plan)),
+            false => Ok(()),
+        }
+    }
+
+    /// Whether anything was made in it: a campaign that ended before that does not count.
+    fn has_begun(&self) -> bool {
+        let kinds = [self.tasks(), self.0.join("members")];
+        kinds.iter().any(|kind| disk::is_there(kind))
+    }
+
+    fn text(&self, plan: &Plan) -> String {
+        format!("# {}\n{}", bits(), plan.text())
+    }
+
     /// Its members, which are the stages of a campaign.
     pub fn stages(plan: &Plan) -> Vec<String> {
         plan.members
@@ -114,7 +185,7 @@ impl CampaignFolder<'_> {
     }
 
     pub(super) fn claim(&self, plan: &Plan) -> Result<DirectoryLock> {
-        let text = format!("# {}\n{}", bits(), plan.text());
+        let text = self.text(plan);
         let claim = DirectoryLock::take(self.0, &CAMPAIGN, &Self::stages(plan), |ledger| {
             self.survey(plan, &text, ledger)?;
             ledger.write(&self.campaign(), text.as_bytes())
@@ -130,26 +201,41 @@ impl CampaignFolder<'_> {
     fn survey(&self, plan: &Plan, text: &str, ledger: &Ledger) -> Result<()> {
         let path = self.campaign();
         let known = ledger.expects(&path, text.as_bytes());
-        if known == Some(true) || !disk::is_there(&self.0.join("members")) {
-            // One that ended before it had any result does not count.
+        if known == Some(true) || !self.has_begun() {
             return Ok(());
         }
+        match known.is_none() {
+            true => self.refuse_another(plan, text),
+            false => Err(self.another(text)),
+        }
+    }
+
+    /// Refuses a folder whose campaign does not mean the same as this one.
+    fn refuse_another(&self, plan: &Plan, text: &str) -> Result<()> {
+        let path = self.campaign();
         let old = disk::read_if_there(&path)?.unwrap_or_default();
         let old = String::from_utf8_lossy(&old).into_owned();
-        let same = |old: &str| {
-            let read = written::parse(old, &path.display().to_string(), self.0);
+        let same = || {
+            let read = written::parse(&old, &path.display().to_string(), self.0);
             old == text || read.is_ok_and(|read| read.text() == plan.text())
         };
-        if known.is_none() && (old.is_empty() || same(&old)) {
-            return Ok(());
+        match old.is_empty() || same() {
+            true => Ok(()),
+            false => Err(self.another(text)),
         }
-        Err(Error::input(
+    }
+
+    /// What is told to who brings another campaign.
+    fn another(&self, text: &str) -> Error {
+        let old = disk::read_if_there(&self.campaign()).ok().flatten();
+        let old = old.unwrap_or_default();
+        Error::input(
             self.0.display().to_string(),
             format!(
                 "holds another campaign, or this one before it was changed:\n{}\nchange it back, choose \
                  another --out, or remove the folder",
-                changes::list(&old, text)
+                changes::list(&String::from_utf8_lossy(&old), text)
             ),
-        ))
+        )
     }
 }

@@ -2,7 +2,8 @@
 //!
 //! A campaign's file says what is varied ([`keys`]), [`plan`] turns it into members, each its own
 //! scenario whose speeds share a bed, [`sweep`] runs what is left of them, and [`table`] holds a row for
-//! every drag: inputs, observables, digest. [`written`] reads back what lies in a campaign's folder.
+//! every drag: inputs, observables, digest. [`tasks`] are the pieces of it that many processes do. [`written`] reads
+//! back what lies in a campaign's folder.
 
 pub mod columns;
 pub mod folder;
@@ -15,6 +16,7 @@ pub mod plan;
 pub mod rules;
 pub mod sweep;
 pub mod table;
+pub mod tasks;
 pub mod verify;
 pub mod written;
 

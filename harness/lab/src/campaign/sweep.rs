@@ -12,6 +12,7 @@ use super::folder::{CampaignFolder, FAILURE, Failure};
 use super::only::Only;
 use super::pace::Pace;
 use super::plan::Plan;
+use super::tasks;
 use crate::bed::recipe::Recipe;
 use crate::bed::{self, library::BedCache};
 use crate::folder::{DirectoryLock, Folder};
@@ -23,7 +24,7 @@ use crate::summary::{BedSummary, parse_record};
 use bitgrain_sim::disk::{self, check_writable};
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::files::read_text;
-use jobs::{Job, Slot, jobs};
+use jobs::{Job, Slot, first_cause, jobs};
 
 /// How a campaign is run; none of it changes a result.
 pub struct Sweep<'a> {
@@ -43,6 +44,8 @@ pub struct Sweep<'a> {
     pub save: SaveEvery,
     /// Whether runs that failed before are tried again.
     pub retry: bool,
+    /// Whether only what workers did is put together: nothing is computed.
+    pub merge: bool,
     /// Writes the report of a member whose drags are all done.
     pub write_report: WriteReport,
     /// Bars, lines and the request to stop.
@@ -56,6 +59,8 @@ pub struct Outcome {
     pub done: usize,
     /// Runs that failed; their rows say why.
     pub failed: usize,
+    /// Runs that are wanted and missing; none unless the campaign was only to be put together.
+    pub missing: usize,
     /// The table.
     pub table: PathBuf,
 }
@@ -96,6 +101,13 @@ pub fn sweep(what: &Sweep<'_>) -> Result<Outcome> {
     for claim in claims.iter().chain([&claim]) {
         claim.warn_of_damage(what.progress);
     }
+    let taken = tasks::gather(folder, what.plan, &claims, what.progress)?;
+    if let (Some(first), false) = (taken.first(), what.merge) {
+        let problem = format!(
+            "workers are at tasks of it ({first}): wait for them, or put together what is done with --merge"
+        );
+        return Err(Error::input(what.out.display().to_string(), problem));
+    }
     let slots = jobs.iter().map(|_| None).collect();
     let under = Under {
         what,
@@ -107,9 +119,19 @@ pub fn sweep(what: &Sweep<'_>) -> Result<Outcome> {
         slots: Mutex::new(slots),
     };
     under.take_up()?;
-    under.check_library()?;
-    under.go_on()?;
-    under.conclude()
+    if what.merge {
+        if let Some(unfinished) = under.unfinished()? {
+            return Ok(unfinished);
+        }
+    } else {
+        under.check_library()?;
+        under.go_on()?;
+    }
+    let outcome = under.conclude()?;
+    if under.slots().iter().all(Option::is_some) {
+        tasks::clear(folder)?;
+    }
+    Ok(outcome)
 }
 
 impl Under<'_> {
@@ -392,28 +414,23 @@ impl Under<'_> {
             Ok(given) => return Ok(Ok(given)),
             Err(error) => error,
         };
-        let failed = matches!(
-            error,
-            Error::Run { .. } | Error::Unsettled { .. } | Error::Input { .. }
-        );
-        if !failed {
-            // Nothing more is begun, and unfinished stages are saved.
-            self.what
-                .progress
-                .stop_flag()
-                .store(true, Ordering::Relaxed);
-            return Err(error);
-        }
-        let failure = Failure {
-            reason: error.to_string(),
+        let failure = match Failure::of(error) {
+            Ok(failure) => failure,
+            Err(error) => {
+                // Nothing more is begun, and unfinished stages are saved.
+                self.what
+                    .progress
+                    .stop_flag()
+                    .store(true, Ordering::Relaxed);
+                return Err(error);
+            }
         };
-        let text = serde_json::to_string_pretty(&failure).expect("a sentence is text");
-        ledger.write(&place.join(FAILURE), format!("{text}\n").as_bytes())?;
-        ledger.save()?;
+        failure.keep(ledger, place)?;
+        let reason = failure.reason;
         self.what
             .progress
-            .warn(&format!("{error}; the others go on"));
-        Ok(Err(failure.reason))
+            .warn(&format!("{reason}; the others go on"));
+        Ok(Err(reason))
     }
 
     fn fail_all(&self, member: usize, reason: &str, overall: &Overall) -> Result<()> {
@@ -429,17 +446,4 @@ impl Under<'_> {
         drop(slots);
         self.write_table()
     }
-}
-
-/// All results, or what stopped the first of them; an interruption only if nothing else did.
-fn first_cause<T>(results: Vec<Result<T>>) -> Result<Vec<T>> {
-    let (mut given, mut interrupted) = (Vec::with_capacity(results.len()), None);
-    for result in results {
-        match result {
-            Ok(value) => given.push(value),
-            Err(error @ Error::Interrupted { .. }) => interrupted = Some(error),
-            Err(error) => return Err(error),
-        }
-    }
-    interrupted.map_or(Ok(given), Err)
 }

@@ -7,7 +7,7 @@ use crate::bed::PouringState;
 use crate::bed::recipe::Recipe;
 use crate::changes;
 use crate::drag::Dragging;
-use crate::folder::{DirectoryLock, Folder, RUN};
+use crate::folder::{DirectoryLock, Folder, RUN, at_work};
 use crate::manifest::Ledger;
 use crate::scenario::{BedPlan, CheckedScenario, Scenario};
 use crate::summary::{DragRecord, Summary};
@@ -23,11 +23,25 @@ use bitgrain_sim::error::{Error, Result};
 /// [`Error::Input`] if it is not ours, holds another scenario's results, or another run is at work in
 /// it; [`Error::Write`].
 pub fn claim(folder: &Folder<'_>, scenario: &CheckedScenario) -> Result<DirectoryLock> {
-    let claim = DirectoryLock::take(folder.0, &RUN, &stages(scenario), |ledger| {
+    try_claim(folder, scenario)?.ok_or_else(|| at_work(folder.0))
+}
+
+/// The same; `None` if another run is at work in it.
+///
+/// # Errors
+/// As [`claim`], but for that.
+pub(crate) fn try_claim(
+    folder: &Folder<'_>,
+    scenario: &CheckedScenario,
+) -> Result<Option<DirectoryLock>> {
+    let claim = DirectoryLock::try_take(folder.0, &RUN, &stages(scenario), |ledger| {
         survey(folder, scenario, ledger)?;
         let text = folder.scenario_text(scenario);
         ledger.write(&folder.scenario(), text.as_bytes())
     })?;
+    let Some(claim) = claim else {
+        return Ok(None);
+    };
     if claim.sure {
         // Left by a killed process; nobody else writes here now.
         for own in folder.own_folders(scenario) {
@@ -44,7 +58,7 @@ pub fn claim(folder: &Folder<'_>, scenario: &CheckedScenario) -> Result<Director
         }
     }
     claim.ledger.save()?;
-    Ok(claim)
+    Ok(Some(claim))
 }
 
 /// Names of the stages of a run, in order.

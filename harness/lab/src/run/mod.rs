@@ -14,6 +14,7 @@ mod task;
 
 use crate::json::json_text;
 pub use beds::{begin_bed, data_file, surveyed};
+pub(crate) use claim::try_claim;
 pub use claim::{claim, stages};
 pub use drags::{begin, read, record, results};
 pub(crate) use jobs::side_by_side;
@@ -218,6 +219,19 @@ pub fn beds(
     let (beds, timed): (Vec<_>, Vec<_>) = beds.into_iter().unzip();
     stages.extend(timed);
     Ok((beds, stages))
+}
+
+/// One bed of a run in a folder that is [`claimed`]; of one that lies below lids as much as those need.
+///
+/// # Errors
+/// If it fails or is interrupted.
+pub(crate) fn bed(setting: Setting<'_>, ledger: &Ledger, plan: &BedPlan) -> Result<()> {
+    if setting.scenario.bare_beds().contains(plan) {
+        return pour_bare(setting, ledger, plan).map(|_| ());
+    }
+    let place = setting.scenario.beds().iter().position(|bed| bed == plan);
+    let places: Vec<usize> = place.into_iter().collect();
+    beds(setting, ledger, &places).map(|_| ())
 }
 
 /// One drag through a settled bed, or what is left of it.

@@ -4,6 +4,7 @@ use crate::campaign::columns::Status;
 use crate::campaign::only::Only;
 use crate::campaign::plan::{Member, Plan};
 use crate::scenario::DragPlan;
+use bitgrain_sim::error::{Error, Result};
 
 /// The outcome of a drag: nothing yet, or its end.
 pub(super) type Slot = Option<Status>;
@@ -39,4 +40,17 @@ pub(super) fn jobs(plan: &Plan, only: &Only) -> Vec<Job> {
         }
     }
     jobs
+}
+
+/// All results, or what stopped the first of them; an interruption only if nothing else did.
+pub(super) fn first_cause<T>(results: Vec<Result<T>>) -> Result<Vec<T>> {
+    let (mut given, mut interrupted) = (Vec::with_capacity(results.len()), None);
+    for result in results {
+        match result {
+            Ok(value) => given.push(value),
+            Err(error @ Error::Interrupted { .. }) => interrupted = Some(error),
+            Err(error) => return Err(error),
+        }
+    }
+    interrupted.map_or(Ok(given), Err)
 }

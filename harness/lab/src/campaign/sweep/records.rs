@@ -49,6 +49,39 @@ impl Under<'_> {
         self.ledger.save()
     }
 
+    /// What there is of a campaign that is only to be put together; `None` if no run is missing.
+    pub(super) fn unfinished(&self) -> Result<Option<Outcome>> {
+        let missing = {
+            let slots = self.slots();
+            let open = self.jobs.iter().zip(slots.iter());
+            open.filter(|(job, slot)| job.open(slot)).count()
+        };
+        if missing == 0 {
+            // A bed alone may be damaged: its member is not whole.
+            return match self.open().into_iter().flatten().next() {
+                None => Ok(None),
+                Some(member) => Err(Error::Unverified {
+                    problem: format!(
+                        "a bed in {} is missing or was changed since it was written",
+                        self.places[member].display()
+                    ),
+                    hint: "the same command without --merge makes it again",
+                }),
+            };
+        }
+        let slots = self.slots();
+        let count = |wanted: fn(&Status) -> bool| {
+            let ends = slots.iter().flatten();
+            ends.filter(|status| wanted(status)).count()
+        };
+        Ok(Some(Outcome {
+            done: count(|status| matches!(status, Status::Done(_))),
+            failed: count(|status| matches!(status, Status::Failed(_))),
+            missing,
+            table: self.folder.table(),
+        }))
+    }
+
     /// Writes the summaries and reports of the members whose runs are all done.
     pub(super) fn conclude(&self) -> Result<Outcome> {
         let slots = self.slots();
@@ -94,6 +127,7 @@ impl Under<'_> {
         Ok(Outcome {
             done,
             failed,
+            missing: 0,
             table: self.folder.table(),
         })
     }

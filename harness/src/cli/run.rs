@@ -1,0 +1,164 @@
+//! `bitgrain run`.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use super::bed::Beds;
+use super::channels::{print, processors, stoppable};
+use super::ending;
+use super::slurm::{Submission, Work, check_scheduler, quoted, utf8};
+use super::start;
+use super::tasks::{interval, max_input, shared_words};
+use bitgrain_analysis::present;
+use bitgrain_lab::against::{self, Reference};
+use bitgrain_lab::folder::Folder;
+use bitgrain_lab::run::{self, SaveEvery, Setting};
+use bitgrain_lab::scenario::CheckedScenario;
+use bitgrain_lab::{forecast, scenario};
+use bitgrain_sim::error::{Error, Result, UNEXPECTED};
+
+/// What `bitgrain run` takes.
+#[derive(Args)]
+pub(super) struct Run {
+    /// A TOML file, or the name of a shipped scenario; without it those are listed, with sizes and times.
+    scenario: Option<String>,
+    /// Folder for the results [default: out/NAME, NAME the scenario's name].
+    #[arg(long)]
+    out: Option<PathBuf>,
+    /// Go on with the run in this folder from where it was stopped; its scenario is in it.
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["scenario", "out", "sets"])]
+    resume: Option<PathBuf>,
+    /// Save unfinished stages this often, in minutes (5m) or in steps (20000) [default: 5m].
+    #[arg(long, value_name = "INTERVAL")]
+    save_every: Option<SaveEvery>,
+    #[command(flatten)]
+    beds: Beds,
+    /// Threads, for beds and speeds side by side, and several for each if there are fewer of them [default: one
+    /// for each processor].
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Change a key of the scenario, as in --set law.mu=0.3; may be given several times.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    sets: Vec<String>,
+    /// Do only this drag, as run-1 or bed-2-run-1, and its bed; may be given several times. The same command
+    /// without it does the others, and writes summary and report
+    #[arg(long, value_name = "RUN", conflicts_with = "dry_run")]
+    only: Vec<String>,
+    /// Print what it would take (steps, memory, disk, time, dimensionless groups), and run nothing.
+    #[arg(long)]
+    dry_run: bool,
+    /// A closing hash or the last link of a stage that was kept elsewhere: the run ends with status 3 if it
+    /// does not arrive at it; may be given several times.
+    #[arg(long, value_name = "LINK", conflicts_with_all = ["only", "dry_run"])]
+    expect: Vec<String>,
+    /// Another run's folder, the chain.csv of one of its stages, or a link: the run ends with status 3 if a
+    /// link differs, and says at which step, body and number, here and in difference.json.
+    #[arg(long, value_name = "DIR|CHAIN|LINK", conflicts_with_all = ["only", "dry_run"])]
+    against: Option<String>,
+    /// Write a job script into OUT/slurm and submit it; the job goes on after its time limit, as often as needed.
+    /// SCHEDULER is slurm. With --dry-run it is only written.
+    #[arg(long, value_name = "SCHEDULER")]
+    submit: Option<String>,
+    /// Options for sbatch, as in -- --time=2:00:00 --cpus-per-task=8.
+    #[arg(last = true, requires = "submit", value_name = "SBATCH OPTION")]
+    sbatch: Vec<String>,
+    /// Print lines if standard error is not a terminal: each minute, and as each stage ends.
+    #[arg(long, short)]
+    verbose: bool,
+}
+
+/// Runs it; `program` is what it was called by.
+pub(super) fn run_scenario(run: Run, home: &Path, this: &Path, program: &str) -> Result<()> {
+    if let Some(scheduler) = &run.submit {
+        check_scheduler(scheduler)?;
+    }
+    if run.scenario.is_none() && run.resume.is_none() {
+        return start::list();
+    }
+    // A wrong word is reported before hours of work.
+    let against = run.against.as_deref().map(Reference::of).transpose()?;
+    let (scenario, out) = match (&run.resume, &run.scenario) {
+        (Some(folder), _) => (Folder(folder).saved_scenario()?, folder.clone()),
+        (None, name) => {
+            let scenario = scenario::load(name.as_deref().unwrap_or_default(), &run.sets)?;
+            let own = PathBuf::from("out").join(&scenario.name);
+            (scenario, run.out.clone().unwrap_or(own))
+        }
+    };
+    if run.submit.is_some() {
+        return submit(&run, &scenario, &out, program);
+    }
+    let hint = run.beds.hint(home);
+    let library = run.beds.library(home);
+    let threads = processors(run.threads);
+    if run.dry_run {
+        return print(&forecast::forecast(&scenario, &library, threads)?);
+    }
+    let progress = stoppable(run.verbose);
+    hint.iter().for_each(|hint| progress.warn(hint));
+    let done = bitgrain_lab::run::run_in(Setting {
+        scenario: &scenario,
+        folder: &Folder(&out),
+        library: &library,
+        threads,
+        save: run.save_every.unwrap_or_default(),
+        frames: true,
+        only: &run.only,
+        write_report: present::write_report,
+        progress: &progress,
+    })?;
+    let Some(done) = done else {
+        return print(&format!(
+            "done: {}; the same command without --only does the others\n",
+            run.only.join(", ")
+        ));
+    };
+    let (text, manifest) = ending::describe(&out, library.folder(), done.executed)?;
+    print(&text)?;
+    if let Some(against) = &against {
+        let say = |line: &str| print(&format!("{line}\n"));
+        against::check(&out, against, this, &progress, say)?;
+    }
+    match run.expect.iter().find(|link| !manifest.has_link(link)) {
+        None => Ok(()),
+        Some(link) => {
+            let place = out.display();
+            let problem =
+                format!("{place}: {link} is neither its closing hash nor the last link of a stage");
+            Err(Error::Unverified {
+                problem,
+                hint: UNEXPECTED,
+            })
+        }
+    }
+}
+
+/// Writes a job script for a run, and submits it. The scenario goes into the folder now, so that what runs is what was
+/// submitted.
+fn submit(run: &Run, scenario: &CheckedScenario, out: &Path, program: &str) -> Result<()> {
+    drop(run::claim(&Folder(out), scenario)?);
+    let beds = run.beds.folder.as_deref().map(utf8).transpose()?;
+    let mut options = vec![
+        ("--beds", beds.map(String::from)),
+        ("--save-every", run.save_every.map(interval)),
+        ("--max-input", max_input()),
+        ("--against", run.against.clone()),
+    ];
+    options.extend(run.only.iter().map(|name| ("--only", Some(name.clone()))));
+    options.extend(
+        run.expect
+            .iter()
+            .map(|link| ("--expect", Some(link.clone()))),
+    );
+    let folder = utf8(out)?;
+    let mut submission = Submission::new(out, &run.sbatch)?;
+    submission.one(&Work {
+        kind: "run",
+        name: &scenario.name,
+        command: &shared_words(program, &["run", "--resume", folder], &options),
+        folder: Some(&quoted(folder)),
+        threads: run.threads.unwrap_or(1),
+    })?;
+    submission.submit(run.dry_run)
+}
