@@ -50,7 +50,7 @@ pub(crate) struct Cursor {
 impl Cursor {
     /// The entry of the next pair.
     #[inline(always)]
-    pub fn entry<R: Real>(self, stretches: &StretchRange<'_, R>) -> usize {
+    pub(crate) fn entry<R: Real>(self, stretches: &StretchRange<'_, R>) -> usize {
         let base = get_or_default(stretches.begin, 0);
         let begin = get_or_default(stretches.begin, self.stretch);
         begin.saturating_sub(base) as usize + self.done
@@ -58,7 +58,7 @@ impl Cursor {
 
     /// Entries of pairs of one stretch, as many as there is room for; none if all is done.
     #[inline(always)]
-    pub fn take<R: Real>(
+    pub(crate) fn take<R: Real>(
         &mut self,
         stretches: &StretchRange<'_, R>,
         room: usize,

@@ -197,8 +197,8 @@ fn cut(sim: &Simulation, law: &impl Law<f64>, name: &str) {
 }
 
 fn after_two_steps(sim: &mut Simulation, law: &impl Law<f64>, range_bounds: &[u32]) -> Digest {
+    sim.range_bounds = range_bounds.to_vec();
     let mut world = sim.world();
-    world.range_bounds = range_bounds;
     range_bounds::steps_cut(&mut world, law, 2).unwrap();
     digest(&world)
 }

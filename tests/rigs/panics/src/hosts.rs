@@ -70,7 +70,7 @@ impl<R: Real + 'static> Hosts<R> {
             (capacity, stretches, capacity.numbers(), capacity.words())
         },
         head: Head::new,
-        stretches: StretchList::new,
+        stretches: |words, numbers| StretchList::new(words, numbers),
         lent: |memory, capacity| LentStore::new(memory, capacity),
         lent_sizes: |store| (store.capacity(), store.count()),
         lent_settings: |store, skin, policy| {
