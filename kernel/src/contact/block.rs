@@ -166,7 +166,10 @@ impl<R: Real> Block<R> {
         copy(part_mut(&mut self.place[0], begin, end), lower);
         copy(part_mut(&mut self.place[1], begin, end), partner);
         let mut filled = begin;
-        for (k, (i, j)) in (begin..BLOCK).zip(lower.iter().zip(partner)) {
+        for (k, (i, j)) in (begin..).zip(lower.iter().zip(partner)) {
+            if k >= BLOCK {
+                break;
+            }
             let i = (*i as usize).wrapping_sub(bodies.first);
             let j = (*j as usize).wrapping_sub(bodies.first);
             let (Some(x), Some(y)) = (position.get(i), position.get(j)) else {

@@ -95,7 +95,10 @@ impl<R: Real> Chunk<R> {
         let x = get_or_default(position, i);
         let begin = min(self.count, CHUNK);
         let (now, later) = split_at(row, min(CHUNK - begin, row.len()));
-        for (k, j) in (begin..CHUNK).zip(now) {
+        for (k, j) in (begin..).zip(now) {
+            if k >= CHUNK {
+                break;
+            }
             let y = get_or_default(position, *j as usize);
             self.lower[k] = i as u32;
             self.partner[k] = *j;
@@ -121,13 +124,14 @@ impl<R: Real> Chunk<R> {
     #[inline(always)]
     fn keep(&mut self, list: &mut PairList<'_, R>, mut to: usize) -> (usize, usize) {
         let mut touching = 0;
-        let count = min(self.count, CHUNK);
-        for k in 0..count {
+        let lower = prefix(&self.lower, self.count).iter();
+        let found = self.is_near.iter().zip(&self.touches);
+        for ((i, j), (is_near, touches)) in lower.zip(&self.partner).zip(found) {
             // Written in any case, kept only if near: no branch to mispredict.
-            set(list.lower, to, self.lower[k]);
-            set(list.partner, to, self.partner[k]);
-            to += usize::from(self.is_near[k]);
-            touching += usize::from(self.touches[k]);
+            set(list.lower, to, *i);
+            set(list.partner, to, *j);
+            to += usize::from(*is_near);
+            touching += usize::from(*touches);
         }
         self.count = 0;
         (to, touching)
@@ -136,7 +140,9 @@ impl<R: Real> Chunk<R> {
 
 /// Picks the pairs of these grains within their range into the spare list from `begin` on; returns where they end and
 /// how many touch. What there is no room for is only counted.
-#[inline(always)]
+// One copy of it for small machines, as of the next function.
+#[cfg_attr(any(target_arch = "arm", target_arch = "riscv32"), inline(never))]
+#[cfg_attr(not(any(target_arch = "arm", target_arch = "riscv32")), inline(always))]
 fn pick<R: Real>(
     picking: &Pruning<'_, R>,
     grains: Range<usize>,
@@ -170,7 +176,8 @@ fn pick<R: Real>(
 }
 
 /// Gives the entries `new` of the spare list the springs that the entries `old` of the list have of the same pairs.
-#[inline(always)]
+#[cfg_attr(any(target_arch = "arm", target_arch = "riscv32"), inline(never))]
+#[cfg_attr(not(any(target_arch = "arm", target_arch = "riscv32")), inline(always))]
 fn take_springs<R: Real>(
     pairs: &PairList<'_, R>,
     old: Range<usize>,
@@ -282,7 +289,8 @@ fn keep<R: Real>(
 
 /// Picks the pairs of one stretch nearer than touching by up to `skin`. `false`, and nothing is changed, if there is no
 /// room for them in its place.
-#[inline(always)]
+#[cfg_attr(any(target_arch = "arm", target_arch = "riscv32"), inline(never))]
+#[cfg_attr(not(any(target_arch = "arm", target_arch = "riscv32")), inline(always))]
 pub(crate) fn prune_stretch<R: Real>(
     picking: &Pruning<'_, R>,
     (stretches, s): (&mut StretchList<'_, R>, usize),
@@ -332,7 +340,8 @@ pub(crate) fn prune_across<R: Real>(
 ///
 /// # Errors
 /// A full list, before anything is changed.
-#[inline(always)]
+#[cfg_attr(any(target_arch = "arm", target_arch = "riscv32"), inline(never))]
+#[cfg_attr(not(any(target_arch = "arm", target_arch = "riscv32")), inline(always))]
 pub(crate) fn prune_all<R: Real>(
     picking: &Pruning<'_, R>,
     stretches: &mut StretchList<'_, R>,

@@ -14,6 +14,7 @@ mod examples;
 mod fixed_point;
 #[cfg(feature = "fixed")]
 mod fixed_worlds;
+mod heavy;
 mod hosts;
 mod images;
 mod oracle;
