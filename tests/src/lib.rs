@@ -277,6 +277,25 @@ mu = [0.1, 0.5]
 speed = [1.0, 2.0]
 "#;
 
+/// A campaign of which a drag and a bed fail.
+pub fn failing_campaign() -> String {
+    CAMPAIGN
+        .replace(
+            "speed = [1.0, 2.0]",
+            "speed = [1.0, 150.0]\ndistance = [4.0, 6.0]",
+        )
+        .replace("mu = [0.1, 0.5]", "mu = 0.5")
+        .replace("\"measure.every\" = 20", "\"measure.every\" = 1")
+        + r#"
+[[grid]]
+name = "restless"
+set = { "bed.settled" = 1e-300, "bed.grains" = 90, "bed.box" = [4.0, 4.0, 6.0], "drag.dt" = 9e-4, "measure.every" = 5 }
+mu = 0.4
+speed = 1.0
+distance = 3.5
+"#
+}
+
 /// A folder with [`SMALL`] and a campaign over it, and the program that runs it.
 pub struct CampaignDesk {
     /// The folder.

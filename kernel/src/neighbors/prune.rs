@@ -139,8 +139,7 @@ impl<R: Real> Chunk<R> {
 }
 
 /// Picks the pairs of these grains within their range into the spare list from `begin` on; returns where they end and
-/// how many touch. What there is no room for is only counted.
-// One copy of it for small machines, as of the next function.
+/// how many touch. What there is no room for is only counted. For small machines there is one copy of it.
 #[cfg_attr(any(target_arch = "arm", target_arch = "riscv32"), inline(never))]
 #[cfg_attr(not(any(target_arch = "arm", target_arch = "riscv32")), inline(always))]
 fn pick<R: Real>(

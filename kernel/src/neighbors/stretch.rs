@@ -178,16 +178,21 @@ impl<'a, R: Real> StretchList<'a, R> {
         }
     }
 
+    /// Words for the neighbours of each.
+    fn words_each(&self) -> usize {
+        let words = self.neighbor.len().checked_div(self.budget.len());
+        words.unwrap_or_default()
+    }
+
     /// Notes which stretches hold candidates of the grains of each.
     pub(crate) fn note_neighbors(&mut self, candidates: &OuterList<'_>, count: usize) {
-        let words = self.neighbor.len().checked_div(self.budget.len());
-        let words = words.unwrap_or_default();
+        let words = self.words_each();
         for s in 0..count {
             let grains = self.grains(s);
             let from = get_or_default(candidates.row, grains.start) as usize;
             let to = get_or_default(candidates.row, grains.end) as usize;
             let (mut used, mut last) = (0, s);
-            front_mut(part_mut(self.neighbor, s * words, (s + 1) * words), words).fill(s as u32);
+            part_mut(self.neighbor, s * words, (s + 1) * words).fill(s as u32);
             for j in part(candidates.partner, from, to) {
                 if self.grains(last).contains(&(*j as usize)) {
                     continue;
@@ -211,8 +216,7 @@ impl<'a, R: Real> StretchList<'a, R> {
     pub(crate) fn foresee(&mut self, count: usize, rounding: R) {
         let travel = prefix(self.travel, count);
         let fastest = travel.iter().fold(R::ZERO, |most, t| larger(most, *t));
-        let words = self.neighbor.len().checked_div(self.budget.len());
-        let words = words.unwrap_or_default();
+        let words = self.words_each();
         for (s, approach) in front_mut(self.approach, count).iter_mut().enumerate() {
             let own = get_or_default(travel, s);
             let near = part(self.neighbor, s * words, (s + 1) * words);

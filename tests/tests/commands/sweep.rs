@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use bitgrain::campaign::table::CampaignTable;
 use bitgrain_tests::wee::Room;
-use bitgrain_tests::{CAMPAIGN, CampaignDesk, output, results};
+use bitgrain_tests::{CAMPAIGN, CampaignDesk, failing_campaign, output, results};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
 
@@ -144,21 +144,7 @@ fn both_tables_hold_the_same() {
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
 fn what_fails_keeps_its_row_and_stops_nothing() {
-    let wrong = CAMPAIGN
-        .replace(
-            "speed = [1.0, 2.0]",
-            "speed = [1.0, 150.0]\ndistance = [4.0, 6.0]",
-        )
-        .replace("mu = [0.1, 0.5]", "mu = 0.5")
-        .replace("\"measure.every\" = 20", "\"measure.every\" = 1")
-        + r#"
-[[grid]]
-name = "restless"
-set = { "bed.settled" = 1e-300, "bed.grains" = 90, "bed.box" = [4.0, 4.0, 6.0], "drag.dt" = 9e-4, "measure.every" = 5 }
-mu = 0.4
-speed = 1.0
-distance = 3.5
-"#;
+    let wrong = failing_campaign();
     let desk = Desk::new(PROGRAM, &wrong);
     let out = desk.sweep(&[]);
     let message = String::from_utf8_lossy(&out.stderr).into_owned();

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use bitgrain_tests::{CAMPAIGN, CampaignDesk, RIG, output, results};
+use bitgrain_tests::{CAMPAIGN, CampaignDesk, RIG, failing_campaign, output, results};
 
 use crate::PROGRAM;
 
@@ -295,21 +295,7 @@ fn a_task_that_is_taken_is_left_alone() {
 #[cfg(unix)]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
 fn what_fails_has_its_row() {
-    let wrong = CAMPAIGN
-        .replace(
-            "speed = [1.0, 2.0]",
-            "speed = [1.0, 150.0]\ndistance = [4.0, 6.0]",
-        )
-        .replace("mu = [0.1, 0.5]", "mu = 0.5")
-        .replace("\"measure.every\" = 20", "\"measure.every\" = 1")
-        + r#"
-[[grid]]
-name = "restless"
-set = { "bed.settled" = 1e-300, "bed.grains" = 90, "bed.box" = [4.0, 4.0, 6.0], "drag.dt" = 9e-4, "measure.every" = 5 }
-mu = 0.4
-speed = 1.0
-distance = 3.5
-"#;
+    let wrong = failing_campaign();
     let want = alone(&wrong);
     let desk = Desk::new(PROGRAM, &wrong);
     let list = lines(&desk, &[]);
