@@ -243,6 +243,21 @@ impl Error {
         }
     }
 
+    /// Of two faults of grains the one of the lower id: what one pass over both would have found first.
+    pub(crate) fn first(a: Option<Self>, b: Option<Self>) -> Option<Self> {
+        let grain = |fault: &Self| match *fault {
+            Self::Overflow { id }
+            | Self::NotFinite { id }
+            | Self::TooFast { id }
+            | Self::Escaped { id } => id,
+            _ => 0,
+        };
+        match (a, b) {
+            (Some(a), Some(b)) => Some(if grain(&b) < grain(&a) { b } else { a }),
+            (a, b) => a.or(b),
+        }
+    }
+
     /// A grain whose state is no number of this type.
     pub(crate) fn not_finite<R: Real>(id: u32) -> Self {
         match R::FIXED_POINT {

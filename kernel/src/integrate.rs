@@ -10,7 +10,7 @@ use crate::math::vec3::{Vec3, dot, head, scale};
 use crate::state::domain::Domain;
 use crate::state::grains::{Grains, Group};
 
-/// What a pass of motion reads and writes for a range of grains; ranges share nothing that is
+/// What a pass of motion reads and writes for some grains. Two pieces share nothing that is
 /// written.
 pub struct GrainMotion<'a, R> {
     /// The box.
@@ -214,6 +214,9 @@ pub struct MotionCheck<R> {
     pub unsound: Option<Error>,
     /// [`Error::Escaped`] with the lowest id that the drift took beyond a closed edge.
     pub escaped: Option<Error>,
+    /// Whether a grain is behind the drain of the [`LossPolicy`](crate::LossPolicy): for a host of several worlds, see
+    /// [`is_draining`](crate::phases::is_draining).
+    pub draining: bool,
 }
 
 impl<R: Real> MotionCheck<R> {
@@ -222,15 +225,17 @@ impl<R: Real> MotionCheck<R> {
         speed2: R::ZERO,
         unsound: None,
         escaped: None,
+        draining: false,
     };
 
-    /// This pass and the one over the grains after it.
+    /// This pass and one over other grains.
     #[inline(always)]
-    pub fn and(self, next: Self) -> Self {
+    pub fn and(self, other: Self) -> Self {
         Self {
-            speed2: larger(self.speed2, next.speed2),
-            unsound: self.unsound.or(next.unsound),
-            escaped: self.escaped.or(next.escaped),
+            speed2: larger(self.speed2, other.speed2),
+            unsound: Error::first(self.unsound, other.unsound),
+            escaped: Error::first(self.escaped, other.escaped),
+            draining: self.draining || other.draining,
         }
     }
 }
@@ -304,7 +309,8 @@ pub fn integrate<R: Real>(m: &mut GrainMotion<'_, R>, which: MotionPhase) -> Mot
             let slow = if R::FIXED_POINT {
                 // The square of a short time step would vanish.
                 let way = scale(head(next), dt);
-                dot(way, way) < x[3] * x[3]
+                // Without the square of a speed nobody knows how far bodies may approach.
+                speed2.is_finite() && dot(way, way) < x[3] * x[3]
             } else {
                 speed2 * (dt * dt) < x[3] * x[3]
             };

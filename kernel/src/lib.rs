@@ -25,7 +25,7 @@
 //!   and see whether it keeps the contract. [`check_arithmetic`] tests what a host often gets wrong, and
 //!   every world calls it as it starts and after each stretch of steps.
 //!
-//! A host with threads makes a step of its [`phases`].
+//! A host with threads makes a step of its [`phases`], on [`parts`] of a world.
 //!
 //! # What it does not do
 //!
@@ -81,6 +81,7 @@ mod integrate;
 mod math;
 mod neighbors;
 mod owners;
+pub mod parts;
 pub mod phases;
 mod saved;
 mod state;

@@ -1,33 +1,35 @@
 //! The phases of a step, for hosts that run them on their own threads.
 //!
-//! Each phase works on a range of grains with its own output, and between two phases stands a call over the whole
-//! world; any partition into ranges gives the same bits. In order: [`seal()`] and [`begin`], which finds what was
-//! written to since the last step; [`integrate`] that drifts and [`drift`]; then, for each of several steps,
-//! [`ensure_pair_list`], [`obstacle_forces`], [`cross_range`] for the pairs of two ranges and [`accumulate`] for all
-//! others, which also ends the step of a grain and begins its next one as soon as its sum is complete,
-//! [`check_overlaps`] and [`finish`], and [`drift`] unless it was the last; at last [`seal()`] and [`end`]. Until then
-//! only the phases may use what is lent. `examples/threaded_host.rs` does so.
+//! A step of one world, in order: [`seal()`] and [`begin`], which finds what was written to since the last step;
+//! [`integrate`] that drifts and [`drift`]; then, for each of several steps, [`ensure_pair_list`], [`obstacle_forces`],
+//! [`accumulate`], which also ends the step of a grain and begins its next one as soon as its sum is complete,
+//! [`check_forces`] and [`finish`], and [`drift`] unless it was the last; at last [`seal()`] and [`end`]. Until then
+//! only the phases may use what is lent.
+//!
+//! A host that has threads cuts a world into [`parts`](crate::parts), and does the phases of each.
 
 use crate::digest::seal::whole;
 use crate::error::Error;
 use crate::fp_environment::check_arithmetic;
 use crate::math::real::{Real, larger, magnitude};
-use crate::math::rows::{get_or_default, set};
+use crate::math::rows::{part, set};
 use crate::math::vec3::length_bound;
 use crate::neighbors::cell_list::{Found, Scene, keep_obstacle_contacts, search};
-use crate::neighbors::prune::{Pruning, flatten, prune_across, prune_all, prune_stretch};
+use crate::neighbors::prune::{Pruning, flatten, prune_all, prune_stretch};
 use crate::state::domain::limit;
 use crate::world::{Stage, World};
 
 pub use crate::digest::seal::{Sealed, seal};
-pub use crate::forces::accumulate::{
-    After, CrossRangeForce, ExcessiveOverlap, Fetch, GrainRange, GrainView, PairRange, accumulate,
-    cross_range, first_excessive_overlap, no_fetch,
+pub use crate::forces::accumulate::{After, Fetch, GrainRange, PairRange, accumulate, no_fetch};
+pub use crate::forces::force_check::ForceCheck;
+pub use crate::forces::obstacle_contacts::{
+    ObstacleContactRange, ObstacleShare, obstacle_forces, sum_on_obstacles,
 };
-pub use crate::forces::obstacle_contacts::{ObstacleContactRange, obstacle_forces};
 pub use crate::forces::stretch_range::StretchRange;
 use crate::integrate::travel_at;
 pub use crate::integrate::{GrainMotion, MotionCheck, MotionPhase, integrate};
+pub use crate::neighbors::extent::Extent;
+pub use crate::state::owned::Owned;
 
 /// The joint before a stretch of steps, after [`seal()`] over all grains: checks that nothing was written to
 /// since the last stretch ended. From here to [`end`] only the phases may use what is lent.
@@ -72,7 +74,7 @@ pub fn end<R: Real>(world: &mut World<'_, R>, sealed: Sealed) -> Result<(), Erro
     Ok(())
 }
 
-/// The first joint of a step over one range, of a world that has begun: lists the pairs again when the list
+/// The first joint of a step of a whole world that has begun: lists the pairs again when the list
 /// might not hold through the coming drift. Which step does so has no effect on any result.
 ///
 /// # Errors
@@ -87,8 +89,8 @@ pub fn ensure_pair_list_ahead<R: Real>(world: &mut World<'_, R>) -> Result<(), E
     }
     world.check_storage()?;
     let ahead = Some(next_travel(world)?);
-    match is_any_old(world, ahead, &[]) {
-        true => refresh_pair_list(world, ahead, &[]),
+    match is_any_old(world, ahead) {
+        true => refresh_pair_list(world, ahead),
         false => Ok(()),
     }
 }
@@ -112,7 +114,6 @@ pub fn drift<R: Real>(world: &mut World<'_, R>, passed: MotionCheck<R>) -> Resul
         }
         world.clock.losing = true;
     }
-    world.clock.budget = world.clock.budget - travel;
     let count = world.clock.listed.stretches;
     world.stretches.foresee(count, world.clock.rounding);
     world.stretches.spend(count);
@@ -130,7 +131,7 @@ pub fn drift<R: Real>(world: &mut World<'_, R>, passed: MotionCheck<R>) -> Resul
 }
 
 /// The joint between a drift and the forces, if [`ensure_pair_list_ahead`] was not called before the
-/// drift: lists the pairs again when the list is too old or cut elsewhere than [`World::range_bounds`] says.
+/// drift: lists the pairs again that are too old.
 ///
 /// # Errors
 /// A full list: enlarge the storage and call again; nothing is lost. A world that has not drifted.
@@ -140,8 +141,8 @@ pub fn ensure_pair_list<R: Real>(world: &mut World<'_, R>) -> Result<(), Error> 
         return Err(Error::NotStarted);
     }
     world.check_storage()?;
-    if is_any_old(world, None, world.range_bounds) {
-        refresh_here(world, None, world.range_bounds)?;
+    if is_any_old(world, None) {
+        refresh_here(world, None, None)?;
     }
     // A second call after a fault of the forces is refused: they would be summed twice.
     world.clock.stage = Stage::Listed;
@@ -149,22 +150,36 @@ pub fn ensure_pair_list<R: Real>(world: &mut World<'_, R>) -> Result<(), Error> 
 }
 
 /// Whether there are pairs to list again: those that do not hold for the next drift, which takes a body as far as
-/// `ahead`, or after the last one; all if they are cut elsewhere.
-pub(crate) fn is_any_old<R: Real>(
-    world: &mut World<'_, R>,
-    ahead: Option<R>,
-    range_bounds: &[u32],
-) -> bool {
+/// `ahead`, or after the last one.
+pub(crate) fn is_any_old<R: Real>(world: &mut World<'_, R>, ahead: Option<R>) -> bool {
     let clock = &mut *world.clock;
     let travel = ahead.unwrap_or(R::ZERO);
     let count = clock.listed.stretches;
     if ahead.is_some() {
         world.stretches.foresee(count, clock.rounding);
     }
-    clock.partition_mark != mark(range_bounds)
-        || clock.far < travel + travel
-        || (!range_bounds.is_empty() && clock.budget < travel)
-        || (0..count).any(|s| world.stretches.is_old(s, ahead.is_some()))
+    clock.far < travel + travel || (0..count).any(|s| world.stretches.is_old(s, ahead.is_some()))
+}
+
+/// Where the own grains are, and how large numbers and bodies are.
+#[must_use]
+pub fn measure<R: Real>(world: &World<'_, R>) -> Extent<R> {
+    Extent::of(&world.grains, Owned::new(world.owned), world.obstacles)
+}
+
+/// Whether an own grain is behind the drain of the policy.
+#[must_use]
+pub fn is_draining<R: Real>(world: &World<'_, R>) -> bool {
+    let Some(drain) = &world.policy.drain else {
+        return false;
+    };
+    let mut runs = Owned::new(world.owned).runs();
+    let mut found = false;
+    while let Some(run) = runs.next_before(world.grains.count()) {
+        let own = part(world.grains.position, run.start, run.end);
+        found |= own.iter().any(|x| drain.has(x));
+    }
+    found
 }
 
 /// Upper bound of what the fastest body moves in the next step.
@@ -183,39 +198,31 @@ pub(crate) fn next_travel<R: Real>(world: &World<'_, R>) -> Result<R, Error> {
     Ok(travel * R::from_f64(1.001) + world.clock.rounding)
 }
 
-/// No [`mark`] of any ranges, as far as can be.
-pub(crate) const NEVER_CUT: u64 = 0;
-
-/// Distinguishes one list of range_bounds from another: the hash of Fowler, Noll and Vo, word by word.
-#[inline]
-pub(crate) fn mark(range_bounds: &[u32]) -> u64 {
-    let each = |mark: u64, cut: &u32| (mark ^ u64::from(*cut)).wrapping_mul(0x0100_0000_01b3);
-    range_bounds.iter().fold(0xcbf2_9ce4_8422_2325, each)
-}
-
 /// [`refresh_here`]: one copy of it, for small machines.
 #[inline(never)]
 pub(crate) fn refresh_pair_list<R: Real>(
     world: &mut World<'_, R>,
     ahead: Option<R>,
-    range_bounds: &[u32],
 ) -> Result<(), Error> {
-    refresh_here(world, ahead, range_bounds)
+    refresh_here(world, ahead, None)
 }
 
 /// Lists the pairs again that are old, so that they hold for the next drift at least, which takes a body as far as
-/// `ahead`; searches for candidates first, if those of the last search do not reach as far.
+/// `ahead`; searches for candidates first, if those of the last search do not reach as far, or if an extent is given.
 #[inline(always)]
-fn refresh_here<R: Real>(
+pub(crate) fn refresh_here<R: Real>(
     world: &mut World<'_, R>,
     ahead: Option<R>,
-    range_bounds: &[u32],
+    extent: Option<Extent<R>>,
 ) -> Result<(), Error> {
     let travel = ahead.unwrap_or(R::ZERO);
-    let remade = cut_anew(world, ahead.is_some(), range_bounds);
     let widest = larger(world.skin, travel + travel);
-    let found = match world.clock.far < widest {
-        true => Some(rebuild_outer_list(world, widest + world.outer_skin)?),
+    let found = match extent.is_some() || world.clock.far < widest {
+        true => Some(rebuild_outer_list(
+            world,
+            widest + world.outer_skin,
+            extent,
+        )?),
         false => None,
     };
     let clock = &mut *world.clock;
@@ -230,11 +237,10 @@ fn refresh_here<R: Real>(
         domain: world.domain,
         position: world.grains.position,
         candidates: &world.candidates,
-        range_bounds,
         slack: clock.slack,
     };
     let (pairs, spare, listed) = (&mut world.pairs, &mut world.spare, &mut clock.listed);
-    let mut all = remade || found.is_some();
+    let mut all = found.is_some();
     for s in 0..listed.stretches {
         if !all && stretches.is_old(s, ahead.is_some()) {
             let skin = larger(world.skin, stretches.need(s, ahead.is_some()));
@@ -242,56 +248,47 @@ fn refresh_here<R: Real>(
             all = !prune_stretch(&picking, (stretches, s), skin, pairs, spare, listed);
         }
     }
-    let across = !range_bounds.is_empty() && clock.budget < travel;
-    if across && !all {
-        all = !prune_across(&picking, stretches, widest, pairs, spare, listed);
-    }
     if all {
         // If the list is full it is unchanged: nothing above wrote to what stands in it.
-        let skins = (world.skin, widest, ahead.is_some());
+        let skin = (world.skin, ahead.is_some());
         clock.picked += world.grains.count() as u64;
-        *listed = prune_all(&picking, stretches, skins, pairs, spare, *listed)?;
+        *listed = prune_all(&picking, stretches, skin, pairs, spare, *listed)?;
     }
     if let Some(found) = found {
         keep_obstacle_contacts(pairs, spare, found.obstacle_contacts);
         listed.obstacle_contacts = found.obstacle_contacts;
         clock.far = found.far;
     }
-    if all || across {
-        clock.budget = widest * R::HALF;
-    }
-    clock.prunes += 1;
+    clock.prunes = clock.prunes.saturating_add(1);
     Ok(())
 }
 
-/// Cuts the grains into stretches if that was not done, or for other ranges.
-fn cut_anew<R: Real>(world: &mut World<'_, R>, ahead: bool, range_bounds: &[u32]) -> bool {
+/// Cuts the grains into stretches, between the passes of two steps.
+pub(crate) fn cut_anew<R: Real>(world: &mut World<'_, R>) {
     let clock = &mut *world.clock;
-    let remade = clock.partition_mark != mark(range_bounds) || clock.listed.stretches == 0;
-    if remade {
-        let grains = (world.grains.count(), range_bounds);
-        clock.listed = flatten(
-            &mut world.stretches,
-            &mut world.pairs,
-            &mut world.spare,
-            clock.listed,
-            grains,
-        );
-        clock.partition_mark = mark(range_bounds);
-        clock.budget = -R::ONE;
-        let travel = if ahead { clock.next_travel } else { -R::ONE };
-        world.stretches.travel_alike(travel);
-    }
-    remade
+    clock.listed = flatten(
+        &mut world.stretches,
+        &mut world.pairs,
+        &mut world.spare,
+        clock.listed,
+        world.grains.count(),
+    );
+    world.stretches.travel_alike(clock.next_travel);
 }
 
 /// The search for candidates. They count from when the pairs picked from them are listed.
 #[inline(never)]
-fn rebuild_outer_list<R: Real>(world: &mut World<'_, R>, far: R) -> Result<Found<R>, Error> {
+fn rebuild_outer_list<R: Real>(
+    world: &mut World<'_, R>,
+    far: R,
+    extent: Option<Extent<R>>,
+) -> Result<Found<R>, Error> {
     let scene = Scene {
         domain: world.domain,
         grains: &world.grains,
         obstacles: world.obstacles,
+        owned: Owned::new(world.owned),
+        extent: extent.unwrap_or_else(|| measure(world)),
         far,
     };
     let clock = &mut *world.clock;
@@ -305,41 +302,31 @@ fn rebuild_outer_list<R: Real>(world: &mut World<'_, R>, far: R) -> Result<Found
         &mut world.cells,
         clock.listed.obstacle_contacts,
     )?;
-    clock.outer_list_rebuilds += 1;
+    clock.outer_list_rebuilds = clock.outer_list_rebuilds.saturating_add(1);
     clock.slack = found.slack;
     clock.rounding = found.rounding;
     Ok(found)
 }
 
-/// The joint after [`obstacle_forces`] and [`accumulate`], which say what they found too deep.
+/// The joint after [`obstacle_forces`] and [`accumulate`], which say what they found.
 ///
 /// # Errors
 /// A force on an obstacle that is not finite; one of the overlaps, unless the policy takes such grains out.
-pub fn check_overlaps<R: Real>(
-    world: &mut World<'_, R>,
-    hit: ExcessiveOverlap,
-    deep: ExcessiveOverlap,
-) -> Result<(), Error> {
-    for (k, body) in world.obstacles.iter().enumerate() {
-        if !body.force.iter().chain(&body.torque).all(|f| f.is_finite()) {
-            return Err(Error::obstacle_not_finite::<R>(k as u32));
-        }
+pub fn check_forces<R: Real>(world: &mut World<'_, R>, found: ForceCheck) -> Result<(), Error> {
+    if let Some(k) = found.unsound {
+        return Err(Error::obstacle_not_finite::<R>(k));
     }
     if world.policy.takes_out {
-        world.clock.losing |= hit.is_some() || deep.is_some();
+        world.clock.losing |= found.on_obstacle.is_some() || found.of_pair.is_some();
         return Ok(());
     }
-    let id = |place: u32| get_or_default(world.grains.id, place as usize);
-    if let Some((i, obstacle)) = hit {
-        return Err(Error::ObstacleTooDeep {
-            id: id(i),
-            obstacle,
-        });
+    if let Some((id, obstacle)) = found.on_obstacle {
+        return Err(Error::ObstacleTooDeep { id, obstacle });
     }
-    if let Some((i, j)) = deep {
-        return Err(Error::OverlapTooDeep { i: id(i), j: id(j) });
+    match found.of_pair {
+        Some((i, j)) => Err(Error::OverlapTooDeep { i, j }),
+        None => Ok(()),
     }
-    Ok(())
 }
 
 /// The last joint of a step, after a pass that kicked: counts the step.
@@ -352,9 +339,7 @@ pub fn finish<R: Real>(world: &mut World<'_, R>, passed: MotionCheck<R>) -> Resu
         return Err(Error::NotStarted);
     }
     go_on(world, passed)?;
-    if let Some(drain) = &world.policy.drain {
-        world.clock.losing |= world.grains.position.iter().any(|x| drain.has(x));
-    }
+    world.clock.losing |= passed.draining || is_draining(world);
     // A caller may have set any number; the largest one stays as it is.
     world.clock.step = world.clock.step.saturating_add(1);
     Ok(())
@@ -390,14 +375,23 @@ pub(crate) fn come_to_rest<R: Real>(world: &mut World<'_, R>) -> Result<(), Erro
 #[inline(never)]
 pub(crate) fn moved<R: Real>(world: &mut World<'_, R>, which: MotionPhase) -> MotionCheck<R> {
     let mut passed = MotionCheck::NONE;
+    let mut runs = Owned::new(world.owned).runs();
     for s in 0..world.clock.listed.stretches {
-        let own = world.stretches.grains(s);
+        let end = world.stretches.grains(s).end;
         let mut grains = world.grain_motion();
-        let one = integrate(&mut grains.stretch(own.start, own.end), which);
-        if which != MotionPhase::Drift {
-            set(world.stretches.travel, s, travel_at(one.speed2, world.dt));
+        let mut stretch = MotionCheck::NONE;
+        while let Some(run) = runs.next_before(end) {
+            let one = integrate(&mut grains.stretch(run.start, run.end), which);
+            stretch = stretch.and(one);
         }
-        passed = passed.and(one);
+        if which != MotionPhase::Drift {
+            set(
+                world.stretches.travel,
+                s,
+                travel_at(stretch.speed2, world.dt),
+            );
+        }
+        passed = passed.and(stretch);
     }
     passed
 }

@@ -12,10 +12,10 @@ use crate::integrate::{MotionPhase, without_turn};
 use crate::math::real::Real;
 use crate::math::vec3::Vec3;
 use crate::neighbors::pair_list::{ContactHistory, Listed};
-use crate::phases::NEVER_CUT;
 use crate::phases::begin;
-use crate::phases::check_overlaps;
+use crate::phases::check_forces;
 use crate::phases::come_to_rest;
+use crate::phases::cut_anew;
 use crate::phases::drift;
 use crate::phases::end;
 use crate::phases::ensure_pair_list_ahead;
@@ -171,7 +171,8 @@ pub(crate) fn take_up<R: Real>(
     }
     for history in histories {
         let listed = world.clock.listed;
-        if !world.pairs.restore(&world.stretches, &history, listed) {
+        let sound = history.is_finite();
+        if !(sound && world.pairs.restore(&world.stretches, &history, listed)) {
             return Err(Error::BadContactHistory);
         }
     }
@@ -197,9 +198,9 @@ fn prepare<R: Real>(world: &mut World<'_, R>, has_moved: bool, begins: bool) -> 
     weigh(world);
     world.clock.far = -R::ONE;
     world.clock.next_travel = R::ZERO;
-    world.clock.partition_mark = NEVER_CUT;
     let travel = next_travel(world)?;
-    refresh_pair_list(world, Some(travel), &[])?;
+    cut_anew(world);
+    refresh_pair_list(world, Some(travel))?;
     world.pairs.forget(world.clock.listed);
     Ok(())
 }
@@ -213,15 +214,7 @@ fn push_and_sum<R: Real, L: Law<R>>(
 ) -> Result<(), Error> {
     let (mut part, mut touch) = world.force_ranges(dt);
     let hit = obstacle_forces(&mut part, &mut touch, law, &mut watch);
-    let none = core::iter::empty();
-    let (deep, _) = accumulate(
-        &mut part,
-        law,
-        none,
-        &[],
-        &mut watch,
-        no_fetch::<R>(),
-        After::Stay,
-    );
-    check_overlaps(world, hit, deep)
+    let fetch = no_fetch::<R>();
+    let (deep, _) = accumulate(&mut part, law, &mut watch, fetch, After::Stay);
+    check_forces(world, hit.and(deep))
 }

@@ -1,12 +1,12 @@
 //! A world: everything one step needs, borrowed from whoever owns it.
 
 use crate::error::Error;
-use crate::forces::accumulate::{GrainRange, GrainView, PairRange};
+use crate::forces::accumulate::{GrainRange, PairRange};
 use crate::forces::obstacle_contacts::ObstacleContactRange;
 use crate::forces::stretch_range::StretchRange;
 use crate::integrate::GrainMotion;
 use crate::math::real::{Real, larger, magnitude};
-use crate::math::rows::{front_mut, get_or_default, halves_mut, prefix, shorten, split_at};
+use crate::math::rows::{front_mut, get_or_default, prefix, shorten};
 use crate::math::vec3::{Vec3, head, length_bound};
 use crate::neighbors::cell_list::CellList;
 use crate::neighbors::outer_list::OuterList;
@@ -16,6 +16,7 @@ use crate::state::domain::Domain;
 use crate::state::grains::Grains;
 use crate::state::losses::LossPolicy;
 use crate::state::obstacle::Obstacle;
+use crate::state::owned::Owned;
 
 /// Units in the last place of the largest coordinate that a step must move by.
 const RESOLVED: f64 = 16.0;
@@ -30,12 +31,8 @@ pub struct Clock<R> {
     pub(crate) prunes: u64,
     pub(crate) picked: u64,
     pub(crate) listed: Listed,
-    /// What the range_bounds were when the pairs were listed.
-    pub(crate) partition_mark: u64,
     /// The smallest grain radius: what an obstacle may move in one step.
     pub(crate) radius_min: R,
-    /// Travel of the fastest body that the pairs of two ranges still allow (length); below zero they are too old.
-    pub(crate) budget: R,
     /// How far beyond touching every pair is still a candidate (length); below zero there are none.
     pub(crate) far: R,
     /// Margin for the rounding of coordinates and distances.
@@ -77,9 +74,7 @@ impl<R: Real> Clock<R> {
         prunes: 0,
         picked: 0,
         listed: Listed::NONE,
-        partition_mark: 0,
         radius_min: R::ZERO,
-        budget: R::ZERO,
         far: R::ZERO,
         slack: R::ZERO,
         next_travel: R::ZERO,
@@ -113,11 +108,6 @@ impl<R: Real> Clock<R> {
     /// Those of them that touched when they were listed: for timings only.
     pub fn listed_touching(&self) -> usize {
         self.listed.touching
-    }
-
-    /// Those of them whose grains are in two ranges; see [`World::range_bounds`].
-    pub fn listed_across(&self) -> usize {
-        self.listed.across
     }
 
     /// Obstacle contacts listed.
@@ -159,7 +149,7 @@ impl<R: Real> Clock<R> {
 /// It is rebuilt for each stretch of steps from storage that its owner keeps; building one costs
 /// nothing. All that a step reads is read-only between steps: after changing it by hand, call
 /// [`crate::start`] or [`crate::resume`], or the next step is refused with [`Error::Edited`]. Free to change
-/// at any time are skin, reach and range_bounds, the number of steps done, the policy, and the velocity of an
+/// at any time are skin and reach, the number of steps done, the policy, and the velocity of an
 /// obstacle, which is not checked then.
 pub struct World<'a, R> {
     /// The box.
@@ -171,9 +161,9 @@ pub struct World<'a, R> {
     /// How far beyond the skin a pair is a candidate for the list (length, zero or more): a matter of
     /// speed only.
     pub outer_skin: R,
-    /// Where ranges of grains end, but for the last: places that ascend, none for one range. The list
-    /// keeps pairs of two ranges apart, so that ranges share nothing: a matter of speed only.
-    pub range_bounds: &'a [u32],
+    /// Where runs of own grains begin and end, by turns, ascending; empty if all are own, `[0, 0]` if none is. The
+    /// others are ghosts: see [`crate::parts`].
+    pub owned: &'a [u32],
     /// What becomes of grains that leave: a part of the physics, which may change between steps.
     pub policy: LossPolicy<R>,
     /// The grains.
@@ -184,7 +174,7 @@ pub struct World<'a, R> {
     pub pairs: PairList<'a, R>,
     /// Storage for the next list; its pair and obstacle entries bound how many can be listed.
     pub spare: PairList<'a, R>,
-    /// Storage of the stretches of grains that renew their pairs together; more of them than ranges. About one for
+    /// Storage of the stretches of grains that renew their pairs together; one at least. About one for
     /// each 64 grains is fastest.
     pub stretches: StretchList<'a, R>,
     /// Storage of the candidates.
@@ -230,7 +220,7 @@ impl<R: Real> World<'_, R> {
         GrainMotion::of_all(&mut self.grains, self.domain, self.dt)
     }
 
-    /// All grains and the pairs within ranges of them, and the obstacle contacts; `dt` is the time by
+    /// All grains and their pairs, and the obstacle contacts; `dt` is the time by
     /// which springs advance.
     #[inline(always)]
     pub fn force_ranges(&mut self, dt: R) -> (GrainRange<'_, R>, ObstacleContactRange<'_, R>) {
@@ -238,6 +228,7 @@ impl<R: Real> World<'_, R> {
         let pairs = &mut self.pairs;
         let touch = ObstacleContactRange {
             grain: prefix(pairs.obstacle_contact_grain, listed.obstacle_contacts),
+            shares: &mut [],
             obstacle: front_mut(pairs.obstacle_contact_obstacle, listed.obstacle_contacts),
             spring: front_mut(pairs.obstacle_contact_spring, listed.obstacle_contacts),
             obstacles: self.obstacles,
@@ -249,7 +240,7 @@ impl<R: Real> World<'_, R> {
             spring: [x, y, z].map(|s| front_mut(s, listed.end)),
         };
         let part = GrainRange {
-            first: 0,
+            owned: Owned::new(self.owned),
             grains: GrainMotion::of_all(&mut self.grains, self.domain, self.dt),
             pairs: range,
             stretches: StretchRange {
@@ -263,28 +254,6 @@ impl<R: Real> World<'_, R> {
         (part, touch)
     }
 
-    /// The pairs of two ranges, and the rows they read.
-    #[inline(always)]
-    pub fn cross_range_pairs(&mut self) -> (GrainView<'_, R>, PairRange<'_, R>) {
-        let (inner, pairs) = (self.clock.listed.end, self.clock.listed.last());
-        let list = &mut self.pairs;
-        let [x, y, z] = &mut list.spring;
-        let range = PairRange {
-            lower: split_at(prefix(list.lower, pairs), inner).1,
-            partner: split_at(prefix(list.partner, pairs), inner).1,
-            spring: [x, y, z].map(|s| halves_mut(front_mut(s, pairs), inner).1),
-        };
-        let g = &self.grains;
-        let view = GrainView {
-            domain: self.domain,
-            position: g.position,
-            velocity: g.velocity,
-            spin: g.spin,
-            dt: self.dt,
-        };
-        (view, range)
-    }
-
     /// Checks that the lent slices fit together: what a step relies on.
     #[inline(always)]
     pub(crate) fn check_storage(&self) -> Result<(), Error> {
@@ -296,7 +265,6 @@ impl<R: Real> World<'_, R> {
             && self.pairs.holds(self.clock.listed)
             && self.candidates.row.len() == n + 1
             && self.stretches.is_whole()
-            && self.stretches.budget.len() > self.range_bounds.len()
             && self.stretches.holds(self.clock.listed.stretches);
         let cells = self.cells.start.len() >= 2 && self.cells.grain.len() >= n;
         let countable = n < TOUCHING as usize;

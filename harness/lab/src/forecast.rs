@@ -13,7 +13,7 @@ use bitgrain_sim::coefficients::table_text;
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::format::{bytes, short};
 use bitgrain_sim::law::{CONTACT_FRACTION_MAX, RAYLEIGH_FRACTION_MAX};
-use bitgrain_sim::memory::PER_GRAIN;
+use bitgrain_sim::memory::{PER_GRAIN, PER_GRAIN_ON_THREADS};
 
 /// Bytes of a grain in a checkpoint with its contacts.
 const CHECKPOINT: f64 = 290.0;
@@ -217,7 +217,11 @@ fn cost(scenario: &CheckedScenario, work: &Work, threads: usize, speed: f64, out
     let at_once = threads.min(runs.len());
     // Sums of fields, and twice as much when a state is saved.
     let sums = 3.0 * SUMS * points(scenario).iter().product::<f64>();
-    let memory = (PER_GRAIN * grains as f64 + sums) * at_once as f64;
+    let per_grain = match threads > at_once {
+        true => PER_GRAIN_ON_THREADS,
+        false => PER_GRAIN,
+    };
+    let memory = (per_grain * grains as f64 + sums) * at_once as f64;
     out.add("memory", bytes(memory));
     out.add("disk", bytes(disk(scenario, runs, grains, beds.len())));
     let million = 1e-6 * speed;

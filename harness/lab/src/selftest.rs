@@ -13,7 +13,7 @@ use bitgrain_sim::threads::on_threads;
 /// The published lines, one for each digest.
 const PUBLISHED: &str = include_str!("../data/reference.txt");
 
-/// Threads beside one: enough that every range has a neighbour on either side.
+/// Threads beside one: enough that every part has a neighbour on either side.
 const THREADS: usize = 3;
 
 /// Runs everything and returns the message; `show` gets each line as it comes.
@@ -42,7 +42,7 @@ fn against(published: &str, mut show: impl FnMut(&str) -> Result<()>) -> Result<
     for registers in Isa::all() {
         for threads in [1, THREADS] {
             let name = format!("{registers:?}, {threads} thread(s)");
-            let lines = on_threads(threads, || by_ranges(registers, threads))?;
+            let lines = on_threads(threads, || by_parts(registers, threads))?;
             let lines = lines.map_err(|fault| broken(&name, fault))?;
             if lines.len() != double {
                 let problem = format!("{name}: {} digests, not {double}", lines.len());
@@ -66,7 +66,7 @@ fn by_the_kernel<R: Real>(all: &mut Hasher) -> std::result::Result<Vec<Line>, Ke
 }
 
 /// The lines in double precision as a simulation gives them, on the threads round this call.
-fn by_ranges(registers: Isa, threads: usize) -> std::result::Result<Vec<Line>, KernelError> {
+fn by_parts(registers: Isa, threads: usize) -> std::result::Result<Vec<Line>, KernelError> {
     let mut room = Box::new(Room::<f64>::vacant());
     let mut lines = Vec::new();
     for one in World::ALL {
@@ -74,7 +74,7 @@ fn by_ranges(registers: Isa, threads: usize) -> std::result::Result<Vec<Line>, K
         let mut sim = taken(&mut room);
         sim.stepping.registers = registers;
         // Thirty grains are few, but every thread must have some.
-        sim.stepping.range_min = 1;
+        sim.stepping.part_min = 1;
         for stage in one.stages() {
             if let (Some(speed), Some(body)) = (stage.speed, sim.obstacles.first_mut()) {
                 body.velocity[0] = speed;
@@ -98,7 +98,7 @@ fn by_ranges(registers: Isa, threads: usize) -> std::result::Result<Vec<Line>, K
             }
             while sim.step_count() < stage.last {
                 sim.steps(EVERY)?;
-                debug_assert_eq!(sim.ranges(), threads, "every thread has a part");
+                debug_assert_eq!(sim.stepping.parts(), threads, "every thread has a part");
                 tell(&mut sim)?;
             }
         }

@@ -1,4 +1,4 @@
-//! The phases of a step one by one: contact block, picking of near pairs, sums, search, motion; on a
+//! The phases of a step one by one: contact block, picking of near pairs, search, motion; on a
 //! lattice of 8,000 grains that all touch. `cargo bench -p bitgrain-sim`.
 
 use std::hint::black_box;
@@ -6,12 +6,10 @@ use std::hint::black_box;
 use bitgrain_kernel::conformance::{self, Room};
 use bitgrain_kernel::contact::{HertzHistory, HertzTsuji, Law};
 use bitgrain_kernel::fixed_point::I32F32;
-use bitgrain_kernel::phases::seal;
 use bitgrain_kernel::phases::{
-    After, CrossRangeForce, GrainRange, GrainView, PairRange, accumulate, cross_range, no_fetch,
+    After, GrainRange, MotionPhase, accumulate, begin, ensure_pair_list_ahead, integrate, no_fetch,
+    seal,
 };
-use bitgrain_kernel::phases::{MotionPhase, integrate};
-use bitgrain_kernel::phases::{begin, ensure_pair_list_ahead};
 use bitgrain_kernel::{Domain, Group, Real, World};
 use bitgrain_kernel::{resume, start, step};
 use bitgrain_sim::owned_world::OwnedWorld;
@@ -76,36 +74,19 @@ fn started() -> (OwnedWorld<f64>, usize) {
 
 // As in a host: one monomorphic copy for each law and instruction set.
 #[multiversion(targets("x86_64+avx2"))]
-fn sum_history(
-    part: &mut GrainRange<'_, f64>,
-    law: &HertzHistory<f64>,
-    spills: &[CrossRangeForce<f64>],
-) {
-    sum_all(part, law, spills);
+fn sum_history(part: &mut GrainRange<'_, f64>, law: &HertzHistory<f64>) {
+    sum_all(part, law);
 }
 
 #[multiversion(targets("x86_64+avx2"))]
-fn sum_tsuji(
-    part: &mut GrainRange<'_, f64>,
-    law: &HertzTsuji<f64>,
-    spills: &[CrossRangeForce<f64>],
-) {
-    sum_all(part, law, spills);
+fn sum_tsuji(part: &mut GrainRange<'_, f64>, law: &HertzTsuji<f64>) {
+    sum_all(part, law);
 }
 
-/// Evaluates and sums all pairs of a part, and spills to the higher and to the lower grains.
+/// Evaluates and sums all pairs of a world.
 #[inline(always)]
-fn sum_all<L: Law<f64>>(part: &mut GrainRange<'_, f64>, law: &L, spills: &[CrossRangeForce<f64>]) {
-    let lower = spills.iter();
-    black_box(accumulate(
-        part,
-        law,
-        lower,
-        spills,
-        |_| {},
-        no_fetch(),
-        After::Stay,
-    ));
+fn sum_all<L: Law<f64>>(part: &mut GrainRange<'_, f64>, law: &L) {
+    black_box(accumulate(part, law, |_| {}, no_fetch(), After::Stay));
 }
 
 #[multiversion(targets("x86_64+avx2"))]
@@ -124,11 +105,11 @@ fn contact_block(c: &mut Criterion) {
     group.throughput(Throughput::Elements(pairs as u64));
     let mut world = bed.world();
     group.bench_function("hertz_history", |b| {
-        b.iter(|| sum_history(black_box(&mut world.force_ranges(0.0).0), &HISTORY, &[]));
+        b.iter(|| sum_history(black_box(&mut world.force_ranges(0.0).0), &HISTORY));
     });
     let tsuji = HertzTsuji::new(2e5, 0.3, 0.6, 0.5);
     group.bench_function("hertz_tsuji", |b| {
-        b.iter(|| sum_tsuji(black_box(&mut world.force_ranges(0.0).0), &tsuji, &[]));
+        b.iter(|| sum_tsuji(black_box(&mut world.force_ranges(0.0).0), &tsuji));
     });
     group.finish();
 }
@@ -149,38 +130,6 @@ fn picking(c: &mut Criterion) {
         assert!(world.clock.prunes() > 1, "and pairs were picked");
     });
     assert_eq!(world.clock.outer_list_rebuilds(), before, "candidates held");
-    group.finish();
-}
-
-/// Forces of contacts that were evaluated before, given to their two grains.
-fn sums(c: &mut Criterion) {
-    let (mut bed, pairs) = started();
-    let mut world = bed.world();
-    let mut spills = vec![CrossRangeForce::default(); pairs];
-    let mut springs = [vec![0.0; pairs], vec![0.0; pairs], vec![0.0; pairs]];
-    let (lower, partner): (Vec<u32>, Vec<u32>) = world.listed_pairs().unzip();
-    let span = PairRange {
-        lower: &lower,
-        partner: &partner,
-        spring: springs.each_mut().map(|s| &mut s[..]),
-    };
-    let sight = GrainView {
-        domain: world.domain,
-        position: world.grains.position,
-        velocity: world.grains.velocity,
-        spin: world.grains.spin,
-        dt: 0.0,
-    };
-    cross_range(sight, span, &HISTORY, &mut spills);
-    let mut group = c.benchmark_group("sums, per contact");
-    group.throughput(Throughput::Elements(pairs as u64));
-    group.bench_function("spills to both grains", |b| {
-        b.iter(|| {
-            let (mut part, _) = world.force_ranges(0.0);
-            part.pairs = part.pairs.split(0).0;
-            sum_history(black_box(&mut part), &HISTORY, &spills);
-        });
-    });
     group.finish();
 }
 
@@ -230,13 +179,5 @@ fn of_type<R: Real>(group: &mut BenchmarkGroup<'_, WallTime>) {
     });
 }
 
-criterion_group!(
-    benches,
-    contact_block,
-    picking,
-    sums,
-    rebuild,
-    motion,
-    types
-);
+criterion_group!(benches, contact_block, picking, rebuild, motion, types);
 criterion_main!(benches);

@@ -21,7 +21,6 @@ impl Simulation {
         if inserted.is_err() {
             self.set_rows(count);
         }
-        self.range_bounds.clear();
         self.fit_storage();
         inserted
     }
@@ -66,6 +65,9 @@ impl Simulation {
     /// # Errors
     /// As the kernel.
     pub fn take_out(&mut self, departed: impl FnMut(Departure<f64>)) -> Result<(), KernelError> {
+        if self.clock.rests() && !self.clock.is_losing() {
+            return Ok(());
+        }
         take_out(&mut self.world(), departed)?;
         self.forget_rows();
         Ok(())
@@ -135,7 +137,6 @@ impl Simulation {
         let count = self.clock.count();
         if count != self.count() {
             self.set_rows(count);
-            self.range_bounds.clear();
             self.fit_storage();
         }
     }

@@ -6,7 +6,6 @@ use bitgrain_kernel::{start_watched, step_watched, step_with};
 
 use crate::isa::{Isa, Kernel};
 use crate::law::{Sprung, WithLaw};
-use crate::stepping::Stepping;
 
 /// A start or a step that shows its contacts.
 pub(crate) struct Watched<'a, 'w> {
@@ -57,20 +56,5 @@ impl<L: Law<f64>> Kernel for OneStep<'_, '_, L> {
     #[inline(always)]
     fn run(mut self) -> Self::Output {
         step_with(&mut self.0, self.1, self.2)
-    }
-}
-
-/// Steps to an end.
-pub(crate) struct Steps<'a, 'w> {
-    pub world: &'a mut World<'w, f64>,
-    pub stepping: &'a mut Stepping,
-    pub end: u64,
-}
-
-impl WithLaw for Steps<'_, '_> {
-    type Output = Result<(), KernelError>;
-
-    fn run<L: Law<f64> + Sprung>(self, law: &L) -> Self::Output {
-        self.stepping.steps(self.world, law, self.end)
     }
 }

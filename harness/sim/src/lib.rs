@@ -1,8 +1,8 @@
 //! An owned simulation over the bitgrain kernel, and what is measured on it and kept of it.
 //!
 //! * [`simulation`]: grains and contacts in vectors ([`owned_world`], [`lists`]); steps on any number of threads
-//!   ([`threads`], [`stepping`]) and with any of the machine's instruction sets ([`isa`]), all with the same bits;
-//!   [`spatial_order`] numbers grains in space, [`random`] draws numbers that never change;
+//!   ([`threads`], [`parts`], [`stepping`]) and with any of the machine's instruction sets ([`isa`]), all with the same
+//!   bits; [`spatial_order`] numbers grains in space, [`random`] draws numbers that never change;
 //! * [`law`]: contact laws by name with their ranges, [`coefficients`] in the numbers of both papers;
 //! * measuring: [`observe`] reads a state, [`observer`] watches a stage, [`energy_budget`] accounts for the energy,
 //!   [`coarse_graining`] averages velocity and stress in space, [`histogram`] counts, [`exact_sum`] adds in any order,
@@ -37,11 +37,12 @@ pub mod law;
 mod law_work;
 pub mod lists;
 pub mod memory;
-mod modes;
 pub mod motion;
 pub mod observe;
 pub mod observer;
 pub mod owned_world;
+pub mod parts;
+mod pass;
 pub mod random;
 mod saved;
 pub mod simulation;

@@ -52,9 +52,12 @@ pub struct Stretches<R> {
 }
 
 impl<R: Real> Stretches<R> {
-    /// Makes at least as many as so many grains in so many ranges have, one at least.
-    pub fn fit(&mut self, grains: usize, ranges: usize) {
-        let count = self.budget.len().max(grains / STRETCH + ranges.max(1));
+    /// Makes at least as many as so many grains have, one at least.
+    pub fn fit(&mut self, grains: usize) {
+        let count = grains / STRETCH + 1;
+        if count <= self.budget.len() {
+            return;
+        }
         self.place.resize(count + 1, 0);
         self.begin.resize(count + 1, 0);
         self.pairs.resize(count, 0);
@@ -77,17 +80,6 @@ impl<R: Real> Stretches<R> {
             travel: &mut self.travel,
             approach: &mut self.approach,
         }
-    }
-
-    /// Where each stretch of so many grains ends, and its pairs; none if nothing is listed.
-    pub fn pairs(&self, grains: usize) -> impl Iterator<Item = (usize, usize)> {
-        let ends = self.place.iter().skip(1).map(|end| *end as usize);
-        let pairs = self.pairs.iter().map(|pairs| *pairs as usize);
-        let mut last = 0;
-        ends.zip(pairs).take_while(move |(end, _)| {
-            let before = std::mem::replace(&mut last, *end);
-            before < *end && *end <= grains
-        })
     }
 
     /// Bytes that they hold.

@@ -5,6 +5,9 @@ use crate::error::{Error, Result};
 /// Bytes of memory a grain takes, from beds of 10,000 and 70,000 grains.
 pub const PER_GRAIN: f64 = 510.0;
 
+/// The same where several threads step one bed: 2.1 times as many bytes are kept, measured with two.
+pub const PER_GRAIN_ON_THREADS: f64 = 2.1 * PER_GRAIN;
+
 /// Asks for this many bytes at once and gives them back; what is then taken piece by piece is likely to be available.
 ///
 /// # Errors

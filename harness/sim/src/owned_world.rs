@@ -7,6 +7,12 @@ use bitgrain_kernel::{
 
 use crate::lists::{Grown, List, Stretches};
 
+/// Most pairs, candidates and obstacle contacts for each grain, on the average: grains beside each other have ten.
+const PAIRS_MAX: usize = 256;
+
+/// And so many more: all pairs of a few hundred grains.
+const PAIRS_FREE: usize = 65_536;
+
 /// A world and everything it borrows.
 #[derive(Clone, Debug)]
 pub struct OwnedWorld<R> {
@@ -38,14 +44,15 @@ pub struct OwnedWorld<R> {
     pub image: Vec<[i32; 3]>,
     /// Obstacles by number.
     pub obstacles: Vec<Obstacle<R>>,
-    /// The pair list, and storage for the next one.
+    /// The pair list, and storage for the next one; of a [`Simulation`](crate::simulation::Simulation) on threads, see
+    /// there.
     pub lists: [List<R>; 2],
     /// Stretches of grains that renew their pairs together.
     pub stretches: Stretches<R>,
     /// What becomes of grains that leave.
     pub policy: LossPolicy<R>,
-    /// Ends of ranges of grains, but for the last: speed only.
-    pub range_bounds: Vec<u32>,
+    /// Where runs of own grains begin and end, by turns; empty if all are own.
+    pub owned: Vec<u32>,
     /// Where the candidates of each grain end.
     pub candidate_row: Vec<u32>,
     /// The candidates.
@@ -79,7 +86,7 @@ impl<R: Real> OwnedWorld<R> {
             lists: [List::default(), List::default()],
             stretches: Stretches::default(),
             policy: LossPolicy::STOP,
-            range_bounds: Vec::new(),
+            owned: Vec::new(),
             candidate_row: Vec::new(),
             candidate: Vec::new(),
             cell_start: Vec::new(),
@@ -112,6 +119,51 @@ impl<R: Real> OwnedWorld<R> {
         self.image.resize(count, [0; 3]);
     }
 
+    /// Places of own grains, where runs of them are noted.
+    pub(crate) fn owned_places(&self) -> impl Iterator<Item = u32> + '_ {
+        let runs = self.owned.chunks_exact(2);
+        runs.flat_map(|run| run[0]..run[1])
+    }
+
+    /// Fits cells and candidates to the number of grains.
+    pub(crate) fn fit_search(&mut self) {
+        let n = self.id.len();
+        self.cell_start.resize(2 * n + 64, 0);
+        self.cell_grain.resize(n, 0);
+        self.candidate_row.resize(n + 1, 0);
+    }
+
+    /// Runs `act`, enlarging the lists as often as it finds them full: capacity affects no result. Lists that would
+    /// be longer than bodies beside each other can make them, or than there is memory for, stay full.
+    ///
+    /// # Errors
+    /// That of `act`.
+    pub(crate) fn while_full<T>(
+        &mut self,
+        mut act: impl FnMut(&mut Self) -> Result<T, KernelError>,
+    ) -> Result<T, KernelError> {
+        loop {
+            match act(self) {
+                Err(full) if self.make_room(full) => (),
+                done => return done,
+            }
+        }
+    }
+
+    /// Enlarges the list that a call found full, by more than it needed; `false` of other errors and if that is too
+    /// much.
+    pub(crate) fn make_room(&mut self, full: KernelError) -> bool {
+        let most = self.id.len().saturating_mul(PAIRS_MAX);
+        let most = most.saturating_add(PAIRS_FREE);
+        let (needed, wanted) = match full {
+            KernelError::PairListFull { needed } => (needed, [needed + needed / 8, 0, 0]),
+            KernelError::OuterListFull { needed } => (needed, [0, needed + needed / 8, 0]),
+            KernelError::ObstacleContactsFull { needed } => (needed, [0, 0, needed + needed / 8]),
+            _ => return false,
+        };
+        needed <= most && self.reserve(wanted[0], wanted[1], wanted[2]).is_ok()
+    }
+
     /// Makes lists of at least this many entries.
     ///
     /// # Errors
@@ -136,17 +188,25 @@ impl<R: Real> OwnedWorld<R> {
         grown.is_ok()
     }
 
+    /// Bytes that it holds.
+    pub fn bytes(&self) -> usize {
+        self.id.len() * (5 * size_of::<Row<R>>() + 4 + 1 + 12)
+            + 4 * (self.cell_start.len() + self.cell_grain.len())
+            + 4 * (self.candidate_row.len() + self.candidate.len())
+            + self.lists.iter().map(List::bytes).sum::<usize>()
+            + self.stretches.bytes()
+    }
+
     /// Lends everything as a world of the kernel.
     pub fn world(&mut self) -> World<'_, R> {
-        self.stretches
-            .fit(self.position.len(), self.range_bounds.len() + 1);
+        self.stretches.fit(self.position.len());
         let [first, second] = &mut self.lists;
         World {
             domain: &self.domain,
             dt: self.dt,
             skin: self.skin,
             outer_skin: self.outer_skin,
-            range_bounds: &self.range_bounds,
+            owned: &self.owned,
             policy: self.policy,
             grains: Grains {
                 id: &mut self.id,

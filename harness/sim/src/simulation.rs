@@ -7,30 +7,26 @@ use std::ops::{Deref, DerefMut};
 
 use bitgrain_kernel::{
     Clock, ContactForce, ContactHistory, Digest, Domain, Error as KernelError, Group, Obstacle,
-    TOUCHING, check_arithmetic,
+    TOUCHING, World, check_arithmetic,
 };
 
 use crate::crowd::deep_pair;
-use crate::law_work::{Steps, Watched};
+use crate::law_work::Watched;
 use crate::lists::List;
 use crate::owned_world::OwnedWorld;
+use crate::parts::Parts;
 use crate::stepping::Stepping;
-use crate::threads::{cut, threads};
-
-/// Most pairs, candidates and obstacle contacts for each grain, on the average: grains beside each other have ten.
-const PAIRS_MAX: usize = 256;
-
-/// And so many more: all pairs of a few hundred grains.
-const PAIRS_FREE: usize = 65_536;
+use crate::threads::threads;
 
 /// A world and everything it borrows, owned.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Simulation {
     /// The contact law.
     pub law: AnyLaw,
     /// How it steps: speed only, never a bit.
     pub stepping: Stepping,
     owned: OwnedWorld<f64>,
+    parts: Parts,
 }
 
 impl Simulation {
@@ -65,6 +61,7 @@ impl Simulation {
             law,
             owned,
             stepping: Stepping::default(),
+            parts: Parts::default(),
         };
         sim.fit_storage();
         sim.choose_skin();
@@ -82,9 +79,7 @@ impl Simulation {
     /// Fits the lists and cells to the number of grains, after grains were added or read.
     pub fn fit_storage(&mut self) {
         let n = self.count();
-        self.cell_start.resize(2 * n + 64, 0);
-        self.cell_grain.resize(n, 0);
-        self.candidate_row.resize(n + 1, 0);
+        self.fit_search();
         // What is too short grows later, or says that it cannot.
         let _ = self.reserve(3 * n + 64, 4 * n + 64, n / 8 + 64);
     }
@@ -113,13 +108,12 @@ impl Simulation {
         self.clock.step = step;
     }
 
-    /// Searches done, pairs listed and obstacle contacts listed: for timings, never for results.
+    /// Searches done, pairs listed and obstacle contacts listed: for timings, never for results. On several threads
+    /// pairs of two parts count twice.
     pub fn list_counts(&self) -> (u64, usize, usize) {
-        (
-            self.clock.outer_list_rebuilds(),
-            self.clock.listed(),
-            self.clock.obstacle_contacts(),
-        )
+        let here = (self.clock.listed(), self.clock.obstacle_contacts());
+        let (pairs, contacts) = self.parts.listed().unwrap_or(here);
+        (self.clock.outer_list_rebuilds(), pairs, contacts)
     }
 
     /// Times that pairs were picked from the candidates of a search.
@@ -129,15 +123,24 @@ impl Simulation {
 
     /// Bytes that the simulation holds.
     pub fn bytes(&self) -> usize {
-        self.count() * (5 * 32 + 4 + 1 + 12)
-            + 4 * (self.cell_start.len() + self.cell_grain.len())
-            + 4 * (self.candidate_row.len() + self.candidate.len())
-            + self.lists.iter().map(List::bytes).sum::<usize>()
-            + self.stretches.bytes()
+        self.owned.bytes() + self.parts.bytes()
+    }
+
+    /// Lends everything as a world of the kernel.
+    ///
+    /// # Panics
+    /// Without memory for the contacts of all grains.
+    pub fn world(&mut self) -> World<'_, f64> {
+        let home = self.parts.come_home(&mut self.owned);
+        home.expect("memory for the contacts");
+        self.owned.world()
     }
 
     /// Places of the grains that touch an obstacle, ascending.
-    pub fn touching(&self, obstacle: u32) -> impl Iterator<Item = u32> {
+    pub fn touching(&self, obstacle: u32) -> Vec<u32> {
+        if let Some(touching) = self.parts.touching(obstacle) {
+            return touching;
+        }
         let list = &self.lists[0];
         let listed = list
             .obstacle_contact_grain
@@ -145,12 +148,12 @@ impl Simulation {
             .zip(&list.obstacle_contact_obstacle);
         let touching = listed.take(self.clock.obstacle_contacts());
         let touching = touching.filter(move |&(_, &word)| word == (obstacle | TOUCHING));
-        touching.map(|(&grain, _)| grain)
+        touching.map(|(&grain, _)| grain).collect()
     }
 
     /// How many grains touch an obstacle.
     pub fn touch_count(&self, obstacle: u32) -> u32 {
-        self.touching(obstacle).count() as u32
+        self.touching(obstacle).len() as u32
     }
 
     /// Lends lists of this many entries, and cells, until they prove too short: speed and memory only,
@@ -167,7 +170,7 @@ impl Simulation {
         self.clock = Clock::default();
         self.clock.step = step;
         self.stepping = self.stepping.clone();
-        self.range_bounds.clear();
+        self.parts = Parts::default();
     }
 
     /// Runs `act`, enlarging the lists as often as it finds them full: capacity affects no result. Lists that would
@@ -177,24 +180,10 @@ impl Simulation {
         &mut self,
         mut act: impl FnMut(&mut Self) -> Result<(), KernelError>,
     ) -> Result<(), KernelError> {
-        let most = self
-            .count()
-            .saturating_mul(PAIRS_MAX)
-            .saturating_add(PAIRS_FREE);
         loop {
-            let Err(full) = act(self) else {
-                return Ok(());
-            };
-            let (needed, wanted) = match full {
-                KernelError::PairListFull { needed } => (needed, [needed + needed / 8, 0, 0]),
-                KernelError::OuterListFull { needed } => (needed, [0, needed + needed / 8, 0]),
-                KernelError::ObstacleContactsFull { needed } => {
-                    (needed, [0, 0, needed + needed / 8])
-                }
-                other => return Err(other),
-            };
-            if needed > most || self.reserve(wanted[0], wanted[1], wanted[2]).is_err() {
-                return Err(full);
+            match act(self) {
+                Err(full) if self.make_room(full) => (),
+                done => return done,
             }
         }
     }
@@ -279,25 +268,16 @@ impl Simulation {
     ///
     /// # Errors
     /// What stopped a step; [`Simulation::step_count`] says how many were finished. [`KernelError::Edited`], if rows
-    /// were written to since the last step: [`Simulation::resume`] or start again.
+    /// were written to since the last step: [`Simulation::resume`] or start again. A list for which there is no memory:
+    /// on one thread the world can go on once there is, on several it is stopped.
     pub fn steps(&mut self, count: u64) -> Result<(), KernelError> {
         // A file may say that any number of steps was done.
         let end = self.clock.step.saturating_add(count);
-        self.cut();
-        let mut stepping = std::mem::take(&mut self.stepping);
-        let done = self.grow_while_full(|sim| {
-            let law = sim.law;
-            let mut world = sim.world();
-            let done = law.with(Steps {
-                world: &mut world,
-                stepping: &mut stepping,
-                end,
-            });
-            (sim.skin, sim.outer_skin) = (world.skin, world.outer_skin);
-            done
-        });
-        self.stepping = stepping;
-        done
+        self.stepping.steps(
+            (&mut self.owned, &mut self.parts),
+            self.law,
+            (threads(), end),
+        )
     }
 
     /// Begins a stretch of steps for an observer of each step that writes to no row until [`Simulation::release`]:
@@ -306,11 +286,8 @@ impl Simulation {
     /// # Errors
     /// [`KernelError::Edited`], of rows that were written to since the last stretch ended.
     pub fn hold(&mut self) -> Result<(), KernelError> {
-        self.cut();
-        let mut stepping = std::mem::take(&mut self.stepping);
-        let begun = stepping.begin(&mut self.world());
-        self.stepping = stepping;
-        begun
+        self.stepping
+            .hold(&mut self.owned, &mut self.parts, threads())
     }
 
     /// Ends the stretch that [`Simulation::hold`] began.
@@ -318,25 +295,7 @@ impl Simulation {
     /// # Errors
     /// [`KernelError::Arithmetic`]; [`KernelError::NotStarted`] if a fault stopped the steps.
     pub fn release(&mut self) -> Result<(), KernelError> {
-        let mut stepping = std::mem::take(&mut self.stepping);
-        let ended = stepping.end(&mut self.world());
-        self.stepping = stepping;
-        ended
-    }
-
-    /// Cuts the grains into as many ranges as there are threads.
-    fn cut(&mut self) {
-        let n = self.count();
-        let least = self.stepping.range_min.max(1);
-        let ranges = threads().min(n / least).max(1);
-        if ranges != self.range_bounds.len() + 1 {
-            self.range_bounds = cut(n, self.stretches.pairs(n), ranges);
-        }
-    }
-
-    /// Ranges of the last steps: how many threads took part in them.
-    pub fn ranges(&self) -> usize {
-        self.range_bounds.len() + 1
+        self.stepping.end(&mut self.owned, &mut self.parts)
     }
 
     /// The digest of the state, on a thread whose arithmetic is that of the bit contract.
@@ -372,6 +331,23 @@ impl Simulation {
     }
 }
 
+/// A copy has all contacts with it, wherever they are.
+impl Clone for Simulation {
+    fn clone(&self) -> Self {
+        let mut owned = self.owned.clone();
+        let shown = self.parts.show(&mut owned);
+        shown.expect("memory for the contacts");
+        Self {
+            law: self.law,
+            stepping: self.stepping.clone(),
+            owned,
+            parts: Parts::default(),
+        }
+    }
+}
+
+/// The rows, obstacles and clock as they are. The lists of contacts are old after steps on several threads, until
+/// [`Simulation::world`] brings them.
 impl Deref for Simulation {
     type Target = OwnedWorld<f64>;
 

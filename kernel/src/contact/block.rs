@@ -31,10 +31,9 @@ type Column<R> = [R; BLOCK];
 type Columns<R> = [Column<R>; 3];
 type Rows<R> = [Row<R>; BLOCK];
 
-/// Rows of grains: positions, velocities and spins of a stretch that begins at place `first`.
+/// Rows of grains.
 #[derive(Clone, Copy)]
 pub(crate) struct Bodies<'a, R> {
-    pub first: usize,
     /// Positions and radii.
     pub position: &'a [Row<R>],
     /// Velocities and masses.
@@ -170,8 +169,8 @@ impl<R: Real> Block<R> {
             if k >= BLOCK {
                 break;
             }
-            let i = (*i as usize).wrapping_sub(bodies.first);
-            let j = (*j as usize).wrapping_sub(bodies.first);
+            let i = *i as usize;
+            let j = *j as usize;
             let (Some(x), Some(y)) = (position.get(i), position.get(j)) else {
                 break;
             };

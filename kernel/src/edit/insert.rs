@@ -1,11 +1,11 @@
 //! Grains that come in.
 
 use super::remove::compact;
-use super::renumber::renumber;
+use super::renumber::{NewPlaces, renumber_contacts};
 use super::settle::{open, put_back, seal_anew, settle};
 use crate::error::Error;
 use crate::math::real::Real;
-use crate::math::rows::{get_or_default, set};
+use crate::math::rows::{get_or_default, prefix, set};
 use crate::state::grains::NewGrain;
 use crate::world::World;
 
@@ -74,7 +74,10 @@ fn merge<R: Real>(
         }
         set(world.cells.grain, i, (i + lower) as u32);
     }
-    renumber(world, all);
+    // The table stands in the storage of the cells, which only a search uses.
+    let table = core::mem::take(&mut world.cells.grain);
+    renumber_contacts(world, NewPlaces(prefix(table, count)), all);
+    world.cells.grain = table;
     // From the last one down, so that no row is overwritten before it has moved.
     let (mut old, mut to) = (count, all);
     while let Some(grain) = grains.next_back() {

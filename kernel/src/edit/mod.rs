@@ -10,7 +10,7 @@ mod losses;
 mod nudge;
 mod regroup;
 mod remove;
-mod renumber;
+pub(crate) mod renumber;
 pub(crate) mod settle;
 
 pub use insert::{NewGrains, insert};

@@ -1,10 +1,10 @@
 //! Grains that are taken away.
 
-use super::renumber::{GONE, renumber, renumber_candidates};
+use super::renumber::{GONE, NewPlaces, renumber_candidates, renumber_contacts};
 use super::settle::{check_ids, open, weigh};
 use crate::error::Error;
 use crate::math::real::Real;
-use crate::math::rows::{get_or_default, set};
+use crate::math::rows::{get_or_default, prefix, set};
 use crate::phases::come_to_rest;
 use crate::world::World;
 
@@ -45,10 +45,14 @@ pub(crate) fn compact<R: Real>(world: &mut World<'_, R>, keeps_candidates: bool)
         set(world.cells.grain, i, if goes { GONE } else { left as u32 });
         left += usize::from(!goes);
     }
-    renumber(world, left);
+    // The table stands in the storage of the cells, which only a search uses.
+    let table = core::mem::take(&mut world.cells.grain);
+    let places = NewPlaces(prefix(table, world.clock.count));
+    renumber_contacts(world, places, left);
     if keeps_candidates {
-        renumber_candidates(world);
+        renumber_candidates(world, places);
     }
+    world.cells.grain = table;
     for i in 0..world.clock.count {
         let to = get_or_default(world.cells.grain, i);
         if to != GONE {

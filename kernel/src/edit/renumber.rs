@@ -1,19 +1,18 @@
 //! New places for the grains of the lists, when grains come or go.
 
-use crate::math::real::{Real, smaller};
+use crate::math::real::Real;
 use crate::math::rows::{get_or_default, prefix, set};
 use crate::neighbors::outer_list::OuterList;
 use crate::neighbors::pair_list::{Listed, PairList};
 use crate::neighbors::prune::flatten;
-use crate::phases::mark;
 use crate::world::World;
 
-/// The new place of a grain that is gone.
-pub(crate) const GONE: u32 = u32::MAX;
+/// The new place of a grain that is none any more.
+pub const GONE: u32 = u32::MAX;
 
 /// The new place of each grain, by its old one; kept places ascend.
 #[derive(Clone, Copy)]
-pub(crate) struct NewPlaces<'a>(&'a [u32]);
+pub(crate) struct NewPlaces<'a>(pub &'a [u32]);
 
 impl NewPlaces<'_> {
     fn of(&self, old: u32) -> Option<u32> {
@@ -22,30 +21,26 @@ impl NewPlaces<'_> {
     }
 }
 
-/// Renumbers pairs and obstacle contacts by the table that stands in the storage of the cells, which only a search
-/// uses, of what will be so many grains. Contacts of grains that are gone go too; the others keep their springs and
-/// their order.
-pub(crate) fn renumber<R: Real>(world: &mut World<'_, R>, grains: usize) {
+/// Renumbers pairs and obstacle contacts by a table of new places, of what will be so many grains. Contacts of grains
+/// that are gone go too; the others keep their springs and their order.
+pub(crate) fn renumber_contacts<R: Real>(
+    world: &mut World<'_, R>,
+    places: NewPlaces<'_>,
+    grains: usize,
+) {
     let count = world.clock.count;
     let (stretches, pairs, spare) = (&mut world.stretches, &mut world.pairs, &mut world.spare);
     let before = world.clock.listed;
-    let mut budget = stretches.least_budget(before.stretches);
-    if before.across > 0 {
-        budget = smaller(budget, world.clock.budget);
-    }
-    let old = flatten(stretches, pairs, spare, before, (count, &[]));
-    let places = NewPlaces(prefix(world.cells.grain, count));
+    let budget = stretches.least_budget(before.stretches);
+    let old = flatten(stretches, pairs, spare, before, count);
     let kept = kept_pairs(pairs, places, old.pairs);
     world.clock.listed = Listed {
-        stretches: stretches.divide(prefix(pairs.lower, kept), budget, (grains, &[])),
+        stretches: stretches.divide(prefix(pairs.lower, kept), budget, grains),
         end: kept,
-        across: 0,
         pairs: kept,
         touching: old.touching,
         obstacle_contacts: obstacle_contacts(pairs, places, old.obstacle_contacts),
     };
-    world.clock.partition_mark = mark(&[]);
-    world.clock.budget = -R::ONE;
     stretches.travel_alike(world.clock.next_travel);
 }
 
@@ -88,9 +83,8 @@ fn obstacle_contacts<R: Real>(
 }
 
 /// The same for the candidates of the last search, so that it need not be done again.
-pub(crate) fn renumber_candidates<R: Real>(world: &mut World<'_, R>) {
+pub(crate) fn renumber_candidates<R: Real>(world: &mut World<'_, R>, places: NewPlaces<'_>) {
     let count = world.clock.count;
-    let places = NewPlaces(prefix(world.cells.grain, count));
     let OuterList { row, partner } = &mut world.candidates;
     let (mut rows, mut to) = (0, 0);
     for i in 0..count {

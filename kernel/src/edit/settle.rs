@@ -49,7 +49,7 @@ pub(crate) fn settle<R: Real>(
     go_on(world, passed)?;
     let travel = next_travel(world)?;
     world.clock.far = -R::ONE;
-    refresh_pair_list(world, Some(travel), &[])?;
+    refresh_pair_list(world, Some(travel))?;
     check_depths(world)
 }
 
@@ -65,7 +65,7 @@ pub(crate) fn put_back<R: Real>(world: &mut World<'_, R>, before: Clock<R>) {
     let listed = world.clock.listed;
     *world.clock = before;
     world.clock.listed = listed;
-    (world.clock.far, world.clock.budget) = (-R::ONE, -R::ONE);
+    world.clock.far = -R::ONE;
     world.stretches.travel_alike(before.next_travel);
 }
 

@@ -2,11 +2,12 @@
 //! own sum runs over grains by ascending id.
 
 use crate::contact::law::{Contact, Law, react};
-use crate::forces::accumulate::{ContactForce, ExcessiveOverlap, GrainRange, Partner};
+use crate::forces::accumulate::{ContactForce, GrainRange, Partner};
+use crate::forces::force_check::ForceCheck;
 use crate::integrate::GrainMotion;
 use crate::math::real::Real;
 use crate::math::rows::Row;
-use crate::math::rows::{add_at, get_or_default, row, sub_at};
+use crate::math::rows::{add_at, get_or_default, row, set, sub_at};
 use crate::math::vec3::{Vec3, add, cross, head, scale, sub};
 use crate::neighbors::pair_list::{PLACE, TOUCHING};
 use crate::state::obstacle::Obstacle;
@@ -19,20 +20,53 @@ pub struct ObstacleContactRange<'a, R> {
     pub obstacle: &'a mut [u32],
     /// Its tangential spring.
     pub spring: &'a mut [Row<R>],
+    /// Where to note what each contact takes from the sums of its obstacle, for a host of several worlds that adds
+    /// them up itself with [`sum_on_obstacles`]; empty if that is not wanted.
+    pub shares: &'a mut [ObstacleShare<R>],
     /// All obstacles.
     pub obstacles: &'a mut [Obstacle<R>],
 }
 
+/// What a contact takes from the force and the torque on its obstacle; zero if it does not touch.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ObstacleShare<R> {
+    /// Number of the obstacle.
+    pub obstacle: u32,
+    /// Force on the grain.
+    pub force: Vec3<R>,
+    /// Its moment about the obstacle's point.
+    pub torque: Vec3<R>,
+}
+
+/// Sets the force and torque on each obstacle to the sum of these shares, which come in the order of the contract: by
+/// ascending id of the grain, and then by obstacle.
+pub fn sum_on_obstacles<R: Real>(
+    obstacles: &mut [Obstacle<R>],
+    shares: impl Iterator<Item = ObstacleShare<R>>,
+) {
+    for body in obstacles.iter_mut() {
+        body.force = [R::ZERO; 3];
+        body.torque = [R::ZERO; 3];
+    }
+    for share in shares {
+        if let Some(body) = obstacles.get_mut(share.obstacle as usize) {
+            body.force = sub(body.force, share.force);
+            body.torque = sub(body.torque, share.torque);
+        }
+    }
+}
+
 /// Adds the obstacles' share to forces that are zero, by ascending grain and obstacle, and sets the
-/// force and torque on each obstacle to the sum over the grains in the same order. Returns the first grain
-/// and obstacle that overlap too deep. `watch` sees every contact and cannot change one.
+/// force and torque on each obstacle to the sum over the grains in the same order. Tells the first grain
+/// and obstacle that overlap too deep, and the first obstacle whose sums are not finite. `watch` sees every contact and
+/// cannot change one.
 #[inline(always)]
 pub fn obstacle_forces<R: Real, L: Law<R>>(
     part: &mut GrainRange<'_, R>,
     touch: &mut ObstacleContactRange<'_, R>,
     law: &L,
     mut watch: impl FnMut(ContactForce<R>),
-) -> ExcessiveOverlap {
+) -> ForceCheck {
     let (grains, dt) = (&mut part.grains, part.dt);
     let mut deep = None;
     for body in touch.obstacles.iter_mut() {
@@ -40,7 +74,7 @@ pub fn obstacle_forces<R: Real, L: Law<R>>(
         body.torque = [R::ZERO; 3];
     }
     let listed = touch.grain.iter().zip(touch.obstacle.iter_mut());
-    for ((grain, obstacle), spring) in listed.zip(touch.spring.iter_mut()) {
+    for (t, ((grain, obstacle), spring)) in listed.zip(touch.spring.iter_mut()).enumerate() {
         let i = *grain as usize;
         let k = *obstacle & PLACE;
         let Some(body) = touch.obstacles.get_mut(k as usize) else {
@@ -51,6 +85,7 @@ pub fn obstacle_forces<R: Real, L: Law<R>>(
         if !touching {
             *obstacle = k;
             *spring = [R::ZERO; 4];
+            set(touch.shares, t, ObstacleShare::default());
             continue;
         }
         let r = react(law, &contact, head(*spring), dt);
@@ -69,6 +104,12 @@ pub fn obstacle_forces<R: Real, L: Law<R>>(
         sub_at(grains.torque, i, &row(scale(couple, r.lever_arm_i)));
         body.force = sub(body.force, push);
         body.torque = sub(body.torque, moment);
+        let share = ObstacleShare {
+            obstacle: k,
+            force: push,
+            torque: moment,
+        };
+        set(touch.shares, t, share);
         watch(ContactForce {
             i: i as u32,
             partner: Partner::Obstacle(k),
@@ -78,10 +119,14 @@ pub fn obstacle_forces<R: Real, L: Law<R>>(
             tangential_force: r.tangential,
         });
         if contact.overlap > body.depth_allowed(contact.radius_i) && deep.is_none() {
-            deep = Some((i as u32, k));
+            deep = Some((get_or_default(grains.id, i), k));
         }
     }
-    deep
+    ForceCheck {
+        unsound: ForceCheck::of_obstacles(touch.obstacles),
+        on_obstacle: deep,
+        of_pair: None,
+    }
 }
 
 /// The contact of grain `i` on an obstacle, and the offset of its centre from the obstacle's point.

@@ -3,7 +3,7 @@
 use core::ops::Range;
 
 use crate::math::real::Real;
-use crate::math::rows::{get_or_default, halves_mut, prefix, split_at};
+use crate::math::rows::get_or_default;
 
 /// Stretches of grains, and where their pairs are.
 pub struct StretchRange<'a, R> {
@@ -15,27 +15,6 @@ pub struct StretchRange<'a, R> {
     pub pairs: &'a [u32],
     /// What the fastest grain of each travels in the next step.
     pub travel: &'a mut [R],
-}
-
-impl<R: Real> StretchRange<'_, R> {
-    /// The first of them, and the others.
-    pub(crate) fn split(self, count: usize) -> (Self, Self) {
-        let pairs = split_at(self.pairs, count);
-        let travel = halves_mut(self.travel, count);
-        let left = Self {
-            place: prefix(self.place, count + 1),
-            begin: prefix(self.begin, count + 1),
-            pairs: pairs.0,
-            travel: travel.0,
-        };
-        let right = Self {
-            place: split_at(self.place, count).1,
-            begin: split_at(self.begin, count).1,
-            pairs: pairs.1,
-            travel: travel.1,
-        };
-        (left, right)
-    }
 }
 
 /// Where a walk along the pairs of stretches is.
@@ -51,9 +30,7 @@ impl Cursor {
     /// The entry of the next pair.
     #[inline(always)]
     pub(crate) fn entry<R: Real>(self, stretches: &StretchRange<'_, R>) -> usize {
-        let base = get_or_default(stretches.begin, 0);
-        let begin = get_or_default(stretches.begin, self.stretch);
-        begin.saturating_sub(base) as usize + self.done
+        get_or_default(stretches.begin, self.stretch) as usize + self.done
     }
 
     /// Entries of pairs of one stretch, as many as there is room for; none if all is done.

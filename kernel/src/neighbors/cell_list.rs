@@ -6,16 +6,18 @@
 //! evaluates are picked from them, more often, in `prune.rs`.
 
 use crate::error::Error;
-use crate::math::real::{Real, larger, magnitude, smaller};
+use crate::math::real::Real;
 use crate::math::rows::Row;
 use crate::math::rows::{copy, front_mut, get_or_default, prefix, set};
 use crate::math::vec3::{head, is_beyond};
+use crate::neighbors::extent::Extent;
 use crate::neighbors::grid::Grid;
 use crate::neighbors::outer_list::OuterList;
 use crate::neighbors::pair_list::{PLACE, PairList};
 use crate::state::domain::Domain;
 use crate::state::grains::Grains;
 use crate::state::obstacle::Obstacle;
+use crate::state::owned::Owned;
 
 /// Storage of the cells, borrowed.
 pub struct CellList<'a> {
@@ -42,6 +44,9 @@ pub(crate) struct Scene<'a, R> {
     pub domain: &'a Domain<R>,
     pub grains: &'a Grains<'a, R>,
     pub obstacles: &'a [Obstacle<R>],
+    pub owned: Owned<'a>,
+    /// How large numbers and grains are.
+    pub extent: Extent<R>,
     /// How far beyond touching a pair is a candidate.
     pub far: R,
 }
@@ -59,27 +64,12 @@ pub(crate) fn search<R: Real>(
     cells: &mut CellList<'_>,
     old_obstacle_contacts: usize,
 ) -> Result<Found<R>, Error> {
-    let (domain, grains, obstacles) = (scene.domain, scene.grains, scene.obstacles);
+    let (domain, grains) = (scene.domain, scene.grains);
     let position = &*grains.position;
-    let mut extent = R::ONE * R::EPSILON;
-    let mut radius = R::ZERO;
-    let mut least = R::ONE;
-    for x in position {
-        radius = larger(radius, x[3]);
-        least = smaller(least, x[3]);
-        for a in 0..3 {
-            extent = larger(extent, magnitude(x[a]));
-        }
-    }
-    let mut widest = radius + radius;
-    for body in obstacles {
-        widest = larger(widest, radius + body.reach());
-        for a in 0..3 {
-            extent = larger(extent, magnitude(body.point[a]));
-        }
-    }
+    let (radius, least) = (scene.extent.radius, scene.extent.least);
+    let widest = scene.extent.reach;
     // Coordinates may grow by half of it before the next search.
-    let extent = extent + scene.far;
+    let extent = scene.extent.largest + scene.far;
     let size = match R::FIXED_POINT {
         // Rounding is the same for all numbers, and more of a distance the shorter it is.
         true => (extent + widest) + (R::ONE + R::ONE / least),
@@ -94,7 +84,7 @@ pub(crate) fn search<R: Real>(
     let grid = Grid::new(domain, position, width, room);
     sort_into_cells(&grid, position, cells);
 
-    let obstacle_contacts = list_obstacle_contacts(domain, grains, obstacles, spare, far)?;
+    let obstacle_contacts = list_obstacle_contacts(scene, spare, far)?;
     list_candidates(scene, &grid, cells, candidates, far)?;
     take_obstacle_contact_springs(pairs, old_obstacle_contacts, spare, obstacle_contacts);
     Ok(Found {
@@ -172,6 +162,7 @@ fn list_candidates<R: Real>(
         set(candidates.row, i, listed.min(capacity) as u32);
         let begin = listed;
         let heavy = has_infinite_mass(grains, i);
+        let is_own = scene.owned.has(i);
         let cell = grid.place(x);
         let (zs, zn) = grid.around(2, cell[2]);
         let (ys, yn) = grid.around(1, cell[1]);
@@ -185,6 +176,10 @@ fn list_candidates<R: Real>(
                     for &j in members.get(from..).unwrap_or_default() {
                         let k = j as usize;
                         if k <= i || (heavy && has_infinite_mass(grains, k)) {
+                            continue;
+                        }
+                        // Two ghosts are a pair of other parts.
+                        if !is_own && !scene.owned.has(k) {
                             continue;
                         }
                         let y = get_or_default(position, k);
@@ -233,17 +228,19 @@ fn sort(words: &mut [u32]) {
 }
 
 fn list_obstacle_contacts<R: Real>(
-    domain: &Domain<R>,
-    grains: &Grains<'_, R>,
-    obstacles: &[Obstacle<R>],
+    scene: &Scene<'_, R>,
     spare: &mut PairList<'_, R>,
     skin: R,
 ) -> Result<usize, Error> {
+    let (domain, grains) = (scene.domain, scene.grains);
     let capacity = spare.obstacle_contact_grain.len();
     let mut touches = 0;
     for (i, x) in grains.position.iter().enumerate() {
         let heavy = has_infinite_mass(grains, i);
-        for (k, body) in obstacles.iter().enumerate() {
+        if !scene.owned.has(i) {
+            continue;
+        }
+        for (k, body) in scene.obstacles.iter().enumerate() {
             if heavy && body.inverse_mass == R::ZERO {
                 continue;
             }

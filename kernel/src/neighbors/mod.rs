@@ -2,6 +2,7 @@
 //! stretches of grains.
 
 pub(crate) mod cell_list;
+pub(crate) mod extent;
 mod grid;
 pub(crate) mod outer_list;
 pub(crate) mod pair_list;

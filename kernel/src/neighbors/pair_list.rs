@@ -1,13 +1,12 @@
 //! The list of pairs near enough to touch soon, and the tangential springs beside them.
 //!
 //! Grain pairs are listed once, by lower grain and then partner, both ascending: those of each stretch of grains
-//! together, with room between stretches, then those of two ranges of grains. Obstacle contacts are a separate list, by
-//! grain and then obstacle. A pair keeps its spring as long as its bodies touch; which further pairs are listed has no
-//! effect on any result.
+//! together, with room between stretches. Obstacle contacts are a separate list, by grain and then obstacle. A pair
+//! keeps its spring as long as its bodies touch; which further pairs are listed has no effect on any result.
 
 use crate::math::real::Real;
 use crate::math::rows::Row;
-use crate::math::rows::{front_mut, get_or_default, prefix, set};
+use crate::math::rows::{front_mut, get_or_default, part, prefix, set};
 use crate::math::vec3::{dot, head};
 use crate::neighbors::stretch::StretchList;
 use crate::state::domain::Domain;
@@ -20,8 +19,7 @@ pub(crate) const PLACE: u32 = TOUCHING - 1;
 
 /// Storage of one list, borrowed. Two of them make a renewal possible.
 pub struct PairList<'a, R> {
-    /// Place of the lower grain of each pair. First the pairs within one range of grains, by stretches, then, as
-    /// ordered, those of two ranges; see [`crate::World::range_bounds`].
+    /// Place of the lower grain of each pair, by stretches.
     pub lower: &'a mut [u32],
     /// Place of the higher grain.
     pub partner: &'a mut [u32],
@@ -41,10 +39,8 @@ pub struct PairList<'a, R> {
 pub(crate) struct Listed {
     /// Stretches of grains; none before anything is listed.
     pub stretches: usize,
-    /// Where the storage of their pairs ends, and those of two ranges begin.
+    /// Where the storage of their pairs ends.
     pub end: usize,
-    /// Pairs of two ranges.
-    pub across: usize,
     /// All pairs.
     pub pairs: usize,
     /// Pairs that touched when they were listed; for timings only.
@@ -58,16 +54,10 @@ impl Listed {
     pub const NONE: Self = Self {
         stretches: 0,
         end: 0,
-        across: 0,
         pairs: 0,
         touching: 0,
         obstacle_contacts: 0,
     };
-
-    /// Where the last pair ends.
-    pub fn last(self) -> usize {
-        self.end + self.across
-    }
 }
 
 /// One touching contact as the list holds it; places, not ids.
@@ -94,16 +84,23 @@ pub enum ContactHistory<R> {
     },
 }
 
-/// The listed pairs by lower grain and partner: those of all stretches and those of two ranges as one.
+impl<R: Real> ContactHistory<R> {
+    /// Whether the spring is.
+    pub(crate) fn is_finite(&self) -> bool {
+        let (Self::Pair { spring, .. } | Self::Obstacle { spring, .. }) = self;
+        spring.iter().all(|s| s.is_finite())
+    }
+}
+
+/// The listed pairs by lower grain and partner.
 pub(crate) struct InOrder<'a, R> {
     lower: &'a [u32],
     partner: &'a [u32],
     stretches: &'a StretchList<'a, R>,
     /// Stretches whose pairs have not begun.
     others: core::ops::Range<usize>,
-    /// What is left of the pairs of a stretch, and of those of two ranges.
+    /// What is left of the pairs of a stretch.
     inner: core::ops::Range<usize>,
-    across: core::ops::Range<usize>,
 }
 
 impl<R: Real> Iterator for InOrder<'_, R> {
@@ -116,25 +113,12 @@ impl<R: Real> Iterator for InOrder<'_, R> {
         {
             self.inner = self.stretches.entries(next);
         }
-        let entry = |p: usize| {
-            (
-                get_or_default(self.lower, p),
-                get_or_default(self.partner, p),
-                p,
-            )
-        };
-        let (a, b) = (self.inner.start, self.across.start);
-        let from_across = if self.inner.is_empty() {
-            !self.across.is_empty()
-        } else {
-            !self.across.is_empty() && entry(b) < entry(a)
-        };
-        let from = if from_across {
-            &mut self.across
-        } else {
-            &mut self.inner
-        };
-        from.next().map(entry)
+        let p = self.inner.next()?;
+        let (i, j) = (
+            get_or_default(self.lower, p),
+            get_or_default(self.partner, p),
+        );
+        Some((i, j, p))
     }
 }
 
@@ -149,14 +133,14 @@ impl<R: Real> PairList<'_, R> {
 
     /// Whether the list has room for what is said to be in it.
     pub(crate) fn holds(&self, listed: Listed) -> bool {
-        self.partner.len() >= listed.last()
+        self.partner.len() >= listed.end
             && self.obstacle_contact_grain.len() >= listed.obstacle_contacts
     }
 
     /// Empties all histories.
     pub(crate) fn forget(&mut self, listed: Listed) {
         for spring in &mut self.spring {
-            front_mut(spring, listed.last()).fill(R::ZERO);
+            front_mut(spring, listed.end).fill(R::ZERO);
         }
         let contacts = listed.obstacle_contacts;
         for word in front_mut(self.obstacle_contact_obstacle, contacts) {
@@ -177,7 +161,6 @@ impl<R: Real> PairList<'_, R> {
             stretches,
             others: 0..listed.stretches,
             inner: 0..0,
-            across: listed.end..listed.last(),
         }
     }
 
@@ -241,11 +224,6 @@ impl<R: Real> PairList<'_, R> {
         history: &ContactHistory<R>,
         listed: Listed,
     ) -> bool {
-        let (ContactHistory::Pair { spring, .. } | ContactHistory::Obstacle { spring, .. }) =
-            history;
-        if !spring.iter().all(|s| s.is_finite()) {
-            return false;
-        }
         match *history {
             ContactHistory::Pair { i, j, spring } => {
                 let Some(p) = self.find(stretches, listed, (i, j)) else {
@@ -258,17 +236,16 @@ impl<R: Real> PairList<'_, R> {
                 obstacle,
                 spring: [x, y, z],
             } => {
-                let grains = prefix(self.obstacle_contact_grain, listed.obstacle_contacts).iter();
-                let mut entries = grains
-                    .zip(&mut *self.obstacle_contact_obstacle)
-                    .zip(&mut *self.obstacle_contact_spring);
-                let found =
-                    entries.find(|((grain, word), _)| (**grain, **word & PLACE) == (i, obstacle));
-                let Some(((_, word), row)) = found else {
+                let grains = prefix(self.obstacle_contact_grain, listed.obstacle_contacts);
+                let first = grains.partition_point(|grain| *grain < i);
+                let end = grains.partition_point(|grain| *grain <= i);
+                let words = part(self.obstacle_contact_obstacle, first, end);
+                let Some(k) = words.iter().position(|word| word & PLACE == obstacle) else {
                     return false;
                 };
-                *word |= TOUCHING;
-                *row = [x, y, z, R::ZERO];
+                let t = first + k;
+                set(self.obstacle_contact_obstacle, t, obstacle | TOUCHING);
+                set(self.obstacle_contact_spring, t, [x, y, z, R::ZERO]);
             }
         }
         true
@@ -284,13 +261,8 @@ impl<R: Real> PairList<'_, R> {
         if listed.stretches == 0 {
             return None;
         }
-        let inner = stretches.entries(stretches.of(pair.0, listed.stretches));
-        let found = self.find_within(inner, pair);
-        found.or_else(|| self.find_within(listed.end..listed.last(), pair))
-    }
-
-    /// The entry of a pair among entries that ascend, by halving.
-    fn find_within(&self, entries: core::ops::Range<usize>, pair: (u32, u32)) -> Option<usize> {
+        // By halving.
+        let entries = stretches.entries(stretches.of(pair.0, listed.stretches));
         let (mut from, mut to) = (entries.start, entries.end);
         while from < to {
             let middle = from + (to - from) / 2;

@@ -26,8 +26,6 @@ pub(crate) struct Pruning<'a, R> {
     pub domain: &'a Domain<R>,
     pub position: &'a [Row<R>],
     pub candidates: &'a OuterList<'a>,
-    /// Where ranges of grains end, but for the last.
-    pub range_bounds: &'a [u32],
     /// Margin for the rounding of coordinates and distances.
     pub slack: R,
 }
@@ -42,21 +40,6 @@ impl<R: Real> Pruning<'_, R> {
             from,
             get_or_default(rows, grain + 1) as usize,
         )
-    }
-
-    /// Where the range that holds a grain ends.
-    fn range_end(&self, grain: usize) -> u32 {
-        let next = self
-            .range_bounds
-            .partition_point(|end| *end as usize <= grain);
-        self.range_bounds.get(next).copied().unwrap_or(u32::MAX)
-    }
-
-    /// Whether a candidate is nearer than touching by up to `near`.
-    fn is_near(&self, x: &Row<R>, j: u32, near: R) -> bool {
-        let y = get_or_default(self.position, j as usize);
-        let d = self.domain.separation(head(*x), head(y));
-        !is_beyond(d, (x[3] + y[3]) + near)
     }
 }
 
@@ -138,7 +121,7 @@ impl<R: Real> Chunk<R> {
     }
 }
 
-/// Picks the pairs of these grains within their range into the spare list from `begin` on; returns where they end and
+/// Picks the pairs of these grains into the spare list from `begin` on; returns where they end and
 /// how many touch. What there is no room for is only counted. For small machines there is one copy of it.
 #[cfg_attr(any(target_arch = "arm", target_arch = "riscv32"), inline(never))]
 #[cfg_attr(not(any(target_arch = "arm", target_arch = "riscv32")), inline(always))]
@@ -149,7 +132,6 @@ fn pick<R: Real>(
     spare: &mut PairList<'_, R>,
     begin: usize,
 ) -> (usize, usize) {
-    let end = picking.range_end(grains.start);
     let mut chunk = Chunk::new();
     let (mut to, mut touching) = (begin, 0usize);
     let mut empty = |chunk: &mut Chunk<R>| {
@@ -160,9 +142,6 @@ fn pick<R: Real>(
     };
     for i in grains {
         let mut row = picking.row(i);
-        if end != u32::MAX {
-            row = prefix(row, row.partition_point(|j| *j < end));
-        }
         while !row.is_empty() {
             row = chunk.fill(picking.position, i, row);
             if chunk.count == CHUNK {
@@ -230,41 +209,6 @@ fn take_springs<R: Real>(
     }
 }
 
-/// Picks the pairs of two ranges into the spare list from `begin` on; returns where they end.
-fn pick_across<R: Real>(
-    picking: &Pruning<'_, R>,
-    near: R,
-    (pairs, stretches, old): (&PairList<'_, R>, &StretchList<'_, R>, Listed),
-    spare: &mut PairList<'_, R>,
-    begin: usize,
-) -> usize {
-    let mut to = begin;
-    for s in 0..old.stretches {
-        let grains = stretches.grains(s);
-        let end = picking.range_end(grains.start);
-        if end == u32::MAX {
-            break;
-        }
-        for i in grains {
-            let row = picking.row(i);
-            let x = get_or_default(picking.position, i);
-            let beyond = row.partition_point(|j| *j < end);
-            for &j in row.get(beyond..).unwrap_or_default() {
-                if !picking.is_near(&x, j, near) {
-                    continue;
-                }
-                set(spare.lower, to, i as u32);
-                set(spare.partner, to, j);
-                let had = pairs.find(stretches, old, (i as u32, j));
-                let spring = had.map_or([R::ZERO; 3], |p| pairs.spring_of(p));
-                spare.set_spring(to, spring);
-                to += 1;
-            }
-        }
-    }
-    to
-}
-
 /// Copies pairs of the spare list to another place of the list.
 fn keep<R: Real>(
     pairs: &mut PairList<'_, R>,
@@ -315,26 +259,6 @@ pub(crate) fn prune_stretch<R: Real>(
     true
 }
 
-/// Picks the pairs of two ranges alone. `false`, and nothing is changed, if there is no room for them.
-pub(crate) fn prune_across<R: Real>(
-    picking: &Pruning<'_, R>,
-    stretches: &StretchList<'_, R>,
-    skin: R,
-    pairs: &mut PairList<'_, R>,
-    spare: &mut PairList<'_, R>,
-    listed: &mut Listed,
-) -> bool {
-    let near = skin + picking.slack;
-    let count = pick_across(picking, near, (pairs, stretches, *listed), spare, 0);
-    if listed.end.saturating_add(count) > spare.lower.len() {
-        return false;
-    }
-    keep(pairs, listed.end, spare, 0..count);
-    listed.pairs = listed.pairs.saturating_sub(listed.across) + count;
-    listed.across = count;
-    true
-}
-
 /// Picks all pairs, of each stretch for `skin` or what it needs in the next step, and makes room between stretches.
 ///
 /// # Errors
@@ -344,22 +268,20 @@ pub(crate) fn prune_across<R: Real>(
 pub(crate) fn prune_all<R: Real>(
     picking: &Pruning<'_, R>,
     stretches: &mut StretchList<'_, R>,
-    (skin, widest, ahead): (R, R, bool),
+    (skin, ahead): (R, bool),
     pairs: &mut PairList<'_, R>,
     spare: &mut PairList<'_, R>,
     old: Listed,
 ) -> Result<Listed, Error> {
-    let (mut inner, mut touching) = (0, 0);
+    let (mut all, mut touching) = (0, 0);
     for s in 0..old.stretches {
         let near = larger(skin, stretches.need(s, ahead)) + picking.slack;
-        let (end, touches) = pick(picking, stretches.grains(s), near, spare, inner);
-        take_springs(pairs, stretches.entries(s), spare, inner..end);
+        let (end, touches) = pick(picking, stretches.grains(s), near, spare, all);
+        take_springs(pairs, stretches.entries(s), spare, all..end);
         set(stretches.touching, s, touches as u32);
         touching += touches;
-        inner = end;
+        all = end;
     }
-    let near = widest + picking.slack;
-    let all = pick_across(picking, near, (pairs, stretches, old), spare, inner);
     let capacity = spare.lower.len();
     if all > capacity {
         return Err(Error::PairListFull { needed: all });
@@ -371,7 +293,7 @@ pub(crate) fn prune_all<R: Real>(
     let (mut from, mut to) = (0, 0);
     for s in 0..old.stretches {
         let end = stretches.grains(s).end;
-        let own = part(spare.lower, from, inner);
+        let own = part(spare.lower, from, all);
         let count = own.partition_point(|i| (*i as usize) < end);
         keep(pairs, to, spare, from..from + count);
         set(stretches.begin, s, to as u32);
@@ -381,24 +303,21 @@ pub(crate) fn prune_all<R: Real>(
         to += count + room;
     }
     set(stretches.begin, old.stretches, to as u32);
-    keep(pairs, to, spare, inner..all);
     Ok(Listed {
         end: to,
-        across: all - inner,
         pairs: all,
         touching,
         ..old
     })
 }
 
-/// Moves all pairs together, those of two ranges in their order, and cuts grains anew: so many, into stretches none of
-/// which is in two of the ranges that end there.
+/// Moves all pairs together, without room between stretches, and cuts so many grains into stretches anew.
 pub(crate) fn flatten<R: Real>(
     stretches: &mut StretchList<'_, R>,
     pairs: &mut PairList<'_, R>,
     spare: &mut PairList<'_, R>,
     old: Listed,
-    cut: (usize, &[u32]),
+    grains: usize,
 ) -> Listed {
     let mut all = 0;
     for (i, j, p) in pairs.in_order(stretches, old) {
@@ -409,11 +328,10 @@ pub(crate) fn flatten<R: Real>(
     }
     keep(pairs, 0, spare, 0..all);
     let least = stretches.least_budget(old.stretches);
-    let count = stretches.divide(prefix(pairs.lower, all), least, cut);
+    let count = stretches.divide(prefix(pairs.lower, all), least, grains);
     Listed {
         stretches: count,
         end: all,
-        across: 0,
         pairs: all,
         ..old
     }

@@ -84,33 +84,20 @@ impl<'a, R: Real> StretchList<'a, R> {
         self.budget.len() >= count
     }
 
-    /// Cuts so many grains into stretches about alike, none of which is in two ranges; returns how many they are.
-    pub(crate) fn lay_out(&mut self, grains: usize, range_bounds: &[u32]) -> usize {
+    /// Cuts so many grains into stretches alike, but for the last; returns how many they are.
+    pub(crate) fn lay_out(&mut self, grains: usize) -> usize {
         let most = self.budget.len();
         let alike = grains.saturating_add(most.saturating_sub(1));
         let alike = alike.checked_div(most).unwrap_or(grains);
-        let mut size = if alike > LEAST { alike } else { LEAST };
-        loop {
-            let mut count = 0;
-            let mut from = 0;
-            let ends = range_bounds.iter().map(|end| *end as usize);
-            for end in ends.chain([grains]) {
-                let end = if end < grains { end } else { grains };
-                while from < end {
-                    set(self.place, count, from as u32);
-                    count += 1;
-                    from = from.saturating_add(size);
-                }
-                from = end;
-            }
-            if count <= most || size >= grains {
-                // Without grains there is one, which is empty.
-                let count = if count > 0 { min(count, most) } else { 1 };
-                set(self.place, count, grains as u32);
-                return count;
-            }
-            size = size.saturating_add(size / 8 + 1);
+        let size = if alike > LEAST { alike } else { LEAST };
+        // Without grains there is one, which is empty.
+        let count = grains.div_ceil(size);
+        let count = if count > 0 { count } else { 1 };
+        for s in 0..count {
+            set(self.place, s, (s * size) as u32);
         }
+        set(self.place, count, grains as u32);
+        count
     }
 
     /// The stretch that a grain is in, of so many.
@@ -144,13 +131,8 @@ impl<'a, R: Real> StretchList<'a, R> {
 
     /// Finds the pairs of each in a list that ascends without gaps, any of which may yet approach by this budget;
     /// returns how many stretches there are.
-    pub(crate) fn divide(
-        &mut self,
-        lower: &[u32],
-        budget: R,
-        (grains, bounds): (usize, &[u32]),
-    ) -> usize {
-        let count = self.lay_out(grains, bounds);
+    pub(crate) fn divide(&mut self, lower: &[u32], budget: R, grains: usize) -> usize {
+        let count = self.lay_out(grains);
         for s in 0..count {
             let range = self.grains(s);
             let place = |grain: usize| lower.partition_point(|i| (*i as usize) < grain);
@@ -266,7 +248,7 @@ mod tests {
         let grains = 60 * LEAST;
         let (mut words, mut numbers) = (vec![0; 60 * (4 + NEIGHBORS) + 2], vec![0.0; 180]);
         let mut list = StretchList::<f64>::new(&mut words, &mut numbers);
-        let count = list.lay_out(grains, &[]);
+        let count = list.lay_out(grains);
         assert_eq!(count, 60);
         let mut partner: Vec<u32> = (1..=others).map(|s| s * LEAST as u32).collect();
         let mut row = vec![others; grains + 1];
@@ -299,21 +281,13 @@ mod tests {
     }
 
     #[test]
-    fn stretches_are_cut_at_the_ends_of_ranges() {
+    fn stretches_hold_each_grain_once() {
         let (mut words, mut numbers) = (vec![0; 12 * (4 + NEIGHBORS) + 2], vec![0.0; 36]);
         let mut list = StretchList::<f64>::new(&mut words, &mut numbers);
-        for (grains, ends) in [
-            (96, vec![]),
-            (96, vec![5, 50, 51]),
-            (7, vec![1, 2]),
-            (0, vec![]),
-        ] {
-            let count = list.lay_out(grains, &ends);
+        for grains in [0, 1, 7, 8, 9, 95, 96, 97, 1000] {
+            let count = list.lay_out(grains);
             assert!(list.place[..=count].is_sorted() && count <= 12 && count > 0);
             assert_eq!(list.place[count] as usize, grains);
-            for end in ends {
-                assert!(list.place[..=count].contains(&end), "{end} of {grains}");
-            }
             for grain in 0..grains {
                 let own = list.of(grain as u32, count);
                 assert!(list.grains(own).contains(&grain));

@@ -308,7 +308,7 @@ impl<'a, R: Real> LentStore<'a, R> {
             dt: head.dt,
             skin: head.skin,
             outer_skin: head.outer_skin,
-            range_bounds: &[],
+            owned: &[],
             policy: head.policy,
             grains: Grains {
                 id,

@@ -351,7 +351,7 @@ impl<
             dt: self.dt,
             skin: self.skin,
             outer_skin: self.outer_skin,
-            range_bounds: &[],
+            owned: &[],
             policy: self.policy,
             grains: Grains {
                 id: &mut self.id,

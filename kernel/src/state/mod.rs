@@ -4,3 +4,4 @@ pub(crate) mod domain;
 pub(crate) mod grains;
 pub(crate) mod losses;
 pub(crate) mod obstacle;
+pub(crate) mod owned;

@@ -207,6 +207,11 @@ fn what_outgrows_the_type_ends_the_step() {
     }
     assert_eq!(end, Err(Error::Overflow { id: 1 }));
     assert_eq!(step(&mut world, &law), Err(Error::NotStarted));
+    // A speed whose square is no number is found, however short its way in a step is.
+    let mut store = two::<I32F32>(1.0, 1e-7);
+    store.world().grains.velocity[0][1] = I32F32::new(5e4);
+    let started = start(&mut store.world(), &law);
+    assert_eq!(started, Err(Error::Overflow { id: 1 }));
     // Numbers that the type has not are refused at once.
     let mut store = two::<I32F32>(1e10, 1e-3);
     assert_eq!(

@@ -3,7 +3,8 @@
 mod common {
     pub mod cases;
     pub mod crowd;
-    pub mod range_bounds;
+    pub mod part;
+    pub mod parts;
 }
 
 mod canary;
@@ -18,6 +19,7 @@ mod heavy;
 mod hosts;
 mod images;
 mod oracle;
+mod parts;
 mod reference;
 mod resolution;
 mod saved;

@@ -1,17 +1,20 @@
-//! The sums of a step: their order, Newton's third law, and any cut of the grains into ranges.
+//! The sums of a step: their order, Newton's third law, and any cut of a world into parts.
 
 use crate::common::cases::cases;
 use crate::common::crowd::{DENSE, PER_GRAIN, REDUCED, SI, Units, crowd, history, tsuji};
-use crate::common::range_bounds::steps_cut;
+use crate::common::parts::{Ghosts, steps_in_parts};
 use bitgrain_kernel::contact::Law;
 use bitgrain_kernel::vec3::{Vec3, add, cross, dot, head, scale, sub};
 use bitgrain_kernel::{
-    ContactForce, Digest, Domain, Error, Group, NEIGHBORS, Obstacle, Partner, Store, StretchList,
-    World, digest, start, step, step_watched,
+    ContactForce, Digest, Domain, Error, Group, Obstacle, Partner, Store, World, digest, start,
+    step, step_watched,
 };
 use proptest::prelude::*;
 
 type V = Vec3<f64>;
+
+/// Steps of a world that is cut into parts.
+const STEPS: u64 = 200;
 
 /// What one contact gives one of its bodies.
 #[derive(Clone, Copy)]
@@ -170,17 +173,24 @@ fn corner(deep: V, velocity: V, spin: V) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// The state of a crowd after 200 steps over ranges that end at `range_bounds`, so many at a time.
-fn after_cut_steps(seed: &[f64], range_bounds: &[u32], at_once: u64) -> Result<Digest, Error> {
+/// The state of a crowd after these steps in parts, so many at a time, and between them one step as a whole.
+fn after_steps_in_parts(
+    seed: &[f64],
+    owner: &[u8],
+    ghosts: Ghosts,
+    (skin, at_once): (f64, u64),
+) -> Result<Digest, Error> {
     let law = history(0.5);
-    let mut store = crowd(seed, &DENSE, &REDUCED, 0.2);
+    let mut store = crowd(seed, &DENSE, &REDUCED, skin);
+    store.set_outer_skin(skin);
     let mut world = store.world();
-    world.range_bounds = range_bounds;
-    let (mut words, mut numbers) = ([0; 12 * (4 + NEIGHBORS) + 2], [0.0; 36]);
-    world.stretches = StretchList::new(&mut words, &mut numbers);
     start(&mut world, &law)?;
-    while world.clock.step < 200 {
-        steps_cut(&mut world, &law, at_once)?;
+    while world.clock.step < STEPS {
+        let left = STEPS - world.clock.step;
+        steps_in_parts(&mut world, owner, ghosts, &law, at_once.min(left))?;
+        if world.clock.step < STEPS {
+            step(&mut world, &law)?;
+        }
     }
     Ok(digest(&world))
 }
@@ -191,7 +201,7 @@ fn after_steps(seed: &[f64]) -> Result<Digest, Error> {
     let mut store = crowd(seed, &DENSE, &REDUCED, 0.2);
     let mut world = store.world();
     start(&mut world, &law)?;
-    for _ in 0..200 {
+    for _ in 0..STEPS {
         step(&mut world, &law)?;
     }
     Ok(digest(&world))
@@ -225,16 +235,26 @@ proptest! {
         follow(&seed, &SI, tsuji(), |p, radius| radius - p.overlap * 0.5)?;
     }
 
+    /// Whoever owns a grain, neighbours or not, and parts that own none.
     #[test]
-    fn any_cut_into_ranges_gives_the_same_steps(
+    fn any_cut_into_parts_gives_the_same_steps(
         seed in prop::collection::vec(0.0..1.0f64, PER_GRAIN * 64),
-        range_bounds in prop::collection::btree_set(1..64u32, 1..12),
+        drawn in prop::collection::vec(any::<u8>(), 64),
+        parts in 1..7u8,
     ) {
         let whole = after_steps(&seed);
         prop_assume!(whole.is_ok());
-        let range_bounds: Vec<u32> = range_bounds.into_iter().collect();
-        for (range_bounds, at_once) in [(&[][..], 1), (&[], 50), (&range_bounds, 1), (&range_bounds, 200)] {
-            prop_assert_eq!(after_cut_steps(&seed, range_bounds, at_once), whole);
+        let any: Vec<u8> = drawn.iter().map(|part| part % parts).collect();
+        let runs: Vec<u8> = (0..64).map(|k| (k * usize::from(parts) / 64) as u8).collect();
+        // Without a skin each step searches, and with a wide one the first does.
+        for (owner, ghosts, skin, at_once) in [
+            (&any, Ghosts::Near, 0.0, 1),
+            (&any, Ghosts::All, 0.002, STEPS),
+            (&runs, Ghosts::Near, 0.002, STEPS),
+            (&any, Ghosts::Near, 0.1, 50),
+        ] {
+            let cut = after_steps_in_parts(&seed, owner, ghosts, (skin, at_once));
+            prop_assert_eq!(cut, whole, "{:?} {} {}", ghosts, skin, at_once);
         }
     }
 }

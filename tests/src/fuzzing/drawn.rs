@@ -1,6 +1,6 @@
 //! Numbers, slices and worlds of any kind, sound or not.
 
-use bitgrain_kernel::phases::CrossRangeForce;
+use bitgrain_kernel::phases::{Extent, ForceCheck, ObstacleShare};
 use bitgrain_kernel::{
     ContactHistory, Domain, Error as KernelError, Group, Obstacle, Real, Row, Shape,
 };
@@ -107,17 +107,35 @@ pub(super) fn list<R: Real>(bytes: &mut Bytes) -> List<R> {
     }
 }
 
-pub(super) fn spills<R: Real>(bytes: &mut Bytes) -> Vec<CrossRangeForce<R>> {
-    (0..bytes.below(6))
-        .map(|_| CrossRangeForce {
-            i: word(bytes),
-            j: word(bytes),
-            force: row(bytes),
-            couple: row(bytes),
-            lever_arm_i: number(bytes),
-            lever_arm_j: number(bytes),
-        })
-        .collect()
+pub(super) fn share<R: Real>(bytes: &mut Bytes) -> ObstacleShare<R> {
+    ObstacleShare {
+        obstacle: word(bytes),
+        force: vector(bytes),
+        torque: vector(bytes),
+    }
+}
+
+pub(super) fn extent<R: Real>(bytes: &mut Bytes) -> Extent<R> {
+    Extent {
+        lo: vector(bytes),
+        hi: vector(bytes),
+        largest: number(bytes),
+        radius: number(bytes),
+        least: number(bytes),
+        reach: number(bytes),
+    }
+}
+
+/// What forces may have shown, now and then.
+pub(super) fn found(bytes: &mut Bytes) -> ForceCheck {
+    let mut seldom = || bytes.below(4) == 0;
+    let [unsound, on_obstacle, of_pair] = [seldom(), seldom(), seldom()];
+    let mut two = |is: bool| is.then(|| (word(bytes), word(bytes)));
+    ForceCheck {
+        on_obstacle: two(on_obstacle),
+        of_pair: two(of_pair),
+        unsound: unsound.then(|| word(bytes)),
+    }
 }
 
 /// Slices that fit together as often as not, full of anything.
@@ -152,6 +170,10 @@ pub(super) fn lent<R: Real>(bytes: &mut Bytes) -> Lent<R> {
     let cells = bytes.below(50);
     lent.cell_start = many(bytes, cells, word);
     lent.cell_grain = many(bytes, n, word);
+    if bytes.below(2) == 0 {
+        let bounds = bytes.below(ENTRIES);
+        lent.owned = many(bytes, bounds, word);
+    }
     lent
 }
 

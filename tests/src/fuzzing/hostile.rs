@@ -4,14 +4,13 @@
 use bitgrain_kernel::blake3::Hasher;
 use bitgrain_kernel::conformance::Line;
 use bitgrain_kernel::contact::{Contact, HertzHistory, HertzTsuji, Law, react};
-use bitgrain_kernel::phases::obstacle_forces;
-use bitgrain_kernel::phases::{
-    After, ExcessiveOverlap, GrainRange, accumulate, cross_range, first_excessive_overlap, no_fetch,
+use bitgrain_kernel::parts::{
+    GONE, is_search_due, listed_springs, renumber, restore, search_and_list, take_in, take_lists,
 };
-use bitgrain_kernel::phases::{MotionCheck, MotionPhase, integrate};
-use bitgrain_kernel::phases::{Sealed, seal};
 use bitgrain_kernel::phases::{
-    begin, check_overlaps, drift, end, ensure_pair_list, ensure_pair_list_ahead, finish,
+    After, GrainRange, MotionCheck, MotionPhase, Owned, Sealed, accumulate, begin, check_forces,
+    drift, end, ensure_pair_list, ensure_pair_list_ahead, finish, integrate, is_draining, measure,
+    no_fetch, obstacle_forces, seal, sum_on_obstacles,
 };
 use bitgrain_kernel::{
     Domain, Real, Row, Store, check_arithmetic, digest, resume, start, start_watched, step,
@@ -20,8 +19,8 @@ use bitgrain_kernel::{
 
 use super::bytes::Bytes;
 use super::drawn::{
-    ENTRIES, bond, domain, fault, group, lent, list, many, number, obstacle, spills, tame, vector,
-    word,
+    ENTRIES, bond, domain, extent, fault, found, group, lent, list, many, number, obstacle, row,
+    share, tame, vector, word,
 };
 use super::lent::Lent;
 use super::lent::growing;
@@ -43,7 +42,7 @@ pub(super) fn world<R: Real, L: Law<R>>(bytes: &mut Bytes, law: &L) -> bool {
         if bytes.0.is_empty() {
             break;
         }
-        let call = bytes.below(20);
+        let call = bytes.below(22);
         match call {
             0 | 1 => started |= growing(&mut lent, |lent| start(&mut lent.world(), law)).is_ok(),
             2..6 => either_way(growing(&mut lent, |lent| step(&mut lent.world(), law))),
@@ -81,23 +80,18 @@ pub(super) fn world<R: Real, L: Law<R>>(bytes: &mut Bytes, law: &L) -> bool {
                         speed2: number(bytes),
                         unsound: fault(bytes),
                         escaped: fault(bytes),
+                        draining: bytes.below(4) == 0,
                     };
                 }
                 either_way(drift(&mut lent.world(), passed));
             }
             12 => either_way(finish(&mut lent.world(), passed)),
             13 => pushed(bytes, &mut lent, law),
-            14 => in_parts(bytes, &mut lent, law),
-            15 => {
-                let deep =
-                    |bytes: &mut Bytes| (bytes.below(4) == 0).then(|| (word(bytes), word(bytes)));
-                let (hit, deep): (ExcessiveOverlap, ExcessiveOverlap) = (deep(bytes), deep(bytes));
-                either_way(check_overlaps(
-                    &mut lent.world(),
-                    hit,
-                    first_excessive_overlap(hit, deep),
-                ));
-            }
+            14 => in_pieces(bytes, &mut lent, law),
+            15 => either_way(check_forces(
+                &mut lent.world(),
+                found(bytes).and(found(bytes)),
+            )),
             16 => {
                 digest(&lent.world());
                 assert!(
@@ -117,6 +111,7 @@ pub(super) fn world<R: Real, L: Law<R>>(bytes: &mut Bytes, law: &L) -> bool {
                     _ => end(&mut lent.world(), sealed),
                 });
             }
+            19 | 20 => as_part(bytes, &mut lent),
             _ => spoil(bytes, &mut lent),
         }
     }
@@ -129,64 +124,105 @@ fn sealed<R: Real>(bytes: &mut Bytes, lent: &mut Lent<R>) -> Sealed {
     Sealed::NONE.and(seal(&lent.world().grain_motion(), first))
 }
 
-/// The phase of the forces over all grains, with spills of other ranges.
+/// The phase of the forces over all grains, with room for shares or not.
 fn pushed<R: Real, L: Law<R>>(bytes: &mut Bytes, lent: &mut Lent<R>, law: &L) {
     let dt = number(bytes);
     let after = [After::Stay, After::Rest, After::FinishAndBegin][bytes.below(3)];
-    let (lower, own) = (spills(bytes), spills(bytes));
+    let room = bytes.below(ENTRIES);
+    let mut shares = many(bytes, room, share);
     let mut world = lent.world();
     let (mut part, mut touch) = world.force_ranges(dt);
-    obstacle_forces(&mut part, &mut touch, law, |_| {});
-    accumulate(
-        &mut part,
-        law,
-        lower.iter(),
-        &own,
-        |_| {},
-        no_fetch::<R>(),
-        after,
-    );
-    let mut out = spills(bytes);
-    let (sight, mut across) = world.cross_range_pairs();
-    if bytes.below(2) == 0 {
-        let (left, right) = across.split(bytes.below(ENTRIES));
-        cross_range(sight, right, law, &mut out);
-        across = left;
-    }
-    cross_range(sight, across, law, &mut out);
+    touch.shares = &mut shares;
+    let hit = obstacle_forces(&mut part, &mut touch, law, |_| {});
+    let (deep, passed) = accumulate(&mut part, law, |_| {}, no_fetch::<R>(), after);
+    let _ = (hit.and(deep), passed);
+    sum_on_obstacles(world.obstacles, shares.into_iter());
 }
 
-/// Ranges cut anywhere.
-fn in_parts<R: Real, L: Law<R>>(bytes: &mut Bytes, lent: &mut Lent<R>, law: &L) {
+/// Rows and stretches cut anywhere.
+fn in_pieces<R: Real, L: Law<R>>(bytes: &mut Bytes, lent: &mut Lent<R>, law: &L) {
     let dt = number(bytes);
     let mut world = lent.world();
     let (mut part, _) = world.force_ranges(dt);
-    if bytes.below(4) == 0 {
-        part.first = [usize::MAX, 1, usize::from(bytes.byte())][bytes.below(3)];
-    }
     let place = |bytes: &mut Bytes| [usize::MAX, bytes.below(ENTRIES)][bytes.below(2)];
-    let (left, right) = part.split(place(bytes));
-    for mut part in [left, right] {
-        let (begin, end) = (place(bytes), place(bytes));
-        let dt = part.dt;
-        let passed = integrate(&mut part.grains.stretch(begin, end), MotionPhase::Kick);
-        let (lower, own) = (spills(bytes), spills(bytes));
-        let fetch = |_: &[Row<R>], _: usize| {};
-        accumulate(
-            &mut part,
-            law,
-            lower.iter(),
-            &own,
-            |_| {},
-            Some(fetch),
-            After::FinishAndBegin,
-        );
-        let GrainRange { grains, .. } = part;
-        let (mut few, mut others) = grains.split(place(bytes));
-        few.dt = dt;
-        let _ = passed
-            .and(integrate(&mut few, MotionPhase::CheckOnly))
-            .and(integrate(&mut others, MotionPhase::KickAndDrift));
+    let (begin, end) = (place(bytes), place(bytes));
+    let passed = integrate(&mut part.grains.stretch(begin, end), MotionPhase::Kick);
+    let bounds = bytes.below(ENTRIES);
+    let bounds = many(bytes, bounds, word);
+    part.owned = Owned::new(&bounds);
+    let fetch = |_: &[Row<R>], _: usize| {};
+    accumulate(&mut part, law, |_| {}, Some(fetch), After::FinishAndBegin);
+    let GrainRange { grains, .. } = part;
+    let (mut few, mut others) = grains.split(place(bytes));
+    few.dt = number(bytes);
+    let _ = passed
+        .and(integrate(&mut few, MotionPhase::CheckOnly))
+        .and(integrate(&mut others, MotionPhase::KickAndDrift));
+}
+
+/// What hosts of parts call, with tables of anything.
+fn as_part<R: Real>(bytes: &mut Bytes, lent: &mut Lent<R>) {
+    let count = bytes.below(ENTRIES);
+    match bytes.below(9) {
+        0 => {
+            let places = many(bytes, count, word);
+            let ghosts = many(bytes, count, |bytes| [0; 3].map(|_| vector(bytes)));
+            take_in(&mut lent.world(), &places, &ghosts);
+        }
+        1 => {
+            // As often as not it fits.
+            let length = [lent.clock.count(), count][bytes.below(2)];
+            let place = |bytes: &mut Bytes| [word(bytes), GONE][bytes.below(2)];
+            let places: Vec<u32> = (0..length).map(|_| place(bytes)).collect();
+            let grains = [usize::MAX, bytes.below(ENTRIES)][bytes.below(2)];
+            either_way(renumber(&mut lent.world(), &places, grains));
+        }
+        2 => {
+            let mut far = extent(bytes);
+            if bytes.below(2) == 0 {
+                far = measure(&lent.world()).and(far);
+            }
+            either_way(growing(lent, |lent| {
+                search_and_list(&mut lent.world(), &far)
+            }));
+        }
+        3 => {
+            let own = measure(&lent.world());
+            either_way(growing(lent, |lent| {
+                search_and_list(&mut lent.world(), &own)
+            }));
+        }
+        4 => {
+            let histories = many(bytes, count, bond);
+            either_way(restore(&mut lent.world(), histories));
+        }
+        5 => {
+            let pairs = many(bytes, count, |bytes| {
+                (word(bytes), word(bytes), vector(bytes))
+            });
+            let contacts = bytes.below(ENTRIES);
+            let contacts = many(bytes, contacts, |bytes| {
+                (word(bytes), word(bytes), row(bytes))
+            });
+            let mut world = lent.world();
+            either_way(take_lists(
+                &mut world,
+                pairs.into_iter(),
+                contacts.into_iter(),
+            ));
+        }
+        6 => lent.clock = lent.clock.of_part(count),
+        7 => {
+            let mut part = lent.clock.of_part(count);
+            part.step = word(bytes).into();
+            let most = [u64::MAX, word(bytes).into()][bytes.below(2)];
+            lent.clock.rejoin(&part, most, most);
+        }
+        _ => {
+            let world = lent.world();
+            let _ = (is_search_due(&world), is_draining(&world));
+            assert!(listed_springs(&world).count() < 1000, "more than entries");
+        }
     }
 }
 
@@ -208,7 +244,7 @@ fn spoil<R: Real>(bytes: &mut Bytes, lent: &mut Lent<R>) {
         7 => lent.candidate_row = many(bytes, place, word),
         8 => lent.cell_start = many(bytes, place, word),
         9 => lent.cell_grain = many(bytes, place, word),
-        10 => lent.range_bounds = many(bytes, place, word),
+        10 => lent.owned = many(bytes, place, word),
         11 => lent.groups.truncate(place / 4),
         12 => lent.obstacles = many(bytes, 1, obstacle),
         13 => (lent.dt, lent.skin) = (number(bytes), number(bytes)),

@@ -15,6 +15,12 @@ mod finite;
 mod hostile;
 mod lent;
 mod manifest;
+#[path = "../../../kernel/tests/kernel/common/part.rs"]
+mod part;
+// Fuzz bodies step parts themselves.
+#[allow(dead_code)]
+#[path = "../../../kernel/tests/kernel/common/parts.rs"]
+mod parts;
 mod recording;
 mod records;
 mod saved;

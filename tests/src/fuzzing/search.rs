@@ -4,12 +4,9 @@
 use crate::fuzzing::lent::add;
 use crate::fuzzing::lent::reserve;
 use bitgrain_kernel::contact::HertzHistory;
-use bitgrain_kernel::phases::obstacle_forces;
-use bitgrain_kernel::phases::seal;
-use bitgrain_kernel::phases::{After, accumulate, cross_range, no_fetch};
-use bitgrain_kernel::phases::{MotionPhase, integrate};
 use bitgrain_kernel::phases::{
-    begin, drift, end, ensure_pair_list, ensure_pair_list_ahead, finish,
+    After, MotionPhase, accumulate, begin, drift, end, ensure_pair_list, ensure_pair_list_ahead,
+    finish, integrate, no_fetch, obstacle_forces, seal,
 };
 use bitgrain_kernel::vec3::{dot, head, scale, sub};
 use bitgrain_kernel::{
@@ -18,6 +15,8 @@ use bitgrain_kernel::{
 
 use super::bytes::Bytes;
 use super::lent::Lent;
+use super::parts::{Ghosts, Parts};
+use super::world::owners;
 
 /// Most grains: enough for four cells along an axis with several grains each.
 const GRAINS: u8 = 24;
@@ -36,7 +35,7 @@ const NOTHING: HertzHistory<f64> = HertzHistory {
 };
 
 /// A crowd that flies: at every step the contacts that are evaluated are those that all pairs show, and
-/// the lists hold them in order, whatever skin, reach, cells and range_bounds were drawn.
+/// the lists hold them in order, whatever skin, reach, cells and parts were drawn.
 pub fn search(data: &[u8]) -> bool {
     let mut bytes = Bytes(data);
     let Some(mut lent) = crowd(&mut bytes) else {
@@ -59,10 +58,11 @@ pub fn search(data: &[u8]) -> bool {
     }
     compare(&lent.world(), &met);
     for _ in 0..1 + bytes.byte() % STEPS {
-        if bytes.below(4) == 0 {
-            lent.range_bounds = range_bounds(&mut bytes, lent.position.len());
-        }
-        match fly(&mut lent, bytes.below(2) == 0, &mut met) {
+        let flown = match bytes.below(4) {
+            0 => fly_in_parts(&mut bytes, &mut lent, &mut met),
+            way => fly(&mut lent, way == 1, &mut met),
+        };
+        match flown {
             Ok(()) => compare(&lent.world(), &met),
             Err(_) => return true,
         }
@@ -97,30 +97,34 @@ fn fly(lent: &mut Lent<f64>, before: bool, met: &mut Met) -> Result<(), KernelEr
     }
     met.clear();
     let mut world = lent.world();
-    let mut spills = vec![Default::default(); world.clock.listed_across()];
-    let (sight, across) = world.cross_range_pairs();
-    let pairs: Met = across
-        .lower
-        .iter()
-        .copied()
-        .zip(across.partner.iter().copied())
-        .collect();
-    cross_range(sight, across, &NOTHING, &mut spills);
     let (mut part, mut touch) = world.force_ranges(world.dt);
     obstacle_forces(&mut part, &mut touch, &NOTHING, |one| met.push(named(one)));
-    accumulate(
-        &mut part,
-        &NOTHING,
-        spills.iter(),
-        &spills,
-        |one| met.push(named(one)),
-        no_fetch(),
-        After::Stay,
-    );
-    // Pairs of two ranges are evaluated without a watcher: those that touch are added here.
-    met.extend(pairs.into_iter().filter(|&(i, j)| gap(&world, i, j) < 0.0));
+    let watch = |one| met.push(named(one));
+    accumulate(&mut part, &NOTHING, watch, no_fetch(), After::Stay);
     let passed = integrate(&mut world.grain_motion(), MotionPhase::Kick);
     finish(&mut world, passed)?;
+    let sealed = seal(&world.grain_motion(), 0);
+    end(&mut world, sealed)
+}
+
+/// Some steps in parts, without the check of overlaps; what the last one evaluates is kept.
+fn fly_in_parts(bytes: &mut Bytes, lent: &mut Lent<f64>, met: &mut Met) -> Result<(), KernelError> {
+    let owner = owners(bytes, lent.position.len());
+    let ghosts = [Ghosts::All, Ghosts::Near][bytes.below(2)];
+    let mut world = lent.world();
+    let sealed = seal(&world.grain_motion(), 0);
+    begin(&mut world, sealed)?;
+    let mut parts = Parts::of(&world, &owner, ghosts);
+    parts.checks_forces = false;
+    parts.steps(&NOTHING, bytes.below(3) as u64, &mut |_| ())?;
+    met.clear();
+    parts.steps(&NOTHING, 1, &mut |one| met.push(named(one)))?;
+    while let Err(fault) = parts.rejoin(&mut lent.world()) {
+        if !lent.grow(fault) {
+            return Err(fault);
+        }
+    }
+    let mut world = lent.world();
     let sealed = seal(&world.grain_motion(), 0);
     end(&mut world, sealed)
 }
@@ -222,15 +226,6 @@ fn compare(world: &World<'_, f64>, met: &Met) {
     met.sort_unstable();
     wanted.sort_unstable();
     assert_eq!(met, wanted, "who is evaluated and who touches");
-}
-
-/// Where ranges of grains end: places that ascend.
-fn range_bounds(bytes: &mut Bytes, grains: usize) -> Vec<u32> {
-    let mut range_bounds: Vec<u32> = (0..bytes.below(4))
-        .map(|_| u32::from(bytes.byte()) % (grains as u32 + 2))
-        .collect();
-    range_bounds.sort_unstable();
-    range_bounds
 }
 
 /// Grains and obstacles of sizes within a factor of eight, in a box of a few cells; storage as drawn.

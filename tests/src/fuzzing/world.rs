@@ -9,13 +9,7 @@ use crate::fuzzing::lent::growing;
 use crate::fuzzing::lent::reserve;
 use crate::fuzzing::lent::reserve_all;
 use bitgrain_kernel::contact::{HertzHistory, HertzTsuji, Law};
-use bitgrain_kernel::phases::obstacle_forces;
-use bitgrain_kernel::phases::{
-    After, CrossRangeForce, accumulate, cross_range, first_excessive_overlap, no_fetch,
-};
-use bitgrain_kernel::phases::{MotionCheck, MotionPhase, integrate};
-use bitgrain_kernel::phases::{Sealed, seal};
-use bitgrain_kernel::phases::{begin, check_overlaps, drift, end, ensure_pair_list, finish};
+use bitgrain_kernel::phases::{Sealed, begin, end, seal};
 use bitgrain_kernel::{
     Domain, Error as KernelError, Group, Obstacle, PARTS, Real, World, digest, resume, start, step,
 };
@@ -23,6 +17,7 @@ use bitgrain_kernel::{
 use super::bytes::Bytes;
 use super::exact::Exact;
 use super::lent::Lent;
+use super::parts::{Ghosts, Parts};
 use super::{drawn, hostile};
 
 /// Most grains of a sound world.
@@ -115,7 +110,7 @@ fn runs<R: Real, L: Law<R>>(bytes: &mut Bytes, lent: &mut Lent<R>, law: &L) -> b
     let sizes = sizes(lent);
     for done in 0..1 + bytes.byte() % STEPS {
         assert_finite(lent);
-        let n = lent.position.len();
+        let mut count = 1;
         let went = match bytes.below(8) {
             0 => {
                 let histories: Vec<_> = lent.world().contact_histories().collect();
@@ -133,25 +128,22 @@ fn runs<R: Real, L: Law<R>>(bytes: &mut Bytes, lent: &mut Lent<R>, law: &L) -> b
                 continue;
             }
             1..4 => {
-                let places = 0..bytes.below(4);
-                lent.range_bounds = places
-                    .map(|_| u32::from(bytes.byte()) % (n as u32 + 1))
-                    .collect();
-                lent.range_bounds.sort_unstable();
-                in_ranges(lent, law)
+                count = 1 + bytes.below(3) as u64;
+                in_parts(bytes, lent, law, count)
             }
             _ => growing(lent, |lent| step(&mut lent.world(), law)),
         };
         let steps = twin.clock.step;
         assert_eq!(
             went,
-            step(&mut twin.world(), law),
-            "a step depends on storage or skin"
+            (0..count).try_for_each(|_| step(&mut twin.world(), law)),
+            "a step depends on storage, skin or parts"
         );
         if went.is_err() {
             return done > 0;
         }
-        assert_eq!((lent.clock.step, twin.clock.step), (steps + 1, steps + 1));
+        let steps = steps + count;
+        assert_eq!((lent.clock.step, twin.clock.step), (steps, steps));
         assert_same(lent, &mut twin);
         assert_eq!(self::sizes(lent), sizes, "a grain's size or mass changed");
     }
@@ -169,7 +161,7 @@ fn sizes<R: Real>(lent: &Lent<R>) -> Vec<[(u32, Option<u32>); 2]> {
 fn assert_same<R: Real>(one: &mut Lent<R>, other: &mut Lent<R>) {
     let (a, b) = (digest(&one.world()), digest(&other.world()));
     for ((part, a), b) in PARTS.iter().zip(a.parts()).zip(b.parts()) {
-        assert_eq!(a, b, "{part} depend on storage or skin");
+        assert_eq!(a, b, "{part} depend on storage, skin or parts");
     }
 }
 
@@ -190,58 +182,44 @@ fn assert_finite<R: Real>(lent: &Lent<R>) {
     }
 }
 
-/// One step as in a host with threads: every range for itself.
-fn in_ranges<R: Real, L: Law<R>>(lent: &mut Lent<R>, law: &L) -> Result<(), KernelError> {
+/// Steps as in a host with threads, in parts that own any grains.
+fn in_parts<R: Real, L: Law<R>>(
+    bytes: &mut Bytes,
+    lent: &mut Lent<R>,
+    law: &L,
+    count: u64,
+) -> Result<(), KernelError> {
+    let owner = owners(bytes, lent.position.len());
+    let ghosts = [Ghosts::All, Ghosts::Near][bytes.below(2)];
+    let places = [0; 3].map(|_| usize::from(bytes.byte() % (GRAINS + 1)));
     let mut world = lent.world();
-    let sealed = seal_ranges(&mut world);
+    let sealed = seal_ranges(&mut world, places);
     begin(&mut world, sealed)?;
-    let passed = integrate(&mut world.grain_motion(), MotionPhase::Drift);
-    drift(&mut world, passed)?;
-    growing(lent, |lent| ensure_pair_list(&mut lent.world()))?;
-    let range_bounds = lent.range_bounds.clone();
-    let mut world = lent.world();
-    let (mut part, mut touch) = world.force_ranges(world.dt);
-    let hit = obstacle_forces(&mut part, &mut touch, law, |_| {});
-    let mut spills = vec![CrossRangeForce::default(); world.clock.listed_across()];
-    let (sight, across) = world.cross_range_pairs();
-    let (left, right) = across.split(spills.len() / 2);
-    let (out, others) = spills.split_at_mut(left.len());
-    let deep = cross_range(sight, left, law, out);
-    let mut deep = first_excessive_overlap(deep, cross_range(sight, right, law, others));
-    let (mut part, _) = world.force_ranges(world.dt);
-    let mut passed = MotionCheck::NONE;
-    for end in range_bounds.into_iter().chain([u32::MAX]) {
-        let first = part.first;
-        let (mut range, rest) = part.split((end as usize).saturating_sub(first));
-        let last = first + range.grains.count();
-        let place = |i: usize| spills.partition_point(|one| (one.i as usize) < i);
-        let own = &spills[place(first)..place(last)];
-        let lower = spills[..place(first)].iter();
-        let lower = lower.filter(|one| (first..last).contains(&(one.j as usize)));
-        let (found, went) = accumulate(
-            &mut range,
-            law,
-            lower,
-            own,
-            |_| {},
-            no_fetch::<R>(),
-            After::Rest,
-        );
-        (deep, passed) = (first_excessive_overlap(deep, found), passed.and(went));
-        part = rest;
+    let mut parts = Parts::of(&world, &owner, ghosts);
+    let went = parts.steps(law, count, &mut |_| ());
+    while let Err(fault) = parts.rejoin(&mut lent.world()) {
+        if !lent.grow(fault) {
+            return Err(fault);
+        }
     }
-    check_overlaps(&mut world, hit, deep)?;
-    finish(&mut world, passed)?;
-    let sealed = seal_ranges(&mut world);
+    went?;
+    let mut world = lent.world();
+    let sealed = seal_ranges(&mut world, places);
     end(&mut world, sealed)
 }
 
-/// The seal of all grains, made over the ranges that end at the range_bounds.
-fn seal_ranges<R: Real>(world: &mut World<'_, R>) -> Sealed {
-    let range_bounds = world.range_bounds;
+/// Who owns each of so many grains: up to four parts, some of which may own none.
+pub(super) fn owners(bytes: &mut Bytes, grains: usize) -> Vec<u8> {
+    let parts = 1 + bytes.below(4) as u8;
+    (0..grains).map(|_| bytes.byte() % parts).collect()
+}
+
+/// The seal of all grains, made over the ranges that end at these places.
+fn seal_ranges<R: Real>(world: &mut World<'_, R>, mut places: [usize; 3]) -> Sealed {
+    places.sort_unstable();
     let (mut first, mut rest) = (0, world.grain_motion());
     let mut all = Sealed::NONE;
-    for end in range_bounds.iter().map(|&end| end as usize) {
+    for end in places {
         let (range, others) = rest.split(end.saturating_sub(first));
         let count = range.count();
         all = all.and(seal(&range, first));

@@ -244,7 +244,7 @@ fn steps_beside(
     let here = rayon::current_thread_index();
     let mut sim = settled_quick();
     sim.steps(steps).unwrap();
-    assert_eq!(sim.ranges(), 3);
+    assert_eq!(sim.stepping.parts(), 3);
     rayon::broadcast(|context| {
         if Some(context.index()) != here {
             set(word);

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use syn::{Attribute, Item, ItemMod, Meta, UseTree};
+use syn::{Attribute, Expr, ExprLit, Item, ItemMod, Lit, Meta, UseTree};
 
 /// A module's name or a path, from the root of its crate.
 pub type Name = Vec<String>;
@@ -32,9 +32,11 @@ fn read_items(
         .partition(|item| matches!(item, Item::Mod(_)));
     see(name, &own);
     for child in children {
-        let Item::Mod(ItemMod { ident, content, .. }) = child else {
+        let Item::Mod(child) = child else {
             continue;
         };
+        let shared = shared_file(&child);
+        let ItemMod { ident, content, .. } = child;
         let ident = ident.to_string();
         let below = folder.join(&ident);
         let own = [name, std::slice::from_ref(&ident)].concat();
@@ -42,13 +44,29 @@ fn read_items(
             Some((_, items)) => read_items(items, &below, &own, see),
             None => {
                 let flat = folder.join(format!("{ident}.rs"));
-                let file = match flat.exists() {
-                    true => flat,
-                    false => below.join("mod.rs"),
+                let file = match shared {
+                    Some(path) => folder.join(path),
+                    None if flat.exists() => flat,
+                    None => below.join("mod.rs"),
                 };
                 read(&file, &below, &own, see);
             }
         }
+    }
+}
+
+/// The file that a module shares with another crate, from the folder of its parent.
+fn shared_file(module: &ItemMod) -> Option<String> {
+    let path = module.attrs.iter().find(|a| a.path().is_ident("path"))?;
+    let Meta::NameValue(path) = &path.meta else {
+        return None;
+    };
+    match &path.value {
+        Expr::Lit(ExprLit {
+            lit: Lit::Str(path),
+            ..
+        }) => Some(path.value()),
+        _ => None,
     }
 }
 

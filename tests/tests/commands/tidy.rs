@@ -177,6 +177,7 @@ fn nothing_of_the_machine_can_reach_a_result() {
         ("run/mod.rs", "Instant"),
         ("skin.rs", "Instant"),
         ("stepping.rs", "Instant"),
+        ("parts/part.rs", "Instant"),
         ("disk.rs", "process::id"),
         ("threads.rs", "current_num_threads"),
         ("cli/channels.rs", "available_parallelism"),

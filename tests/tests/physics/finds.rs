@@ -21,16 +21,20 @@ fn a_list_that_is_just_long_enough_loses_no_pair() {
         plain.step_watched(|_| {}).expect("sound steps");
     }
     let wanted = plain.digest();
-    for (ranges, entries) in (0..24).flat_map(|entries| [(2, entries), (3, entries), (8, entries)])
+    for (threads, entries) in (0..24).flat_map(|entries| [(2, entries), (3, entries), (8, entries)])
     {
         let mut sim = started("full-list.json");
-        sim.stepping.range_min = 1;
+        sim.stepping.part_min = 1;
         sim.stepping.tunes = false;
         sim.lend(entries);
         sim.start().expect("a sound case");
-        let stepped = on_threads(ranges, || sim.steps(60));
+        let stepped = on_threads(threads, || sim.steps(60));
         stepped.expect("so many threads").expect("sound steps");
-        assert_eq!(sim.digest(), wanted, "{ranges} ranges, lists of {entries}");
+        assert_eq!(
+            sim.digest(),
+            wanted,
+            "{threads} threads, lists of {entries}"
+        );
     }
 }
 

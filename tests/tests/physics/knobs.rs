@@ -8,8 +8,12 @@ use bitgrain_kernel::contact::{HertzHistory, Law};
 use bitgrain_kernel::{ContactForce, Digest, Group, Obstacle, Partner, Store, digest, start, step};
 use bitgrain_tests::{golden, golden_case};
 
-#[path = "../../../kernel/tests/kernel/common/range_bounds.rs"]
-mod range_bounds;
+#[path = "../../../kernel/tests/kernel/common/part.rs"]
+mod part;
+#[path = "../../../kernel/tests/kernel/common/parts.rs"]
+mod parts;
+
+use parts::{Ghosts, steps_in_parts};
 
 /// A golden case and its started simulation.
 fn begin(name: &str) -> Simulation {
@@ -170,9 +174,9 @@ fn a_damaged_checkpoint_is_refused() {
     }
 }
 
-/// Any cut of the grains into ranges gives the bits of one range: threads rely on it.
+/// Any cut into parts gives the bits of the whole world: threads rely on it.
 #[test]
-fn cuts_into_ranges_change_nothing() {
+fn cuts_into_parts_change_nothing() {
     for name in CASES {
         let mut sim = begin(name);
         sim.steps(3000).unwrap();
@@ -184,22 +188,46 @@ fn cuts_into_ranges_change_nothing() {
 }
 
 fn cut(sim: &Simulation, law: &impl Law<f64>, name: &str) {
-    let whole = after_two_steps(&mut sim.clone(), law, &[]);
-    for range_bounds in [
-        vec![1],
-        vec![7, 15],
-        vec![10, 11, 12, 20],
-        (1..sim.count() as u32).collect(),
-    ] {
-        let cut = after_two_steps(&mut sim.clone(), law, &range_bounds);
-        assert_eq!(whole, cut, "{name}, range_bounds {range_bounds:?}");
+    let count = sim.count();
+    let mut whole = sim.clone();
+    let mut world = whole.world();
+    (0..3).for_each(|_| step(&mut world, law).unwrap());
+    let whole = digest(&world);
+    // By ids in two halves and in three runs, by turns of four and of sixteen, and by height.
+    let mut by_height: Vec<usize> = (0..count).collect();
+    by_height.sort_by(|a, b| sim.position[*a][2].total_cmp(&sim.position[*b][2]));
+    let height = |k: usize| by_height.iter().position(|place| *place == k).unwrap_or(0);
+    let of: [&dyn Fn(usize) -> usize; 5] = [
+        &|k| 2 * k / count,
+        &|k| usize::from(k > 6) + usize::from(k > 14),
+        &|k| k % 4,
+        &|k| k % 16,
+        &|k| 3 * height(k) / count,
+    ];
+    for (number, part) in of.iter().enumerate() {
+        let owner: Vec<u8> = (0..count).map(|k| part(k) as u8).collect();
+        for ghosts in [Ghosts::All, Ghosts::Near] {
+            for at_once in [1, 3] {
+                let cut = after_steps_in_parts(sim, law, &owner, ghosts, at_once);
+                assert_eq!(whole, cut, "{name}, {number} {ghosts:?} {at_once}");
+            }
+        }
     }
 }
 
-fn after_two_steps(sim: &mut Simulation, law: &impl Law<f64>, range_bounds: &[u32]) -> Digest {
-    sim.range_bounds = range_bounds.to_vec();
+/// The state after three steps in parts, so many at a time.
+fn after_steps_in_parts(
+    sim: &Simulation,
+    law: &impl Law<f64>,
+    owner: &[u8],
+    ghosts: Ghosts,
+    at_once: u64,
+) -> Digest {
+    let mut sim = sim.clone();
     let mut world = sim.world();
-    range_bounds::steps_cut(&mut world, law, 2).unwrap();
+    for _ in 0..3 / at_once {
+        steps_in_parts(&mut world, owner, ghosts, law, at_once).unwrap();
+    }
     digest(&world)
 }
 

@@ -7,6 +7,7 @@ use bitgrain::bench::read_bed;
 use bitgrain::checkpoint;
 use bitgrain::compare::first_difference;
 use bitgrain::isa::Isa;
+use bitgrain::parts::Cutting;
 use bitgrain::simulation::{AnyLaw, Simulation};
 use bitgrain::threads::on_threads;
 use bitgrain_kernel::Digest;
@@ -38,6 +39,8 @@ struct Way {
     interrupted: bool,
     /// Entries of the lists and cells for each grain.
     room: usize,
+    /// Which thread has which grains.
+    cutting: Cutting,
 }
 
 /// All settings one by one, and then several at once.
@@ -49,9 +52,15 @@ fn ways() -> Vec<Way> {
         skin: 1.0,
         interrupted: false,
         room: 4,
+        cutting: Cutting::Planes,
     };
     let mut ways = vec![plain];
     ways.extend([2, 3, 8].map(|threads| Way { threads, ..plain }));
+    ways.extend([2, 5].map(|threads| Way {
+        threads,
+        cutting: Cutting::Scattered(7),
+        ..plain
+    }));
     let every = Isa::all();
     ways.extend(every.iter().map(|&registers| Way { registers, ..plain }));
     ways.extend([0.0, 0.3, 4.0].map(|skin| Way { skin, ..plain }));
@@ -68,6 +77,7 @@ fn ways() -> Vec<Way> {
             skin: [0.0, 2.0][k % 2],
             interrupted,
             room: k,
+            cutting: Cutting::Planes,
         });
     }
     ways
@@ -76,8 +86,9 @@ fn ways() -> Vec<Way> {
 impl Way {
     fn prepare(&self, sim: &mut Simulation) {
         sim.stepping.registers = self.registers;
-        // Beds of fewer grains must also be cut into as many ranges as there are threads.
-        sim.stepping.range_min = 1;
+        // Beds of fewer grains must also be cut into as many parts as there are threads.
+        sim.stepping.part_min = 1;
+        sim.stepping.cutting = self.cutting;
         let histories = sim.contact_histories();
         sim.skin *= self.skin;
         sim.outer_skin *= self.skin;
@@ -90,7 +101,7 @@ impl Way {
             sim.step_watched(|_| {}).expect("a sound bed");
         } else {
             sim.steps(1).expect("a sound bed");
-            assert_eq!(sim.ranges(), self.threads);
+            assert_eq!(sim.stepping.parts(), self.threads);
         }
         if self.interrupted && n.is_multiple_of(3) {
             assert!(!checkpoint::bytes(sim, "").unwrap().is_empty());
@@ -157,6 +168,32 @@ fn no_knob_changes_a_bit_of_the_quick_bed() {
     compare("quick, hertz_tsuji", steps(240), &tsuji(settled_quick()));
 }
 
+/// In calls of several steps, each on another number of threads, with other grains for each thread after every search.
+#[test]
+fn threads_and_grains_that_change_all_the_time_change_no_bit() {
+    let mut plain = settled_quick();
+    let mut other = plain.clone();
+    other.stepping.part_min = 1;
+    other.outer_skin *= 0.05;
+    other.stepping.tunes = false;
+    let before = other.list_counts().0;
+    for (k, threads) in [3, 2, 1, 8, 5, 2, 4, 1, 3, 6].into_iter().enumerate() {
+        let count = steps(30) as u64 + k as u64;
+        plain.steps(count).expect("a sound bed");
+        other.stepping.cutting = match k % 3 {
+            0 => Cutting::Planes,
+            _ => Cutting::Scattered(k as u64),
+        };
+        let stepped = on_threads(threads, || other.steps(count));
+        stepped.expect("so many threads").expect("a sound bed");
+        assert_eq!(other.stepping.parts(), threads);
+        let same = first_difference(&mut plain, &mut other);
+        assert!(same.is_none(), "call {k}: {same:?}");
+    }
+    let searches = other.list_counts().0 - before;
+    assert!(searches > 20, "{searches} searches: more than calls");
+}
+
 #[test]
 #[ignore = "half a minute: `.ci/run long`"]
 fn no_knob_changes_a_bit_of_ten_thousand_grains() {
@@ -164,11 +201,11 @@ fn no_knob_changes_a_bit_of_ten_thousand_grains() {
     compare("large, hertz_tsuji", steps(45), &tsuji(large()));
 }
 
-/// Threads may come and go between steps: ranges are cut again, and nothing is left of the old ones.
+/// Threads may come and go between steps: parts are cut again, and nothing is left of the old ones.
 #[test]
 fn the_number_of_threads_may_change_at_any_step() {
     let (mut plain, mut other) = (settled_quick(), settled_quick());
-    other.stepping.range_min = 1;
+    other.stepping.part_min = 1;
     for n in 0..steps(240) {
         plain.step_watched(|_| {}).expect("a sound bed");
         let threads = [3, 1, 2, 8, 1][n % 5];

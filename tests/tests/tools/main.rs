@@ -9,6 +9,7 @@ mod instructions;
 #[allow(dead_code)]
 #[path = "../../machines/mod.rs"]
 mod machines;
+mod models;
 mod mutants;
 mod panics;
 mod recordings;

@@ -3,12 +3,10 @@
 use bitgrain_kernel::contact::{
     Contact, Law, NormalForce, NormalState, Reaction, TangentialForce, TangentialState, react,
 };
-use bitgrain_kernel::phases::MotionCheck;
 use bitgrain_kernel::phases::{
-    After, CrossRangeForce, ExcessiveOverlap, GrainRange, GrainView, PairRange, accumulate,
-    cross_range, no_fetch,
+    After, ForceCheck, GrainRange, MotionCheck, ObstacleContactRange, accumulate, no_fetch,
+    obstacle_forces,
 };
-use bitgrain_kernel::phases::{ObstacleContactRange, obstacle_forces};
 use bitgrain_kernel::{
     ContactForce, Error as KernelError, GrainState, Real, Row, World, start, start_watched, step,
     step_watched, step_with,
@@ -17,7 +15,7 @@ use bitgrain_kernel::{
 type External<'w, R> = &'w mut dyn FnMut(&GrainState<R>) -> ([R; 3], [R; 3]);
 type Watch<'w, R> = &'w mut dyn FnMut(ContactForce<R>);
 type Ended = Result<(), KernelError>;
-type Summed<R> = (ExcessiveOverlap, MotionCheck<R>);
+type Summed<R> = (ForceCheck, MotionCheck<R>);
 
 /// Functions of the kernel that take a law.
 pub struct Calls<R: Real, L: Law<R>> {
@@ -31,24 +29,10 @@ pub struct Calls<R: Real, L: Law<R>> {
         &mut ObstacleContactRange<'_, R>,
         &L,
         Watch<'_, R>,
-    ) -> ExcessiveOverlap,
-    spill:
-        fn(GrainView<'_, R>, PairRange<'_, R>, &L, &mut [CrossRangeForce<R>]) -> ExcessiveOverlap,
-    sum: fn(
-        &mut GrainRange<'_, R>,
-        &L,
-        &[CrossRangeForce<R>],
-        &[CrossRangeForce<R>],
-        After,
-    ) -> Summed<R>,
-    sum_watched: fn(
-        &mut GrainRange<'_, R>,
-        &L,
-        [&[CrossRangeForce<R>]; 2],
-        Watch<'_, R>,
-        fn(&[Row<R>], usize),
-        After,
-    ) -> Summed<R>,
+    ) -> ForceCheck,
+    sum: fn(&mut GrainRange<'_, R>, &L, After) -> Summed<R>,
+    sum_watched:
+        fn(&mut GrainRange<'_, R>, &L, Watch<'_, R>, fn(&[Row<R>], usize), After) -> Summed<R>,
     press: fn(&L, &NormalState<R>) -> NormalForce<R>,
     shear: fn(&L, &NormalForce<R>, &TangentialState<R>) -> TangentialForce<R>,
     react: fn(&L, &Contact<R>, [R; 3], R) -> Reaction<R>,
@@ -63,12 +47,9 @@ impl<R: Real, L: Law<R>> Calls<R, L> {
         step_watched: |world, law, watch| step_watched(world, law, watch),
         step_with: |world, law, external| step_with(world, law, external),
         obstacle_forces: |part, touch, law, watch| obstacle_forces(part, touch, law, watch),
-        spill: cross_range,
-        sum: |part, law, lower, own, after| {
-            accumulate(part, law, lower.iter(), own, |_| {}, no_fetch::<R>(), after)
-        },
-        sum_watched: |part, law, [lower, own], watch, fetch, after| {
-            accumulate(part, law, lower.iter(), own, watch, Some(fetch), after)
+        sum: |part, law, after| accumulate(part, law, |_| {}, no_fetch::<R>(), after),
+        sum_watched: |part, law, watch, fetch, after| {
+            accumulate(part, law, watch, Some(fetch), after)
         },
         press: L::normal_force,
         shear: L::tangential_force,

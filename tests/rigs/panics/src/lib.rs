@@ -8,6 +8,7 @@
 
 mod calls;
 mod hosts;
+mod parts;
 mod state;
 
 use bitgrain_kernel::contact::{HertzHistory, HertzTsuji};

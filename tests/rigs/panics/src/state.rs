@@ -3,18 +3,15 @@
 use core::fmt;
 
 use crate::hosts::Hosts;
+use crate::parts::Parts;
 use bitgrain_kernel::blake3::Hasher;
 use bitgrain_kernel::conformance::{self, Line, Room};
 use bitgrain_kernel::contact::{HertzHistory, HertzTsuji};
 use bitgrain_kernel::fixed_point::I32F32;
-use bitgrain_kernel::phases::ObstacleContactRange;
 use bitgrain_kernel::phases::{
-    ExcessiveOverlap, GrainRange, GrainView, PairRange, first_excessive_overlap,
-};
-use bitgrain_kernel::phases::{GrainMotion, MotionCheck, MotionPhase, integrate};
-use bitgrain_kernel::phases::{Sealed, seal};
-use bitgrain_kernel::phases::{
-    begin, check_overlaps, drift, end, ensure_pair_list, ensure_pair_list_ahead, finish,
+    ForceCheck, GrainMotion, GrainRange, MotionCheck, MotionPhase, ObstacleContactRange, Sealed,
+    begin, check_forces, drift, end, ensure_pair_list, ensure_pair_list_ahead, finish, integrate,
+    is_draining, seal,
 };
 use bitgrain_kernel::record::{self, Chain, Element, Refusal as Unrecorded};
 use bitgrain_kernel::scaling::{self, Margin, PRODUCTS, Refusal, Scales};
@@ -42,7 +39,7 @@ pub struct Plain {
     last: fn(&Hasher) -> Line,
     name: fn(conformance::World) -> &'static str,
     stages: fn(conformance::World) -> &'static [conformance::Stage],
-    first_excessive_overlap: fn(ExcessiveOverlap, ExcessiveOverlap) -> ExcessiveOverlap,
+    and_found: fn(ForceCheck, ForceCheck) -> ForceCheck,
     show: fn(&KernelError, &mut dyn fmt::Write) -> fmt::Result,
     code: fn(&KernelError) -> u32,
     show_flaw: fn(&ArithmeticDefect, &mut dyn fmt::Write) -> fmt::Result,
@@ -62,7 +59,7 @@ impl Plain {
         last: conformance::last,
         name: conformance::World::name,
         stages: conformance::World::stages,
-        first_excessive_overlap,
+        and_found: ForceCheck::and,
         show: |fault, out| write!(out, "{fault}"),
         code: KernelError::code,
         show_flaw: |flaw, out| write!(out, "{flaw}"),
@@ -113,7 +110,8 @@ pub struct State<R: Real + 'static> {
     ensure_pair_list: fn(&mut World<'_, R>) -> Ended,
     drift: fn(&mut World<'_, R>, MotionCheck<R>) -> Ended,
     finish: fn(&mut World<'_, R>, MotionCheck<R>) -> Ended,
-    check_overlaps: fn(&mut World<'_, R>, ExcessiveOverlap, ExcessiveOverlap) -> Ended,
+    check_forces: fn(&mut World<'_, R>, ForceCheck) -> Ended,
+    is_draining: fn(&World<'_, R>) -> bool,
     pass: fn(&mut GrainMotion<'_, R>, MotionPhase) -> MotionCheck<R>,
     and: fn(MotionCheck<R>, MotionCheck<R>) -> MotionCheck<R>,
     seal: fn(&GrainMotion<'_, R>, usize) -> Sealed,
@@ -124,19 +122,16 @@ pub struct State<R: Real + 'static> {
     moving: for<'w> fn(&'w mut World<'_, R>) -> GrainMotion<'w, R>,
     pushing:
         for<'w> fn(&'w mut World<'_, R>, R) -> (GrainRange<'w, R>, ObstacleContactRange<'w, R>),
-    across: for<'w> fn(&'w mut World<'_, R>) -> (GrainView<'w, R>, PairRange<'w, R>),
     split_moving: for<'w> fn(GrainMotion<'w, R>, usize) -> (GrainMotion<'w, R>, GrainMotion<'w, R>),
     stretch: for<'w> fn(&'w mut GrainMotion<'_, R>, usize, usize) -> GrainMotion<'w, R>,
     count: fn(&GrainMotion<'_, R>) -> usize,
-    split_part: for<'w> fn(GrainRange<'w, R>, usize) -> (GrainRange<'w, R>, GrainRange<'w, R>),
-    split_span: for<'w> fn(PairRange<'w, R>, usize) -> (PairRange<'w, R>, PairRange<'w, R>),
-    span: fn(&PairRange<'_, R>) -> (usize, bool),
     grains: fn(&Grains<'_, R>) -> usize,
-    clock: fn(&Clock<R>) -> ([u64; 3], [usize; 5], bool),
+    clock: fn(&Clock<R>) -> ([u64; 3], [usize; 4], bool),
     stop: fn(&mut Clock<R>),
     pieces: Pieces<R>,
     store: Stores<R>,
     hosts: Hosts<R>,
+    parts: Parts<R>,
 }
 
 impl<R: Real + 'static> State<R> {
@@ -150,7 +145,8 @@ impl<R: Real + 'static> State<R> {
         ensure_pair_list,
         drift,
         finish,
-        check_overlaps,
+        check_forces,
+        is_draining,
         pass: integrate,
         and: MotionCheck::and,
         seal,
@@ -160,19 +156,14 @@ impl<R: Real + 'static> State<R> {
         listed_pairs: |world, show| world.listed_pairs().for_each(show),
         moving: |world| world.grain_motion(),
         pushing: |world, dt| world.force_ranges(dt),
-        across: |world| world.cross_range_pairs(),
         split_moving: |grains, at| grains.split(at),
         stretch: |grains, begin, end| grains.stretch(begin, end),
         count: |grains| grains.count(),
-        split_part: |part, at| part.split(at),
-        split_span: |span, at| span.split(at),
-        span: |span| (span.len(), span.is_empty()),
         grains: |grains| grains.count(),
         clock: |clock| {
             let listed = [
                 clock.listed(),
                 clock.listed_touching(),
-                clock.listed_across(),
                 clock.obstacle_contacts(),
                 clock.count(),
             ];
@@ -186,6 +177,7 @@ impl<R: Real + 'static> State<R> {
         pieces: Pieces::ALL,
         store: Stores::ALL,
         hosts: Hosts::ALL,
+        parts: Parts::ALL,
     };
 }
 
