@@ -17,6 +17,6 @@ pub use bitgrain_lab::{
 };
 pub use bitgrain_sim::{
     block_averaging, chain, checkpoint, coarse_graining, coefficients, disk, energy_budget, error,
-    export, files, format, histogram, isa, lammps, law, lists, memory, motion, observe, observer,
-    owned_world, parts, random, simulation, spatial_order, stepping, threads, units,
+    export, files, format, histogram, isa, lammps, law, lists, memory, motion, notes, observe,
+    observer, owned_world, parts, random, simulation, spatial_order, stepping, threads, units,
 };

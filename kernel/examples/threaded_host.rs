@@ -5,12 +5,11 @@ use std::{sync::Barrier, sync::Mutex, thread};
 
 use bitgrain_kernel::contact::Law;
 use bitgrain_kernel::parts::{
-    GhostMotion, is_search_due, restore, search_and_list, take_in, take_lists,
+    GhostMotion, drift_own, is_search_due, restore, search_and_list, take_in, take_lists,
 };
 use bitgrain_kernel::phases::{
-    After, Extent, ForceCheck, MotionCheck, MotionPhase, ObstacleShare, accumulate, begin,
-    check_forces, drift, end, ensure_pair_list, finish, integrate, measure, no_fetch,
-    obstacle_forces, seal, sum_on_obstacles,
+    After, Extent, ForceCheck, MotionCheck, ObstacleShare, accumulate, begin, check_forces, drift,
+    end, ensure_pair_list, finish, measure, no_fetch, obstacle_forces, seal, sum_on_obstacles,
 };
 use bitgrain_kernel::vec3::head;
 use bitgrain_kernel::{
@@ -83,12 +82,7 @@ fn steps_of_part(
     law: &impl Law<f64>,
     count: u64,
 ) -> Result<Vec<(u32, ObstacleShare<f64>)>, Error> {
-    let (mut all, mut moved) = (Vec::new(), MotionCheck::NONE);
-    for [from, to] in world.owned.as_chunks().0 {
-        let mut all = world.grain_motion();
-        let own = &mut all.stretch(*from as usize, *to as usize);
-        moved = moved.and(integrate(own, MotionPhase::Drift));
-    }
+    let (mut all, moved) = (Vec::new(), drift_own(world));
     let (mut moved, _, mut extent) = board.exchange((part, world), (moved, ForceCheck::NONE));
     for n in 1..=count {
         drift(world, moved)?;

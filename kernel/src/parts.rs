@@ -5,10 +5,10 @@
 //! [`World::owned`] says which are own, and [`Clock::of_part`] makes the clock. A part does the phases of a step on its
 //! own grains, and between them the parts tell each other what they need to decide alike:
 //!
-//! 1. After a drift, each looks whether [`is_search_due`]. If so, all exchange what
-//!    [`measure`](crate::phases::measure) says and the grains near other parts; [`renumber`] keeps the histories, and
-//!    [`search_and_list`] is done in the place of `ensure_pair_list`. After the first search of a part, [`restore`]
-//!    puts in the histories of its grains.
+//! 1. After a drift, which for the first step is [`drift_own`], each looks whether [`is_search_due`]. If so, all
+//!    exchange what [`measure`](crate::phases::measure) says and the grains near other parts; [`renumber`] keeps the
+//!    histories, and [`search_and_list`] is done in the place of `ensure_pair_list`. After the first search of a part,
+//!    [`restore`] puts in the histories of its grains.
 //! 2. After the forces, each joins with `and` what all have found, and takes the rows of its ghosts with [`take_in`].
 //!    Then it calls [`check_forces`](crate::phases::check_forces), [`finish`](crate::phases::finish) and
 //!    [`drift`](crate::phases::drift). With a drain plane,
@@ -25,13 +25,14 @@
 
 use crate::edit::renumber::{NewPlaces, renumber_contacts};
 use crate::error::Error;
-use crate::integrate::travel_at;
+use crate::integrate::{MotionCheck, MotionPhase, integrate, travel_at};
 use crate::math::real::{Real, larger};
 use crate::math::rows::{Row, min, prefix, set};
 use crate::math::vec3::{Vec3, dot};
 use crate::neighbors::extent::Extent;
 use crate::neighbors::pair_list::{ContactHistory, Listed};
 use crate::phases::{cut_anew, refresh_here};
+use crate::state::owned::Owned;
 use crate::world::{Clock, Stage, World};
 
 pub use crate::edit::renumber::GONE;
@@ -70,6 +71,20 @@ impl<R: Real> Clock<R> {
         self.prunes = self.prunes.saturating_add(prunes);
         self.far = -R::ONE;
     }
+}
+
+/// The motion of own grains that begins a step: [`integrate`](crate::phases::integrate) over each run of them.
+#[inline(always)]
+pub fn drift_own<R: Real>(world: &mut World<'_, R>) -> MotionCheck<R> {
+    let mut runs = Owned::new(world.owned).runs();
+    let mut grains = world.grain_motion();
+    let all = grains.count();
+    let mut passed = MotionCheck::NONE;
+    while let Some(run) = runs.next_before(all) {
+        let mut own = grains.stretch(run.start, run.end);
+        passed = passed.and(integrate(&mut own, MotionPhase::Drift));
+    }
+    passed
 }
 
 /// Moves the ghosts at these places, which ascend, to where other parts have moved them. Radii and masses stay. Then

@@ -20,7 +20,9 @@ use crate::state::domain::limit;
 use crate::world::{Stage, World};
 
 pub use crate::digest::seal::{Sealed, seal};
-pub use crate::forces::accumulate::{After, Fetch, GrainRange, PairRange, accumulate, no_fetch};
+pub use crate::forces::accumulate::{
+    After, Fetch, GrainRange, NotedForces, PairRange, accumulate, no_fetch,
+};
 pub use crate::forces::force_check::ForceCheck;
 pub use crate::forces::obstacle_contacts::{
     ObstacleContactRange, ObstacleShare, obstacle_forces, sum_on_obstacles,

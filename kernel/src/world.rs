@@ -1,7 +1,7 @@
 //! A world: everything one step needs, borrowed from whoever owns it.
 
 use crate::error::Error;
-use crate::forces::accumulate::{GrainRange, PairRange};
+use crate::forces::accumulate::{GrainRange, NotedForces, PairRange};
 use crate::forces::obstacle_contacts::ObstacleContactRange;
 use crate::forces::stretch_range::StretchRange;
 use crate::integrate::GrainMotion;
@@ -243,6 +243,7 @@ impl<R: Real> World<'_, R> {
             owned: Owned::new(self.owned),
             grains: GrainMotion::of_all(&mut self.grains, self.domain, self.dt),
             pairs: range,
+            noted: NotedForces::default(),
             stretches: StretchRange {
                 place: prefix(self.stretches.place, listed.stretches + 1),
                 begin: prefix(self.stretches.begin, listed.stretches + 1),

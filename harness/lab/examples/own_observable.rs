@@ -23,6 +23,10 @@ impl Observer for Carried {
         step.is_multiple_of(self.every)
     }
 
+    fn wants_contacts(&self, _step: u64) -> bool {
+        false
+    }
+
     fn on_step(&mut self, step: u64, sim: &mut Simulation, _: &[ContactForce<f64>]) -> Result<()> {
         let free = (0..sim.count()).filter(|&i| sim.role(i) == Role::Free);
         let fast = free.filter(|&i| sim.velocity[i][0] >= 0.5 * self.speed);

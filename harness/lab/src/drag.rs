@@ -1,15 +1,19 @@
 //! Dragging: the intruder moves at constant speed through a settled bed, or the bed past it, and the
 //! force on it is summed at every step.
+//!
+//! A drag goes in stretches of steps, from one that something is due after to the next: a stretch leaves notes of its
+//! steps, which are read, and its last state, which is looked at.
 
-use bitgrain_kernel::{Error as KernelError, check_arithmetic};
+mod gauges;
+
+use bitgrain_kernel::{ContactForce, Domain, Error as KernelError, Obstacle, check_arithmetic};
 use serde::{Deserialize, Serialize};
 
-use crate::flow::{FlowGauge, FlowMeans};
-use crate::near_field::{NearField, NearFieldMeans, WithinMeans};
+use crate::flow::FlowGauge;
+use crate::near_field::{NearField, WithinMeans};
 use crate::progress::Stage;
 use crate::scenario::{DragPlan, History};
 use crate::series::SeriesRow;
-use bitgrain_sim::block_averaging::{BlockSums, Mean};
 use bitgrain_sim::chain::Chain;
 use bitgrain_sim::checkpoint::StageState;
 use bitgrain_sim::coarse_graining::CoarseGraining;
@@ -18,36 +22,19 @@ use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::histogram::{Angles, Coordination};
 use bitgrain_sim::memory::room;
 use bitgrain_sim::motion::Moves;
+use bitgrain_sim::notes::{Note, Watch};
 use bitgrain_sim::observe::{self, INTRUDER};
 use bitgrain_sim::observer::Observer;
 use bitgrain_sim::simulation::{Role, Simulation};
+
+use gauges::Gauges;
+pub use gauges::Means;
 
 /// Steps between updates of the progress bar; no result depends on it.
 const SHOW: u64 = 200;
 
 /// Bytes that a point of the fields takes, in memory and twice as a checkpoint is made.
 const FIELDS: f64 = 3.0 * 13.0 * 8.0;
-
-/// Means over the averaging window.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Means {
-    /// Force against the motion.
-    pub drag: Mean,
-    /// Upward force.
-    pub lift: Mean,
-    /// Force along y.
-    pub side: Mean,
-    /// Grains that touch the intruder.
-    pub contacts: Mean,
-    /// The grains round it.
-    pub around: NearFieldMeans,
-    /// Drag over all steps.
-    pub drag_uncut: f64,
-    /// Steps in the window.
-    pub window_steps: u64,
-    /// How a bed flowed that has a lid, a cylinder in it, or moves.
-    pub flow: Option<FlowMeans>,
-}
 
 /// The results of a drag besides its means, filled as it goes.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -65,37 +52,6 @@ pub struct DragSeries {
     pub energy: Vec<EnergyRow>,
     /// Deepest overlap of grains with each other and with the intruder at any row (length).
     pub deepest: f64,
-}
-
-/// Sums of one window of steps.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Sums {
-    force: [f64; 3],
-    steps: u64,
-}
-
-impl Sums {
-    fn add(&mut self, force: [f64; 3]) {
-        for a in 0..3 {
-            self.force[a] += force[a];
-        }
-        self.steps += 1;
-    }
-
-    fn mean(&self) -> [f64; 3] {
-        self.force.map(|f| f / self.steps as f64)
-    }
-}
-
-/// All that is measured of the intruder during the drag.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Gauges {
-    force: [BlockSums; 3],
-    contacts: BlockSums,
-    since_row: Sums,
-    all: Sums,
 }
 
 /// An unfinished drag: all that one step hands to the next besides the state itself.
@@ -182,7 +138,7 @@ impl Dragging {
         observer.on_start(self.step, sim)?;
         let at = self.step;
         let wrong = |fault| Error::run(&plan.name, at, fault);
-        // Each step is looked at, and none is written to.
+        // Many stretches of few steps, and nothing is written to in between.
         sim.hold().map_err(wrong)?;
         let went = self.steps(sim, plan, stage, observer);
         if matches!(went, Ok(()) | Err(Error::Interrupted { .. })) {
@@ -199,30 +155,28 @@ impl Dragging {
         stage: &Stage,
         observer: &mut impl Observer,
     ) -> Result<()> {
-        let first = plan.motion.window[0];
+        let watch = match &self.record.flow {
+            Some(flow) => flow.watch(sim.obstacles.len()),
+            None => Watch {
+                obstacles: vec![INTRUDER],
+                grains: Vec::new(),
+            },
+        };
         let mut seen = Vec::new();
         while self.step < plan.steps() && self.step < observer.last_step() {
-            let n = self.step + 1;
-            let wrong = |fault| Error::run(&plan.name, n, fault);
-            let looks = observer.wants_step(n);
-            let sampled = self.fields.as_ref().is_some_and(|f| f.is_due(n));
+            let n = self.next_stop(plan, observer);
             seen.clear();
-            match &mut self.audit {
-                Some(audit) => audit.step_watched(sim, |contact| seen.push(contact)),
-                None if looks || sampled => sim.step_watched(|contact| seen.push(contact)),
-                None => sim.steps(1),
-            }
-            .map_err(wrong)?;
-            self.measure(sim, n, n >= first, plan);
-            if let Some(fields) = self.fields.as_mut().filter(|_| sampled) {
+            self.step_to(n, sim, plan, observer, &watch, &mut seen)?;
+            self.look(sim, plan);
+            let wrong = |fault| Error::run(&plan.name, n, fault);
+            if let Some(fields) = self.fields.as_mut().filter(|fields| fields.is_due(n)) {
                 fields.add(sim, &seen, n);
             }
-            self.step = n;
             if self.chain.is_due(n) || n == plan.steps() {
                 let link = self.chain.add(n, &sim.digest().map_err(wrong)?);
                 link.map_or(Ok(()), |link| observer.on_digest(link))?;
             }
-            if looks {
+            if observer.wants_step(n) {
                 // What is shown is stored.
                 check_arithmetic::<f64>().map_err(wrong)?;
                 observer.on_step(n, sim, &seen)?;
@@ -236,36 +190,109 @@ impl Dragging {
         Ok(())
     }
 
-    /// Takes the readings of step `n`.
-    fn measure(&mut self, sim: &mut Simulation, n: u64, counted: bool, plan: &DragPlan) {
-        let row = n.is_multiple_of(plan.every) || n == plan.steps();
-        let force = force_on_intruder(sim, plan.motion.moves);
-        if let Some(flow) = &mut self.record.flow {
-            flow.read(sim, n, force);
+    /// Whether the contacts of step `n` must be seen.
+    fn shows(&self, n: u64, observer: &impl Observer) -> bool {
+        let sampled = self.fields.as_ref().is_some_and(|f| f.is_due(n));
+        self.audit.is_some() || sampled || observer.wants_contacts(n)
+    }
+
+    /// The next step after which there is something to do besides reading its note, or whose contacts must be seen; at
+    /// the latest the one before such a step.
+    fn next_stop(&self, plan: &DragPlan, observer: &impl Observer) -> u64 {
+        let ends_flow = |n| self.record.flow.as_ref().is_some_and(|f| f.is_due(n));
+        let mut n = self.step + 1;
+        while !(is_row(plan, n)
+            || ends_flow(n)
+            || self.chain.is_due(n)
+            || n.is_multiple_of(SHOW)
+            || n >= observer.last_step()
+            || observer.wants_step(n)
+            || observer.wants_checkpoint(n)
+            || self.shows(n, observer)
+            || self.shows(n + 1, observer))
+        {
+            n += 1;
         }
-        let (record, moves) = (&mut self.record, plan.motion.moves);
-        let angles = &mut record.angles;
-        self.around.touched(sim, moves, counted, angles);
-        self.gauges.read(sim, force, counted);
-        if !row {
+        n
+    }
+
+    /// Steps up to `n`, and takes the readings of each of them; contacts that must be seen are added to `seen`.
+    fn step_to(
+        &mut self,
+        n: u64,
+        sim: &mut Simulation,
+        plan: &DragPlan,
+        observer: &impl Observer,
+        watch: &Watch,
+        seen: &mut Vec<ContactForce<f64>>,
+    ) -> Result<()> {
+        let domain = sim.domain;
+        let mut reached = self.step;
+        let done = if self.shows(n, observer) {
+            let watched = match &mut self.audit {
+                Some(audit) => audit.step_watched(sim, |contact| seen.push(contact)),
+                None => sim.step_watched(|contact| seen.push(contact)),
+            };
+            if watched.is_ok() {
+                self.read(&sim.note(watch), plan, &domain);
+            }
+            watched
+        } else {
+            sim.steps_noted(n - reached, watch, |note| self.read(note, plan, &domain))
+        };
+        reached = self.step;
+        done.map_err(|fault| Error::run(&plan.name, reached + 1, fault))
+    }
+
+    /// Takes the readings of the next step.
+    fn read(&mut self, note: &Note, plan: &DragPlan, domain: &Domain<f64>) {
+        self.step += 1;
+        let counted = self.is_counted(plan);
+        let intruder = &note.obstacles[INTRUDER as usize];
+        let force = force_on_intruder(&intruder.body, plan.motion.moves);
+        let record = &mut self.record;
+        if let Some(flow) = &mut record.flow {
+            flow.read(note, force);
+        }
+        let (moves, angles) = (plan.motion.moves, &mut record.angles);
+        self.around
+            .touched(domain, intruder, moves, counted, angles);
+        self.gauges.read(intruder, force, counted);
+    }
+
+    /// Whether the present step is in the averaging window.
+    fn is_counted(&self, plan: &DragPlan) -> bool {
+        self.step >= plan.motion.window[0]
+    }
+
+    /// Adds to the series what is due after the present step.
+    fn look(&mut self, sim: &mut Simulation, plan: &DragPlan) {
+        let n = self.step;
+        if let Some(flow) = self.record.flow.as_mut().filter(|flow| flow.is_due(n)) {
+            flow.end_row(sim, n);
+        }
+        if !is_row(plan, n) {
             return;
         }
+        let (counted, moves) = (self.is_counted(plan), plan.motion.moves);
+        let record = &mut self.record;
         record.energy.extend(self.audit.map(|audit| audit.row(n)));
         let deepest = observe::deepest_overlap(sim);
         if deepest > record.deepest {
             record.deepest = deepest;
         }
-        let sums = counted.then_some((angles, &mut record.coordination));
+        let sums = counted.then_some((&mut record.angles, &mut record.coordination));
         let sample = self
             .around
             .sample(sim, moves, plan.motion.grain_diameter, sums);
+        let body = sim.obstacles[INTRUDER as usize];
         record.series.push(SeriesRow {
             step: n,
             time: n as f64 * sim.dt,
             distance: plan.motion.travel(n),
-            force,
+            force: force_on_intruder(&body, moves),
             force_mean: std::mem::take(&mut self.gauges.since_row).mean(),
-            torque: sim.obstacles[INTRUDER as usize].torque,
+            torque: body.torque,
             contacts: sim.touch_count(INTRUDER),
             angle: sample.angle,
             coordination: sample.coordination,
@@ -359,39 +386,17 @@ fn set_off(sim: &mut Simulation, moves: Moves, speed: f64) -> std::result::Resul
     sim.resume(&histories)
 }
 
+/// Whether the force series has a row for step `n`.
+fn is_row(plan: &DragPlan, n: u64) -> bool {
+    n.is_multiple_of(plan.every) || n == plan.steps()
+}
+
 /// Drag, along the motion of the bed past the intruder, lift up, and side force along y.
-fn force_on_intruder(sim: &Simulation, moves: Moves) -> [f64; 3] {
-    let [x, y, z] = sim.obstacles[INTRUDER as usize].force;
+fn force_on_intruder(intruder: &Obstacle<f64>, moves: Moves) -> [f64; 3] {
+    let [x, y, z] = intruder.force;
     match moves {
         // A difference, so that no force is +0.
         Moves::Intruder => [0.0 - x, z, y],
         Moves::Bed => [x, z, y],
-    }
-}
-
-impl Gauges {
-    /// Sums the force of a step, and if it is `counted` the quantities of the means.
-    fn read(&mut self, sim: &Simulation, force: [f64; 3], counted: bool) {
-        self.since_row.add(force);
-        self.all.add(force);
-        if counted {
-            for a in 0..3 {
-                self.force[a].add(force[a]);
-            }
-            self.contacts.add(f64::from(sim.touch_count(INTRUDER)));
-        }
-    }
-
-    fn means(&self, window_steps: u64) -> Option<Means> {
-        Some(Means {
-            drag: self.force[0].mean()?,
-            lift: self.force[1].mean()?,
-            side: self.force[2].mean()?,
-            contacts: self.contacts.mean()?,
-            around: NearFieldMeans::default(),
-            drag_uncut: self.all.mean()[0],
-            window_steps,
-            flow: None,
-        })
     }
 }

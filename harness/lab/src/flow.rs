@@ -9,6 +9,7 @@
 use serde::{Deserialize, Serialize};
 
 use bitgrain_sim::motion::{Motion, Moves};
+use bitgrain_sim::notes::{Note, Watch};
 use bitgrain_sim::observe::{INTRUDER, packing_fraction, pressure_at};
 use bitgrain_sim::simulation::{Role, Simulation};
 use bitgrain_sim::table::{Cell, Table, column};
@@ -205,17 +206,27 @@ impl FlowGauge {
         gauge
     }
 
-    /// Takes the readings of step `n`; `force` is drag, lift and side force on the intruder.
-    pub fn read(&mut self, sim: &Simulation, n: u64, force: [f64; 3]) {
-        let along = |list: &[usize]| list.iter().map(|&i| sim.force[i][0]).sum::<f64>();
-        let mut base = along(&self.base);
-        for (k, body) in sim.obstacles.iter().enumerate() {
+    /// What must be noted of each step for [`FlowGauge::read`]: all obstacles, and the grains of base and lid.
+    pub fn watch(&self, obstacles: usize) -> Watch {
+        let grains = self.base.iter().chain(&self.lid);
+        Watch {
+            obstacles: (0..obstacles as u32).collect(),
+            grains: grains.map(|i| *i as u32).collect(),
+        }
+    }
+
+    /// Takes the readings of a step; `force` is drag, lift and side force on the intruder.
+    pub fn read(&mut self, note: &Note, force: [f64; 3]) {
+        let along = |forces: &[[f64; 3]]| forces.iter().map(|force| force[0]).sum::<f64>();
+        let (base, lid) = note.forces.split_at(self.base.len());
+        let mut base = along(base);
+        for (k, obstacle) in note.obstacles.iter().enumerate() {
             if k != INTRUDER as usize {
-                base += body.force[0];
+                base += obstacle.body.force[0];
             }
         }
         // Base and lid bear the force of the grains along x.
-        let bears = [-self.sign * base, -self.sign * along(&self.lid)];
+        let bears = [-self.sign * base, -self.sign * along(lid)];
         for (sum, value) in self
             .sums
             .iter_mut()
@@ -223,12 +234,15 @@ impl FlowGauge {
         {
             *sum += value;
         }
-        if n.is_multiple_of(self.every) {
-            self.end_row(sim, n);
-        }
     }
 
-    fn end_row(&mut self, sim: &Simulation, n: u64) {
+    /// Whether a row ends with step `n`.
+    pub fn is_due(&self, n: u64) -> bool {
+        n.is_multiple_of(self.every)
+    }
+
+    /// Ends the row of step `n`, the last one that was read.
+    pub fn end_row(&mut self, sim: &Simulation, n: u64) {
         let steps = self.every as f64;
         let [drag, lift, base, lid] = self.sums.map(|sum| sum / steps);
         self.sums = [0.0; 4];

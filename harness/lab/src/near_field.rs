@@ -1,12 +1,13 @@
 //! What is measured of the grains round an intruder, beside the force on it: where they touch it, how
 //! many contacts they have, and how much of the bed moves along.
 
-use bitgrain_kernel::Obstacle;
+use bitgrain_kernel::{Domain, Obstacle};
 use serde::{Deserialize, Serialize};
 
 use bitgrain_sim::block_averaging::{BlockSums, Mean};
 use bitgrain_sim::histogram::{Angles, Coordination};
 use bitgrain_sim::motion::Moves;
+use bitgrain_sim::notes::ObstacleNote;
 use bitgrain_sim::observe::{self, INTRUDER};
 use bitgrain_sim::simulation::{Role, Simulation};
 
@@ -95,16 +96,24 @@ impl NearField {
     }
 
     /// After every step: contacts that began with it, which are summed if the step is `counted`.
-    pub fn touched(&mut self, sim: &Simulation, moves: Moves, counted: bool, angles: &mut Angles) {
-        let before = std::mem::take(&mut self.touching);
-        self.touching.extend(sim.touching(INTRUDER));
+    pub fn touched(
+        &mut self,
+        domain: &Domain<f64>,
+        intruder: &ObstacleNote,
+        moves: Moves,
+        counted: bool,
+        angles: &mut Angles,
+    ) {
+        let now = intruder.touching.iter().map(|(grain, _)| *grain).collect();
+        let before = std::mem::replace(&mut self.touching, now);
         if !counted {
             return;
         }
-        for &i in &self.touching {
+        for (grain, place) in &intruder.touching {
             // Both lists ascend.
-            if before.binary_search(&i).is_err() {
-                let angle = observe::contact_angle(sim, i as usize, moves.forward());
+            if before.binary_search(grain).is_err() {
+                let body = &intruder.body;
+                let angle = observe::contact_angle(domain, body, *place, moves.forward());
                 self.new_angle.add(angle);
                 angles.add_new(angle);
             }

@@ -203,6 +203,10 @@ impl<W: Write> Observer for StatePrinter<'_, W> {
         (self.from..=self.to).contains(&step) && (step == self.to || sampled(step - self.from))
     }
 
+    fn wants_contacts(&self, step: u64) -> bool {
+        self.what.contacts && self.wants_step(step)
+    }
+
     fn on_step(
         &mut self,
         step: u64,

@@ -1,6 +1,7 @@
 //! A simulation with what a Python world adds to it: drives of obstacles, mean forces, groups by kind, a number that
 //! says whether a view is of the present state. Nothing here knows Python.
 
+use bitgrain::notes::Watch;
 use bitgrain::simulation::{Grain, Simulation};
 use bitgrain::threads::ThreadsError;
 use bitgrain_kernel::{Departure, Error as KernelError, Group, Obstacle, check_arithmetic};
@@ -333,35 +334,53 @@ impl Core {
     /// Steps in which no drive ends, up to one in which grains are lost; after each the forces on obstacles are added
     /// up.
     fn stretch(&mut self, count: u64, push: Option<&Push>) -> Result<(), KernelError> {
-        if self.driven.is_empty() && push.is_none() {
-            return match self.sim.steps(count) {
-                Err(KernelError::GrainsLeaving) => Ok(()),
-                done => done,
-            };
+        let done = match push {
+            None if self.driven.is_empty() => self.sim.steps(count),
+            None => {
+                let watch = Watch {
+                    obstacles: (0..self.driven.len() as u32).collect(),
+                    grains: Vec::new(),
+                };
+                let (driven, counted) = (&mut self.driven, &mut self.counted);
+                self.sim.steps_noted(count, &watch, |note| {
+                    *counted += 1;
+                    add_up(driven, note.obstacles.iter().map(|noted| &noted.body));
+                })
+            }
+            Some(push) => self.pushed(count, push),
+        };
+        match done {
+            Err(KernelError::GrainsLeaving) => Ok(()),
+            done => done,
         }
+    }
+
+    /// The same with forces of the host.
+    fn pushed(&mut self, count: u64, push: &Push) -> Result<(), KernelError> {
         // Nothing is written to between the steps, so that the rows are sealed once.
         self.sim.hold()?;
         for _ in 0..count {
-            let done = match push {
-                None => self.sim.steps(1),
-                Some(push) => pushed_step(&mut self.sim, push),
-            };
-            if let Err(fault) = done {
+            if let Err(fault) = pushed_step(&mut self.sim, push) {
                 // The fault says more than that the stretch cannot be ended well.
                 let _ = self.sim.release();
                 return Err(fault);
             }
             self.counted += 1;
-            for (one, body) in self.driven.iter_mut().zip(&self.sim.obstacles) {
-                for a in 0..3 {
-                    one.sum[0][a] += body.force[a];
-                    one.sum[1][a] += body.torque[a];
-                }
-            }
+            add_up(&mut self.driven, self.sim.obstacles.iter());
             if self.sim.clock.is_losing() {
                 break;
             }
         }
         self.sim.release()
+    }
+}
+
+/// Adds what pushes each obstacle.
+fn add_up<'a>(driven: &mut [Driven], bodies: impl Iterator<Item = &'a Obstacle<f64>>) {
+    for (one, body) in driven.iter_mut().zip(bodies) {
+        for a in 0..3 {
+            one.sum[0][a] += body.force[a];
+            one.sum[1][a] += body.torque[a];
+        }
     }
 }

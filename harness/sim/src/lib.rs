@@ -4,9 +4,10 @@
 //!   ([`threads`], [`parts`], [`stepping`]) and with any of the machine's instruction sets ([`isa`]), all with the same
 //!   bits; [`spatial_order`] numbers grains in space, [`random`] draws numbers that never change;
 //! * [`law`]: contact laws by name with their ranges, [`coefficients`] in the numbers of both papers;
-//! * measuring: [`observe`] reads a state, [`observer`] watches a stage, [`energy_budget`] accounts for the energy,
-//!   [`coarse_graining`] averages velocity and stress in space, [`histogram`] counts, [`exact_sum`] adds in any order,
-//!   [`block_averaging`] gives means and their errors, in a [`motion`] and in [`units`];
+//! * measuring: [`observe`] reads a state, [`notes`] are taken of each step, [`observer`] watches a stage,
+//!   [`energy_budget`] accounts for the energy, [`coarse_graining`] averages velocity and stress in space,
+//!   [`histogram`] counts, [`exact_sum`] adds in any order, [`block_averaging`] gives means and their errors, in a
+//!   [`motion`] and in [`units`];
 //! * keeping: [`checkpoint`], [`chain`] (digests), [`lammps`] and [`export`] (LAMMPS and VTK files);
 //! * below all: [`error`], [`disk`] (every call to the file system), [`files`], [`table`] (CSV), [`memory`],
 //!   [`mod@format`].
@@ -38,6 +39,7 @@ mod law_work;
 pub mod lists;
 pub mod memory;
 pub mod motion;
+pub mod notes;
 pub mod observe;
 pub mod observer;
 pub mod owned_world;

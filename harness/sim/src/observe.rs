@@ -135,13 +135,18 @@ fn from_intruder(sim: &Simulation, i: usize) -> [f64; 3] {
     offset(&sim.domain, body, [x[0], x[1], x[2]])
 }
 
-/// Angle at which a grain touches the intruder: `cos theta = (x_grain - x_intruder) / distance`, minimum
+/// Angle at which a grain at a place touches the intruder: `cos theta = (x_grain - x_intruder) / distance`, minimum
 /// image, in radians, 0 straight ahead. The sign of eq. 6 of Kumar 2018 is a misprint, for eq. 7 needs
 /// this one.
 ///
 /// `front` is 1 if the intruder moves along +x, -1 if the bed does.
-pub fn contact_angle(sim: &Simulation, i: usize, front: f64) -> f64 {
-    let d = from_intruder(sim, i);
+pub fn contact_angle(
+    domain: &Domain<f64>,
+    intruder: &Obstacle<f64>,
+    place: [f64; 3],
+    front: f64,
+) -> f64 {
+    let d = offset(domain, intruder, place);
     libm::acos(front * d[0] / length(d))
 }
 
@@ -169,6 +174,7 @@ impl Neighbourhood {
 pub fn neighbourhood(sim: &mut Simulation, reach: f64, front: f64) -> Neighbourhood {
     let mut contacts = vec![0u32; sim.count()];
     let mut angles = Vec::new();
+    let body = sim.obstacles[INTRUDER as usize];
     for bond in sim.contact_histories() {
         match bond {
             ContactHistory::Pair { i, j, .. } => {
@@ -178,12 +184,13 @@ pub fn neighbourhood(sim: &mut Simulation, reach: f64, front: f64) -> Neighbourh
             ContactHistory::Obstacle { i, obstacle, .. } => {
                 contacts[i as usize] += 1;
                 if obstacle == INTRUDER {
-                    angles.push(contact_angle(sim, i as usize, front));
+                    let [x, y, z, _] = sim.position[i as usize];
+                    angles.push(contact_angle(&sim.domain, &body, [x, y, z], front));
                 }
             }
         }
     }
-    let radius = sim.obstacles[INTRUDER as usize].reach();
+    let radius = body.reach();
     let limit = radius + reach;
     let near = |i: usize| {
         let d = from_intruder(sim, i);

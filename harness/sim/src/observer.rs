@@ -19,12 +19,17 @@ pub trait Observer {
         Ok(())
     }
 
-    /// Whether the state and the contacts after this step are wanted.
+    /// Whether the state after this step is wanted.
     fn wants_step(&self, _step: u64) -> bool {
         false
     }
 
-    /// The state after a step that is looked at, and its touching contacts.
+    /// Whether the touching contacts of a step that is wanted are wanted too: it is slower to show them.
+    fn wants_contacts(&self, step: u64) -> bool {
+        self.wants_step(step)
+    }
+
+    /// The state after a step that is looked at, and its touching contacts if they are wanted.
     ///
     /// # Errors
     /// What stops the stage.
@@ -43,6 +48,11 @@ pub trait Observer {
     /// What stops the stage.
     fn on_digest(&mut self, _link: &Link) -> Result<()> {
         Ok(())
+    }
+
+    /// Whether the stage must be offered to be saved after this very step, and not only every now and then.
+    fn wants_checkpoint(&self, _step: u64) -> bool {
+        false
     }
 
     /// A moment at which the stage could be saved: `note` makes what goes into the checkpoint besides the

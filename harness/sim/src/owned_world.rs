@@ -155,13 +155,11 @@ impl<R: Real> OwnedWorld<R> {
     pub(crate) fn make_room(&mut self, full: KernelError) -> bool {
         let most = self.id.len().saturating_mul(PAIRS_MAX);
         let most = most.saturating_add(PAIRS_FREE);
-        let (needed, wanted) = match full {
-            KernelError::PairListFull { needed } => (needed, [needed + needed / 8, 0, 0]),
-            KernelError::OuterListFull { needed } => (needed, [0, needed + needed / 8, 0]),
-            KernelError::ObstacleContactsFull { needed } => (needed, [0, 0, needed + needed / 8]),
-            _ => return false,
-        };
-        needed <= most && self.reserve(wanted[0], wanted[1], wanted[2]).is_ok()
+        let needed = needed(full).filter(|needed| needed.iter().all(|entries| *entries <= most));
+        needed.is_some_and(|needed| {
+            let [pairs, candidates, touches] = needed.map(|entries| entries + entries / 8);
+            self.reserve(pairs, candidates, touches).is_ok()
+        })
     }
 
     /// Makes lists of at least this many entries.
@@ -179,13 +177,9 @@ impl<R: Real> OwnedWorld<R> {
 
     /// Enlarges the list that a call found full; `false` of other errors and if there is no memory for it.
     pub fn grow(&mut self, error: KernelError) -> bool {
-        let grown = match error {
-            KernelError::PairListFull { needed } => self.reserve(needed, 0, 0),
-            KernelError::OuterListFull { needed } => self.reserve(0, needed, 0),
-            KernelError::ObstacleContactsFull { needed } => self.reserve(0, 0, needed),
-            _ => return false,
-        };
-        grown.is_ok()
+        needed(error).is_some_and(|[pairs, candidates, touches]| {
+            self.reserve(pairs, candidates, touches).is_ok()
+        })
     }
 
     /// Bytes that it holds.
@@ -233,5 +227,15 @@ impl<R: Real> OwnedWorld<R> {
             },
             clock: &mut self.clock,
         }
+    }
+}
+
+/// Pairs, candidates and obstacle contacts that a call found no room for; none of another error.
+fn needed(full: KernelError) -> Option<[usize; 3]> {
+    match full {
+        KernelError::PairListFull { needed } => Some([needed, 0, 0]),
+        KernelError::OuterListFull { needed } => Some([0, needed, 0]),
+        KernelError::ObstacleContactsFull { needed } => Some([0, 0, needed]),
+        _ => None,
     }
 }

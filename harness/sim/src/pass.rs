@@ -1,15 +1,16 @@
 //! The passes of a step, compiled for several instruction sets: over a whole world or a part of one.
 
 use bitgrain_kernel::contact::Law;
-use bitgrain_kernel::parts::search_and_list;
+use bitgrain_kernel::parts::{drift_own, search_and_list};
 use bitgrain_kernel::phases::{
-    After, Extent, ForceCheck, MotionCheck, MotionPhase, ObstacleShare, accumulate,
-    ensure_pair_list, integrate, obstacle_forces,
+    After, Extent, ForceCheck, MotionCheck, ObstacleShare, accumulate, ensure_pair_list,
+    obstacle_forces,
 };
 use bitgrain_kernel::{Error as KernelError, Row, World};
 use prefetch_index::prefetch_index;
 
 use crate::isa::Kernel;
+use crate::notes::Notebook;
 
 /// What a call of the kernel gives.
 pub(crate) type Fallible<T> = Result<T, KernelError>;
@@ -26,19 +27,7 @@ impl Kernel for Drift<'_, '_> {
 
     #[inline(always)]
     fn run(self) -> Self::Output {
-        let all = self.0.grains.count() as u32;
-        let whole = [0, all];
-        let bounds = match self.0.owned {
-            [] => &whole[..],
-            some => some,
-        };
-        let mut grains = self.0.grain_motion();
-        let mut passed = MotionCheck::NONE;
-        for run in bounds.chunks_exact(2) {
-            let mut own = grains.stretch(run[0] as usize, run[1] as usize);
-            passed = passed.and(integrate(&mut own, MotionPhase::Drift));
-        }
-        passed
+        drift_own(self.0)
     }
 }
 
@@ -67,11 +56,12 @@ impl Kernel for Search<'_, '_> {
 }
 
 /// Forces and sums of a step, and the motion that follows them; notes what each obstacle contact takes from its
-/// obstacle, if there is room for it.
+/// obstacle, if there is room for it, and what the host wants to know of the step.
 pub(crate) struct Forces<'a, 'w, L> {
     pub world: &'a mut World<'w, f64>,
     pub law: &'a L,
     pub shares: &'a mut [ObstacleShare<f64>],
+    pub notes: Option<&'a mut Notebook>,
     pub after: After,
 }
 
@@ -86,10 +76,14 @@ impl<L: Law<f64>> Kernel for Forces<'_, '_, L> {
 
     #[inline(always)]
     fn run(self) -> Self::Output {
-        let dt = self.world.dt;
+        let (dt, step) = (self.world.dt, self.world.clock.step + 1);
         let (mut grains, mut touch) = self.world.force_ranges(dt);
         touch.shares = self.shares;
         let hit = obstacle_forces(&mut grains, &mut touch, self.law, |_| {});
+        if let Some(notes) = self.notes {
+            notes.begin(step, &touch, grains.grains.position);
+            notes.lend(&mut grains);
+        }
         let fetch = (grains.grains.count() > NEAR).then_some(near);
         let (deep, passed) = accumulate(&mut grains, self.law, |_| {}, fetch, self.after);
         (hit.and(deep), passed)

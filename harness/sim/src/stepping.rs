@@ -5,12 +5,13 @@ use std::time::Instant;
 
 use bitgrain_kernel::contact::Law;
 use bitgrain_kernel::phases::{
-    After, MotionCheck, Sealed, begin, check_forces, drift, end, finish, seal,
+    After, MotionCheck, ObstacleShare, Sealed, begin, check_forces, drift, end, finish, seal,
 };
 use bitgrain_kernel::{Error as KernelError, LossPolicy, World};
 
 use crate::isa::{Isa, Kernel};
 use crate::law::{AnyLaw, Sprung, WithLaw};
+use crate::notes::{Notebook, Taken, join};
 use crate::owned_world::OwnedWorld;
 use crate::parts::{Cutting, Parts, Settings};
 use crate::pass::{Drift, Fallible, Forces, Renew};
@@ -71,12 +72,14 @@ impl Stepping {
         self.count
     }
 
-    /// Advances a world to step `last` on so many threads of the pool that this is called in.
+    /// Advances a world to step `last` on so many threads of the pool that this is called in, and takes notes of the
+    /// steps if they are wanted.
     pub(crate) fn steps(
         &mut self,
         (home, parts): (&mut OwnedWorld<f64>, &mut Parts),
         law: AnyLaw,
         (threads, last): (usize, u64),
+        notes: Option<&mut Taken>,
     ) -> Fallible<()> {
         self.set_count(home, threads);
         if home.clock.step >= last {
@@ -96,19 +99,10 @@ impl Stepping {
                 tunes: self.tunes,
                 cutting: self.cutting,
             };
-            parts.steps(home, &settings, (self.count, last))?;
+            parts.steps(home, &settings, (self.count, last), notes)?;
         } else {
             parts.come_home(home)?;
-            home.while_full(|home| {
-                let mut world = home.world();
-                let done = law.with(Here {
-                    world: &mut world,
-                    stepping: self,
-                    last,
-                });
-                (home.skin, home.outer_skin) = (world.skin, world.outer_skin);
-                done
-            })?;
+            self.whole(home, law, last, notes)?;
         }
         if !self.held {
             self.end(home, parts)?;
@@ -117,6 +111,35 @@ impl Stepping {
             true => Err(KernelError::GrainsLeaving),
             false => Ok(()),
         }
+    }
+
+    /// Steps of a whole world, with longer lists as often as one is full.
+    fn whole(
+        &mut self,
+        home: &mut OwnedWorld<f64>,
+        law: AnyLaw,
+        last: u64,
+        notes: Option<&mut Taken>,
+    ) -> Fallible<()> {
+        let mut book = notes.as_ref().map(|taken| Notebook::new(&taken.watch));
+        if let Some(book) = &mut book {
+            book.find(Some);
+        }
+        let done = home.while_full(|home| {
+            let mut world = home.world();
+            let done = law.with(Here {
+                world: &mut world,
+                stepping: self,
+                last,
+                notes: book.as_mut(),
+            });
+            (home.skin, home.outer_skin) = (world.skin, world.outer_skin);
+            done
+        });
+        if let (Some(taken), Some(book)) = (notes, &mut book) {
+            taken.notes.extend(join(&mut [book], home.clock.step));
+        }
+        done
     }
 
     /// Sets how many parts there will be.
@@ -177,7 +200,9 @@ impl Stepping {
         world: &mut World<'_, f64>,
         law: &L,
         last: u64,
+        mut notes: Option<&mut Notebook>,
     ) -> Fallible<()> {
+        let mut shares = Vec::new();
         let registers = self.registers;
         // A full list may have interrupted these steps.
         if world.clock.has_begun() {
@@ -189,16 +214,24 @@ impl Stepping {
             let is_last = world.clock.step + 1 == last;
             // Grains that leave do so at the end of a step, before the next one moves any.
             let pauses = is_last || world.policy != LossPolicy::STOP;
+            if notes.is_some() {
+                let contacts = world.clock.obstacle_contacts();
+                shares.resize(contacts, ObstacleShare::default());
+            }
             let (found, passed) = registers.run(Forces {
                 world,
                 law,
-                shares: &mut [],
+                shares: &mut shares,
+                notes: notes.as_deref_mut(),
                 after: if pauses {
                     After::Rest
                 } else {
                     After::FinishAndBegin
                 },
             });
+            if let Some(notes) = &mut notes {
+                notes.end(|place| place);
+            }
             check_forces(world, found)?;
             self.skin.stepped(world);
             finish(world, passed)?;
@@ -233,13 +266,15 @@ struct Here<'a, 'w> {
     world: &'a mut World<'w, f64>,
     stepping: &'a mut Stepping,
     last: u64,
+    notes: Option<&'a mut Notebook>,
 }
 
 impl WithLaw for Here<'_, '_> {
     type Output = Fallible<()>;
 
     fn run<L: Law<f64> + Sprung>(self, law: &L) -> Self::Output {
-        self.stepping.steps_here(self.world, law, self.last)
+        self.stepping
+            .steps_here(self.world, law, self.last, self.notes)
     }
 }
 

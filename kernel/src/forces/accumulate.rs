@@ -46,8 +46,35 @@ pub struct GrainRange<'a, R> {
     pub stretches: StretchRange<'a, R>,
     /// Their pairs.
     pub pairs: PairRange<'a, R>,
+    /// Where to note the sums of some of them; empty if that is not wanted.
+    pub noted: NotedForces<'a, R>,
     /// Time that the tangential springs advance by; 0 at step 0.
     pub dt: R,
+}
+
+/// Forces on some grains as their sums are complete, for a host that wants to know them although the pass that sums
+/// them begins the next step, which sets them to zero.
+#[derive(Default)]
+pub struct NotedForces<'a, R> {
+    /// Places of the grains, ascending.
+    pub place: &'a [u32],
+    /// Their forces, in the same order.
+    pub force: &'a mut [Row<R>],
+}
+
+impl<R: Real> NotedForces<'_, R> {
+    /// Notes the sums of the grains from the one of number `next` up to the place `end`, and returns the number of the
+    /// first beyond it.
+    #[inline(always)]
+    fn note(&mut self, mut next: usize, end: usize, sums: &[Row<R>]) -> usize {
+        while let Some(place) = self.place.get(next).map(|place| *place as usize)
+            && place < end
+        {
+            set(self.force, next, get_or_default(sums, place));
+            next += 1;
+        }
+        next
+    }
 }
 
 /// The other body of a contact.
@@ -114,6 +141,7 @@ pub fn accumulate<R: Real, L: Law<R>>(
         pairs,
         stretches,
         owned,
+        noted,
         ..
     } = range;
     // Local copies: the compiler must see that nothing written here can change them.
@@ -124,7 +152,7 @@ pub fn accumulate<R: Real, L: Law<R>>(
     let mut block = Block::new();
     let (mut deep, mut passed) = (None, MotionCheck::NONE);
     let mut next = Cursor::default();
-    let mut finished = 0;
+    let (mut finished, mut note) = (0, 0);
     let mut own = owned.runs();
     let count = min(stretches.travel.len(), stretches.pairs.len());
     while finished < count {
@@ -160,12 +188,13 @@ pub fn accumulate<R: Real, L: Law<R>>(
         deep = deep.or_else(|| Some(block.places_of(block.deepest()?)));
         // The sums of these stretches are complete.
         for s in finished..next.stretch {
+            let end = get_or_default(stretches.place, s + 1) as usize;
+            note = noted.note(note, end, grains.force);
             let phase = match after {
-                After::Stay => break,
+                After::Stay => continue,
                 After::Rest => MotionPhase::Kick,
                 After::FinishAndBegin => MotionPhase::KickAndDrift,
             };
-            let end = get_or_default(stretches.place, s + 1) as usize;
             let mut moved = MotionCheck::NONE;
             while let Some(run) = own.next_before(end) {
                 let complete = &mut grains.stretch(run.start, run.end);

@@ -20,7 +20,7 @@ impl<'a> Owned<'a> {
     }
 
     /// Whether the grain at a place is own.
-    pub(crate) fn has(self, place: usize) -> bool {
+    pub fn has(self, place: usize) -> bool {
         let before = self
             .bounds
             .partition_point(|bound| *bound as usize <= place);

@@ -8,9 +8,9 @@ use bitgrain_kernel::parts::{
     GONE, is_search_due, listed_springs, renumber, restore, search_and_list, take_in, take_lists,
 };
 use bitgrain_kernel::phases::{
-    After, GrainRange, MotionCheck, MotionPhase, Owned, Sealed, accumulate, begin, check_forces,
-    drift, end, ensure_pair_list, ensure_pair_list_ahead, finish, integrate, is_draining, measure,
-    no_fetch, obstacle_forces, seal, sum_on_obstacles,
+    After, GrainRange, MotionCheck, MotionPhase, NotedForces, Owned, Sealed, accumulate, begin,
+    check_forces, drift, end, ensure_pair_list, ensure_pair_list_ahead, finish, integrate,
+    is_draining, measure, no_fetch, obstacle_forces, seal, sum_on_obstacles,
 };
 use bitgrain_kernel::{
     Domain, Real, Row, Store, check_arithmetic, digest, resume, start, start_watched, step,
@@ -133,6 +133,13 @@ fn pushed<R: Real, L: Law<R>>(bytes: &mut Bytes, lent: &mut Lent<R>, law: &L) {
     let mut world = lent.world();
     let (mut part, mut touch) = world.force_ranges(dt);
     touch.shares = &mut shares;
+    let (places, rows) = (bytes.below(ENTRIES), bytes.below(ENTRIES));
+    let places = many(bytes, places, word);
+    let mut forces = vec![[R::ZERO; 4]; rows];
+    part.noted = NotedForces {
+        place: &places,
+        force: &mut forces,
+    };
     let hit = obstacle_forces(&mut part, &mut touch, law, |_| {});
     let (deep, passed) = accumulate(&mut part, law, |_| {}, no_fetch::<R>(), after);
     let _ = (hit.and(deep), passed);

@@ -106,6 +106,10 @@ impl Observer for BedCache {
         Ok(())
     }
 
+    fn wants_checkpoint(&self, _step: u64) -> bool {
+        true
+    }
+
     fn on_checkpoint(
         &mut self,
         step: u64,

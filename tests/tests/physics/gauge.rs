@@ -61,9 +61,18 @@ fn read(
     for n in 1..=motion.steps() {
         sim.steps(1).unwrap();
         turn(sim, n);
-        gauge.read(sim, n, [n as f64, 2.0 * n as f64, 0.0]);
+        read_step(&mut gauge, sim, n);
     }
     gauge
+}
+
+/// Reads step `n`, with forces that grow by the step.
+fn read_step(gauge: &mut FlowGauge, sim: &Simulation, n: u64) {
+    let note = sim.note(&gauge.watch(sim.obstacles.len()));
+    gauge.read(&note, [n as f64, 2.0 * n as f64, 0.0]);
+    if gauge.is_due(n) {
+        gauge.end_row(sim, n);
+    }
 }
 
 fn motion(moves: Moves, rows: u64, discard: f64) -> Motion {
@@ -203,7 +212,7 @@ fn rows_and_windows_are_whole() {
         for n in 1..=motion.steps() {
             sim.steps(1).unwrap();
             set_speed(&mut sim, speed(n / ROW));
-            gauge.read(&sim, n, [n as f64, 2.0 * n as f64, 0.0]);
+            read_step(&mut gauge, &sim, n);
         }
         gauge.means(DT)
     };

@@ -17,6 +17,7 @@ mod matrix;
 mod medium;
 mod motions;
 mod near_field;
+mod notes;
 mod peers;
 mod physics;
 mod quick;

@@ -183,10 +183,11 @@ fn stride(
     while sim.step_count() < end {
         let now = sim.step_count();
         let wanted = (now + 1..=end).find(|&n| observer.wants_step(n));
-        let quiet = wanted.map_or(end, |n| n - 1);
+        let shows = wanted.is_some_and(|n| observer.wants_contacts(n));
+        let quiet = wanted.unwrap_or(end) - u64::from(shows);
         sim.steps(quiet - now).map_err(|f| stopped(bed, sim, f))?;
-        if wanted.is_some() {
-            seen.clear();
+        seen.clear();
+        if shows {
             sim.step_watched(|contact| seen.push(contact))
                 .map_err(|f| stopped(bed, sim, f))?;
         }

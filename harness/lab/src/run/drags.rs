@@ -262,9 +262,20 @@ struct Files<'a> {
     frames: Frames,
 }
 
+impl Files<'_> {
+    /// Whether the plan has a checkpoint after this step.
+    fn is_planned(&self, step: u64) -> bool {
+        self.drag.plan.checkpoints.binary_search(&step).is_ok()
+    }
+}
+
 impl Observer for Files<'_> {
     fn wants_step(&self, step: u64) -> bool {
         self.drag.shows(step) || self.frames.wants(self.drag, step)
+    }
+
+    fn wants_contacts(&self, step: u64) -> bool {
+        self.drag.shows(step)
     }
 
     fn on_step(
@@ -285,13 +296,17 @@ impl Observer for Files<'_> {
         Ok(())
     }
 
+    fn wants_checkpoint(&self, step: u64) -> bool {
+        self.is_planned(step) || self.saver.wants_checkpoint(step)
+    }
+
     fn on_checkpoint(
         &mut self,
         step: u64,
         sim: &mut Simulation,
         note: &dyn Fn() -> StageState,
     ) -> Result<()> {
-        if self.drag.plan.checkpoints.binary_search(&step).is_err() {
+        if !self.is_planned(step) {
             let frames = &self.frames;
             return self.saver.on_checkpoint(step, sim, &|| frames.note(note()));
         }

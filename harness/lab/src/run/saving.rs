@@ -89,6 +89,13 @@ impl<'a> Saver<'a> {
 
 /// Saves the stage if it is due.
 impl Observer for Saver<'_> {
+    fn wants_checkpoint(&self, step: u64) -> bool {
+        match self.every {
+            SaveEvery::Time(_) => false,
+            SaveEvery::Steps(steps) => step.saturating_sub(self.step) >= steps,
+        }
+    }
+
     fn on_checkpoint(
         &mut self,
         step: u64,
@@ -97,7 +104,7 @@ impl Observer for Saver<'_> {
     ) -> Result<()> {
         let due = match self.every {
             SaveEvery::Time(time) => self.time.elapsed() >= time,
-            SaveEvery::Steps(steps) => step.saturating_sub(self.step) >= steps,
+            SaveEvery::Steps(_) => self.wants_checkpoint(step),
         };
         if due {
             self.save(sim, &note())?;

@@ -73,6 +73,10 @@ impl Observer for Check<'_> {
         self.drag.is_some_and(shown)
     }
 
+    fn wants_contacts(&self, step: u64) -> bool {
+        self.drag.is_some_and(|drag| drag.shows(step))
+    }
+
     fn on_step(
         &mut self,
         step: u64,

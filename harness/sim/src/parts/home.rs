@@ -12,6 +12,7 @@ use super::ghosts::Ghosts;
 use super::part::{End, Errand, Part};
 use super::rows::Rows;
 use super::{Cutting, Parts, Settings};
+use crate::notes::{Note, Notebook, Watch, join};
 use crate::owned_world::OwnedWorld;
 use crate::pass::Fallible;
 use crate::threads::{RowsFrom, each};
@@ -63,9 +64,10 @@ impl Parts {
         self.crew = Some(Arc::new(Crew::new(parts)));
     }
 
-    /// Gives all parts what the host may change between two calls.
-    pub(super) fn set_out(&mut self, home: &OwnedWorld<f64>, crew: &Crew) {
+    /// Gives all parts what the host may change between two calls, and what it wants to know of each step.
+    pub(super) fn set_out(&mut self, home: &OwnedWorld<f64>, crew: &Crew, watch: Option<&Watch>) {
         for part in &mut crew.parts() {
+            part.notes = watch.map(Notebook::new);
             part.world.clock.step = home.clock.step;
             part.world.obstacles.clone_from(&home.obstacles);
             part.world.policy = home.policy;
@@ -103,6 +105,13 @@ impl Parts {
         self.away = true;
         self.mark = Some(home.clock);
         end
+    }
+
+    /// What the parts noted of the steps up to `last`.
+    pub(super) fn noted(&self, crew: &Crew, last: u64) -> Vec<Note> {
+        let mut parts = crew.parts();
+        let books = parts.iter_mut().filter_map(|part| part.notes.as_mut());
+        join(&mut books.collect::<Vec<_>>(), last)
     }
 
     /// Gives the next cut fairer fractions, by the times that parts took.

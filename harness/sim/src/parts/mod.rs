@@ -26,6 +26,7 @@ use bitgrain_kernel::Clock;
 
 use crate::isa::Isa;
 use crate::law::AnyLaw;
+use crate::notes::Taken;
 use crate::owned_world::OwnedWorld;
 use crate::pass::Fallible;
 use crew::Crew;
@@ -107,6 +108,7 @@ impl Parts {
         home: &mut OwnedWorld<f64>,
         settings: &Settings,
         (count, last): (usize, u64),
+        mut notes: Option<&mut Taken>,
     ) -> Fallible<()> {
         if self.count() != count || !self.fit(&home.clock) {
             self.come_home(home)?;
@@ -126,7 +128,7 @@ impl Parts {
                 recuts: settings.tunes,
                 recuts_always: settings.cutting != Cutting::Planes,
             };
-            self.set_out(home, &crew);
+            self.set_out(home, &crew, notes.as_ref().map(|taken| &taken.watch));
             crew.depart(errand, searches);
             self.helpers.ask(&crew);
             // Should a thread panic, the whole world is stopped and the parts are gone.
@@ -136,6 +138,9 @@ impl Parts {
             self.helpers.dismiss();
             self.crew = Some(Arc::clone(&crew));
             let end = self.gather(home, &crew);
+            if let Some(taken) = &mut notes {
+                taken.notes.extend(self.noted(&crew, home.clock.step));
+            }
             match end {
                 End::Recut => {
                     let histories = self.histories(&crew);

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use bitgrain_kernel::contact::Law;
 use bitgrain_kernel::parts::{is_search_due, restore, take_in};
 use bitgrain_kernel::phases::{
-    After, ObstacleShare, check_forces, drift, finish, is_draining, measure,
+    After, ObstacleShare, Owned, check_forces, drift, finish, is_draining, measure,
 };
 use bitgrain_kernel::{ContactHistory, Error as KernelError, LossPolicy, check_arithmetic};
 
@@ -17,6 +17,7 @@ use super::ghosts::Ghosts;
 use super::letter::{Found, Letter};
 use crate::isa::Isa;
 use crate::law::{AnyLaw, Sprung, WithLaw};
+use crate::notes::Notebook;
 use crate::owned_world::OwnedWorld;
 use crate::pass::{Drift, Fallible, Forces, Renew, Search};
 use crate::skin::Skin;
@@ -89,6 +90,8 @@ pub(super) struct Part {
     pub ghosts: Ghosts,
     /// What each listed obstacle contact took from its obstacle in the last step.
     pub shares: Vec<ObstacleShare<f64>>,
+    /// What the host wants to know of each step.
+    pub notes: Option<Notebook>,
     /// Histories to be put in after the first search, in places of the whole world.
     pub histories: Vec<ContactHistory<f64>>,
     /// Time of work since the last cut.
@@ -111,6 +114,7 @@ impl Part {
             world,
             ghosts,
             shares: Vec::new(),
+            notes: None,
             histories: Vec::new(),
             busy: Duration::ZERO,
             has_searched: false,
@@ -127,6 +131,19 @@ impl Part {
         self.errand = errand;
         self.leg = if searches { Leg::Measure } else { Leg::Drift };
         self.end = None;
+        self.find_watched();
+    }
+
+    /// Finds the watched grains after places were given.
+    fn find_watched(&mut self) {
+        let owned = Owned::new(&self.world.owned);
+        let home = self.ghosts.home();
+        if let Some(notes) = &mut self.notes {
+            notes.find(|grain| {
+                let place = home.binary_search(&grain).ok()?;
+                owned.has(place).then_some(place as u32)
+            });
+        }
     }
 
     /// How its way ended, if it did.
@@ -298,6 +315,7 @@ impl Part {
                 .while_full(|world| registers.run(Search(&mut world.world(), &extent)))
         })?;
         self.ghosts.trim(&self.world);
+        self.find_watched();
         self.has_searched = true;
         let histories = std::mem::take(&mut self.histories);
         restore(&mut self.world.world(), self.ghosts.here(histories))
@@ -331,8 +349,13 @@ impl Part {
                     world: &mut world,
                     law,
                     shares: &mut self.shares,
+                    notes: self.notes.as_mut(),
                     after,
                 });
+                if let Some(notes) = &mut self.notes {
+                    let home = self.ghosts.home();
+                    notes.end(|place| home[place as usize]);
+                }
                 found.motion.draining = is_draining(&world);
                 if self.errand.tunes && self.number == 0 {
                     self.skin.stepped(&mut world);

@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 
 use bitgrain_kernel::contact::Law;
 use bitgrain_kernel::parts::{
-    GONE, GhostMotion, is_search_due, listed_springs, renumber, restore, search_and_list, take_in,
-    take_lists,
+    GONE, GhostMotion, drift_own, is_search_due, listed_springs, renumber, restore,
+    search_and_list, take_in, take_lists,
 };
 use bitgrain_kernel::phases::{
-    After, Extent, ForceCheck, MotionCheck, MotionPhase, accumulate, begin, check_forces, drift,
-    end, ensure_pair_list, finish, integrate, is_draining, measure, no_fetch, obstacle_forces,
-    seal, sum_on_obstacles,
+    After, Extent, ForceCheck, MotionCheck, NotedForces, accumulate, begin, check_forces, drift,
+    end, ensure_pair_list, finish, is_draining, measure, no_fetch, obstacle_forces, seal,
+    sum_on_obstacles,
 };
 use bitgrain_kernel::vec3::{dot, head};
 use bitgrain_kernel::{
@@ -146,13 +146,7 @@ impl<R: Real> Parts<R> {
     fn drift(&mut self) -> Result<(), Error> {
         let mut all = MotionCheck::NONE;
         for part in self.parts.iter_mut().rev() {
-            let runs = part.owned.clone();
-            let mut world = part.world(&self.frame);
-            let mut grains = world.grain_motion();
-            for [from, to] in runs.as_chunks().0 {
-                let mut run = grains.stretch(*from as usize, *to as usize);
-                all = integrate(&mut run, MotionPhase::Drift).and(all);
-            }
+            all = drift_own(&mut part.world(&self.frame)).and(all);
         }
         self.show();
         self.joint(|world| drift(world, all))
@@ -252,12 +246,27 @@ impl<R: Real> Parts<R> {
             };
             let mut shares = std::mem::take(&mut part.shares);
             shares.resize(part.clock.obstacle_contacts(), Default::default());
+            let runs = part.owned.as_chunks().0.iter();
+            let own: Vec<u32> = runs.flat_map(|[from, to]| *from..*to).collect();
+            let mut forces = vec![[R::ZERO; 4]; own.len()];
             let mut world = part.world(&self.frame);
             let (mut range, mut touch) = world.force_ranges(self.frame.dt);
             touch.shares = &mut shares;
+            range.noted = NotedForces {
+                place: &own,
+                force: &mut forces,
+            };
             let hit = obstacle_forces(&mut range, &mut touch, law, &mut seen);
             let fetch = no_fetch::<R>();
             let (deep, mut passed) = accumulate(&mut range, law, &mut seen, fetch, after);
+            for (place, force) in own.iter().zip(&forces) {
+                // The next step begins with sums of zero.
+                let row = &world.grains.force[*place as usize];
+                assert!(
+                    after != After::Rest || row.map(Real::to_words) == force.map(Real::to_words)
+                );
+                assert!(after != After::FinishAndBegin || *row == [R::ZERO; 4]);
+            }
             passed.draining = after == After::Rest && is_draining(&world);
             (found, all) = (found.and(hit).and(deep), passed.and(all));
             part.shares = shares;

@@ -1,10 +1,12 @@
 //! What hosts of parts of a world do.
 
 use bitgrain_kernel::parts::{
-    GhostMotion, is_search_due, listed_springs, renumber, restore, search_and_list, take_in,
-    take_lists,
+    GhostMotion, drift_own, is_search_due, listed_springs, renumber, restore, search_and_list,
+    take_in, take_lists,
 };
-use bitgrain_kernel::phases::{Extent, ObstacleShare, Owned, measure, sum_on_obstacles};
+use bitgrain_kernel::phases::{
+    Extent, MotionCheck, ObstacleShare, Owned, measure, sum_on_obstacles,
+};
 use bitgrain_kernel::{Clock, ContactHistory, Error as KernelError, Obstacle, Real, Row, World};
 
 type Ended = Result<(), KernelError>;
@@ -13,6 +15,8 @@ type Contacts<'l, R> = &'l mut dyn Iterator<Item = (u32, u32, Row<R>)>;
 
 /// Functions over one number type.
 pub struct Parts<R: Real + 'static> {
+    drift_own: fn(&mut World<'_, R>) -> MotionCheck<R>,
+    owns: for<'b> fn(Owned<'b>, usize) -> bool,
     owned: for<'b> fn(&'b [u32]) -> Owned<'b>,
     of_part: fn(&Clock<R>, usize) -> Clock<R>,
     rejoin: fn(&mut Clock<R>, &Clock<R>, u64, u64),
@@ -33,6 +37,8 @@ pub struct Parts<R: Real + 'static> {
 impl<R: Real + 'static> Parts<R> {
     /// Each of them.
     pub const ALL: Self = Self {
+        drift_own,
+        owns: |owned, place| owned.has(place),
         owned: |bounds| Owned::new(bounds),
         of_part: Clock::of_part,
         rejoin: Clock::rejoin,

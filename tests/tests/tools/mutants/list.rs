@@ -405,6 +405,14 @@ pub const MUTANTS: &[Mutant] = &[
         red: &["a_world_goes_on_from_its_parts"],
     },
     Mutant {
+        name: "forces are noted of other grains",
+        file: "forces/accumulate.rs",
+        from: "set(self.force, next, get_or_default(sums, place));",
+        to: "set(self.force, next, get_or_default(sums, next));",
+        target: "parts",
+        red: &["a_world_goes_on_from_its_parts"],
+    },
+    Mutant {
         name: "a saved world is not compared with what it became",
         file: "saved/read.rs",
         from: "match saved.checksum() == hasher.finish() {",
