@@ -73,7 +73,7 @@ impl<R: Real> Clock<R> {
     }
 }
 
-/// The motion of own grains that begins a step: [`integrate`](crate::phases::integrate) over each run of them.
+/// The motion of own grains that begins a step: [`integrate`] over each run of them.
 #[inline(always)]
 pub fn drift_own<R: Real>(world: &mut World<'_, R>) -> MotionCheck<R> {
     let mut runs = Owned::new(world.owned).runs();

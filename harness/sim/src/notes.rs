@@ -1,8 +1,8 @@
 //! Notes of every step of a stretch, for a host that wants to know some numbers of each step and the rows only at the
 //! end: forces on obstacles, where grains touch them, and forces on some grains.
 //!
-//! A part of a world notes what its own grains do ([`Notebook`]); joined by ascending place, the notes are those of the
-//! whole world ([`join`]).
+//! A part of a world notes what its own grains do (`Notebook`); joined by ascending place, the notes are those of the
+//! whole world (`join`).
 
 use bitgrain_kernel::phases::{
     GrainRange, NotedForces, ObstacleContactRange, ObstacleShare, sum_on_obstacles,

@@ -2,7 +2,6 @@
 
 mod analyse;
 mod bed;
-
 mod channels;
 mod checks;
 mod ending;
