@@ -8,6 +8,7 @@
 
 pub mod bench;
 pub mod cli;
+pub mod ranks;
 
 pub use bitgrain_analysis::{analysis, claims, fit, present, remarks, report};
 pub use bitgrain_lab::{

@@ -206,6 +206,7 @@ fn answered<R: Real>(
 
 /// What a pass of motion found.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MotionCheck<R> {
     /// Square of the highest speed of the drift that comes next, or that was done.
     pub speed2: R,

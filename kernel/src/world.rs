@@ -24,6 +24,7 @@ const RESOLVED: f64 = 16.0;
 /// Where a world is in time, how long its pair list holds, and the seal of what it was when it came to
 /// rest. Everything but `step` has no effect on any result.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Clock<R> {
     /// Steps done; time is `step * dt`.
     pub step: u64,
@@ -52,6 +53,7 @@ pub struct Clock<R> {
 
 /// Where a world is within a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) enum Stage {
     /// Not started, or stopped by a fault.
     #[default]

@@ -2,6 +2,7 @@
 //! evaluates at once. It has no effect on any bit.
 
 use multiversion::multiversion;
+use serde::{Deserialize, Serialize};
 
 /// Work compiled for several instruction sets.
 pub(crate) trait Kernel {
@@ -13,7 +14,7 @@ pub(crate) trait Kernel {
 }
 
 /// Sets of instructions.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Isa {
     /// What every machine of the target has.
     Plain,

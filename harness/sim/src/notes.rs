@@ -8,9 +8,10 @@ use bitgrain_kernel::phases::{
     GrainRange, NotedForces, ObstacleContactRange, ObstacleShare, sum_on_obstacles,
 };
 use bitgrain_kernel::{Obstacle, Row, TOUCHING};
+use serde::{Deserialize, Serialize};
 
 /// What is noted.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Watch {
     /// Numbers of obstacles.
     pub obstacles: Vec<u32>,
@@ -60,19 +61,22 @@ pub(crate) fn xyz(row: Row<f64>) -> [f64; 3] {
 }
 
 /// What the grains of a world, or the own grains of a part, do in the steps of a stretch.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Notebook {
     watch: Watch,
     /// Places here of the watched grains that are own, ascending, and their numbers in the watch.
+    #[serde(skip)]
     place: Vec<u32>,
+    #[serde(skip)]
     number: Vec<u32>,
     /// Their forces in the present step.
+    #[serde(skip)]
     force: Vec<Row<f64>>,
     pages: Vec<Page>,
 }
 
 /// One step.
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 struct Page {
     step: u64,
     /// Those that are watched, as they stand.
@@ -82,7 +86,7 @@ struct Page {
 }
 
 /// A grain that touches a watched obstacle.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Touch {
     grain: u32,
     position: [f64; 3],

@@ -1,6 +1,7 @@
 //! Steps with the machine's widest instructions, here or in parts on several threads. The phases are the kernel's, so
 //! nothing here can change a result.
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use bitgrain_kernel::contact::Law;
@@ -13,7 +14,7 @@ use crate::isa::{Isa, Kernel};
 use crate::law::{AnyLaw, Sprung, WithLaw};
 use crate::notes::{Notebook, Taken, join};
 use crate::owned_world::OwnedWorld;
-use crate::parts::{Cutting, Parts, Settings};
+use crate::parts::{Cutting, Parts, Ranks, Settings};
 use crate::pass::{Drift, Fallible, Forces, Renew};
 use crate::skin::Skin;
 use crate::threads::{RowsFrom, each};
@@ -32,6 +33,8 @@ pub struct Stepping {
     pub tunes: bool,
     /// How grains are given to parts.
     pub cutting: Cutting,
+    /// Processes that share the world: those that this one has joined.
+    pub ranks: Option<Arc<Ranks>>,
     skin: Skin,
     /// Whether the owner began the present stretch, and will end it.
     held: bool,
@@ -47,6 +50,7 @@ impl Clone for Stepping {
             part_min: self.part_min,
             tunes: self.tunes,
             cutting: self.cutting,
+            ranks: self.ranks.clone(),
             ..Self::default()
         }
     }
@@ -59,6 +63,7 @@ impl Default for Stepping {
             part_min: PART_MIN,
             tunes: true,
             cutting: Cutting::default(),
+            ranks: Ranks::joined(),
             skin: Skin::default(),
             held: false,
             count: 1,
@@ -97,6 +102,7 @@ impl Stepping {
                 law,
                 registers: self.registers,
                 tunes: self.tunes,
+                ranks: self.ranks.clone(),
                 cutting: self.cutting,
             };
             parts.steps(home, &settings, (self.count, last), notes)?;
@@ -144,6 +150,8 @@ impl Stepping {
 
     /// Sets how many parts there will be.
     fn set_count(&mut self, home: &OwnedWorld<f64>, threads: usize) {
+        let ranks = self.ranks.as_ref().map_or(1, |ranks| ranks.count());
+        let threads = threads.saturating_mul(ranks);
         let most = home.id.len() / self.part_min.max(1);
         self.count = threads.min(most).clamp(1, usize::from(u16::MAX));
     }

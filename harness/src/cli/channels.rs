@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 use bitgrain_lab::plain::escaped;
 use bitgrain_lab::progress::Progress;
 use bitgrain_sim::error::{Error, Result};
+use bitgrain_sim::parts::Ranks;
 
 /// Largest file that is read unless something else is said, unpacked, in MiB.
 pub(super) const MAX_INPUT: u64 = 512;
@@ -67,6 +68,10 @@ pub(super) fn stoppable(verbose: bool) -> Progress {
 
 /// Threads to use: so many as asked for, or one for each processor.
 pub(super) fn processors(asked: Option<u16>) -> usize {
-    let processors = || std::thread::available_parallelism().map_or(1, usize::from);
+    // Of processes that were started together each has its share of the machine.
+    let processors = || match Ranks::joined() {
+        Some(_) => 1,
+        None => std::thread::available_parallelism().map_or(1, usize::from),
+    };
     asked.map_or_else(processors, usize::from)
 }

@@ -21,6 +21,7 @@ use std::process::ExitCode;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::bench::{Timing, bench};
+use crate::ranks;
 pub use bed::own_beds;
 use bed::{Bed, run_bed};
 use bitgrain_analysis::present;
@@ -170,7 +171,11 @@ pub fn main() -> ExitCode {
 pub fn main_with_beds(home: &Path) -> ExitCode {
     // Few commands need it, and those say that nothing is to be found there.
     let this = std::env::current_exe().unwrap_or_default();
-    ExitCode::from(main_of(std::env::args_os(), home, &this))
+    let command = || main_of(std::env::args_os(), home, &this);
+    ExitCode::from(match ranks::started() {
+        0 | 1 => command(),
+        _ => ranks::together(command),
+    })
 }
 
 /// The same with these words, the first of which is the program's name; `this` is the program that is run when work is

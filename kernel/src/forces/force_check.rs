@@ -5,6 +5,7 @@ use crate::state::obstacle::Obstacle;
 
 /// What the forces of a step found, by ids of grains and numbers of obstacles: the lowest of each.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ForceCheck {
     /// The obstacle whose force or torque is not finite.
     pub unsound: Option<u32>,

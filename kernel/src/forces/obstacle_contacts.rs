@@ -29,6 +29,7 @@ pub struct ObstacleContactRange<'a, R> {
 
 /// What a contact takes from the force and the torque on its obstacle; zero if it does not touch.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ObstacleShare<R> {
     /// Number of the obstacle.
     pub obstacle: u32,

@@ -9,6 +9,7 @@ use crate::state::owned::Owned;
 /// Where own grains are, and how large numbers and bodies are. The parts of one world search with one extent, that of
 /// all of them, so that they agree on which pairs are near.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Extent<R> {
     /// The lower corner of a box round the centres of the own grains (length); above `hi` without grains.
     pub lo: [R; 3],

@@ -36,6 +36,7 @@ pub struct PairList<'a, R> {
 
 /// How many entries of a list are in use.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Listed {
     /// Stretches of grains; none before anything is listed.
     pub stretches: usize,

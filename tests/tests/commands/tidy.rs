@@ -178,6 +178,10 @@ fn nothing_of_the_machine_can_reach_a_result() {
         ("skin.rs", "Instant"),
         ("stepping.rs", "Instant"),
         ("parts/part.rs", "Instant"),
+        // Whether a launcher of MPI programs started the process, and how long a silent one is waited for.
+        ("ranks/mod.rs", "env::var"),
+        ("ranks/joined.rs", "env::var"),
+        ("parts/ranks.rs", "Instant"),
         ("disk.rs", "process::id"),
         ("threads.rs", "current_num_threads"),
         ("cli/channels.rs", "available_parallelism"),

@@ -21,5 +21,6 @@ mod notes;
 mod peers;
 mod physics;
 mod quick;
+mod ranks;
 mod rig;
 mod store;

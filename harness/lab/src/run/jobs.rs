@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
 use bitgrain_sim::error::Result;
+use bitgrain_sim::parts::Ranks;
 use bitgrain_sim::threads::{ThreadsError, on_threads};
 
 /// Does `count` jobs, the longest first, at most `most` at a time, and returns their results in order.
@@ -22,6 +23,8 @@ pub(crate) fn side_by_side<T: Send>(
     length: impl Fn(usize) -> u64,
     job: impl Fn(usize) -> T + Sync,
 ) -> Result<Vec<T>> {
+    // Ranks do one thing at a time, all together.
+    let most = if Ranks::joined().is_some() { 1 } else { most };
     let mut order: Vec<usize> = (0..count).collect();
     order.sort_by_key(|&k| (u64::MAX - length(k), k));
     let results: Vec<Mutex<Option<T>>> = (0..count).map(|_| Mutex::new(None)).collect();

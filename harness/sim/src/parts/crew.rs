@@ -11,14 +11,19 @@ use std::sync::PoisonError;
 use super::exchange::Exchange;
 use super::letter::Letter;
 use super::part::{Errand, Part};
+use super::post::Post;
 use super::sync::{
     AtomicBool, AtomicUsize, HELP, Mutex, MutexGuard, Ordering, PATIENCE, do_other_work, nap, spin,
 };
 
 /// The parts, and what they tell each other.
 pub(super) struct Crew {
+    /// Of the parts of this process, the first of which has the number `first`.
     seats: Vec<Seat>,
+    first: usize,
     letters: Exchange<Letter>,
+    /// Where letters go to and come from other processes.
+    post: Option<Post>,
     /// Parts that have ended.
     ended: AtomicUsize,
     /// Whether a thread panicked.
@@ -33,13 +38,16 @@ struct Seat {
 }
 
 impl Crew {
-    pub fn new(parts: Vec<Part>) -> Self {
+    /// Of these parts of so many, the first of which has this number; the others, if any, are elsewhere.
+    pub fn new(parts: Vec<Part>, first: usize, count: usize, post: Option<Post>) -> Self {
         let seat = |part| Seat {
             part: Mutex::new(Box::new(part)),
             ended: AtomicBool::new(true),
         };
         Self {
-            letters: Exchange::between(parts.len()),
+            letters: Exchange::between(count),
+            first,
+            post,
             ended: AtomicUsize::new(parts.len()),
             seats: parts.into_iter().map(seat).collect(),
             dead: AtomicBool::new(false),
@@ -47,7 +55,7 @@ impl Crew {
         }
     }
 
-    /// How many parts there are.
+    /// How many parts it has.
     pub fn count(&self) -> usize {
         self.seats.len()
     }
@@ -107,7 +115,7 @@ impl Crew {
         let count = self.seats.len();
         let mut idle = 0;
         while !self.is_over() {
-            let mut others = (0..count).map(|k| (first + k) % count);
+            let mut others = (0..count).map(|k| self.first + (first + k) % count);
             if let Some((number, part)) = others.find_map(|number| self.claim(number)) {
                 idle = 0;
                 self.drive(number, part);
@@ -116,6 +124,7 @@ impl Crew {
                 }
                 continue;
             }
+            self.look();
             idle += 1;
             if idle < PATIENCE {
                 spin();
@@ -127,7 +136,7 @@ impl Crew {
 
     /// A part that has not ended and that nobody drives.
     fn claim(&self, number: usize) -> Option<(usize, MutexGuard<'_, Box<Part>>)> {
-        let seat = &self.seats[number];
+        let seat = self.seats.get(number.checked_sub(self.first)?)?;
         // A part whose driver panicked stays where it is.
         let part = seat.part.try_lock().ok()?;
         (!seat.ended.load(Ordering::Acquire)).then_some((number, part))
@@ -144,8 +153,10 @@ impl Crew {
                 waited = 0;
                 continue;
             }
+            self.look();
             waited += 1;
             if waited > PATIENCE {
+                self.expect_answers(number);
                 return;
             }
             spin();
@@ -165,12 +176,34 @@ impl Crew {
         }
     }
 
+    /// Takes in letters from elsewhere.
+    fn look(&self) {
+        if let Some(post) = &self.post {
+            post.look(&self.letters);
+        }
+    }
+
+    /// Ends everything if another process has been silent for too long.
+    fn expect_answers(&self, number: usize) {
+        if let Some(post) = &self.post {
+            post.expect_answers(number, &self.letters);
+        }
+    }
+
     /// A leg of a part; whether it has ended.
     fn advance(&self, number: usize, part: &mut Part) -> bool {
+        let before = self.letters.number(number);
         part.advance(&self.letters);
+        if let Some(post) = &self.post
+            && self.letters.number(number) > before
+        {
+            post.send(number, &self.letters);
+        }
         let ended = part.end().is_some();
         if ended {
-            self.seats[number].ended.store(true, Ordering::Release);
+            self.seats[number - self.first]
+                .ended
+                .store(true, Ordering::Release);
             self.ended.fetch_add(1, Ordering::AcqRel);
         }
         ended

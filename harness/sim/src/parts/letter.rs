@@ -4,9 +4,10 @@ use bitgrain_kernel::Error as KernelError;
 use bitgrain_kernel::Row;
 use bitgrain_kernel::parts::GhostMotion;
 use bitgrain_kernel::phases::{Extent, ForceCheck, MotionCheck};
+use serde::{Deserialize, Serialize};
 
 /// A grain that a part offers to another one as a ghost.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Serialize, Deserialize)]
 pub(super) struct Offer {
     /// Its place in the whole world.
     pub home: u32,
@@ -17,7 +18,7 @@ pub(super) struct Offer {
 }
 
 /// What forces and motion found.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Serialize, Deserialize)]
 pub(super) struct Found {
     pub forces: ForceCheck,
     pub motion: MotionCheck<f64>,
@@ -41,8 +42,20 @@ impl Found {
     }
 }
 
+/// What a letter is about; the rest of it is that of an earlier one.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Told {
+    /// What was found, and where grains are now.
+    Found,
+    /// How far the part reaches, and what it cost.
+    Extent,
+    /// Which grains may be ghosts.
+    Offers,
+}
+
 /// A letter. Lists for each receiver are written over those of an earlier letter.
 pub(super) struct Letter {
+    pub told: Told,
     pub found: Found,
     /// Skin and reach, which are those of the first part for all.
     pub skins: [f64; 2],
@@ -61,6 +74,7 @@ pub(super) struct Letter {
 impl Default for Letter {
     fn default() -> Self {
         Self {
+            told: Told::Found,
             found: Found::NOTHING,
             skins: [0.0; 2],
             rows: Vec::new(),

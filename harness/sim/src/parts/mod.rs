@@ -16,7 +16,12 @@ mod helpers;
 mod home;
 mod letter;
 mod part;
+mod post;
+mod ranks;
+mod report;
 mod rows;
+mod seed;
+mod service;
 mod sync;
 
 use std::fmt;
@@ -32,13 +37,19 @@ use crate::pass::Fallible;
 use crew::Crew;
 use helpers::Helpers;
 use part::{End, Errand};
+use service::{Departure, Elsewhere};
+
+pub use ranks::{Carrier, Message, Ranks};
+pub use service::{dismiss, serve};
 
 /// How parts step.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub(crate) struct Settings {
     pub law: AnyLaw,
     pub registers: Isa,
     pub tunes: bool,
+    /// Processes that share the world.
+    pub ranks: Option<Arc<Ranks>>,
     /// How grains are given to parts.
     pub cutting: Cutting,
 }
@@ -57,6 +68,8 @@ pub enum Cutting {
 #[derive(Default)]
 pub(crate) struct Parts {
     crew: Option<Arc<Crew>>,
+    /// The parts that other processes have.
+    elsewhere: Option<Elsewhere>,
     helpers: Arc<Helpers>,
     /// The part of each grain.
     owner: Vec<u16>,
@@ -68,6 +81,18 @@ pub(crate) struct Parts {
     away: bool,
     /// Searches and renewals of the first part that the clock of the whole world has.
     counted: [u64; 2],
+    told: Told,
+}
+
+/// What all parts told when they last came home.
+#[derive(Default)]
+struct Told {
+    /// Grains and the obstacles that they touch, by grain.
+    touching: Vec<(u32, u32)>,
+    /// Pairs and obstacle contacts that are listed, pairs of two parts twice, and bytes that the parts hold.
+    listed: [usize; 3],
+    /// Seconds of work of each since the last cut.
+    busy: Vec<f64>,
 }
 
 impl fmt::Debug for Parts {
@@ -82,7 +107,7 @@ impl fmt::Debug for Parts {
 impl Parts {
     /// How many there are; none before the first call.
     pub fn count(&self) -> usize {
-        self.crew.as_ref().map_or(0, |crew| crew.count())
+        self.crew.as_ref().map_or(0, |_| self.fractions.len())
     }
 
     /// Whether they are those of a world with this clock.
@@ -114,22 +139,32 @@ impl Parts {
             self.come_home(home)?;
             let histories = home.world().contact_histories().collect();
             // Two sets of parts at once would take twice the memory.
-            self.crew = None;
+            self.leave();
             self.enter(home, settings, count, histories);
         }
         let mut searches = false;
         loop {
             let crew = Arc::clone(self.crew.as_ref().expect("it was entered"));
-            let errand = Errand {
-                law: settings.law,
-                last,
-                registers: settings.registers,
-                tunes: settings.tunes,
-                recuts: settings.tunes,
-                recuts_always: settings.cutting != Cutting::Planes,
+            let departure = Departure {
+                errand: Errand {
+                    law: settings.law,
+                    last,
+                    registers: settings.registers,
+                    tunes: settings.tunes,
+                    recuts: settings.tunes,
+                    recuts_always: settings.cutting != Cutting::Planes,
+                },
+                searches,
+                step: home.clock.step,
+                obstacles: home.obstacles.clone(),
+                policy: home.policy,
+                skins: [home.skin, home.outer_skin],
+                watch: notes.as_ref().map(|taken| taken.watch.clone()),
             };
-            self.set_out(home, &crew, notes.as_ref().map(|taken| &taken.watch));
-            crew.depart(errand, searches);
+            if let Some(elsewhere) = &self.elsewhere {
+                elsewhere.depart(&departure);
+            }
+            departure.prepare(&crew);
             self.helpers.ask(&crew);
             // Should a thread panic, the whole world is stopped and the parts are gone.
             self.crew = None;
@@ -137,16 +172,13 @@ impl Parts {
             crew.work(rayon::current_thread_index().unwrap_or_default());
             self.helpers.dismiss();
             self.crew = Some(Arc::clone(&crew));
-            let end = self.gather(home, &crew);
-            if let Some(taken) = &mut notes {
-                taken.notes.extend(self.noted(&crew, home.clock.step));
-            }
+            let end = self.gather(home, &crew, notes.as_deref_mut());
             match end {
                 End::Recut => {
                     let histories = self.histories(&crew);
-                    self.adjust(settings, &crew);
-                    self.crew = None;
+                    self.adjust(settings);
                     drop(crew);
+                    self.leave();
                     self.enter(home, settings, count, histories);
                     searches = true;
                 }
@@ -154,5 +186,11 @@ impl Parts {
                 End::Fault(fault) => return Err(fault),
             }
         }
+    }
+
+    /// Lets go of the parts.
+    fn leave(&mut self) {
+        self.crew = None;
+        self.elsewhere = None;
     }
 }

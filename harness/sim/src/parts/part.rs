@@ -11,10 +11,11 @@ use bitgrain_kernel::phases::{
     After, ObstacleShare, Owned, check_forces, drift, finish, is_draining, measure,
 };
 use bitgrain_kernel::{ContactHistory, Error as KernelError, LossPolicy, check_arithmetic};
+use serde::{Deserialize, Serialize};
 
 use super::exchange::Exchange;
 use super::ghosts::Ghosts;
-use super::letter::{Found, Letter};
+use super::letter::{Found, Letter, Told};
 use crate::isa::Isa;
 use crate::law::{AnyLaw, Sprung, WithLaw};
 use crate::notes::Notebook;
@@ -23,7 +24,7 @@ use crate::pass::{Drift, Fallible, Forces, Renew, Search};
 use crate::skin::Skin;
 
 /// What the parts are to do.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Serialize, Deserialize)]
 pub(super) struct Errand {
     /// The contact law.
     pub law: AnyLaw,
@@ -54,7 +55,7 @@ impl Errand {
 }
 
 /// How a part's way ended; all of them end alike.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) enum End {
     /// At the last step, or before it because grains wait to be taken out.
     Reached,
@@ -230,6 +231,7 @@ impl Part {
         // Each thread has its own modes, and a library may change them at any time.
         found.alone = found.alone.or(check_arithmetic::<f64>().err());
         letters.write(self.number, |letter| {
+            letter.told = Told::Found;
             letter.found = found;
             letter.skins = [self.world.skin, self.world.outer_skin];
             self.ghosts.write_rows(&self.world, moved, &mut letter.rows);
@@ -272,6 +274,7 @@ impl Part {
     fn say_extent(&mut self, letters: &Letters) -> Option<End> {
         let extent = measure(&self.world.world());
         letters.write(self.number, |letter| {
+            letter.told = Told::Extent;
             letter.extent = Some(extent);
             letter.skins = [self.world.skin, self.world.outer_skin];
             letter.busy = self.busy.as_secs_f64();
@@ -300,6 +303,7 @@ impl Part {
         }
         self.ghosts.choose(&self.world);
         letters.write(self.number, |letter| {
+            letter.told = Told::Offers;
             self.ghosts.write_offers(&self.world, &mut letter.offers);
         });
         self.leg = Leg::Offered;

@@ -1,11 +1,12 @@
 //! Rows of the grains of a part, own ones and ghosts, as they are put together.
 
 use bitgrain_kernel::Row;
+use serde::{Deserialize, Serialize};
 
 use crate::owned_world::OwnedWorld;
 
 /// Rows that are put together by ascending id, and which of them are own.
-#[derive(Default)]
+#[derive(Default, Serialize, Deserialize)]
 pub(super) struct Rows {
     id: Vec<u32>,
     group: Vec<u8>,

@@ -30,6 +30,28 @@ mod letter {
     pub(super) struct Letter(pub u64);
 }
 
+mod post {
+    use super::exchange::Exchange;
+    use super::letter::Letter;
+
+    /// All parts are here.
+    pub(super) enum Post {}
+
+    impl Post {
+        pub fn send(&self, _: usize, _: &Exchange<Letter>) {
+            match *self {}
+        }
+
+        pub fn look(&self, _: &Exchange<Letter>) {
+            match *self {}
+        }
+
+        pub fn expect_answers(&self, _: usize, _: &Exchange<Letter>) {
+            match *self {}
+        }
+    }
+}
+
 #[allow(dead_code)]
 #[path = "../../../../harness/sim/src/parts/crew.rs"]
 mod crew;
@@ -44,7 +66,7 @@ use part::{Errand, Part};
 /// Three parts with so many helpers, twice the way; the sums of all parts.
 fn sums(helpers: usize) -> Vec<u64> {
     let parts = (0..3).map(|number| Part::new(number, 3)).collect();
-    let crew = Arc::new(Crew::new(parts));
+    let crew = Arc::new(Crew::new(parts, 0, 3, None));
     for _ in 0..2 {
         let errand = Errand::of(3);
         crew.depart(errand, false);
@@ -80,7 +102,7 @@ fn a_panic_reaches_the_thread_that_waits() {
         shuttle::check_random(
             move || {
                 let parts = (0..3).map(|number| Part::new(number, 3)).collect();
-                let crew = Arc::new(Crew::new(parts));
+                let crew = Arc::new(Crew::new(parts, 0, 3, None));
                 let errand = Errand {
                     fatal: Some((1, leg)),
                     ..Errand::of(3)

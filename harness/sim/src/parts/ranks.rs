@@ -1,0 +1,247 @@
+//! Processes that share a world: each has some of its parts. The first one has the whole world too and decides what is
+//! done; the others [`serve`](super::serve()) it. What carries messages between them is a [`Carrier`].
+
+use std::collections::VecDeque;
+use std::fmt;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::time::{Duration, Instant};
+
+/// How long a rank may be silent that others wait for, unless something else is asked for.
+const PATIENCE: Duration = Duration::from_secs(600);
+
+/// Looks in vain after which a waiting thread lets go of its core.
+const LOOKS: u32 = 2000;
+
+/// How long it then sleeps.
+const NAP: Duration = Duration::from_micros(50);
+
+/// A message; what it is about stands in front.
+pub type Message = Vec<u8>;
+
+/// Carries messages between processes that are numbered from 0. Those of one sender arrive in the order in which they
+/// were sent, whole and unchanged.
+pub trait Carrier: Send {
+    /// The number of this process.
+    fn rank(&self) -> usize;
+
+    /// How many processes there are.
+    fn ranks(&self) -> usize;
+
+    /// Sends messages to other ranks, and hands over what has arrived, with its sender. It returns once all are on
+    /// their way; while it waits for that it goes on handing over what arrives.
+    fn carry(&mut self, out: &[(usize, Message)], arrived: &mut dyn FnMut(usize, Message));
+
+    /// Ends all processes, after this one has said why.
+    fn give_up(&mut self, why: &str) -> !;
+}
+
+/// This process among those that share a world.
+pub struct Ranks {
+    rank: usize,
+    ranks: usize,
+    mail: Mutex<Mail>,
+    /// Of the next world that is cut.
+    next: AtomicU32,
+    patience: Duration,
+}
+
+/// The carrier, and messages that nobody has asked for yet.
+pub(super) struct Mail {
+    carrier: Box<dyn Carrier>,
+    letters: VecDeque<(u32, Message)>,
+    orders: VecDeque<Message>,
+    replies: Vec<VecDeque<Message>>,
+    /// When something last arrived.
+    heard: Instant,
+}
+
+/// What a message is.
+const LETTER: u8 = 0;
+const ORDER: u8 = 1;
+const REPLY: u8 = 2;
+
+static JOINED: OnceLock<Arc<Ranks>> = OnceLock::new();
+
+impl Ranks {
+    /// The ranks that a carrier joins, each of which may be silent for so long.
+    pub fn new(carrier: Box<dyn Carrier>, patience: Option<Duration>) -> Arc<Self> {
+        let (rank, ranks) = (carrier.rank(), carrier.ranks());
+        let mail = Mail {
+            carrier,
+            letters: VecDeque::new(),
+            orders: VecDeque::new(),
+            replies: vec![VecDeque::new(); ranks],
+            heard: Instant::now(),
+        };
+        Arc::new(Self {
+            rank,
+            ranks,
+            mail: Mutex::new(mail),
+            next: AtomicU32::new(0),
+            patience: patience.unwrap_or(PATIENCE),
+        })
+    }
+
+    /// Lets all simulations of this process step on these ranks from now on.
+    ///
+    /// # Panics
+    /// If it was done before.
+    pub fn join(self: &Arc<Self>) {
+        let joined = JOINED.set(Arc::clone(self));
+        assert!(joined.is_ok(), "a process joins once");
+    }
+
+    /// Those that this process has joined, if it has.
+    pub fn joined() -> Option<Arc<Self>> {
+        JOINED.get().cloned()
+    }
+
+    /// The number of this process.
+    pub fn rank(&self) -> usize {
+        self.rank
+    }
+
+    /// How many processes there are.
+    pub fn count(&self) -> usize {
+        self.ranks
+    }
+
+    /// A name for a world that is cut.
+    pub(super) fn name(&self) -> u32 {
+        self.next.fetch_add(1, Ordering::Relaxed)
+    }
+
+    pub(super) fn mail(&self) -> MutexGuard<'_, Mail> {
+        self.mail.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The mail, if no other thread has it.
+    pub(super) fn try_mail(&self) -> Option<MutexGuard<'_, Mail>> {
+        self.mail.try_lock().ok()
+    }
+
+    /// Sends an order to ranks.
+    pub(super) fn order(&self, orders: Vec<(usize, Message)>) {
+        self.mail().send(ORDER, orders);
+    }
+
+    /// Answers rank 0.
+    pub(super) fn reply(&self, reply: Message) {
+        self.mail().send(REPLY, vec![(0, reply)]);
+    }
+
+    /// The next order of rank 0; it may take as long as it likes.
+    pub(super) fn next_order(&self) -> Message {
+        self.await_mail(|mail| mail.orders.pop_front(), |_| ())
+    }
+
+    /// The next reply of a rank.
+    pub(super) fn reply_of(&self, rank: usize) -> Message {
+        self.await_mail(
+            |mail| mail.replies[rank].pop_front(),
+            |mail| mail.expect(&[rank], self.patience),
+        )
+    }
+
+    fn await_mail(
+        &self,
+        take: impl Fn(&mut Mail) -> Option<Message>,
+        wait: impl Fn(&mut Mail),
+    ) -> Message {
+        let mut looks = 0;
+        self.mail().heard = Instant::now();
+        loop {
+            let mut mail = self.mail();
+            if let Some(message) = take(&mut mail) {
+                return message;
+            }
+            mail.look();
+            wait(&mut mail);
+            drop(mail);
+            looks += 1;
+            if looks > LOOKS {
+                std::thread::sleep(NAP);
+            }
+        }
+    }
+
+    /// How long a rank may be silent.
+    pub(super) fn patience(&self) -> Duration {
+        // The lowest rank that waits says so, for all.
+        self.patience + Duration::from_secs(self.rank as u64)
+    }
+
+    /// Ends all ranks, after this one has said why.
+    pub fn give_up(&self, why: &str) -> ! {
+        self.mail().carrier.give_up(why)
+    }
+}
+
+impl Mail {
+    /// Sends messages of one kind, and takes in what arrives.
+    pub fn send(&mut self, kind: u8, messages: Vec<(usize, Message)>) {
+        let signed = |(to, mut message): (usize, Message)| {
+            message.insert(0, kind);
+            (to, message)
+        };
+        let out: Vec<_> = messages.into_iter().map(signed).collect();
+        self.carry(&out);
+    }
+
+    /// Sends letters of parts.
+    pub fn send_letters(&mut self, letters: Vec<(usize, Message)>) {
+        self.send(LETTER, letters);
+    }
+
+    /// Takes in what has arrived.
+    pub fn look(&mut self) {
+        self.carry(&[]);
+    }
+
+    fn carry(&mut self, out: &[(usize, Message)]) {
+        let Self {
+            carrier,
+            letters,
+            orders,
+            replies,
+            heard,
+        } = self;
+        carrier.carry(out, &mut |from, mut message| {
+            *heard = Instant::now();
+            match message.first() {
+                Some(&LETTER) => {
+                    let name = message[1..5].try_into().expect("four bytes");
+                    letters.push_back((u32::from_le_bytes(name), message.split_off(5)));
+                }
+                Some(&ORDER) => orders.push_back(message.split_off(1)),
+                _ => replies[from].push_back(message.split_off(1)),
+            }
+        });
+    }
+
+    /// The next letter between the parts of a world.
+    pub fn letter(&mut self, world: u32) -> Option<Message> {
+        let place = self.letters.iter().position(|(of, _)| *of == world)?;
+        self.letters.remove(place).map(|(_, letter)| letter)
+    }
+
+    /// Gives up if nothing was heard for so long while these ranks are waited for.
+    pub fn expect(&mut self, ranks: &[usize], patience: Duration) {
+        if self.heard.elapsed() > patience && !ranks.is_empty() {
+            let names: Vec<String> = ranks.iter().map(|rank| format!("rank {rank}")).collect();
+            let silent = self.heard.elapsed().as_secs();
+            self.carrier.give_up(&format!(
+                "{} did not answer for {silent} s; what was saved last is good: see whether its machine is well, and \
+                 run again",
+                names.join(", ")
+            ));
+        }
+    }
+}
+
+impl fmt::Debug for Ranks {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "rank {} of {}", self.rank, self.ranks)
+    }
+}

@@ -1,0 +1,105 @@
+//! What a part brings home from its way, beside the rows of its grains, and its contacts if they are wanted.
+
+use bitgrain_kernel::parts::listed_springs;
+use bitgrain_kernel::phases::{ObstacleShare, Owned};
+use bitgrain_kernel::{Clock, Obstacle, TOUCHING};
+use serde::{Deserialize, Serialize};
+
+use super::part::{End, Part};
+use crate::notes::Notebook;
+
+/// What a part brings home.
+#[derive(Serialize, Deserialize)]
+pub(super) struct Report {
+    pub end: End,
+    pub clock: Clock<f64>,
+    /// Skin and reach.
+    pub skins: [f64; 2],
+    pub obstacles: Vec<Obstacle<f64>>,
+    /// Whether it summed forces since the last cut.
+    pub has_summed: bool,
+    /// What each listed obstacle contact took from its obstacle in the last step.
+    pub shares: Vec<Share>,
+    /// Seconds of work since the last cut.
+    pub busy: f64,
+    pub notes: Option<Notebook>,
+    /// Pairs and obstacle contacts that are listed, and bytes that the part holds.
+    pub listed: [usize; 3],
+}
+
+/// An obstacle contact of a grain at a place of the whole world.
+#[derive(Clone, Copy, Serialize, Deserialize)]
+pub(super) struct Share {
+    pub grain: u32,
+    /// Of its obstacle, with the touching bit.
+    pub word: u32,
+    pub share: ObstacleShare<f64>,
+}
+
+/// Contacts in places of the whole world.
+#[derive(Serialize, Deserialize)]
+pub(super) struct PartContacts {
+    /// Pairs whose lower grain is own: both places, and the spring.
+    pub pairs: Vec<(u32, u32, [f64; 3])>,
+    /// Obstacle contacts: place, obstacle with the touching bit, spring.
+    pub touches: Vec<(u32, u32, [f64; 4])>,
+}
+
+impl Part {
+    /// What it brings home at the end of its way; notes are handed over.
+    pub fn report(&mut self) -> Report {
+        let (home, list) = (self.ghosts.home(), &self.world.lists[0]);
+        let contacts = self.world.clock.obstacle_contacts();
+        let listed = list
+            .obstacle_contact_grain
+            .iter()
+            .zip(&list.obstacle_contact_obstacle);
+        let share = |(t, (grain, word)): (usize, (&u32, &u32))| Share {
+            grain: home[*grain as usize],
+            word: *word,
+            share: self.shares.get(t).copied().unwrap_or_default(),
+        };
+        Report {
+            end: self.end().expect("it has ended"),
+            clock: self.world.clock,
+            skins: [self.world.skin, self.world.outer_skin],
+            obstacles: self.world.obstacles.clone(),
+            has_summed: self.has_summed,
+            shares: listed.take(contacts).enumerate().map(share).collect(),
+            busy: self.busy.as_secs_f64(),
+            listed: [self.world.clock.listed(), contacts, self.world.bytes()],
+            notes: self.notes.take(),
+        }
+    }
+
+    /// Its contacts.
+    pub fn contacts(&mut self) -> PartContacts {
+        let home = self.ghosts.home();
+        let list = &self.world.lists[0];
+        let listed = list
+            .obstacle_contact_grain
+            .iter()
+            .zip(&list.obstacle_contact_obstacle)
+            .zip(&list.obstacle_contact_spring);
+        let listed = listed.take(self.world.clock.obstacle_contacts());
+        let touches = listed.map(|((grain, word), spring)| (home[*grain as usize], *word, *spring));
+        let touches = touches.collect();
+        let runs = self.world.owned.clone();
+        let owned = Owned::new(&runs);
+        let world = self.world.world();
+        let pairs = listed_springs(&world);
+        let pairs = pairs.filter(|(i, ..)| owned.has(*i as usize));
+        let pairs = pairs.map(|(i, j, spring)| (home[i as usize], home[j as usize], spring));
+        PartContacts {
+            pairs: pairs.collect(),
+            touches,
+        }
+    }
+}
+
+impl Share {
+    /// The obstacle, if the grain touches it.
+    pub fn touched(&self) -> Option<u32> {
+        (self.word & TOUCHING != 0).then_some(self.word & !TOUCHING)
+    }
+}

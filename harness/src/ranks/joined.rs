@@ -1,0 +1,180 @@
+//! The processes that `mpirun` or a scheduler started together, joined by MPI: they carry the messages between the
+//! parts of a world.
+
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::time::Duration;
+
+use bitgrain_kernel::BITS_VERSION;
+use bitgrain_lab::selftest::selftest;
+use bitgrain_sim::disk::read;
+use bitgrain_sim::parts::{Carrier, Message, Ranks, dismiss, serve};
+use mpi::request::{Request, scope};
+use mpi::topology::SimpleCommunicator;
+use mpi::traits::{Communicator, CommunicatorCollectives, Destination, Equivalence, Source};
+use mpi::{Rank, Threading};
+
+/// Looks after which a sender that waits lets go of its core.
+const LOOKS: u32 = 2000;
+
+/// How long it then sleeps.
+const NAP: Duration = Duration::from_micros(50);
+
+/// Exit status if ranks are not alike.
+const UNLIKE: u8 = 3;
+
+/// What must be the same on all ranks, and what a difference says.
+const ALIKE: [&str; 4] = [
+    "does not compute by the bit contract: `bitgrain selftest` there says more",
+    "runs another version of bitgrain",
+    "was built otherwise: all ranks must run the same file",
+    "was called with other arguments",
+];
+
+/// Messages by MPI.
+struct Mpi {
+    rank: usize,
+    ranks: usize,
+}
+
+impl Carrier for Mpi {
+    fn rank(&self) -> usize {
+        self.rank
+    }
+
+    fn ranks(&self) -> usize {
+        self.ranks
+    }
+
+    fn carry(&mut self, out: &[(usize, Message)], arrived: &mut dyn FnMut(usize, Message)) {
+        let world = SimpleCommunicator::world();
+        if let Some((to, message)) = out
+            .iter()
+            .find(|(_, message)| Rank::try_from(message.len()).is_err())
+        {
+            self.give_up(&format!(
+                "a message of {} bytes to rank {to} is longer than MPI takes: use more ranks",
+                message.len()
+            ));
+        }
+        scope(|scope| {
+            let mut sends: Vec<Request<'_, [u8], _>> = Vec::new();
+            for (to, message) in out {
+                let to = world.process_at_rank(*to as Rank);
+                sends.push(to.immediate_send(scope, &message[..]));
+            }
+            let mut looks = 0;
+            loop {
+                receive(&world, arrived);
+                let waiting = sends.into_iter().filter_map(|send| send.test().err());
+                sends = waiting.collect();
+                if sends.is_empty() {
+                    return;
+                }
+                looks += 1;
+                if looks > LOOKS {
+                    std::thread::sleep(NAP);
+                }
+            }
+        });
+    }
+
+    fn give_up(&mut self, why: &str) -> ! {
+        eprintln!("bitgrain: rank {}: {why}", self.rank);
+        SimpleCommunicator::world().abort(i32::from(UNLIKE))
+    }
+}
+
+/// Hands over what has arrived.
+fn receive(world: &SimpleCommunicator, arrived: &mut dyn FnMut(usize, Message)) {
+    while let Some((message, status)) = world.any_process().immediate_matched_probe() {
+        let length = status.count(u8::equivalent_datatype());
+        let mut bytes = vec![0u8; usize::try_from(length).unwrap_or_default()];
+        message.matched_receive_into(&mut bytes[..]);
+        arrived(
+            usize::try_from(status.source_rank()).unwrap_or_default(),
+            bytes,
+        );
+    }
+}
+
+/// Runs `command` on the first of the processes that were started together; the others do parts of its steps. Returns
+/// the exit status.
+pub fn together(command: impl FnOnce() -> u8) -> u8 {
+    let Some((universe, level)) = mpi::initialize_with_threading(Threading::Serialized) else {
+        eprintln!("bitgrain: MPI cannot be started");
+        return 1;
+    };
+    let world = universe.world();
+    let (rank, ranks) = (world.rank() as usize, world.size() as usize);
+    if level < Threading::Serialized {
+        if rank == 0 {
+            eprintln!(
+                "bitgrain: this MPI lets only one thread of a process call it; expected MPI_THREAD_SERIALIZED"
+            );
+        }
+        return 1;
+    }
+    if let Some(problem) = unlike(&world) {
+        if rank == 0 {
+            eprintln!("bitgrain: {problem}");
+        }
+        return UNLIKE;
+    }
+    let patience = std::env::var("BITGRAIN_PATIENCE").ok();
+    let patience = patience.and_then(|seconds| seconds.parse().ok());
+    let joined = Ranks::new(
+        Box::new(Mpi { rank, ranks }),
+        patience.map(Duration::from_secs),
+    );
+    if rank > 0 {
+        // The first rank decides when all is done, and saves what it has if it is asked to stop.
+        let _ = ctrlc::set_handler(|| ());
+        serve(&joined);
+        return 0;
+    }
+    joined.join();
+    let status = command();
+    dismiss(&joined);
+    // MPI ends with this.
+    drop(universe);
+    status
+}
+
+/// What the ranks that are not like the first have, if there are any.
+fn unlike(world: &SimpleCommunicator) -> Option<String> {
+    let own = fingerprint();
+    let mut all = vec![0u64; own.len() * world.size() as usize];
+    world.all_gather_into(&own[..], &mut all[..]);
+    // The first rank's, if its machine keeps the contract.
+    let mut good = own.to_vec();
+    good.copy_from_slice(&all[..own.len()]);
+    good[0] = 1;
+    let mut problems = Vec::new();
+    for (rank, found) in all.chunks_exact(own.len()).enumerate() {
+        let differs = found.iter().zip(&good).position(|(a, b)| a != b);
+        problems.extend(differs.map(|k| format!("rank {rank} {}", ALIKE[k])));
+    }
+    (!problems.is_empty()).then(|| problems.join("; "))
+}
+
+/// Whether the machine keeps the contract, version, file and arguments.
+fn fingerprint() -> [u64; 4] {
+    let version = format!("{} {BITS_VERSION}", env!("CARGO_PKG_VERSION"));
+    let file = std::env::current_exe()
+        .ok()
+        .and_then(|path| read(&path).ok());
+    let words: Vec<_> = std::env::args_os().skip(1).collect();
+    [
+        u64::from(selftest(|_| Ok(())).is_ok()),
+        hashed(&version),
+        hashed(&file.unwrap_or_default()),
+        hashed(&words),
+    ]
+}
+
+/// Only compared among processes that run now.
+fn hashed(what: &impl Hash) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    what.hash(&mut hasher);
+    hasher.finish()
+}

@@ -1,0 +1,230 @@
+//! Worlds that several ranks share, which are threads here that hand each other messages, late and at random times: the
+//! same bits for any number of ranks and threads of each, whatever grain is where.
+
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::thread;
+use std::time::Duration;
+
+use bitgrain::notes::Watch;
+use bitgrain::parts::{Carrier, Cutting, Message, Ranks, dismiss, serve};
+use bitgrain::simulation::Simulation;
+use bitgrain::threads::on_threads;
+use bitgrain_kernel::{Error as KernelError, LossPolicy};
+use bitgrain_tests::settled_quick;
+
+/// A rank whose messages go through channels.
+struct Channels {
+    rank: usize,
+    to: Vec<Sender<(usize, Message)>>,
+    from: Receiver<(usize, Message)>,
+    /// Draws of how late a message is taken out; 0 if none is.
+    seed: u64,
+}
+
+impl Carrier for Channels {
+    fn rank(&self) -> usize {
+        self.rank
+    }
+
+    fn ranks(&self) -> usize {
+        self.to.len()
+    }
+
+    fn carry(&mut self, out: &[(usize, Message)], arrived: &mut dyn FnMut(usize, Message)) {
+        for (to, message) in out {
+            let sent = self.to[*to].send((self.rank, message.clone()));
+            sent.expect("all ranks live as long as the first");
+        }
+        while let Ok((from, message)) = self.from.try_recv() {
+            if self.seed != 0 {
+                self.seed = self.seed.wrapping_mul(0x5851_f42d_4c95_7f2d) | 1;
+                if self.seed >> 60 == 0 {
+                    thread::sleep(Duration::from_micros(self.seed >> 52 & 0xff));
+                }
+            }
+            arrived(from, message);
+        }
+    }
+
+    fn give_up(&mut self, why: &str) -> ! {
+        panic!("{why}")
+    }
+}
+
+/// Does `job` as the first of so many ranks.
+fn on_ranks<T>(count: usize, late: bool, job: impl FnOnce(&Arc<Ranks>) -> T) -> T {
+    let (to, from): (Vec<_>, Vec<_>) = (0..count).map(|_| channel()).unzip();
+    let rank = |(rank, from)| Channels {
+        rank,
+        to: to.clone(),
+        from,
+        seed: if late { 2 * rank as u64 + 1 } else { 0 },
+    };
+    let ranks = from.into_iter().enumerate().map(rank);
+    let mut ranks = ranks.map(|carrier| Ranks::new(Box::new(carrier), None));
+    let first = ranks.next().expect("there is one");
+    thread::scope(|scope| {
+        for other in ranks {
+            scope.spawn(move || serve(&other));
+        }
+        let done = job(&first);
+        dismiss(&first);
+        done
+    })
+}
+
+/// A simulation in parts at these ranks.
+fn shared(mut sim: Simulation, ranks: &Arc<Ranks>, cutting: Cutting) -> Simulation {
+    sim.stepping.part_min = 1;
+    sim.stepping.cutting = cutting;
+    sim.stepping.ranks = Some(Arc::clone(ranks));
+    sim
+}
+
+const WAYS: [(usize, usize, Cutting, bool); 8] = [
+    (1, 2, Cutting::Planes, false),
+    (2, 1, Cutting::Planes, false),
+    (2, 2, Cutting::Planes, true),
+    (3, 1, Cutting::Planes, true),
+    (4, 2, Cutting::Planes, false),
+    (8, 1, Cutting::Planes, false),
+    (3, 1, Cutting::Scattered(1), false),
+    (2, 3, Cutting::Scattered(2), true),
+];
+
+fn steps(release: u64) -> u64 {
+    if cfg!(debug_assertions) {
+        (release / 20).max(4)
+    } else {
+        release
+    }
+}
+
+/// Calls of several steps, digests, edits of rows and copies in between.
+#[test]
+fn ranks_change_no_bit() {
+    let mut plain = settled_quick();
+    plain.start().unwrap();
+    let begin = plain.clone();
+    let watch = Watch {
+        obstacles: vec![1, 0],
+        grains: vec![3, 1, 2],
+    };
+    let go = |sim: &mut Simulation| {
+        let mut seen = Vec::new();
+        let mut notes = Vec::new();
+        for count in [1, 7, steps(120), 2] {
+            sim.steps_noted(count, &watch, |note| notes.push(note.clone()))
+                .unwrap();
+            seen.push((
+                sim.digest().unwrap(),
+                sim.touching(0),
+                sim.obstacles.clone(),
+            ));
+            sim.steps(steps(60)).unwrap();
+            let mut copy = sim.clone();
+            copy.steps(3).unwrap();
+            seen.push((copy.digest().unwrap(), copy.touching(0), Vec::new()));
+        }
+        (seen, notes)
+    };
+    let expected = go(&mut plain);
+    for (ranks, threads, cutting, late) in WAYS {
+        let told = on_ranks(ranks, late, |ranks| {
+            let mut sim = shared(begin.clone(), ranks, cutting);
+            let told = on_threads(threads, || go(&mut sim)).unwrap();
+            assert_eq!(sim.stepping.parts(), ranks.count() * threads);
+            told
+        });
+        assert_eq!(
+            told, expected,
+            "{ranks} ranks, {threads} threads, {cutting:?}"
+        );
+    }
+}
+
+/// A fault, and a grain that leaves, are those of one process, and the world can be stepped on after the latter.
+#[test]
+fn faults_and_losses_are_those_of_one_process() {
+    let mut begin = settled_quick();
+    let height = |i: &usize| begin.position[*i][2];
+    let top = (0..begin.count()).max_by(|i, j| height(i).total_cmp(&height(j)));
+    let top = top.expect("there are grains");
+    begin.position[top][2] = begin.domain.hi()[2] - 0.02;
+    begin.velocity[top][2] = 0.02 / (9.5 * begin.dt);
+    let id = begin.id[top];
+    let go = |mut sim: Simulation, takes_out: bool| {
+        sim.policy = LossPolicy {
+            takes_out,
+            drain: None,
+        };
+        sim.start().unwrap();
+        let ended = sim.steps(steps(200).max(20));
+        if takes_out {
+            sim.take_out(|_| ()).unwrap();
+            sim.steps(20).unwrap();
+        }
+        (
+            ended,
+            sim.step_count(),
+            takes_out.then(|| sim.digest().unwrap()),
+        )
+    };
+    let expected = [false, true].map(|takes_out| go(begin.clone(), takes_out));
+    assert_eq!(expected[0].0, Err(KernelError::Escaped { id }));
+    assert_eq!(expected[1].0, Err(KernelError::GrainsLeaving));
+    for (ranks, threads, cutting, late) in WAYS {
+        let told = on_ranks(ranks, late, |ranks| {
+            let job = || [false, true].map(|out| go(shared(begin.clone(), ranks, cutting), out));
+            on_threads(threads, job).unwrap()
+        });
+        assert_eq!(
+            told, expected,
+            "{ranks} ranks, {threads} threads, {cutting:?}"
+        );
+    }
+}
+
+/// Two worlds may share the ranks, in turn.
+#[test]
+fn worlds_take_turns() {
+    let (mut one, mut other) = (settled_quick(), settled_quick());
+    other.obstacles[0].velocity = [-1.0, 0.5, 0.0];
+    one.start().unwrap();
+    other.start().unwrap();
+    let mut plain = [one.clone(), other.clone()];
+    let expected = plain.each_mut().map(|sim| {
+        sim.steps(steps(80)).unwrap();
+        sim.digest()
+    });
+    on_ranks(3, false, |ranks| {
+        let mut sims = [one, other].map(|sim| shared(sim, ranks, Cutting::Planes));
+        for _ in 0..4 {
+            for sim in &mut sims {
+                sim.steps(steps(80) / 4).unwrap();
+            }
+        }
+        assert_eq!(sims.each_mut().map(|sim| sim.digest()), expected);
+    });
+}
+
+/// A rank that does not answer is named.
+#[test]
+#[should_panic(expected = "rank 1 did not answer")]
+fn a_silent_rank_is_named() {
+    let (to, mut from): (Vec<_>, Vec<_>) = (0..2).map(|_| channel()).unzip();
+    // Nobody serves the other one.
+    let _other = from.pop();
+    let carrier = Channels {
+        rank: 0,
+        to,
+        from: from.pop().expect("two"),
+        seed: 0,
+    };
+    let ranks = Ranks::new(Box::new(carrier), Some(Duration::from_millis(200)));
+    let mut sim = settled_quick();
+    sim.start().unwrap();
+    let mut sim = shared(sim, &ranks, Cutting::Planes);
+    let _ = sim.steps(10);
+}
