@@ -81,6 +81,23 @@ pub fn settled_quick() -> Simulation {
     sim
 }
 
+/// The place of the highest grain.
+pub fn highest(sim: &Simulation) -> usize {
+    let height = |i: &usize| sim.position[*i][2];
+    let top = (0..sim.count()).max_by(|i, j| height(i).total_cmp(&height(j)));
+    top.expect("there are grains")
+}
+
+/// The settled bed, not yet started, whose highest grain leaves the box in the tenth step; and the id of that grain.
+pub fn quick_that_loses_a_grain() -> (Simulation, u32) {
+    let mut sim = settled_quick();
+    let top = highest(&sim);
+    sim.position[top][2] = sim.domain.hi()[2] - 0.02;
+    sim.velocity[top][2] = 0.02 / (9.5 * sim.dt);
+    let id = sim.id[top];
+    (sim, id)
+}
+
 /// A number of a JSON value.
 pub fn number(value: &Value) -> f64 {
     value.as_f64().expect("a number")

@@ -159,7 +159,7 @@ impl Dragging {
             Some(flow) => flow.watch(sim.obstacles.len()),
             None => Watch {
                 obstacles: vec![INTRUDER],
-                grains: Vec::new(),
+                ..Watch::default()
             },
         };
         let mut seen = Vec::new();
@@ -227,7 +227,6 @@ impl Dragging {
         seen: &mut Vec<ContactForce<f64>>,
     ) -> Result<()> {
         let domain = sim.domain;
-        let mut reached = self.step;
         let done = if self.shows(n, observer) {
             let watched = match &mut self.audit {
                 Some(audit) => audit.step_watched(sim, |contact| seen.push(contact)),
@@ -238,10 +237,9 @@ impl Dragging {
             }
             watched
         } else {
-            sim.steps_noted(n - reached, watch, |note| self.read(note, plan, &domain))
+            sim.steps_noted(n - self.step, watch, |note| self.read(note, plan, &domain))
         };
-        reached = self.step;
-        done.map_err(|fault| Error::run(&plan.name, reached + 1, fault))
+        done.map_err(|fault| Error::run(&plan.name, self.step + 1, fault))
     }
 
     /// Takes the readings of the next step.

@@ -7,6 +7,7 @@
 use bitgrain_kernel::phases::{
     GrainRange, NotedForces, ObstacleContactRange, ObstacleShare, sum_on_obstacles,
 };
+use bitgrain_kernel::vec3::head;
 use bitgrain_kernel::{Obstacle, Row, TOUCHING};
 use serde::{Deserialize, Serialize};
 
@@ -40,29 +41,25 @@ pub struct ObstacleNote {
 }
 
 /// The notes of a call.
-pub(crate) struct Taken {
-    pub watch: Watch,
+pub(crate) struct Taken<'w> {
+    pub watch: &'w Watch,
     pub notes: Vec<Note>,
 }
 
-impl Taken {
+impl<'w> Taken<'w> {
     /// None yet.
-    pub fn new(watch: &Watch) -> Self {
+    pub fn new(watch: &'w Watch) -> Self {
         Self {
-            watch: watch.clone(),
+            watch,
             notes: Vec::new(),
         }
     }
 }
 
-/// The vector of a row.
-pub(crate) fn xyz(row: Row<f64>) -> [f64; 3] {
-    [row[0], row[1], row[2]]
-}
-
 /// What the grains of a world, or the own grains of a part, do in the steps of a stretch.
 #[derive(Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Notebook {
+    #[serde(skip)]
     watch: Watch,
     /// Places here of the watched grains that are own, ascending, and their numbers in the watch.
     #[serde(skip)]
@@ -122,7 +119,7 @@ impl Notebook {
         });
         let touches = touches.map(|((grain, _), share)| Touch {
             grain: *grain,
-            position: xyz(at[*grain as usize]),
+            position: head(at[*grain as usize]),
             share: *share,
         });
         let touches = touches.collect();
@@ -153,19 +150,13 @@ impl Notebook {
         }
         let forces = self.number.iter().zip(&self.force);
         page.forces
-            .extend(forces.map(|(number, force)| (*number, xyz(*force))));
+            .extend(forces.map(|(number, force)| (*number, head(*force))));
     }
 }
 
-/// The notes of all parts up to step `last`, which is finished, taken out of their notebooks.
-pub(crate) fn join(books: &mut [&mut Notebook], last: u64) -> Vec<Note> {
-    let mut pages: Vec<_> = books
-        .iter_mut()
-        .map(|book| std::mem::take(&mut book.pages).into_iter())
-        .collect();
-    let Some(watch) = books.first().map(|book| &book.watch) else {
-        return Vec::new();
-    };
+/// The notes of all parts up to step `last`, which is finished.
+pub(crate) fn join(watch: &Watch, books: impl Iterator<Item = Notebook>, last: u64) -> Vec<Note> {
+    let mut pages: Vec<_> = books.map(|book| book.pages.into_iter()).collect();
     let mut notes = Vec::new();
     loop {
         let step: Vec<Page> = pages.iter_mut().filter_map(Iterator::next).collect();
@@ -176,15 +167,19 @@ pub(crate) fn join(books: &mut [&mut Notebook], last: u64) -> Vec<Note> {
     }
 }
 
+/// What parts have of grains, by ascending grain. Stable: what there is of a grain is in one part, in order.
+pub(crate) fn by_grain<'p, T: Copy + 'p>(
+    parts: impl Iterator<Item = &'p Vec<T>>,
+    grain: impl Fn(&T) -> u32,
+) -> Vec<T> {
+    let mut all: Vec<T> = parts.flatten().copied().collect();
+    all.sort_by_key(grain);
+    all
+}
+
 /// One step of all parts.
 fn whole(watch: &Watch, pages: &[Page]) -> Note {
-    let mut touches: Vec<Touch> = pages
-        .iter()
-        .flat_map(|page| &page.touches)
-        .copied()
-        .collect();
-    // Stable: the contacts of a grain are in one part, by obstacle.
-    touches.sort_by_key(|touch| touch.grain);
+    let touches = by_grain(pages.iter().map(|page| &page.touches), |touch| touch.grain);
     let of = |k: u32| {
         touches
             .iter()

@@ -2,6 +2,7 @@
 //!
 //! Every function reads and none changes a state; sums run by ascending id.
 
+use bitgrain_kernel::vec3::head;
 use bitgrain_kernel::{ContactHistory, Domain, Obstacle, Shape};
 
 use crate::simulation::{Role, Simulation};
@@ -184,8 +185,8 @@ pub fn neighbourhood(sim: &mut Simulation, reach: f64, front: f64) -> Neighbourh
             ContactHistory::Obstacle { i, obstacle, .. } => {
                 contacts[i as usize] += 1;
                 if obstacle == INTRUDER {
-                    let [x, y, z, _] = sim.position[i as usize];
-                    angles.push(contact_angle(&sim.domain, &body, [x, y, z], front));
+                    let place = head(sim.position[i as usize]);
+                    angles.push(contact_angle(&sim.domain, &body, place, front));
                 }
             }
         }

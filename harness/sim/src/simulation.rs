@@ -5,6 +5,7 @@ pub use crate::law::AnyLaw;
 
 use std::ops::{Deref, DerefMut};
 
+use bitgrain_kernel::vec3::head;
 use bitgrain_kernel::{
     Clock, ContactForce, ContactHistory, Digest, Domain, Error as KernelError, Group, Obstacle,
     TOUCHING, World, check_arithmetic,
@@ -13,7 +14,7 @@ use bitgrain_kernel::{
 use crate::crowd::deep_pair;
 use crate::law_work::Watched;
 use crate::lists::List;
-use crate::notes::{Note, ObstacleNote, Taken, Watch, xyz};
+use crate::notes::{Note, ObstacleNote, Taken, Watch};
 use crate::owned_world::OwnedWorld;
 use crate::parts::Parts;
 use crate::stepping::Stepping;
@@ -320,12 +321,12 @@ impl Simulation {
     /// # Panics
     /// As [`Simulation::steps_noted`].
     pub fn note(&self, watch: &Watch) -> Note {
-        let place = |i: u32| (i, xyz(self.position[i as usize]));
+        let place = |i: u32| (i, head(self.position[i as usize]));
         let obstacle = |k: &u32| ObstacleNote {
             body: self.obstacles[*k as usize],
             touching: self.touching(*k).into_iter().map(place).collect(),
         };
-        let force = |i: &u32| xyz(self.force[*i as usize]);
+        let force = |i: &u32| head(self.force[*i as usize]);
         Note {
             step: self.step_count(),
             obstacles: watch.obstacles.iter().map(obstacle).collect(),

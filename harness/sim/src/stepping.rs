@@ -127,7 +127,7 @@ impl Stepping {
         last: u64,
         notes: Option<&mut Taken>,
     ) -> Fallible<()> {
-        let mut book = notes.as_ref().map(|taken| Notebook::new(&taken.watch));
+        let mut book = notes.as_ref().map(|taken| Notebook::new(taken.watch));
         if let Some(book) = &mut book {
             book.find(Some);
         }
@@ -142,8 +142,9 @@ impl Stepping {
             (home.skin, home.outer_skin) = (world.skin, world.outer_skin);
             done
         });
-        if let (Some(taken), Some(book)) = (notes, &mut book) {
-            taken.notes.extend(join(&mut [book], home.clock.step));
+        if let Some(taken) = notes {
+            let all = join(taken.watch, book.into_iter(), home.clock.step);
+            taken.notes.extend(all);
         }
         done
     }

@@ -146,8 +146,7 @@ fn unlike(world: &SimpleCommunicator) -> Option<String> {
     let mut all = vec![0u64; own.len() * world.size() as usize];
     world.all_gather_into(&own[..], &mut all[..]);
     // The first rank's, if its machine keeps the contract.
-    let mut good = own.to_vec();
-    good.copy_from_slice(&all[..own.len()]);
+    let mut good = all[..own.len()].to_vec();
     good[0] = 1;
     let mut problems = Vec::new();
     for (rank, found) in all.chunks_exact(own.len()).enumerate() {

@@ -6,19 +6,12 @@ use bitgrain::parts::Cutting;
 use bitgrain::simulation::{Role, Simulation};
 use bitgrain::threads::on_threads;
 use bitgrain_kernel::{Error as KernelError, LossPolicy, Obstacle};
-use bitgrain_tests::settled_quick;
-
-/// The place of the highest grain.
-fn top(sim: &Simulation) -> usize {
-    let height = |i: &usize| sim.position[*i][2];
-    let top = (0..sim.count()).max_by(|i, j| height(i).total_cmp(&height(j)));
-    top.expect("there are grains")
-}
+use bitgrain_tests::{highest, quick_that_loses_a_grain, settled_quick};
 
 /// The bed with its intruder in motion, and a ball that lies on the highest grain.
 fn bed() -> Simulation {
     let mut sim = settled_quick();
-    let [x, y, z, radius] = sim.position[top(&sim)];
+    let [x, y, z, radius] = sim.position[highest(&sim)];
     let ball = Obstacle::sphere([x, y, z + radius + 0.99], 1.0);
     sim.obstacles.push(ball);
     sim.start().expect("a sound bed");
@@ -116,13 +109,9 @@ fn notes_are_what_a_look_after_each_step_shows() {
 
 #[test]
 fn a_stretch_that_ends_early_has_notes_of_all_finished_steps() {
-    let mut begin = settled_quick();
-    let top = top(&begin);
-    // It leaves the box in the tenth step.
-    begin.position[top][2] = begin.domain.hi()[2] - 0.02;
-    begin.velocity[top][2] = 0.02 / (9.5 * begin.dt);
+    // In the tenth step.
+    let (mut begin, id) = quick_that_loses_a_grain();
     begin.start().unwrap();
-    let id = begin.id[top];
     let (notes, ended) = compare(&begin, 30);
     assert_eq!((notes.len(), ended), (9, Err(KernelError::Escaped { id })));
     // If it may leave, the step in which it does so is the last one.

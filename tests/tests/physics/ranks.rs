@@ -11,7 +11,7 @@ use bitgrain::parts::{Carrier, Cutting, Message, Ranks, dismiss, serve};
 use bitgrain::simulation::Simulation;
 use bitgrain::threads::on_threads;
 use bitgrain_kernel::{Error as KernelError, LossPolicy};
-use bitgrain_tests::settled_quick;
+use bitgrain_tests::{quick_that_loses_a_grain, settled_quick};
 
 /// A rank whose messages go through channels.
 struct Channels {
@@ -147,13 +147,7 @@ fn ranks_change_no_bit() {
 /// A fault, and a grain that leaves, are those of one process, and the world can be stepped on after the latter.
 #[test]
 fn faults_and_losses_are_those_of_one_process() {
-    let mut begin = settled_quick();
-    let height = |i: &usize| begin.position[*i][2];
-    let top = (0..begin.count()).max_by(|i, j| height(i).total_cmp(&height(j)));
-    let top = top.expect("there are grains");
-    begin.position[top][2] = begin.domain.hi()[2] - 0.02;
-    begin.velocity[top][2] = 0.02 / (9.5 * begin.dt);
-    let id = begin.id[top];
+    let (begin, id) = quick_that_loses_a_grain();
     let go = |mut sim: Simulation, takes_out: bool| {
         sim.policy = LossPolicy {
             takes_out,

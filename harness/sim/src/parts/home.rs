@@ -9,11 +9,11 @@ use bitgrain_kernel::{ContactHistory, Error as KernelError, Obstacle, TOUCHING};
 use super::crew::Crew;
 use super::cut::{cut, fairer};
 use super::part::{End, Errand, Part};
-use super::report::{PartContacts, Report, Share};
+use super::report::{PartContacts, Report};
 use super::seed::Seed;
 use super::service::Elsewhere;
-use super::{Cutting, Parts, Settings, Told};
-use crate::notes::{Taken, join};
+use super::{Cutting, Gathered, Parts, Settings};
+use crate::notes::{Taken, by_grain, join};
 use crate::owned_world::OwnedWorld;
 use crate::pass::Fallible;
 use crate::threads::{RowsFrom, each};
@@ -93,13 +93,7 @@ impl Parts {
         );
         self.counted = now;
         let mut end = first.end;
-        let mut shares: Vec<Share> = reports
-            .iter()
-            .flat_map(|one| &one.shares)
-            .copied()
-            .collect();
-        // Stable: the contacts of a grain are in one part, by obstacle.
-        shares.sort_by_key(|share| share.grain);
+        let shares = by_grain(reports.iter().map(|one| &one.shares), |share| share.grain);
         // Before, the sums are those of the last step of the whole world.
         if reports.iter().all(|report| report.has_summed) {
             let in_order = shares.iter().map(|share| share.share);
@@ -113,17 +107,16 @@ impl Parts {
             end = End::Fault(KernelError::ObstacleNotFinite { obstacle });
         }
         if let Some(taken) = notes {
-            let mut books: Vec<_> = reports
-                .iter_mut()
-                .filter_map(|one| one.notes.as_mut())
-                .collect();
-            taken.notes.extend(join(&mut books, home.clock.step));
+            let books = reports.iter_mut().filter_map(|one| one.notes.take());
+            taken
+                .notes
+                .extend(join(taken.watch, books, home.clock.step));
         }
         let touching = shares
             .iter()
             .filter_map(|share| Some((share.grain, share.touched()?)));
         let sum = |k: usize| reports.iter().map(|report| report.listed[k]).sum();
-        self.told = Told {
+        self.gathered = Gathered {
             touching: touching.collect(),
             listed: [sum(0), sum(1), sum(2)],
             busy: reports.iter().map(|report| report.busy).collect(),
@@ -136,7 +129,7 @@ impl Parts {
     /// Gives the next cut fairer fractions, by the times that parts took.
     pub(super) fn adjust(&mut self, settings: &Settings) {
         if settings.cutting == Cutting::Planes {
-            self.fractions = fairer(&self.fractions, &self.told.busy);
+            self.fractions = fairer(&self.fractions, &self.gathered.busy);
         }
     }
 
@@ -169,7 +162,7 @@ impl Parts {
 
     /// Places of the grains that touch an obstacle, ascending, if contacts are with the parts.
     pub fn touching(&self, obstacle: u32) -> Option<Vec<u32>> {
-        let touching = self.told.touching.iter();
+        let touching = self.gathered.touching.iter();
         let touching = touching.filter(|(_, of)| *of == obstacle);
         self.away
             .then(|| touching.map(|(grain, _)| *grain).collect())
@@ -177,13 +170,13 @@ impl Parts {
 
     /// Pairs and obstacle contacts that are listed, if contacts are with the parts; pairs of two parts twice.
     pub fn listed(&self) -> Option<(usize, usize)> {
-        let [pairs, contacts, _] = self.told.listed;
+        let [pairs, contacts, _] = self.gathered.listed;
         self.away.then_some((pairs, contacts))
     }
 
     /// Bytes that the parts hold, wherever they are.
     pub fn bytes(&self) -> usize {
-        self.crew.as_ref().map_or(0, |_| self.told.listed[2])
+        self.crew.as_ref().map_or(0, |_| self.gathered.listed[2])
     }
 
     /// Histories of touching contacts in places of the whole world.
@@ -213,8 +206,7 @@ impl Parts {
         if let Some(elsewhere) = &self.elsewhere {
             all.extend(elsewhere.contacts());
         }
-        let mut touches: Vec<_> = all.iter().flat_map(|part| &part.touches).copied().collect();
-        touches.sort_by_key(|(grain, ..)| *grain);
+        let touches = by_grain(all.iter().map(|part| &part.touches), |(grain, ..)| *grain);
         let own = all
             .into_iter()
             .map(|part| part.pairs.into_iter().peekable());

@@ -81,12 +81,12 @@ pub(crate) struct Parts {
     away: bool,
     /// Searches and renewals of the first part that the clock of the whole world has.
     counted: [u64; 2],
-    told: Told,
+    gathered: Gathered,
 }
 
 /// What all parts told when they last came home.
 #[derive(Default)]
-struct Told {
+struct Gathered {
     /// Grains and the obstacles that they touch, by grain.
     touching: Vec<(u32, u32)>,
     /// Pairs and obstacle contacts that are listed, pairs of two parts twice, and bytes that the parts hold.

@@ -106,13 +106,14 @@ impl Post {
             }
             Told::Offers => Content::Offers(letter.offers[of.clone()].to_vec()),
         };
-        let mut message = self.name.to_le_bytes().to_vec();
-        message = postcard::to_extend(&Envelope { part, content }, message).expect("it is data");
+        let envelope = Envelope { part, content };
+        let mut message = postcard::to_allocvec(&envelope).expect("it is data");
         if letter.told == Told::Found {
             for rows in &letter.rows[of] {
                 message.extend_from_slice(bytemuck::cast_slice(rows));
             }
         }
+        message.extend_from_slice(&self.name.to_le_bytes());
         message
     }
 

@@ -16,7 +16,7 @@ const LOOKS: u32 = 2000;
 /// How long it then sleeps.
 const NAP: Duration = Duration::from_micros(50);
 
-/// A message; what it is about stands in front.
+/// A message; what it is about stands at its end, where it is put and taken without moving the rest.
 pub type Message = Vec<u8>;
 
 /// Carries messages between processes that are numbered from 0. Those of one sender arrive in the order in which they
@@ -182,14 +182,14 @@ impl Mail {
     /// Sends messages of one kind, and takes in what arrives.
     pub fn send(&mut self, kind: u8, messages: Vec<(usize, Message)>) {
         let signed = |(to, mut message): (usize, Message)| {
-            message.insert(0, kind);
+            message.push(kind);
             (to, message)
         };
         let out: Vec<_> = messages.into_iter().map(signed).collect();
         self.carry(&out);
     }
 
-    /// Sends letters of parts.
+    /// Sends letters of parts, which end with the name of their world.
     pub fn send_letters(&mut self, letters: Vec<(usize, Message)>) {
         self.send(LETTER, letters);
     }
@@ -209,13 +209,15 @@ impl Mail {
         } = self;
         carrier.carry(out, &mut |from, mut message| {
             *heard = Instant::now();
-            match message.first() {
-                Some(&LETTER) => {
-                    let name = message[1..5].try_into().expect("four bytes");
-                    letters.push_back((u32::from_le_bytes(name), message.split_off(5)));
+            match message.pop() {
+                Some(LETTER) => {
+                    let end = message.len() - size_of::<u32>();
+                    let name = message[end..].try_into().expect("four bytes");
+                    message.truncate(end);
+                    letters.push_back((u32::from_le_bytes(name), message));
                 }
-                Some(&ORDER) => orders.push_back(message.split_off(1)),
-                _ => replies[from].push_back(message.split_off(1)),
+                Some(ORDER) => orders.push_back(message),
+                _ => replies[from].push_back(message),
             }
         });
     }

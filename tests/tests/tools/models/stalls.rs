@@ -5,41 +5,17 @@ use std::sync::Arc;
 use std::thread;
 use std::time::Duration;
 
-mod letter {
-    /// The sum of a part.
-    #[derive(Default)]
-    pub(super) struct Letter(pub u64);
-}
-
-mod post {
-    use super::exchange::Exchange;
-    use super::letter::Letter;
-
-    /// All parts are here.
-    pub(super) enum Post {}
-
-    impl Post {
-        pub fn send(&self, _: usize, _: &Exchange<Letter>) {
-            match *self {}
-        }
-
-        pub fn look(&self, _: &Exchange<Letter>) {
-            match *self {}
-        }
-
-        pub fn expect_answers(&self, _: usize, _: &Exchange<Letter>) {
-            match *self {}
-        }
-    }
-}
-
 #[allow(dead_code)]
 #[path = "../../../../harness/sim/src/parts/crew.rs"]
 mod crew;
 #[path = "../../../../harness/sim/src/parts/exchange.rs"]
 mod exchange;
+#[path = "letter.rs"]
+mod letter;
 #[path = "sums.rs"]
 mod part;
+#[path = "post.rs"]
+mod post;
 #[path = "../../../../harness/sim/src/parts/sync.rs"]
 mod sync;
 

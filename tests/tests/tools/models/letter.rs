@@ -1,0 +1,5 @@
+//! The letter of a part that adds up.
+
+/// The sum of a part.
+#[derive(Default)]
+pub(super) struct Letter(pub u64);
