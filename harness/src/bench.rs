@@ -15,6 +15,7 @@ use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::export::OBSTACLE_TYPE;
 use bitgrain_sim::lammps::read_atoms;
 use bitgrain_sim::law::{HertzHistoryParameters, LawSpec};
+use bitgrain_sim::memory;
 use bitgrain_sim::simulation::{Grain, Simulation, hex, sphere_mass};
 use bitgrain_sim::spatial_order::spatial_order;
 use bitgrain_sim::threads::on_threads;
@@ -159,14 +160,6 @@ pub fn tiled(one: &Simulation, tiles: usize) -> Result<Simulation> {
     ))
 }
 
-/// The most memory that this process ever held, in bytes, as Linux reports it.
-fn peak_bytes() -> Option<f64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
-    let kilobytes: f64 = line.split_whitespace().nth(1)?.parse().ok()?;
-    Some(1024.0 * kilobytes)
-}
-
 /// Times steps of a bed.
 ///
 /// # Errors
@@ -258,7 +251,7 @@ pub fn bench(what: &Timing<'_>, progress: &Progress) -> Result<Speed> {
         renewals: sim.prunes() - renewals,
         skin: sim.skin,
         bytes_per_grain: sim.bytes() as f64 / grains as f64,
-        peak_bytes_per_grain: peak_bytes().map(|peak| peak / (copies * grains) as f64),
+        peak_bytes_per_grain: memory::peak().map(|peak| peak / (copies * grains) as f64),
         digest: hex(&digest.whole),
     })
 }

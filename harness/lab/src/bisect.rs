@@ -7,7 +7,7 @@
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Seek};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 
 use serde::Deserialize;
 
@@ -20,6 +20,7 @@ use bitgrain_sim::checkpoint;
 use bitgrain_sim::disk;
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::files::{read_text, text_of};
+use bitgrain_sim::parts::alone;
 
 /// The name of a temporary file of ours in errors.
 const TEMPORARY: &str = "a temporary file";
@@ -153,7 +154,7 @@ pub fn run_both(
 ) -> Result<[Side; 2]> {
     let side = |(program, name): (PathBuf, &str)| {
         let folder = out.join(name);
-        let mut command = Command::new(&program);
+        let mut command = alone(&program);
         command.args(["run", scenario, "--out"]).arg(&folder);
         command.arg("--beds").arg(out.join(format!("beds-{name}")));
         command.args(sets.iter().flat_map(|set| ["--set", set]));
@@ -213,7 +214,7 @@ impl Side {
     /// Has the program replay a stretch of a stage, and gives each of its lines to `take`, which says
     /// whether it wants more.
     fn replay(&self, stage: &str, more: &[&str]) -> Result<Replaying> {
-        let mut command = Command::new(&self.program);
+        let mut command = alone(&self.program);
         command.arg("replay").arg(&self.folder);
         command.args(["--stage", stage]).args(more);
         // Into a file: a pipe that nobody empties would block a program that prints much.

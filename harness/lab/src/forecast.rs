@@ -1,8 +1,14 @@
 //! What a scenario would take, before it runs: sizes, dimensionless groups, and the time, from the
 //! speed of this machine on a small settled bed.
 
+mod disk;
+mod ranks;
+
 use std::fmt::Write;
 use std::time::Instant;
+
+pub(crate) use disk::disk;
+use disk::{SUMS, points};
 
 use crate::bed;
 use crate::bed::library::BedCache;
@@ -11,39 +17,38 @@ use crate::progress::Stage;
 use crate::scenario::{self, BedPlan, CheckedScenario, DragPlan, PACKING_GUESS, UnitSystem};
 use bitgrain_sim::coefficients::table_text;
 use bitgrain_sim::error::{Error, Result};
-use bitgrain_sim::format::{bytes, short};
+use bitgrain_sim::format::{bytes, duration, short};
 use bitgrain_sim::law::{CONTACT_FRACTION_MAX, RAYLEIGH_FRACTION_MAX};
 use bitgrain_sim::memory::{PER_GRAIN, PER_GRAIN_ON_THREADS};
 
-/// Bytes of a grain in a checkpoint with its contacts.
-const CHECKPOINT: f64 = 290.0;
-/// Bytes of a grain in a data file.
-const DATA: f64 = 300.0;
-/// Bytes of a grain in a snapshot: dump, VTK grains, VTK contacts.
-const SNAPSHOT: f64 = 1400.0;
-/// Circles of a frame for each square d, and bytes of one.
-const CUTS: f64 = 1.3;
-const CUT: f64 = 55.0;
-/// Bytes of a point of the fields in VTK image data.
-const IMAGE: f64 = 95.0;
-/// The same in a checkpoint.
-const SUMS: f64 = 104.0;
-/// Bytes of a row of the table of their plane.
-const PLANE: f64 = 210.0;
-/// Bytes of a row of the force series.
-const ROW: f64 = 260.0;
 /// Least duration of the trial, in seconds.
 const TRIAL: f64 = 0.5;
 
-/// The forecast of a scenario as text: `threads` jobs run side by side, beds come from `library`.
+/// The forecast of a scenario as text: `threads` jobs run side by side, beds come from `library`. `words` name
+/// the scenario on a command line.
 ///
 /// # Errors
 /// A fault of the trial run.
-pub fn forecast(scenario: &CheckedScenario, library: &BedCache, threads: usize) -> Result<String> {
+pub fn forecast(
+    scenario: &CheckedScenario,
+    words: &str,
+    library: &BedCache,
+    threads: usize,
+) -> Result<String> {
     let speed = trial(scenario)?;
     let work = Work::of(scenario, library)?;
     let mut out = Lines::default();
-    cost(scenario, &work, threads, speed, &mut out);
+    let needs = cost(scenario, &work, threads, speed, &mut out);
+    if let Some(advice) = ranks::advice(&needs, bitgrain_sim::memory::of_machine()) {
+        let command = format!(
+            "mpirun -n {} bitgrain run {words} --threads {threads}",
+            advice.ranks
+        );
+        out.add("one machine is not enough", advice.why);
+        if advice.ranks > 1 {
+            out.add("on several (built with MPI)", command);
+        }
+    }
     let si = scenario.units == UnitSystem::Si;
     let (d, density) = (scenario.mean_diameter(), scenario.bed.density);
     if let Some(table) = table_text(&scenario.law, d, density, si) {
@@ -177,7 +182,13 @@ impl Lines {
 }
 
 /// Grains, steps, memory, disk and time.
-fn cost(scenario: &CheckedScenario, work: &Work, threads: usize, speed: f64, out: &mut Lines) {
+fn cost(
+    scenario: &CheckedScenario,
+    work: &Work,
+    threads: usize,
+    speed: f64,
+    out: &mut Lines,
+) -> ranks::Needs {
     let (beds, runs) = (scenario.beds(), scenario.drags());
     let grains = largest(scenario, beds);
     let whole = work.longest(runs, threads);
@@ -231,6 +242,12 @@ fn cost(scenario: &CheckedScenario, work: &Work, threads: usize, speed: f64, out
     );
     let time = range(whole, grains, speed);
     out.add("time", format!("{time} on {threads} thread(s)"));
+    let longest = runs.iter().map(|run| run.steps()).max().unwrap_or(0);
+    ranks::Needs {
+        grains,
+        memory,
+        longest: longest as f64 * grains as f64 / speed / threads as f64,
+    }
 }
 
 /// Dimensionless groups, of the scenario and of each run.
@@ -352,40 +369,6 @@ pub(crate) fn side_by_side(jobs: &[u64], threads: usize) -> u64 {
     load.into_iter().max().unwrap_or(0)
 }
 
-/// Points of the fields along each axis; none if there are no fields.
-fn points(scenario: &CheckedScenario) -> [f64; 3] {
-    let grid = scenario.fields_grid();
-    grid.map_or([0; 3], |grid| grid.counts).map(|n| n as f64)
-}
-
-pub(crate) fn disk(
-    scenario: &CheckedScenario,
-    runs: &[DragPlan],
-    grains: usize,
-    beds: usize,
-) -> f64 {
-    let grains = grains as f64;
-    // Twice: in the library and in the run directory.
-    let bed = grains * (2.0 * CHECKPOINT + DATA);
-    let rows = |run: &DragPlan| (run.steps() / scenario.measure.every) as f64;
-    let states = |run: &DragPlan| run.checkpoints.len() as f64 * grains * CHECKPOINT;
-    let shown = |run: &DragPlan| run.snapshots.len() as f64 * grains * SNAPSHOT;
-    let (points, plans) = (points(scenario), scenario.beds());
-    let fields = |run: &DragPlan| {
-        let whole = points[0] * points[1] * points[2];
-        whole * (IMAGE + SUMS * run.checkpoints.len() as f64) + points[0] * points[2] * PLANE
-    };
-    let d = scenario.mean_diameter();
-    let frames = |run: &DragPlan| {
-        let reach = crate::frames::reach(0.5 * plans[run.bed].diameter / d);
-        let width = (2.0 * reach).min(scenario.bed.size[0] / d);
-        run.frames.len() as f64 * width * 2.0 * reach * CUTS * CUT
-    };
-    let drag =
-        |run: &DragPlan| rows(run) * ROW + states(run) + shown(run) + fields(run) + frames(run);
-    beds as f64 * bed + runs.iter().map(drag).sum::<f64>()
-}
-
 /// Grains of the trial's bed.
 pub(crate) const TRIAL_GRAINS: usize = 300;
 
@@ -426,16 +409,6 @@ fn inertial(scenario: &CheckedScenario, run: &DragPlan, diameter: f64, depth: f6
     rate * scenario.mean_diameter() / (PACKING_GUESS * scenario.gravity * depth).sqrt()
 }
 
-/// Seconds in words.
-fn duration(seconds: f64) -> String {
-    match seconds {
-        ..100.0 => format!("{seconds:.0} s"),
-        ..6000.0 => format!("{:.0} min", seconds / 60.0),
-        ..172_800.0 => format!("{:.1} h", seconds / 3600.0),
-        _ => format!("{:.0} days", seconds / 86_400.0),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -445,10 +418,5 @@ mod tests {
         assert_eq!(side_by_side(&[3, 5, 4, 2], 2), 7);
         assert_eq!(side_by_side(&[3, 5], 1), 8);
         assert_eq!(side_by_side(&[], 2), 0);
-    }
-
-    #[test]
-    fn times_are_told_in_words() {
-        assert_eq!(duration(7200.0), "2.0 h");
     }
 }

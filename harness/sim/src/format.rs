@@ -89,6 +89,16 @@ pub fn round10(x: f64) -> f64 {
     format!("{x:.9e}").parse().unwrap_or(x)
 }
 
+/// Seconds in words.
+pub fn duration(seconds: f64) -> String {
+    match seconds {
+        ..100.0 => format!("{seconds:.0} s"),
+        ..6000.0 => format!("{:.0} min", seconds / 60.0),
+        ..172_800.0 => format!("{:.1} h", seconds / 3600.0),
+        _ => format!("{:.0} days", seconds / 86_400.0),
+    }
+}
+
 /// Bytes in words.
 pub fn bytes(count: f64) -> String {
     match count {
@@ -122,5 +132,10 @@ mod tests {
     #[test]
     fn bytes_are_rounded_to_their_unit() {
         assert_eq!(bytes(1.3e6), "1 MB");
+    }
+
+    #[test]
+    fn times_are_told_in_words() {
+        assert_eq!(duration(7200.0), "2.0 h");
     }
 }

@@ -23,3 +23,21 @@ pub fn room(bytes: f64, what: &str) -> Result<()> {
         }),
     }
 }
+
+/// The most memory that this process ever held, in bytes, as Linux reports it; elsewhere nothing.
+pub fn peak() -> Option<f64> {
+    reported("/proc/self/status", "VmHWM:")
+}
+
+/// The memory of this machine, in bytes, as Linux reports it; elsewhere nothing.
+pub fn of_machine() -> Option<f64> {
+    reported("/proc/meminfo", "MemTotal:")
+}
+
+/// A number of kilobytes in a file of the system.
+fn reported(file: &str, name: &str) -> Option<f64> {
+    let text = std::fs::read_to_string(file).ok()?;
+    let line = text.lines().find_map(|line| line.strip_prefix(name))?;
+    let kilobytes: f64 = line.split_whitespace().next()?.parse().ok()?;
+    Some(1024.0 * kilobytes)
+}

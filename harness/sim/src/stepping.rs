@@ -58,12 +58,14 @@ impl Clone for Stepping {
 
 impl Default for Stepping {
     fn default() -> Self {
+        let ranks = Ranks::joined();
+        let part_min = ranks.as_ref().and_then(|ranks| ranks.sharing().part_min);
         Self {
             registers: Isa::best(),
-            part_min: PART_MIN,
+            part_min: part_min.unwrap_or(PART_MIN),
             tunes: true,
             cutting: Cutting::default(),
-            ranks: Ranks::joined(),
+            ranks,
             skin: Skin::default(),
             held: false,
             count: 1,

@@ -172,10 +172,7 @@ pub fn main_with_beds(home: &Path) -> ExitCode {
     // Few commands need it, and those say that nothing is to be found there.
     let this = std::env::current_exe().unwrap_or_default();
     let command = || main_of(std::env::args_os(), home, &this);
-    ExitCode::from(match ranks::started() {
-        0 | 1 => command(),
-        _ => ranks::together(command),
-    })
+    ExitCode::from(ranks::once(command))
 }
 
 /// The same with these words, the first of which is the program's name; `this` is the program that is run when work is

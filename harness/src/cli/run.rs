@@ -93,7 +93,13 @@ pub(super) fn run_scenario(run: Run, home: &Path, this: &Path, program: &str) ->
     let library = run.beds.library(home);
     let threads = processors(run.threads);
     if run.dry_run {
-        return print(&forecast::forecast(&scenario, &library, threads)?);
+        let named = match (&run.resume, &run.scenario) {
+            (Some(folder), _) => format!("--resume {}", folder.display()),
+            (None, name) => name.clone().unwrap_or_default(),
+        };
+        let sets = run.sets.iter().map(|set| format!(" --set '{set}'"));
+        let words = named + &sets.collect::<String>();
+        return print(&forecast::forecast(&scenario, &words, &library, threads)?);
     }
     let progress = stoppable(run.verbose);
     hint.iter().for_each(|hint| progress.warn(hint));

@@ -2,22 +2,23 @@
 //! parts of a world.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use bitgrain_kernel::BITS_VERSION;
 use bitgrain_lab::selftest::selftest;
 use bitgrain_sim::disk::read;
-use bitgrain_sim::parts::{Carrier, Message, Ranks, dismiss, serve};
+use bitgrain_sim::format::bytes;
+use bitgrain_sim::parts::{Carrier, Message, Ranks, Sharing, dismiss, peaks, serve, silence};
 use mpi::request::{Request, scope};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::{Communicator, CommunicatorCollectives, Destination, Equivalence, Source};
 use mpi::{Rank, Threading};
 
-/// Looks after which a sender that waits lets go of its core.
-const LOOKS: u32 = 2000;
-
-/// How long it then sleeps.
+/// How long a sender that waits sleeps after looks in vain.
 const NAP: Duration = Duration::from_micros(50);
+
+/// Bytes of a message up to which its memory is used again: as many as letters have, and seldom orders.
+const SPARED: usize = 1 << 24;
 
 /// Exit status if ranks are not alike.
 const UNLIKE: u8 = 3;
@@ -34,6 +35,9 @@ const ALIKE: [&str; 4] = [
 struct Mpi {
     rank: usize,
     ranks: usize,
+    sharing: Sharing,
+    /// Messages that were sent, in whose memory others arrive.
+    spare: Vec<Message>,
 }
 
 impl Carrier for Mpi {
@@ -45,7 +49,7 @@ impl Carrier for Mpi {
         self.ranks
     }
 
-    fn carry(&mut self, out: &[(usize, Message)], arrived: &mut dyn FnMut(usize, Message)) {
+    fn carry(&mut self, out: Vec<(usize, Message)>, arrived: &mut dyn FnMut(usize, Message)) {
         let world = SimpleCommunicator::world();
         if let Some((to, message)) = out
             .iter()
@@ -56,39 +60,61 @@ impl Carrier for Mpi {
                 message.len()
             ));
         }
+        let spare = &mut self.spare;
+        let (rank, sharing) = (self.rank, self.sharing);
         scope(|scope| {
-            let mut sends: Vec<Request<'_, [u8], _>> = Vec::new();
-            for (to, message) in out {
-                let to = world.process_at_rank(*to as Rank);
-                sends.push(to.immediate_send(scope, &message[..]));
+            let mut sends: Vec<(usize, Request<'_, [u8], _>)> = Vec::new();
+            for (to, message) in &out {
+                let process = world.process_at_rank(*to as Rank);
+                sends.push((*to, process.immediate_send(scope, &message[..])));
             }
             let mut looks = 0;
+            let began = Instant::now();
             loop {
-                receive(&world, arrived);
-                let waiting = sends.into_iter().filter_map(|send| send.test().err());
+                receive(&world, spare, arrived);
+                let waiting = sends.into_iter();
+                let waiting = waiting.filter_map(|(to, send)| Some((to, send.test().err()?)));
                 sends = waiting.collect();
                 if sends.is_empty() {
                     return;
                 }
                 looks += 1;
-                if looks > LOOKS {
+                if looks > sharing.looks() {
                     std::thread::sleep(NAP);
+                    if began.elapsed() > sharing.patience_of(rank) {
+                        let silent: Vec<usize> = sends.iter().map(|(to, _)| *to).collect();
+                        give_up(rank, &silence(&silent, began.elapsed()));
+                    }
                 }
             }
         });
+        let short = out.into_iter().map(|(_, message)| message);
+        let short = short.filter(|message| message.len() <= SPARED);
+        self.spare
+            .extend(short.take(self.ranks.saturating_sub(self.spare.len())));
     }
 
     fn give_up(&mut self, why: &str) -> ! {
-        eprintln!("bitgrain: rank {}: {why}", self.rank);
-        SimpleCommunicator::world().abort(i32::from(UNLIKE))
+        give_up(self.rank, why)
     }
 }
 
+/// Ends all processes, after this one has said why.
+fn give_up(rank: usize, why: &str) -> ! {
+    eprintln!("bitgrain: rank {rank}: {why}");
+    SimpleCommunicator::world().abort(i32::from(UNLIKE))
+}
+
 /// Hands over what has arrived.
-fn receive(world: &SimpleCommunicator, arrived: &mut dyn FnMut(usize, Message)) {
+fn receive(
+    world: &SimpleCommunicator,
+    spare: &mut Vec<Message>,
+    arrived: &mut dyn FnMut(usize, Message),
+) {
     while let Some((message, status)) = world.any_process().immediate_matched_probe() {
         let length = status.count(u8::equivalent_datatype());
-        let mut bytes = vec![0u8; usize::try_from(length).unwrap_or_default()];
+        let mut bytes = spare.pop().unwrap_or_default();
+        bytes.resize(usize::try_from(length).unwrap_or_default(), 0);
         message.matched_receive_into(&mut bytes[..]);
         arrived(
             usize::try_from(status.source_rank()).unwrap_or_default(),
@@ -97,9 +123,9 @@ fn receive(world: &SimpleCommunicator, arrived: &mut dyn FnMut(usize, Message)) 
     }
 }
 
-/// Runs `command` on the first of the processes that were started together; the others do parts of its steps. Returns
+/// Does the work on the first of the processes that were started together; the others do parts of its steps. Returns
 /// the exit status.
-pub fn together(command: impl FnOnce() -> u8) -> u8 {
+pub fn together(work: impl FnOnce() -> u8) -> u8 {
     let Some((universe, level)) = mpi::initialize_with_threading(Threading::Serialized) else {
         eprintln!("bitgrain: MPI cannot be started");
         return 1;
@@ -120,12 +146,26 @@ pub fn together(command: impl FnOnce() -> u8) -> u8 {
         }
         return UNLIKE;
     }
-    let patience = std::env::var("BITGRAIN_PATIENCE").ok();
-    let patience = patience.and_then(|seconds| seconds.parse().ok());
-    let joined = Ranks::new(
-        Box::new(Mpi { rank, ranks }),
-        patience.map(Duration::from_secs),
-    );
+    let told = |name: &str| std::env::var(name).ok()?.parse::<u64>().ok();
+    // Open MPI says whether ranks have cores; of MPICH's it is counted.
+    let cores = std::thread::available_parallelism().map_or(1, |cores| cores.get());
+    let crowded = told("OMPI_MCA_mpi_oversubscribe").map(|is| is == 1);
+    let beside = told("MPI_LOCALNRANKS").is_some_and(|ranks| ranks > cores as u64);
+    let mut sharing = Sharing {
+        part_min: told("BITGRAIN_PART_MIN").map(|grains| grains as usize),
+        crowded: crowded.unwrap_or(beside),
+        ..Sharing::default()
+    };
+    if let Some(seconds) = told("BITGRAIN_PATIENCE") {
+        sharing.patience = Duration::from_secs(seconds);
+    }
+    let carrier = Mpi {
+        rank,
+        ranks,
+        sharing,
+        spare: Vec::new(),
+    };
+    let joined = Ranks::new(Box::new(carrier), sharing);
     if rank > 0 {
         // The first rank decides when all is done, and saves what it has if it is asked to stop.
         let _ = ctrlc::set_handler(|| ());
@@ -133,7 +173,13 @@ pub fn together(command: impl FnOnce() -> u8) -> u8 {
         return 0;
     }
     joined.join();
-    let status = command();
+    let status = work();
+    if status == 0 {
+        let told = peaks(&joined).into_iter().enumerate();
+        let told = told.filter_map(|(rank, peak)| Some(format!("rank {rank} {}", bytes(peak?))));
+        let told: Vec<String> = told.collect();
+        eprintln!("most memory held: {}", told.join(", "));
+    }
     dismiss(&joined);
     // MPI ends with this.
     drop(universe);

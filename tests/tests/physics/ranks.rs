@@ -2,76 +2,59 @@
 //! same bits for any number of ranks and threads of each, whatever grain is where.
 
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread;
 use std::time::Duration;
 
 use bitgrain::notes::Watch;
-use bitgrain::parts::{Carrier, Cutting, Message, Ranks, dismiss, serve};
+use bitgrain::parts::{Carrier, Channels, Cutting, Message, Ranks, Sharing, on_ranks};
 use bitgrain::simulation::Simulation;
 use bitgrain::threads::on_threads;
 use bitgrain_kernel::{Error as KernelError, LossPolicy};
 use bitgrain_tests::{quick_that_loses_a_grain, settled_quick};
 
-/// A rank whose messages go through channels.
-struct Channels {
-    rank: usize,
-    to: Vec<Sender<(usize, Message)>>,
-    from: Receiver<(usize, Message)>,
-    /// Draws of how late a message is taken out; 0 if none is.
+/// A rank that takes messages out late, at random.
+struct Late {
+    channels: Channels,
     seed: u64,
 }
 
-impl Carrier for Channels {
+impl Carrier for Late {
     fn rank(&self) -> usize {
-        self.rank
+        self.channels.rank()
     }
 
     fn ranks(&self) -> usize {
-        self.to.len()
+        self.channels.ranks()
     }
 
-    fn carry(&mut self, out: &[(usize, Message)], arrived: &mut dyn FnMut(usize, Message)) {
-        for (to, message) in out {
-            let sent = self.to[*to].send((self.rank, message.clone()));
-            sent.expect("all ranks live as long as the first");
-        }
-        while let Ok((from, message)) = self.from.try_recv() {
-            if self.seed != 0 {
-                self.seed = self.seed.wrapping_mul(0x5851_f42d_4c95_7f2d) | 1;
-                if self.seed >> 60 == 0 {
-                    thread::sleep(Duration::from_micros(self.seed >> 52 & 0xff));
-                }
+    fn carry(&mut self, out: Vec<(usize, Message)>, arrived: &mut dyn FnMut(usize, Message)) {
+        let seed = &mut self.seed;
+        self.channels.carry(out, &mut |from, message| {
+            *seed = seed.wrapping_mul(0x5851_f42d_4c95_7f2d) | 1;
+            if *seed >> 60 == 0 {
+                thread::sleep(Duration::from_micros(*seed >> 52 & 0xff));
             }
             arrived(from, message);
-        }
+        });
     }
 
     fn give_up(&mut self, why: &str) -> ! {
-        panic!("{why}")
+        self.channels.give_up(why)
     }
 }
 
 /// Does `job` as the first of so many ranks.
-fn on_ranks<T>(count: usize, late: bool, job: impl FnOnce(&Arc<Ranks>) -> T) -> T {
-    let (to, from): (Vec<_>, Vec<_>) = (0..count).map(|_| channel()).unzip();
-    let rank = |(rank, from)| Channels {
-        rank,
-        to: to.clone(),
-        from,
-        seed: if late { 2 * rank as u64 + 1 } else { 0 },
-    };
-    let ranks = from.into_iter().enumerate().map(rank);
-    let mut ranks = ranks.map(|carrier| Ranks::new(Box::new(carrier), None));
-    let first = ranks.next().expect("there is one");
-    thread::scope(|scope| {
-        for other in ranks {
-            scope.spawn(move || serve(&other));
+fn on_these<T>(count: usize, late: bool, job: impl FnOnce(&Arc<Ranks>) -> T) -> T {
+    let carrier = |channels: Channels| -> Box<dyn Carrier> {
+        let seed = 2 * channels.rank() as u64 + 1;
+        match late {
+            true => Box::new(Late { channels, seed }),
+            false => Box::new(channels),
         }
-        let done = job(&first);
-        dismiss(&first);
-        done
-    })
+    };
+    let carriers = Channels::between(count).into_iter().map(carrier);
+    let ranks = carriers.map(|carrier| Ranks::new(carrier, Sharing::default()));
+    on_ranks(ranks.collect(), job)
 }
 
 /// A simulation in parts at these ranks.
@@ -131,7 +114,7 @@ fn ranks_change_no_bit() {
     };
     let expected = go(&mut plain);
     for (ranks, threads, cutting, late) in WAYS {
-        let told = on_ranks(ranks, late, |ranks| {
+        let told = on_these(ranks, late, |ranks| {
             let mut sim = shared(begin.clone(), ranks, cutting);
             let told = on_threads(threads, || go(&mut sim)).unwrap();
             assert_eq!(sim.stepping.parts(), ranks.count() * threads);
@@ -169,7 +152,7 @@ fn faults_and_losses_are_those_of_one_process() {
     assert_eq!(expected[0].0, Err(KernelError::Escaped { id }));
     assert_eq!(expected[1].0, Err(KernelError::GrainsLeaving));
     for (ranks, threads, cutting, late) in WAYS {
-        let told = on_ranks(ranks, late, |ranks| {
+        let told = on_these(ranks, late, |ranks| {
             let job = || [false, true].map(|out| go(shared(begin.clone(), ranks, cutting), out));
             on_threads(threads, job).unwrap()
         });
@@ -192,7 +175,7 @@ fn worlds_take_turns() {
         sim.steps(steps(80)).unwrap();
         sim.digest()
     });
-    on_ranks(3, false, |ranks| {
+    on_these(3, false, |ranks| {
         let mut sims = [one, other].map(|sim| shared(sim, ranks, Cutting::Planes));
         for _ in 0..4 {
             for sim in &mut sims {
@@ -207,16 +190,13 @@ fn worlds_take_turns() {
 #[test]
 #[should_panic(expected = "rank 1 did not answer")]
 fn a_silent_rank_is_named() {
-    let (to, mut from): (Vec<_>, Vec<_>) = (0..2).map(|_| channel()).unzip();
     // Nobody serves the other one.
-    let _other = from.pop();
-    let carrier = Channels {
-        rank: 0,
-        to,
-        from: from.pop().expect("two"),
-        seed: 0,
+    let carrier = Channels::between(2).remove(0);
+    let sharing = Sharing {
+        patience: Duration::from_millis(200),
+        ..Sharing::default()
     };
-    let ranks = Ranks::new(Box::new(carrier), Some(Duration::from_millis(200)));
+    let ranks = Ranks::new(Box::new(carrier), sharing);
     let mut sim = settled_quick();
     sim.start().unwrap();
     let mut sim = shared(sim, &ranks, Cutting::Planes);

@@ -10,6 +10,7 @@ mod instructions;
 #[path = "../../machines/mod.rs"]
 mod machines;
 mod models;
+mod mpi;
 mod mutants;
 mod panics;
 mod recordings;

@@ -1,8 +1,8 @@
-//! The kernel's tests catch what they should: each named mutant is one wrong piece of
+//! The tests of kernel and `sim` catch what they should: each named mutant is one wrong piece of
 //! source, and the tests named beside it must fail on it, while the unchanged copy passes.
 //!
-//! The kernel is copied into its own folder with a workspace that builds fast; the build
-//! is kept in `target/mutants`.
+//! Kernel and `sim` are copied into a folder of their own with a workspace that builds fast; the build is kept in
+//! `target/mutants`.
 
 mod list;
 
@@ -10,14 +10,14 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use list::{MUTANTS, Mutant, UNIT};
+use list::{MUTANTS, Mutant, SIM, UNIT};
 
-/// A workspace with what the kernel's manifest takes from its own, built fast: a little
+/// A workspace with what the manifests take from their own, built fast: a little
 /// optimisation, as the tests step whole worlds, and no debug information.
 const WORKSPACE: &str = r#"
 [workspace]
 resolver = "3"
-members = ["kernel"]
+members = ["kernel", "harness/sim"]
 
 [workspace.package]
 version = "0.1.0"
@@ -36,6 +36,8 @@ debug = false
 debug-assertions = true
 "#;
 
+const KERNEL: &str = "bitgrain-kernel";
+
 fn copy_folder(from: &Path, to: &Path) {
     fs::create_dir_all(to).expect("a new folder");
     for entry in fs::read_dir(from).expect("a folder of the kernel") {
@@ -51,7 +53,7 @@ fn copy_folder(from: &Path, to: &Path) {
     }
 }
 
-/// The kernel in its own workspace.
+/// Both crates in their own workspace.
 struct Copy {
     folder: PathBuf,
     build: PathBuf,
@@ -65,11 +67,17 @@ impl Copy {
         // Always at one place: to cargo a package elsewhere is another, and is built beside the old.
         let folder = build.join("source");
         let _ = fs::remove_dir_all(&folder);
-        for part in ["src", "tests", "examples"] {
-            let to = folder.join("kernel").join(part);
-            copy_folder(&root.join("kernel").join(part), &to);
+        for part in [
+            "kernel/src",
+            "kernel/tests",
+            "kernel/examples",
+            "harness/sim/src",
+            "harness/sim/benches",
+            "harness/sim/examples",
+        ] {
+            copy_folder(&root.join(part), &folder.join(part));
         }
-        for file in ["kernel/Cargo.toml", "Cargo.lock"] {
+        for file in ["kernel/Cargo.toml", "harness/sim/Cargo.toml", "Cargo.lock"] {
             fs::copy(root.join(file), folder.join(file)).expect("a readable file");
         }
         fs::write(folder.join("Cargo.toml"), WORKSPACE).expect("a new file");
@@ -77,14 +85,14 @@ impl Copy {
     }
 
     fn source(&self, file: &str) -> PathBuf {
-        self.folder.join("kernel/src").join(file)
+        self.folder.join(file)
     }
 
     /// Runs `cargo test` on some targets, with random cases that are the same every time.
     fn test(&self, arguments: &[&str]) -> Output {
         let cargo = std::env::var_os("CARGO").unwrap_or_else(|| env!("CARGO").into());
         Command::new(cargo)
-            .args(["test", "--offline", "--quiet", "-p", "bitgrain-kernel"])
+            .args(["test", "--offline", "--quiet"])
             .args(arguments)
             .current_dir(&self.folder)
             .env("CARGO_TARGET_DIR", &self.build)
@@ -101,7 +109,7 @@ impl Copy {
     /// What is wrong with the tests on this mutant, if anything.
     fn check(&self, mutant: &Mutant) -> Option<String> {
         let path = self.source(mutant.file);
-        let whole = fs::read_to_string(&path).expect("a source of the kernel");
+        let whole = fs::read_to_string(&path).expect("a source");
         let count = whole.matches(mutant.from).count();
         if count != 1 {
             return Some(format!("its text occurs {count} times in {}", mutant.file));
@@ -114,8 +122,12 @@ impl Copy {
 
     fn run(&self, mutant: &Mutant) -> Option<String> {
         let (target, module) = match mutant.target {
-            UNIT => (vec!["--lib"], String::new()),
-            module => (vec!["--test", "kernel"], format!("{module}::")),
+            UNIT => (vec!["-p", KERNEL, "--lib"], String::new()),
+            SIM => (vec!["-p", "bitgrain-sim", "--lib"], String::new()),
+            module => (
+                vec!["-p", KERNEL, "--test", "kernel"],
+                format!("{module}::"),
+            ),
         };
         let red: Vec<String> = mutant
             .red
@@ -138,24 +150,24 @@ impl Copy {
     }
 }
 
-/// Found in seconds: a change of the kernel that removes a mutant's text.
+/// Found in seconds: a change that removes a mutant's text.
 #[test]
 fn every_mutant_has_its_text() {
-    let kernel = bitgrain_tests::root().join("kernel/src");
     for mutant in MUTANTS {
-        let whole = fs::read_to_string(kernel.join(mutant.file)).expect("a source of the kernel");
+        let file = bitgrain_tests::root().join(mutant.file);
+        let whole = fs::read_to_string(file).expect("a source");
         assert_eq!(whole.matches(mutant.from).count(), 1, "{}", mutant.name);
     }
 }
 
 #[test]
 #[ignore = "builds the kernel some fifty times: `.ci/run mutants`, two minutes"]
-fn every_mutant_is_caught_and_the_kernel_itself_passes() {
+fn every_mutant_is_caught_and_the_sources_themselves_pass() {
     let copy = Copy::new();
     let whole = copy.test(&["--lib", "--tests"]);
     assert!(
         whole.status.success(),
-        "the unchanged kernel fails:\n{}{}",
+        "the unchanged copy fails:\n{}{}",
         String::from_utf8_lossy(&whole.stdout),
         String::from_utf8_lossy(&whole.stderr)
     );

@@ -2,7 +2,7 @@
 //! and their time, and end with the bytes of one process.
 //!
 //! `cargo test -p bitgrain-tests --release --test tools slurm:: -- --ignored --nocapture` needs Debian's `slurm-wlm`
-//! and `munge`, and says how long each part took.
+//! and `munge`, and says how long each part took. `.ci/run slurm` builds the program that is run as ranks.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use bitgrain_tests::{CAMPAIGN, SMALL, results};
+use bitgrain_tests::{CAMPAIGN, SMALL, results, root, two_drags};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
 
@@ -26,7 +26,8 @@ struct Cluster {
 }
 
 impl Cluster {
-    fn start() -> Self {
+    /// With these nodes of so many processors.
+    fn start(names: &[&str], processors: usize) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
         let key = at("munge.key");
@@ -35,7 +36,8 @@ impl Cluster {
         let mode = std::os::unix::fs::PermissionsExt::from_mode(0o600);
         std::fs::set_permissions(&key, mode).unwrap();
         std::fs::create_dir(at("state")).unwrap();
-        std::fs::write(at("slurm.conf"), configuration(folder.path())).unwrap();
+        let text = configuration(folder.path(), names, processors);
+        std::fs::write(at("slurm.conf"), text).unwrap();
         let mut cluster = Self {
             folder,
             daemons: Vec::new(),
@@ -57,13 +59,14 @@ impl Cluster {
         until("munge answers", || socket.exists());
         let controller = cluster.command("slurmctld").arg("-D").spawn();
         cluster.daemons.push(controller.expect("slurmctld"));
-        for name in ["node1", "node2"] {
+        for name in names {
             let node = cluster.command("slurmd").args(["-D", "-N", name]).spawn();
             cluster.nodes.push(node.expect("slurmd"));
         }
-        until("two nodes are idle", || {
+        let idle = format!("{} idle", names.len());
+        until("the nodes are idle", || {
             let told = cluster.asks("sinfo", &["-h", "-o", "%D %T"]);
-            told.trim() == "2 idle"
+            told.trim() == idle
         });
         cluster
     }
@@ -191,13 +194,15 @@ fn processes() -> Vec<Process> {
     ids.filter_map(process).collect()
 }
 
-/// The smallest Slurm: one controller, two nodes of one processor each, no accounting.
-fn configuration(folder: &Path) -> String {
+/// The smallest Slurm: one controller, these nodes of so many processors each, no accounting.
+fn configuration(folder: &Path, names: &[&str], processors: usize) -> String {
     let user = Command::new("id").arg("-un").output().unwrap().stdout;
     let user = String::from_utf8(user).unwrap().trim().to_string();
     // All are free at one time, so that they differ.
-    let free = [(); 3].map(|()| TcpListener::bind("127.0.0.1:0").unwrap());
-    let [controller, first, second] = free.map(|port| port.local_addr().unwrap().port());
+    let free = || TcpListener::bind("127.0.0.1:0").unwrap();
+    let free: Vec<_> = (0..=names.len()).map(|_| free()).collect();
+    let port = |k: usize| free[k].local_addr().unwrap().port();
+    let controller = port(0);
     let folder = folder.display();
     let mut text = format!(
         "ClusterName=test\n\
@@ -222,13 +227,15 @@ fn configuration(folder: &Path) -> String {
          KillWait=10\n\
          SchedulerParameters=batch_sched_delay=0,sched_interval=2\n"
     );
-    for (name, port) in [("node1", first), ("node2", second)] {
+    for (k, name) in names.iter().enumerate() {
+        let port = port(k + 1);
         let _ = writeln!(
             text,
-            "NodeName={name} NodeHostname=localhost NodeAddr=127.0.0.1 Port={port} CPUs=1 State=UNKNOWN"
+            "NodeName={name} NodeHostname=localhost NodeAddr=127.0.0.1 Port={port} CPUs={processors} State=UNKNOWN"
         );
     }
-    text + "PartitionName=main Nodes=node1,node2 Default=YES MaxTime=INFINITE State=UP\n"
+    let names = names.join(",");
+    text + &format!("PartitionName=main Nodes={names} Default=YES MaxTime=INFINITE State=UP\n")
 }
 
 fn until(what: &str, done: impl Fn() -> bool) {
@@ -272,7 +279,7 @@ fn campaign() -> String {
 fn a_campaign_loses_a_node_and_a_run_its_time() {
     let began = Instant::now();
     let tell = |what: &str| println!("{:6.1} s: {what}", began.elapsed().as_secs_f64());
-    let mut cluster = Cluster::start();
+    let mut cluster = Cluster::start(&["node1", "node2"], 1);
     std::fs::write(cluster.at("small.toml"), SMALL).unwrap();
     std::fs::write(cluster.at("camp.toml"), campaign()).unwrap();
     tell("a controller and two nodes are there");
@@ -282,6 +289,39 @@ fn a_campaign_loses_a_node_and_a_run_its_time() {
     tell("the campaign is done by one process");
     lose_a_node(&mut cluster, tell);
     run_out_of_time(&cluster, whole, tell);
+}
+
+/// `mpirun` in a job takes from Slurm how many ranks there are, and they end with the bytes of one process. The node is
+/// this machine under its own name: two nodes of one machine confuse the daemons of Open MPI.
+#[test]
+#[ignore = "needs Slurm and Open MPI: `.ci/run slurm`"]
+fn ranks_of_a_job_share_a_run() {
+    let host = Command::new("hostname").output().unwrap().stdout;
+    let host = String::from_utf8(host).unwrap();
+    let cluster = Cluster::start(&[host.trim()], 2);
+    std::fs::write(cluster.at("small.toml"), two_drags()).unwrap();
+    let run = "run small.toml --threads 1";
+    cluster.says(&format!("{run} --out alone --beds beds-one"), 0);
+    let program = root().join("target/ranks/release/bitgrain-under-test");
+    let script = format!(
+        "#!/bin/sh\n\
+         export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 BITGRAIN_PART_MIN=30\n\
+         mpirun --tag-output printenv SLURM_JOB_ID\n\
+         mpirun {} {run} --out shared --beds beds-two\n\
+         echo status $?\n",
+        program.display()
+    );
+    std::fs::write(cluster.at("job.sh"), script).unwrap();
+    let options = ["--ntasks=2", "--output=job.log", "job.sh"];
+    cluster.asks("sbatch", &options);
+    cluster.drained();
+    let log = std::fs::read_to_string(cluster.at("job.log")).unwrap_or_default();
+    assert!(log.contains("status 0"), "{log}");
+    for rank in 0..2 {
+        assert!(log.contains(&format!("[1,{rank}]<stdout>:1")), "{log}");
+    }
+    let wrong = differing(&cluster.at("alone"), &cluster.at("shared"));
+    assert!(wrong.is_empty(), "{wrong:?} {log}");
 }
 
 /// A campaign on two nodes, one of which is killed, and what is missing then on the other.

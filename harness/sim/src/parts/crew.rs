@@ -126,7 +126,7 @@ impl Crew {
             }
             self.look();
             idle += 1;
-            if idle < PATIENCE {
+            if idle < self.looks() {
                 spin();
             } else if !helps || !do_other_work() {
                 nap();
@@ -155,7 +155,7 @@ impl Crew {
             }
             self.look();
             waited += 1;
-            if waited > PATIENCE {
+            if waited > self.looks() {
                 self.expect_answers(number);
                 return;
             }
@@ -174,6 +174,11 @@ impl Crew {
         {
             self.advance(late, &mut part);
         }
+    }
+
+    /// Looks in vain after which a thread lets go of a part.
+    fn looks(&self) -> u32 {
+        self.post.as_ref().map_or(PATIENCE, |post| post.looks)
     }
 
     /// Takes in letters from elsewhere.

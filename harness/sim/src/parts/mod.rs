@@ -8,6 +8,7 @@
 //! search the parts agree on how far they reach and offer each other ghosts (`ghosts`). Rows come home to the whole
 //! world at the end of each call, and contacts only if someone asks for them.
 
+mod channels;
 mod crew;
 mod cut;
 mod exchange;
@@ -39,8 +40,9 @@ use helpers::Helpers;
 use part::{End, Errand};
 use service::{Departure, Elsewhere};
 
-pub use ranks::{Carrier, Message, Ranks};
-pub use service::{dismiss, serve};
+pub use channels::{Channels, on_ranks};
+pub use ranks::{Carrier, LAUNCHED, Message, Ranks, Sharing, alone, silence};
+pub use service::{dismiss, peaks, serve};
 
 /// How parts step.
 #[derive(Clone)]

@@ -19,6 +19,8 @@ pub(super) struct Post {
     pub name: u32,
     /// Where the parts of each rank begin; and where the last ones end.
     firsts: Vec<usize>,
+    /// Looks in vain after which a thread lets go of its core.
+    pub looks: u32,
 }
 
 /// What goes to a rank, before rows.
@@ -41,6 +43,7 @@ enum Content {
 impl Post {
     pub fn new(ranks: Arc<Ranks>, name: u32, firsts: Vec<usize>) -> Self {
         Self {
+            looks: ranks.sharing().looks(),
             ranks,
             name,
             firsts,
@@ -60,12 +63,15 @@ impl Post {
 
     /// Sends the letter that a part has just written to the other ranks.
     pub fn send(&self, part: usize, letters: &Exchange<Letter>) {
+        let mut mail = self.ranks.mail();
         let out = {
             let letter = letters.read(part, part);
-            let to = |rank| (rank, self.enveloped(part, &letter, self.parts(rank)));
+            let to = |rank| {
+                let paper = mail.spare.pop().unwrap_or_default();
+                (rank, self.enveloped(part, &letter, self.parts(rank), paper))
+            };
             self.others().map(to).collect()
         };
-        let mut mail = self.ranks.mail();
         mail.send_letters(out);
         self.deliver(&mut mail, letters);
     }
@@ -91,11 +97,18 @@ impl Post {
     fn deliver(&self, mail: &mut Mail, letters: &Exchange<Letter>) {
         while let Some(message) = mail.letter(self.name) {
             self.open(&message, letters);
+            mail.keep(message);
         }
     }
 
-    /// What the parts of a rank need of a letter.
-    fn enveloped(&self, part: usize, letter: &Letter, of: Range<usize>) -> Message {
+    /// What the parts of a rank need of a letter, written over an old message.
+    fn enveloped(
+        &self,
+        part: usize,
+        letter: &Letter,
+        of: Range<usize>,
+        mut message: Message,
+    ) -> Message {
         let content = match letter.told {
             Told::Found => {
                 let rows = letter.rows[of.clone()].iter();
@@ -107,7 +120,8 @@ impl Post {
             Told::Offers => Content::Offers(letter.offers[of.clone()].to_vec()),
         };
         let envelope = Envelope { part, content };
-        let mut message = postcard::to_allocvec(&envelope).expect("it is data");
+        message.clear();
+        message = postcard::to_extend(&envelope, message).expect("it is data");
         if letter.told == Told::Found {
             for rows in &letter.rows[of] {
                 message.extend_from_slice(bytemuck::cast_slice(rows));
@@ -132,11 +146,8 @@ impl Post {
                     let bytes = length * size_of::<GhostMotion<f64>>();
                     let (own, others) = rows.split_at(bytes);
                     rows = others;
-                    to.clear();
-                    to.extend(
-                        own.chunks_exact(size_of::<GhostMotion<f64>>())
-                            .map(bytemuck::pod_read_unaligned::<GhostMotion<f64>>),
-                    );
+                    to.resize(length, [[0.0; 3]; 3]);
+                    bytemuck::cast_slice_mut(to).copy_from_slice(own);
                 }
             }
             Content::Extent(extent, skins, busy, grains) => {

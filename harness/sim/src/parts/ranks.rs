@@ -3,15 +3,59 @@
 
 use std::collections::VecDeque;
 use std::fmt;
+use std::path::Path;
+use std::process::Command;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
-/// How long a rank may be silent that others wait for, unless something else is asked for.
-const PATIENCE: Duration = Duration::from_secs(600);
+/// What launchers of MPI programs call the number of processes in the environment of each that they start.
+pub const LAUNCHED: [&str; 3] = ["OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "MV2_COMM_WORLD_SIZE"];
 
-/// Looks in vain after which a waiting thread lets go of its core.
-const LOOKS: u32 = 2000;
+/// A program that runs by itself, even if this process is one of several ranks.
+pub fn alone(program: &Path) -> Command {
+    let mut command = Command::new(program);
+    for name in LAUNCHED {
+        command.env_remove(name);
+    }
+    command
+}
+
+/// How ranks share worlds: none of it changes a bit.
+#[derive(Clone, Copy, Debug)]
+pub struct Sharing {
+    /// How long a rank may be silent that others wait for; 10 minutes.
+    pub patience: Duration,
+    /// Fewest grains of a part, if not those of parts on threads.
+    pub part_min: Option<usize>,
+    /// Whether a machine has more ranks than cores: those that wait let go of their core at once.
+    pub crowded: bool,
+}
+
+impl Sharing {
+    /// Looks in vain, of half a microsecond, after which a waiting thread lets go of its core.
+    pub fn looks(&self) -> u32 {
+        match self.crowded {
+            true => 60,
+            false => 4000,
+        }
+    }
+
+    /// How long this rank waits: the lowest one that waits says so, for all.
+    pub fn patience_of(&self, rank: usize) -> Duration {
+        self.patience + Duration::from_secs(rank as u64)
+    }
+}
+
+impl Default for Sharing {
+    fn default() -> Self {
+        Self {
+            patience: Duration::from_secs(600),
+            part_min: None,
+            crowded: false,
+        }
+    }
+}
 
 /// How long it then sleeps.
 const NAP: Duration = Duration::from_micros(50);
@@ -29,8 +73,9 @@ pub trait Carrier: Send {
     fn ranks(&self) -> usize;
 
     /// Sends messages to other ranks, and hands over what has arrived, with its sender. It returns once all are on
-    /// their way; while it waits for that it goes on handing over what arrives.
-    fn carry(&mut self, out: &[(usize, Message)], arrived: &mut dyn FnMut(usize, Message));
+    /// their way; while it waits for that it goes on handing over what arrives, and gives up on a rank that takes
+    /// nothing for too long. It may hand over what arrives in the memory of messages that were sent.
+    fn carry(&mut self, out: Vec<(usize, Message)>, arrived: &mut dyn FnMut(usize, Message));
 
     /// Ends all processes, after this one has said why.
     fn give_up(&mut self, why: &str) -> !;
@@ -43,7 +88,7 @@ pub struct Ranks {
     mail: Mutex<Mail>,
     /// Of the next world that is cut.
     next: AtomicU32,
-    patience: Duration,
+    sharing: Sharing,
 }
 
 /// The carrier, and messages that nobody has asked for yet.
@@ -52,6 +97,8 @@ pub(super) struct Mail {
     letters: VecDeque<(u32, Message)>,
     orders: VecDeque<Message>,
     replies: Vec<VecDeque<Message>>,
+    /// Messages that were read, whose memory others take.
+    pub spare: Vec<Message>,
     /// When something last arrived.
     heard: Instant,
 }
@@ -64,14 +111,15 @@ const REPLY: u8 = 2;
 static JOINED: OnceLock<Arc<Ranks>> = OnceLock::new();
 
 impl Ranks {
-    /// The ranks that a carrier joins, each of which may be silent for so long.
-    pub fn new(carrier: Box<dyn Carrier>, patience: Option<Duration>) -> Arc<Self> {
+    /// The ranks that a carrier joins.
+    pub fn new(carrier: Box<dyn Carrier>, sharing: Sharing) -> Arc<Self> {
         let (rank, ranks) = (carrier.rank(), carrier.ranks());
         let mail = Mail {
             carrier,
             letters: VecDeque::new(),
             orders: VecDeque::new(),
             replies: vec![VecDeque::new(); ranks],
+            spare: Vec::new(),
             heard: Instant::now(),
         };
         Arc::new(Self {
@@ -79,7 +127,7 @@ impl Ranks {
             ranks,
             mail: Mutex::new(mail),
             next: AtomicU32::new(0),
-            patience: patience.unwrap_or(PATIENCE),
+            sharing,
         })
     }
 
@@ -105,6 +153,11 @@ impl Ranks {
     /// How many processes there are.
     pub fn count(&self) -> usize {
         self.ranks
+    }
+
+    /// How they share worlds.
+    pub fn sharing(&self) -> Sharing {
+        self.sharing
     }
 
     /// A name for a world that is cut.
@@ -140,7 +193,7 @@ impl Ranks {
     pub(super) fn reply_of(&self, rank: usize) -> Message {
         self.await_mail(
             |mail| mail.replies[rank].pop_front(),
-            |mail| mail.expect(&[rank], self.patience),
+            |mail| mail.expect(&[rank], self.sharing.patience),
         )
     }
 
@@ -160,7 +213,7 @@ impl Ranks {
             wait(&mut mail);
             drop(mail);
             looks += 1;
-            if looks > LOOKS {
+            if looks > self.sharing.looks() {
                 std::thread::sleep(NAP);
             }
         }
@@ -168,8 +221,7 @@ impl Ranks {
 
     /// How long a rank may be silent.
     pub(super) fn patience(&self) -> Duration {
-        // The lowest rank that waits says so, for all.
-        self.patience + Duration::from_secs(self.rank as u64)
+        self.sharing.patience_of(self.rank)
     }
 
     /// Ends all ranks, after this one has said why.
@@ -185,8 +237,7 @@ impl Mail {
             message.push(kind);
             (to, message)
         };
-        let out: Vec<_> = messages.into_iter().map(signed).collect();
-        self.carry(&out);
+        self.carry(messages.into_iter().map(signed).collect());
     }
 
     /// Sends letters of parts, which end with the name of their world.
@@ -196,16 +247,17 @@ impl Mail {
 
     /// Takes in what has arrived.
     pub fn look(&mut self) {
-        self.carry(&[]);
+        self.carry(Vec::new());
     }
 
-    fn carry(&mut self, out: &[(usize, Message)]) {
+    fn carry(&mut self, out: Vec<(usize, Message)>) {
         let Self {
             carrier,
             letters,
             orders,
             replies,
             heard,
+            ..
         } = self;
         carrier.carry(out, &mut |from, mut message| {
             *heard = Instant::now();
@@ -222,6 +274,13 @@ impl Mail {
         });
     }
 
+    /// Keeps the memory of a letter that was read; one for each rank is enough.
+    pub fn keep(&mut self, letter: Message) {
+        if self.spare.len() < self.replies.len() {
+            self.spare.push(letter);
+        }
+    }
+
     /// The next letter between the parts of a world.
     pub fn letter(&mut self, world: u32) -> Option<Message> {
         let place = self.letters.iter().position(|(of, _)| *of == world)?;
@@ -230,16 +289,21 @@ impl Mail {
 
     /// Gives up if nothing was heard for so long while these ranks are waited for.
     pub fn expect(&mut self, ranks: &[usize], patience: Duration) {
-        if self.heard.elapsed() > patience && !ranks.is_empty() {
-            let names: Vec<String> = ranks.iter().map(|rank| format!("rank {rank}")).collect();
-            let silent = self.heard.elapsed().as_secs();
-            self.carrier.give_up(&format!(
-                "{} did not answer for {silent} s; what was saved last is good: see whether its machine is well, and \
-                 run again",
-                names.join(", ")
-            ));
+        let silent = self.heard.elapsed();
+        if silent > patience && !ranks.is_empty() {
+            self.carrier.give_up(&silence(ranks, silent));
         }
     }
+}
+
+/// Why a rank gives up after others were silent for so long.
+pub fn silence(ranks: &[usize], lasting: Duration) -> String {
+    let names: Vec<String> = ranks.iter().map(|rank| format!("rank {rank}")).collect();
+    format!(
+        "{} did not answer for {} s; what was saved last is good: see whether its machine is well, and run again",
+        names.join(", "),
+        lasting.as_secs()
+    )
 }
 
 impl fmt::Debug for Ranks {

@@ -14,6 +14,7 @@ use super::ranks::{Message, Ranks};
 use super::report::{PartContacts, Report};
 use super::seed::Seed;
 use crate::law::AnyLaw;
+use crate::memory;
 use crate::notes::{Notebook, Watch};
 use crate::owned_world::OwnedWorld;
 
@@ -28,6 +29,8 @@ enum Order {
     Contacts(u32),
     /// The world is gone.
     Leave(u32),
+    /// The rank tells the most memory it held.
+    Peak,
     /// All is done.
     End,
 }
@@ -79,15 +82,12 @@ impl Elsewhere {
         for (number, seed) in seeds.iter().enumerate().skip(firsts[1]) {
             places[number] = seed.places().to_vec();
         }
-        let mut orders = Vec::new();
+        // One after the other: all orders together are as large as the world.
         for rank in (1..used).rev() {
             let theirs = seeds.split_off(firsts[rank]);
-            orders.push((
-                rank,
-                packed(&Order::Enter(name, firsts.clone(), law, theirs)),
-            ));
+            let order = packed(&Order::Enter(name, firsts.clone(), law, theirs));
+            ranks.order(vec![(rank, order)]);
         }
-        ranks.order(orders);
         let elsewhere = Self {
             ranks: Arc::clone(ranks),
             name,
@@ -158,6 +158,22 @@ pub fn dismiss(ranks: &Ranks) {
     ranks.order((1..ranks.count()).map(|rank| (rank, end.clone())).collect());
 }
 
+/// The most bytes that each rank held, as far as its system tells.
+pub fn peaks(ranks: &Ranks) -> Vec<Option<f64>> {
+    let peak = packed(&Order::Peak);
+    ranks.order(
+        (1..ranks.count())
+            .map(|rank| (rank, peak.clone()))
+            .collect(),
+    );
+    let told = |rank| {
+        let told = postcard::from_bytes(&ranks.reply_of(rank));
+        told.expect("ranks are of one build")
+    };
+    let others = (1..ranks.count()).map(told);
+    [memory::peak()].into_iter().chain(others).collect()
+}
+
 /// Parts of a world that this rank has.
 struct Served {
     name: u32,
@@ -189,6 +205,9 @@ pub fn serve(ranks: &Arc<Ranks>) {
                 }
             }
             Order::Leave(name) => all.retain(|served| served.name != name),
+            Order::Peak => {
+                ranks.reply(postcard::to_allocvec(&memory::peak()).expect("it is data"));
+            }
             Order::End => return,
         }
     }

@@ -4,13 +4,13 @@
 pub struct Mutant {
     /// What is wrong.
     pub name: &'static str,
-    /// File under `kernel/src`.
+    /// Its file.
     pub file: &'static str,
     /// Text that occurs there once.
     pub from: &'static str,
     /// Text in its place.
     pub to: &'static str,
-    /// The target that must catch it: a module of `kernel/tests/kernel`, or [`UNIT`].
+    /// The target that must catch it: a module of `kernel/tests/kernel`, or the unit tests of a crate.
     pub target: &'static str,
     /// Tests of that target that must fail.
     pub red: &'static [&'static str],
@@ -19,10 +19,13 @@ pub struct Mutant {
 /// The tests inside the kernel's sources.
 pub const UNIT: &str = "unit tests";
 
+/// The tests inside the sources of `sim`.
+pub const SIM: &str = "unit tests of sim";
+
 pub const MUTANTS: &[Mutant] = &[
     Mutant {
         name: "what was written to between two steps goes unseen",
-        file: "phases.rs",
+        file: "kernel/src/phases.rs",
         from: "whole(world, sealed) != world.clock.seal",
         to: "whole(world, sealed) == 0",
         target: "edits",
@@ -34,7 +37,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "rows are sealed wherever they stand",
-        file: "digest/seal.rs",
+        file: "kernel/src/digest/seal.rs",
         from: "place = place.wrapping_add(1);",
         to: "let _ = place.wrapping_add(1);",
         target: "edits",
@@ -42,7 +45,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "sum order: partners as the cells hold them",
-        file: "neighbors/cell_list.rs",
+        file: "kernel/src/neighbors/cell_list.rs",
         from: "            sort(row);",
         to: "            let _ = row;",
         target: "sums",
@@ -53,7 +56,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "sum order: obstacles by descending number",
-        file: "neighbors/cell_list.rs",
+        file: "kernel/src/neighbors/cell_list.rs",
         from: "in scene.obstacles.iter().enumerate() {",
         to: "in scene.obstacles.iter().enumerate().rev() {",
         target: "sums",
@@ -61,7 +64,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "a stretch goes on before its last pair was evaluated",
-        file: "forces/accumulate.rs",
+        file: "kernel/src/forces/accumulate.rs",
         from: "for s in finished..next.stretch {",
         to: "for s in finished..(next.stretch + 1).min(stretches.travel.len()) {",
         target: "sums",
@@ -69,7 +72,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "candidates are trusted for ever",
-        file: "phases.rs",
+        file: "kernel/src/phases.rs",
         from: "|| world.clock.far < widest {",
         to: "|| world.clock.far < R::ZERO {",
         target: "search",
@@ -77,7 +80,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "third law: the partner is pulled along",
-        file: "forces/accumulate.rs",
+        file: "kernel/src/forces/accumulate.rs",
         from: "sub_at(grains.force, j, push);",
         to: "add_at(grains.force, j, push);",
         target: "sums",
@@ -85,7 +88,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "third law: the partner's torque with the other lever's sign",
-        file: "forces/accumulate.rs",
+        file: "kernel/src/forces/accumulate.rs",
         from: "sub_at(grains.torque, j, &times(couple, lever_arm_j));",
         to: "add_at(grains.torque, j, &times(couple, lever_arm_j));",
         target: "oracle",
@@ -93,7 +96,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "skipped projection",
-        file: "contact/law.rs",
+        file: "kernel/src/contact/law.rs",
         from: "spring: sub(grown, scale(normal, dot(grown, normal))),",
         to: "spring: grown,",
         target: UNIT,
@@ -104,7 +107,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "cap not applied: hertz_history",
-        file: "contact/hertz_history.rs",
+        file: "kernel/src/contact/hertz_history.rs",
         from: "let slides = ft > cap;",
         to: "let slides = ft > cap + R::MAX;",
         target: UNIT,
@@ -112,7 +115,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "cap not applied: hertz_tsuji",
-        file: "contact/hertz_tsuji.rs",
+        file: "kernel/src/contact/hertz_tsuji.rs",
         from: "let slides = pull > cap;",
         to: "let slides = pull > cap + R::MAX;",
         target: UNIT,
@@ -120,7 +123,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "damping puts energy in",
-        file: "contact/hertz_tsuji.rs",
+        file: "kernel/src/contact/hertz_tsuji.rs",
         from: "* c.overlap - (self.cn * damp) * c.speed",
         to: "* c.overlap + (self.cn * damp) * c.speed",
         target: UNIT,
@@ -128,7 +131,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "lost history: a pair's spring at a rebuild",
-        file: "neighbors/prune.rs",
+        file: "kernel/src/neighbors/prune.rs",
         from: "part(spring, from, from + count),",
         to: "part(spring, count, count),",
         target: "search",
@@ -139,7 +142,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "lost history: an obstacle's spring at a rebuild",
-        file: "neighbors/cell_list.rs",
+        file: "kernel/src/neighbors/cell_list.rs",
         from: "get_or_default(old.obstacle_contact_spring, from)",
         to: "[R::ZERO; 4]",
         target: "search",
@@ -150,7 +153,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "kept history: who parted remembers",
-        file: "contact/block.rs",
+        file: "kernel/src/contact/block.rs",
         from: "either(touches, tangential_force.spring, [R::ZERO; 3])",
         to: "either(touches, tangential_force.spring, state.spring)",
         target: "images",
@@ -158,7 +161,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "shifted image: half a period in a separation",
-        file: "state/domain.rs",
+        file: "kernel/src/state/domain.rs",
         from: "let up = raw + self.period[k];",
         to: "let up = raw + self.half[k];",
         target: "images",
@@ -166,7 +169,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "shifted image: a crossing is not counted",
-        file: "state/domain.rs",
+        file: "kernel/src/state/domain.rs",
         from: "crossing = -1;",
         to: "crossing = 0;",
         target: "images",
@@ -174,7 +177,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "cells do not close across a period",
-        file: "neighbors/grid.rs",
+        file: "kernel/src/neighbors/grid.rs",
         from: "let after = if k + 1 < n { k + 1 } else { 0 };",
         to: "let after = if k + 1 < n { k + 1 } else { n - 3 };",
         target: "search",
@@ -182,7 +185,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "list too short by rounding",
-        file: "phases.rs",
+        file: "kernel/src/phases.rs",
         from: "slack: clock.slack,",
         to: "slack: -clock.slack,",
         target: "search",
@@ -190,7 +193,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "the list ignores the step's own travel",
-        file: "neighbors/stretch.rs",
+        file: "kernel/src/neighbors/stretch.rs",
         from: "true => get_or_default(self.approach, s),",
         to: "true => R::ZERO,",
         target: "search",
@@ -198,7 +201,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "the pairs of a stretch are trusted for the whole skin of each grain",
-        file: "neighbors/stretch.rs",
+        file: "kernel/src/neighbors/stretch.rs",
         from: "*approach = (own + other) * R::from_f64(1.001)",
         to: "*approach = (own + other) * R::HALF",
         target: "stretches",
@@ -206,7 +209,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "a stretch hears of no other one",
-        file: "neighbors/stretch.rs",
+        file: "kernel/src/neighbors/stretch.rs",
         from: "other = larger(other, get_or_default(travel, *neighbor as usize));",
         to: "let _ = neighbor;",
         target: "stretches",
@@ -214,7 +217,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "a stretch hears of the next one alone",
-        file: "neighbors/stretch.rs",
+        file: "kernel/src/neighbors/stretch.rs",
         from: "last = self.of(*j, count);",
         to: "last = self.of(*j, count).min(s + 1);",
         target: UNIT,
@@ -222,7 +225,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "a heavy grain's mass in motion is that in contacts",
-        file: "integrate.rs",
+        file: "kernel/src/integrate.rs",
         from: " && !group.infinite_mass",
         to: "",
         target: "heavy",
@@ -230,7 +233,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "a lid gives way along x",
-        file: "integrate.rs",
+        file: "kernel/src/integrate.rs",
         from: "if !group.integrates[a] {",
         to: "if !group.integrates[2] {",
         target: "oracle",
@@ -238,7 +241,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "all weigh alike, whatever their group",
-        file: "integrate.rs",
+        file: "kernel/src/integrate.rs",
         from: "&plus(&times(force, per_mass), &gravity)",
         to: "&plus(&times(force, per_mass), &addend([-R::ONE; 3]))",
         target: "oracle",
@@ -246,7 +249,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "a bar is as curved as a ball",
-        file: "state/obstacle.rs",
+        file: "kernel/src/state/obstacle.rs",
         from: "overlap: (radius + own) - distance,\n                    radius: R::ZERO,",
         to: "overlap: (radius + own) - distance,\n                    radius: own,",
         target: "oracle",
@@ -254,7 +257,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "a hollow ball's moment of inertia",
-        file: "integrate.rs",
+        file: "kernel/src/integrate.rs",
         from: "R::from_f64(0.4)",
         to: "R::from_f64(2.0 / 3.0)",
         target: "oracle",
@@ -262,7 +265,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "a removed grain leaves the places of the others",
-        file: "edit/remove.rs",
+        file: "kernel/src/edit/remove.rs",
         from: "if goes { GONE } else { left as u32 }",
         to: "if goes { GONE } else { i as u32 }",
         target: "comings",
@@ -270,7 +273,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "springs stay where they were when pairs move",
-        file: "edit/renumber.rs",
+        file: "kernel/src/edit/renumber.rs",
         from: "list.set_spring(to, spring);",
         to: "list.set_spring(p, spring);",
         target: "comings",
@@ -278,7 +281,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "an insertion does not look how deep it overlaps",
-        file: "edit/settle.rs",
+        file: "kernel/src/edit/settle.rs",
         from: "check_depths(world)\n}",
         to: "Ok(())\n}",
         target: "comings",
@@ -286,7 +289,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "a drain takes from the wrong side",
-        file: "state/losses.rs",
+        file: "kernel/src/state/losses.rs",
         from: "self.normal) < R::ZERO",
         to: "self.normal) > R::ZERO",
         target: "comings",
@@ -294,7 +297,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "a part does not hear how fast its ghosts are",
-        file: "parts.rs",
+        file: "kernel/src/parts.rs",
         from: "*travel = larger(*travel, way);",
         to: "let _ = (travel, way);",
         target: "parts",
@@ -302,7 +305,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "a part moves its ghosts as if they were its own",
-        file: "world.rs",
+        file: "kernel/src/world.rs",
         from: "owned: Owned::new(self.owned),",
         to: "owned: Owned::new(&[]),",
         target: "parts",
@@ -310,7 +313,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "a pair of two parts is listed in one of them",
-        file: "neighbors/cell_list.rs",
+        file: "kernel/src/neighbors/cell_list.rs",
         from: "if !is_own && !scene.owned.has(k) {",
         to: "if !is_own {",
         target: "sums",
@@ -318,7 +321,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "a ghost touches obstacles",
-        file: "neighbors/cell_list.rs",
+        file: "kernel/src/neighbors/cell_list.rs",
         from: "if !scene.owned.has(i) {",
         to: "if i > scene.extent.radius.to_index() + 99 {",
         target: "sums",
@@ -326,7 +329,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "a part looks as far as its own grains need",
-        file: "neighbors/extent.rs",
+        file: "kernel/src/neighbors/extent.rs",
         from: "radius: larger(self.radius, other.radius),",
         to: "radius: self.radius,",
         target: "parts",
@@ -334,7 +337,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "the last grain counts as the largest",
-        file: "neighbors/extent.rs",
+        file: "kernel/src/neighbors/extent.rs",
         from: "all.radius = larger(all.radius, x[3]);",
         to: "all.radius = x[3];",
         target: "parts",
@@ -342,7 +345,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "a part searches when it has no candidates left",
-        file: "parts.rs",
+        file: "kernel/src/parts.rs",
         from: "world.clock.far < larger(world.skin, R::ZERO)",
         to: "world.clock.far < R::ZERO",
         target: "parts",
@@ -350,7 +353,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "of the faults of two parts the later one counts",
-        file: "forces/force_check.rs",
+        file: "kernel/src/forces/force_check.rs",
         from: "if b < a { b } else { a }",
         to: "if b < a { a } else { b }",
         target: "parts",
@@ -358,7 +361,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "a part does not hear what another one drains",
-        file: "phases.rs",
+        file: "kernel/src/phases.rs",
         from: "passed.draining || is_draining(world)",
         to: "is_draining(world)",
         target: "parts",
@@ -366,7 +369,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "lost history: springs that a part begins with",
-        file: "parts.rs",
+        file: "kernel/src/parts.rs",
         from: "world.pairs.restore(&world.stretches, &history, listed);",
         to: "let _ = listed;",
         target: "sums",
@@ -374,7 +377,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "lost history: springs that parts give back",
-        file: "parts.rs",
+        file: "kernel/src/parts.rs",
         from: "list.set_spring(count, spring);",
         to: "list.set_spring(count, spring.map(|_| R::ZERO));",
         target: "sums",
@@ -382,7 +385,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "a part keeps its pairs by the places that grains had",
-        file: "parts.rs",
+        file: "kernel/src/parts.rs",
         from: "renumber_contacts(world, NewPlaces(places), grains);",
         to: "let _ = renumber_contacts::<R>;",
         target: "sums",
@@ -390,7 +393,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "obstacles are pulled along by what parts share",
-        file: "forces/obstacle_contacts.rs",
+        file: "kernel/src/forces/obstacle_contacts.rs",
         from: "body.force = sub(body.force, share.force);",
         to: "body.force = sub(share.force, body.force);",
         target: "sums",
@@ -398,7 +401,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "a world does not hear how fast its parts have become",
-        file: "parts.rs",
+        file: "kernel/src/parts.rs",
         from: "self.next_travel = part.next_travel;",
         to: "let _ = part.next_travel;",
         target: "parts",
@@ -406,7 +409,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "forces are noted of other grains",
-        file: "forces/accumulate.rs",
+        file: "kernel/src/forces/accumulate.rs",
         from: "set(self.force, next, get_or_default(sums, place));",
         to: "set(self.force, next, get_or_default(sums, next));",
         target: "parts",
@@ -414,10 +417,18 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "a saved world is not compared with what it became",
-        file: "saved/read.rs",
+        file: "kernel/src/saved/read.rs",
         from: "match saved.checksum() == hasher.finish() {",
         to: "match true {",
         target: "saved",
         red: &["changed_bytes_are_refused_and_nothing_is_lost"],
+    },
+    Mutant {
+        name: "ranks: an obstacle's sum goes by part, and not by grain",
+        file: "harness/sim/src/notes.rs",
+        from: "    all.sort_by_key(grain);",
+        to: "    let _ = (&mut all, grain);",
+        target: SIM,
+        red: &["parts::channels::tests::an_obstacle_is_pushed_grain_by_grain_whatever_rank_has_it"],
     },
 ];
