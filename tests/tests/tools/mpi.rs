@@ -167,7 +167,8 @@ fn a_bed_with_insertion_and_removal_is_that_of_one_process() {
         let mut command = mpirun(folder, way.ranks);
         command.arg(built("edited"));
         command.args([&way.threads.to_string(), "many"]);
-        assert_eq!(done(command), expected, "{way:?}");
+        // What is printed after that is the memory of each rank.
+        assert!(done(command).starts_with(&expected), "{way:?}");
         assert!(fs::read(folder.join("many")).unwrap() == file, "{way:?}");
     }
 }
