@@ -5,9 +5,10 @@ pub mod drags;
 pub mod fuzzing;
 pub mod gather;
 pub mod notices;
+pub mod processes;
 pub mod wee;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -414,6 +415,13 @@ pub fn results(folder: &Path) -> BTreeMap<String, Vec<u8>> {
         }
     }
     found
+}
+
+/// Names of files that are not the same in both.
+pub fn differing(a: &BTreeMap<String, Vec<u8>>, b: &BTreeMap<String, Vec<u8>>) -> Vec<String> {
+    let names: BTreeSet<&String> = a.keys().chain(b.keys()).collect();
+    let differs = |name: &&String| a.get(*name) != b.get(*name);
+    names.into_iter().filter(differs).cloned().collect()
 }
 
 /// Runs a program in a folder to its end.

@@ -55,10 +55,16 @@ fn page_commands(page: &str) -> Vec<String> {
     for (_, text) in shell {
         for line in text.lines() {
             let line = line.split(" #").next().unwrap_or("").trim();
+            // What ranks would share, one process does here; `.ci/run ranks` starts ranks.
+            let mpirun = line.strip_prefix("mpirun ");
+            let line = mpirun.map_or(line, |shared| &shared[shared.find("bitgrain ").unwrap()..]);
             lines.push(line.to_string());
         }
     }
-    lines.retain(|line| !line.is_empty());
+    // `.ci/run` installs the packages.
+    lines.retain(|line| {
+        !line.is_empty() && !line.starts_with('#') && !line.starts_with("apt-get install ")
+    });
     lines
 }
 
@@ -105,6 +111,7 @@ static MADE: LazyLock<tempfile::TempDir> = LazyLock::new(|| {
         let args = ["run", "my-bed.toml", "--out", out, "--set", &set];
         assert!(output(PROGRAM, folder.path(), &args).status.success());
     }
+    copy_all(&place("out/quick"), &place("out/kumar-system-2"));
     let campaign = CAMPAIGN.replace("small.toml", "my-bed.toml");
     let campaign = campaign.replace("\"camp\"", "\"kumar-small\"");
     std::fs::write(place("my-campaign.toml"), campaign).unwrap();
@@ -151,22 +158,11 @@ fn run_commands(lines: Vec<String>) {
             cargo_command(cargo);
             continue;
         }
-        if let Some(fed) = line
-            .strip_prefix("bitgrain ")
-            .filter(|line| line.contains(" < "))
-        {
-            let line = format!("'{PROGRAM}' {fed}");
-            let out = output("sh", folder.path(), &["-c", &line]);
-            let error = String::from_utf8_lossy(&out.stderr);
-            assert!(out.status.success(), "{line}: {error}");
-            continue;
-        }
-        // What the commands of a list do, they do in the shell.
-        if let Some(piped) = line
-            .strip_prefix("bitgrain ")
-            .filter(|line| line.contains(" | "))
-        {
-            let line = format!("'{PROGRAM}' {piped}");
+        // What the commands of a pipe or of a list do, they do in the shell.
+        let in_shell = line.strip_prefix("bitgrain ");
+        let in_shell = in_shell.filter(|line| line.contains(" < ") || line.contains(" | "));
+        if let Some(words) = in_shell {
+            let line = format!("'{PROGRAM}' {words}");
             let out = output("sh", folder.path(), &["-c", &line]);
             let error = String::from_utf8_lossy(&out.stderr);
             assert!(out.status.success(), "{line}: {error}");

@@ -8,7 +8,8 @@ use std::time::{Duration, Instant};
 
 use bitgrain::checkpoint;
 use bitgrain::random::{Purpose, uniforms};
-use bitgrain_tests::{output, results, two_drags};
+use bitgrain_tests::processes::signal;
+use bitgrain_tests::{differing, output, results, two_drags};
 
 use crate::PROGRAM;
 
@@ -75,19 +76,6 @@ fn alone_on(desk: &Desk) -> (Files, Duration) {
     (results(&desk.out()), began.elapsed())
 }
 
-/// Names of what differs, for a message that can be read.
-fn differing(a: &Files, b: &Files) -> Vec<String> {
-    let names = a.keys().chain(b.keys());
-    let mut wrong: Vec<String> = names.filter(|k| a.get(*k) != b.get(*k)).cloned().collect();
-    wrong.dedup();
-    wrong
-}
-
-fn signal(child: &std::process::Child, name: &str) {
-    let kill = format!("kill -{name} {}", child.id());
-    let _ = Command::new("sh").args(["-c", &kill]).status();
-}
-
 /// Half files that are left below a folder.
 fn half_files(folder: &Path) -> usize {
     let ends = |name: &&String| name.ends_with(".partial");
@@ -150,7 +138,7 @@ fn stopped_runs_end_with_the_same_bytes() {
     for (share, name) in [(0.2, "INT"), (0.3, "TERM"), (0.3, "TERM"), (0.3, "INT")] {
         let mut child = desk.begin(&[]);
         std::thread::sleep(whole.mul_f64(share));
-        signal(&child, name);
+        signal(child.id(), name);
         let status = child.wait().unwrap();
         assert!(matches!(status.code(), Some(130 | 0)), "{status}");
     }

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use bitgrain_tests::{CAMPAIGN, CampaignDesk, RIG, failing_campaign, output, results};
+use bitgrain_tests::{CAMPAIGN, CampaignDesk, RIG, differing, failing_campaign, output, results};
 
 use crate::PROGRAM;
 
@@ -50,15 +50,6 @@ fn until(what: &str, done: impl Fn() -> bool) {
         assert!(began.elapsed() < Duration::from_secs(120), "{what}");
         std::thread::sleep(Duration::from_millis(5));
     }
-}
-
-/// Names of what differs.
-fn differing(a: &BTreeMap<String, Vec<u8>>, b: &BTreeMap<String, Vec<u8>>) -> Vec<String> {
-    let names = a.keys().chain(b.keys());
-    names
-        .filter(|name| a.get(*name) != b.get(*name))
-        .cloned()
-        .collect()
 }
 
 fn same(desk: &Desk, want: &BTreeMap<String, Vec<u8>>) {

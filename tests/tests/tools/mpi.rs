@@ -13,7 +13,8 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use bitgrain::random::{Purpose, uniforms};
-use bitgrain_tests::{CAMPAIGN, RIG, SMALL, output, results, root, two_drags};
+use bitgrain_tests::processes::{MPI_AS_ROOT, Process, processes, signal};
+use bitgrain_tests::{CAMPAIGN, RIG, SMALL, differing, output, results, root, two_drags};
 
 /// The command without MPI.
 const PLAIN: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
@@ -73,9 +74,7 @@ fn mpirun(folder: &Path, ranks: usize) -> Command {
     let mut command = Command::new("mpirun");
     command.args(["--oversubscribe", "-n", &ranks.to_string()]);
     command.current_dir(folder);
-    // Open MPI asks root for this, and CI is root.
-    command.env("OMPI_ALLOW_RUN_AS_ROOT", "1");
-    command.env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1");
+    command.envs(MPI_AS_ROOT);
     command.env("BITGRAIN_PART_MIN", "30");
     command
 }
@@ -101,18 +100,16 @@ fn done(mut command: Command) -> String {
     told(&out)
 }
 
-fn differing(a: &Files, b: &Files) -> Vec<String> {
-    let names = a.keys().chain(b.keys());
-    names
-        .filter(|name| a.get(*name) != b.get(*name))
-        .cloned()
-        .collect()
-}
-
 fn plain(folder: &Path, line: &str) {
     let words: Vec<&str> = line.split_whitespace().collect();
     let out = output(PLAIN, folder, &words);
     assert!(out.status.success(), "{line}: {}", told(&out));
+}
+
+/// The files that one process without MPI leaves.
+fn alone(folder: &Path, line: &str) -> Files {
+    plain(folder, &format!("{line} --threads 1 --beds beds --out one"));
+    results(&folder.join("one"))
 }
 
 /// Pouring, settling, lids, fields, snapshots, and a campaign: every file, and a process alone verifies it.
@@ -128,8 +125,7 @@ fn any_number_of_ranks_writes_the_bytes_of_one_process() {
         "sweep camp.toml",
     ];
     for line in lines {
-        plain(folder, &format!("{line} --threads 1 --beds beds --out one"));
-        let one = results(&folder.join("one"));
+        let one = alone(folder, line);
         assert!(one.len() > 5, "{line}");
         for way in ways() {
             let began = Instant::now();
@@ -173,31 +169,22 @@ fn a_bed_with_insertion_and_removal_is_that_of_one_process() {
     }
 }
 
-/// Processes of one program whose command line has this word.
+/// The processes that are ranks in a folder, in order.
 fn ranks_of(folder: &Path) -> Vec<u32> {
-    let entries = fs::read_dir("/proc").unwrap().flatten();
-    let ids = entries.filter_map(|entry| entry.file_name().to_str()?.parse::<u32>().ok());
-    let mut found: Vec<(u32, u32)> = ids
-        .filter_map(|id| {
-            let at = fs::read_link(format!("/proc/{id}/cwd")).ok()?;
-            let environment = fs::read(format!("/proc/{id}/environ")).ok()?;
-            let environment = String::from_utf8_lossy(&environment).into_owned();
-            let rank = environment
-                .split('\0')
-                .find_map(|word| word.strip_prefix("OMPI_COMM_WORLD_RANK="))?;
-            (at == folder).then_some((rank.parse().ok()?, id))
+    let rank = |process: &Process| {
+        let words = &mut process.environment.iter();
+        words.find_map(|word| {
+            let rank = word.strip_prefix("OMPI_COMM_WORLD_RANK=")?;
+            rank.parse::<u32>().ok()
         })
+    };
+    let here = processes().into_iter();
+    let here = here.filter(|process| process.folder == folder);
+    let mut found: Vec<_> = here
+        .filter_map(|process| Some((rank(&process)?, process.id)))
         .collect();
     found.sort_unstable();
     found.into_iter().map(|(_, id)| id).collect()
-}
-
-fn signal(name: &str, id: u32) {
-    let ended = Command::new("kill")
-        .args([name, &id.to_string()])
-        .stderr(Stdio::null())
-        .status();
-    ended.expect("kill starts");
 }
 
 fn begin(mut command: Command) -> Child {
@@ -211,8 +198,7 @@ fn begin(mut command: Command) -> Child {
 fn killed_ranks_lose_nothing() {
     let desk = desk();
     let folder = &desk.path().canonicalize().unwrap();
-    plain(folder, "run two.toml --threads 1 --beds beds --out one");
-    let one = results(&folder.join("one"));
+    let one = alone(folder, "run two.toml");
     let (mut kills, mut attempt, mut rounds) = (0, 0, 0);
     while kills < 30 {
         rounds += 1;
@@ -242,7 +228,7 @@ fn killed_ranks_lose_nothing() {
             }
             let ranks = ranks_of(folder);
             if let Some(victim) = ranks.get(below(3, ranks.len().max(1))) {
-                signal("-9", *victim);
+                signal(*victim, "9");
             }
             ended = child.wait_with_output().unwrap().status.success();
             killed += usize::from(!ended);
@@ -263,8 +249,7 @@ fn killed_ranks_lose_nothing() {
 fn a_rank_that_stands_still() {
     let desk = desk();
     let folder = &desk.path().canonicalize().unwrap();
-    plain(folder, "run two.toml --threads 1 --beds beds --out one");
-    let one = results(&folder.join("one"));
+    let one = alone(folder, "run two.toml");
     let two = Way {
         ranks: 2,
         threads: 1,
@@ -277,7 +262,7 @@ fn a_rank_that_stands_still() {
             sleep(Duration::from_millis(20));
         }
         let stopped = ranks_of(folder)[1];
-        signal("-STOP", stopped);
+        signal(stopped, "STOP");
         (child, stopped)
     };
     let line = "run two.toml --beds fresh --out many";
@@ -296,7 +281,7 @@ fn a_rank_that_stands_still() {
     let (mut child, stopped) = stop(shared(folder, two, line));
     sleep(Duration::from_secs(60));
     assert!(child.try_wait().unwrap().is_none(), "it waits");
-    signal("-CONT", stopped);
+    signal(stopped, "CONT");
     let out = child.wait_with_output().unwrap();
     assert!(out.status.success(), "{}", told(&out));
     let wrong = differing(&one, &results(&folder.join("many")));

@@ -6,6 +6,7 @@
 use std::path::Path;
 use std::process::Command;
 
+use bitgrain_tests::processes::MPI_AS_ROOT;
 use bitgrain_tests::root;
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
@@ -53,10 +54,7 @@ fn shell(folder: &Path, line: &str, status: i32) -> String {
         .args(["-c", line])
         .current_dir(folder)
         .env("PATH", path);
-    // Open MPI asks root for this, and CI is root.
-    command
-        .env("OMPI_ALLOW_RUN_AS_ROOT", "1")
-        .env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1");
+    command.envs(MPI_AS_ROOT);
     let out = command.output().unwrap();
     let error = String::from_utf8_lossy(&out.stderr);
     assert_eq!(out.status.code(), Some(status), "{line}: {error}");

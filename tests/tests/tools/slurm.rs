@@ -11,7 +11,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use bitgrain_tests::{CAMPAIGN, SMALL, results, root, two_drags};
+use bitgrain_tests::processes::{MPI_AS_ROOT, processes, signal};
+use bitgrain_tests::{CAMPAIGN, SMALL, differing, results, root, two_drags};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
 
@@ -139,7 +140,7 @@ impl Cluster {
                 let watcher = std::fs::read_to_string(format!("/proc/{id}/cmdline"));
                 let is_slurm = watcher.is_ok_and(|line| line.starts_with("slurmstepd"));
                 if id == process.id || is_slurm {
-                    kill(id);
+                    signal(id, "9");
                 }
             }
         }
@@ -157,41 +158,10 @@ impl Drop for Cluster {
         let own = format!("SLURM_CONF={}", self.at("slurm.conf").display());
         for process in processes() {
             if process.environment.contains(&own) {
-                kill(process.id);
+                signal(process.id, "9");
             }
         }
     }
-}
-
-fn kill(id: u32) {
-    let kill = format!("kill -9 {id} 2> /dev/null");
-    let _ = Command::new("sh").args(["-c", &kill]).status();
-}
-
-/// A process: its number, its parent's, and what its environment says.
-struct Process {
-    id: u32,
-    parent: u32,
-    environment: Vec<String>,
-}
-
-fn processes() -> Vec<Process> {
-    let entries = std::fs::read_dir("/proc").unwrap().flatten();
-    let ids = entries.filter_map(|entry| entry.file_name().to_str()?.parse::<u32>().ok());
-    let process = |id: u32| {
-        let environment = std::fs::read(format!("/proc/{id}/environ")).ok()?;
-        let words = environment.split(|byte| *byte == 0);
-        let status = std::fs::read_to_string(format!("/proc/{id}/status")).ok()?;
-        let parent = status.lines().find_map(|line| line.strip_prefix("PPid:"))?;
-        Some(Process {
-            id,
-            parent: parent.trim().parse().ok()?,
-            environment: words
-                .map(|word| String::from_utf8_lossy(word).into_owned())
-                .collect(),
-        })
-    };
-    ids.filter_map(process).collect()
 }
 
 /// The smallest Slurm: one controller, these nodes of so many processors each, no accounting.
@@ -256,14 +226,9 @@ fn promised(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     files
 }
 
-/// Names of what differs.
-fn differing(a: &Path, b: &Path) -> Vec<String> {
-    let (a, b) = (promised(a), promised(b));
-    let names = a.keys().chain(b.keys());
-    names
-        .filter(|name| a.get(*name) != b.get(*name))
-        .cloned()
-        .collect()
+/// Names of what differs of that.
+fn wrong(a: &Path, b: &Path) -> Vec<String> {
+    differing(&promised(a), &promised(b))
 }
 
 /// Some seconds a row.
@@ -305,10 +270,13 @@ fn ranks_of_a_job_share_a_run() {
     let program = root().join("target/ranks/release/bitgrain-under-test");
     let script = format!(
         "#!/bin/sh\n\
-         export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 BITGRAIN_PART_MIN=30\n\
+         export {} BITGRAIN_PART_MIN=30\n\
          mpirun --tag-output printenv SLURM_JOB_ID\n\
          mpirun {} {run} --out shared --beds beds-two\n\
          echo status $?\n",
+        MPI_AS_ROOT
+            .map(|(name, value)| format!("{name}={value}"))
+            .join(" "),
         program.display()
     );
     std::fs::write(cluster.at("job.sh"), script).unwrap();
@@ -320,7 +288,7 @@ fn ranks_of_a_job_share_a_run() {
     for rank in 0..2 {
         assert!(log.contains(&format!("[1,{rank}]<stdout>:1")), "{log}");
     }
-    let wrong = differing(&cluster.at("alone"), &cluster.at("shared"));
+    let wrong = wrong(&cluster.at("alone"), &cluster.at("shared"));
     assert!(wrong.is_empty(), "{wrong:?} {log}");
 }
 
@@ -374,7 +342,7 @@ fn lose_a_node(cluster: &mut Cluster, tell: impl Fn(&str)) {
     );
     tell(&format!("{missing} rows are submitted again"));
     cluster.drained();
-    let wrong = differing(&cluster.at("one"), &cluster.at("many"));
+    let wrong = wrong(&cluster.at("one"), &cluster.at("many"));
     let logs = logs(&cluster.at("many/slurm"));
     assert!(wrong.is_empty(), "{wrong:?} {logs}");
     tell("the merged campaign has the bytes of the one process");
@@ -404,7 +372,7 @@ fn run_out_of_time(cluster: &Cluster, whole: Duration, tell: impl Fn(&str)) {
         0,
     );
     cluster.drained();
-    let wrong = differing(&cluster.at("alone"), &cluster.at("again"));
+    let wrong = wrong(&cluster.at("alone"), &cluster.at("again"));
     let logs = logs(&cluster.at("again/slurm"));
     assert!(wrong.is_empty(), "{wrong:?} {logs}");
     let stops = logs.matches("interrupted at step").count();

@@ -193,7 +193,7 @@ impl Ranks {
     pub(super) fn reply_of(&self, rank: usize) -> Message {
         self.await_mail(
             |mail| mail.replies[rank].pop_front(),
-            |mail| mail.expect(&[rank], self.sharing.patience),
+            |mail| mail.expect(&[rank], self.patience()),
         )
     }
 

@@ -103,10 +103,7 @@ impl Elsewhere {
     }
 
     fn order(&self, order: &Order) {
-        let message = packed(order);
-        let others = 1..self.firsts.len() - 1;
-        self.ranks
-            .order(others.map(|rank| (rank, message.clone())).collect());
+        order_all(&self.ranks, self.firsts.len() - 1, order);
     }
 
     /// Sends the parts elsewhere off.
@@ -152,20 +149,20 @@ fn packed(order: &Order) -> Message {
     postcard::to_allocvec(order).expect("it is data")
 }
 
+/// Gives all other ranks below this one the same order.
+fn order_all(ranks: &Ranks, end: usize, order: &Order) {
+    let message = packed(order);
+    ranks.order((1..end).map(|rank| (rank, message.clone())).collect());
+}
+
 /// Ends the service of all other ranks.
 pub fn dismiss(ranks: &Ranks) {
-    let end = packed(&Order::End);
-    ranks.order((1..ranks.count()).map(|rank| (rank, end.clone())).collect());
+    order_all(ranks, ranks.count(), &Order::End);
 }
 
 /// The most bytes that each rank held, as far as its system tells.
 pub fn peaks(ranks: &Ranks) -> Vec<Option<f64>> {
-    let peak = packed(&Order::Peak);
-    ranks.order(
-        (1..ranks.count())
-            .map(|rank| (rank, peak.clone()))
-            .collect(),
-    );
+    order_all(ranks, ranks.count(), &Order::Peak);
     let told = |rank| {
         let told = postcard::from_bytes(&ranks.reply_of(rank));
         told.expect("ranks are of one build")
