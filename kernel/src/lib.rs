@@ -11,8 +11,8 @@
 //! * [`Real`] is the number type, `f64`, `f32` or fixed point, with the few operations a step may use;
 //!   [`vec3`] writes its sums out.
 //! * [`Domain`] is the box and its periods. [`Grains`] are rows of four words that the caller owns;
-//!   a [`Group`] says how grains move. An [`Obstacle`] pushes grains and moves as prescribed, and
-//!   the force on it is a result.
+//!   a [`Group`] says how grains move. An [`Obstacle`] is a rigid body that pushes grains; it moves as prescribed or
+//!   freely ([`Motion`]), and the force on it is a result.
 //! * A [`contact::Law`] turns how two bodies touch into a force: [`contact::HertzHistory`] (Kumar 2018) or
 //!   [`contact::HertzTsuji`] (Guillard 2014).
 //! * A [`PairList`] lists who may touch and keeps the tangential springs of those who do. The search that
@@ -102,7 +102,9 @@ pub use math::vec3;
 pub use math::{fixed_point, scaling};
 pub use neighbors::cell_list::CellList;
 pub use neighbors::outer_list::OuterList;
-pub use neighbors::pair_list::{ContactHistory, PairList, TOUCHING};
+pub use neighbors::pair_list::{
+    ContactHistory, OBSTACLES_MAX, PairList, TOUCHING, obstacle_of, surface_of,
+};
 pub use neighbors::stretch::{NEIGHBORS, STRETCH, StretchList};
 pub use owners::capacity::Capacity;
 pub use owners::lent::{Head, LentStore, Memory};
@@ -111,6 +113,9 @@ pub use saved::{Saved, save, save_size};
 pub use state::domain::Domain;
 pub use state::grains::{GrainState, Grains, Group, NewGrain};
 pub use state::losses::{Cause, Departure, Drain, LossPolicy};
-pub use state::obstacle::{Obstacle, Shape};
+pub use state::motion::{FreeMotion, Motion};
+pub use state::obstacle::{Meeting, Obstacle};
+pub use state::shape::Shape;
+pub use state::turning::{Orientation, to_body, to_world};
 pub use step::{resume, start, start_watched, step, step_watched, step_with};
 pub use world::{Clock, World};

@@ -97,8 +97,8 @@ pub fn ensure_pair_list_ahead<R: Real>(world: &mut World<'_, R>) -> Result<(), E
     }
 }
 
-/// The joint after a pass that drifted: moves the obstacles, and counts what the list has lost of its
-/// validity.
+/// The joint after a pass that drifted: moves the obstacles, kicks those first that move freely, and counts what the
+/// list has lost of its validity.
 ///
 /// # Errors
 /// A world that has not begun; a grain that left the box, unless the policy takes it out; an obstacle that is too fast
@@ -123,7 +123,8 @@ pub fn drift<R: Real>(world: &mut World<'_, R>, passed: MotionCheck<R>) -> Resul
     world.stretches.travel_alike(-R::ONE);
     world.clock.far = world.clock.far - (travel + travel);
     for (k, body) in world.obstacles.iter_mut().enumerate() {
-        body.advance(world.domain, world.dt);
+        body.kick(world.dt);
+        body.drift(world.domain, world.dt);
         if !body.point.iter().all(|x| magnitude(*x) <= limit()) {
             return Err(Error::obstacle_not_finite::<R>(k as u32));
         }
@@ -189,7 +190,8 @@ pub fn is_draining<R: Real>(world: &World<'_, R>) -> bool {
 pub(crate) fn next_travel<R: Real>(world: &World<'_, R>) -> Result<R, Error> {
     let mut travel = world.clock.next_travel;
     for (k, body) in world.obstacles.iter().enumerate() {
-        let way = length_bound(body.velocity) * world.dt;
+        let next = body.kicked(world.dt);
+        let way = (length_bound(next.velocity) + next.swing()) * world.dt;
         let slow = way < world.clock.radius_min;
         if !slow {
             return Err(Error::ObstacleTooFast { obstacle: k as u32 });
@@ -331,7 +333,8 @@ pub fn check_forces<R: Real>(world: &mut World<'_, R>, found: ForceCheck) -> Res
     }
 }
 
-/// The last joint of a step, after a pass that kicked: counts the step.
+/// The last joint of a step, after a pass that kicked: kicks the bodies that move freely, whose forces must be
+/// complete, and counts the step.
 ///
 /// # Errors
 /// The fault that the pass found; the world is stopped. A world that has not drifted.
@@ -339,6 +342,9 @@ pub fn check_forces<R: Real>(world: &mut World<'_, R>, found: ForceCheck) -> Res
 pub fn finish<R: Real>(world: &mut World<'_, R>, passed: MotionCheck<R>) -> Result<(), Error> {
     if !matches!(world.clock.stage, Stage::Drifted | Stage::Listed) {
         return Err(Error::NotStarted);
+    }
+    for body in world.obstacles.iter_mut() {
+        body.kick(world.dt);
     }
     go_on(world, passed)?;
     world.clock.losing |= passed.draining || is_draining(world);

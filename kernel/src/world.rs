@@ -10,11 +10,12 @@ use crate::math::rows::{front_mut, get_or_default, prefix, shorten};
 use crate::math::vec3::{Vec3, head, length_bound};
 use crate::neighbors::cell_list::CellList;
 use crate::neighbors::outer_list::OuterList;
-use crate::neighbors::pair_list::{ContactHistory, Listed, PairList, TOUCHING};
+use crate::neighbors::pair_list::{ContactHistory, Listed, OBSTACLES_MAX, PairList, TOUCHING};
 use crate::neighbors::stretch::StretchList;
 use crate::state::domain::Domain;
 use crate::state::grains::Grains;
 use crate::state::losses::LossPolicy;
+use crate::state::motion::Motion;
 use crate::state::obstacle::Obstacle;
 use crate::state::owned::Owned;
 
@@ -151,8 +152,8 @@ impl<R: Real> Clock<R> {
 /// It is rebuilt for each stretch of steps from storage that its owner keeps; building one costs
 /// nothing. All that a step reads is read-only between steps: after changing it by hand, call
 /// [`crate::start`] or [`crate::resume`], or the next step is refused with [`Error::Edited`]. Free to change
-/// at any time are skin and reach, the number of steps done, the policy, and the velocity of an
-/// obstacle, which is not checked then.
+/// at any time are skin and reach, the number of steps done, the policy, and the velocity and
+/// angular velocity of an obstacle and the host's force and torque on it, which are not checked then.
 pub struct World<'a, R> {
     /// The box.
     pub domain: &'a Domain<R>,
@@ -321,6 +322,10 @@ impl<R: Real> World<'_, R> {
                 return Err(Error::Escaped { id });
             }
         }
+        if self.obstacles.len() > OBSTACLES_MAX {
+            let obstacle = OBSTACLES_MAX as u32;
+            return Err(Error::BadObstacle { obstacle });
+        }
         for (number, body) in self.obstacles.iter().enumerate() {
             body.check_place(self.domain, number as u32, has_moved)?;
         }
@@ -332,7 +337,13 @@ impl<R: Real> World<'_, R> {
     pub(crate) fn check_resolution(&self) -> Result<(), Error> {
         let least = self.least_way();
         for (k, body) in self.obstacles.iter().enumerate() {
-            if self.is_lost(body.velocity, length_bound(body.velocity), least) {
+            let turn = length_bound(body.angular_velocity) * self.dt;
+            let turns = body.angular_velocity != [R::ZERO; 3];
+            let moves_freely = matches!(body.motion, Motion::Free(_));
+            if !moves_freely
+                && (self.is_lost(body.velocity, length_bound(body.velocity), least)
+                    || turns && turn < R::EPSILON * R::from_f64(RESOLVED))
+            {
                 return Err(Error::ObstacleTooSlow { obstacle: k as u32 });
             }
         }

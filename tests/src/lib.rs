@@ -177,11 +177,7 @@ pub fn ball(id: u32, position: [f64; 3], velocity: [f64; 3]) -> GrainSpec {
 
 /// A resting wall at z = 0 with the grains above it.
 pub fn floor() -> ObstacleSpec {
-    ObstacleSpec::Plane {
-        point: [0.0; 3],
-        normal: [0.0, 0.0, 1.0],
-        velocity: [0.0; 3],
-    }
+    ObstacleSpec::plane([0.0; 3], [0.0, 0.0, 1.0])
 }
 
 /// A scenario of 300 grains that is poured in seconds.

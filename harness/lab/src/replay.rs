@@ -78,6 +78,11 @@ struct GrainState {
 #[derive(Serialize)]
 struct ObstacleState {
     index: usize,
+    /// Its point, wrapped into the box.
+    center: [f64; 3],
+    orientation: [f64; 4],
+    velocity: [f64; 3],
+    angular_velocity: [f64; 3],
     force: [f64; 3],
     torque: [f64; 3],
 }
@@ -263,6 +268,10 @@ fn write_sample(
         .enumerate()
         .map(|(index, body)| ObstacleState {
             index,
+            center: body.point,
+            orientation: body.orientation,
+            velocity: body.velocity,
+            angular_velocity: body.angular_velocity,
             force: body.force,
             torque: body.torque,
         });

@@ -47,6 +47,10 @@ impl Obstacle {
             Shape::Sphere { .. } => "sphere",
             Shape::Cylinder { .. } => "cylinder",
             Shape::Plane { .. } => "plane",
+            Shape::FiniteCylinder { .. } => "finite_cylinder",
+            Shape::Capsule { .. } => "capsule",
+            Shape::Box { .. } => "box",
+            Shape::Drum { .. } => "drum",
         })
     }
 

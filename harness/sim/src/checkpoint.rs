@@ -1,6 +1,7 @@
 //! Checkpoints: a whole state in one safetensors file, from which a run goes on with the same bits.
 
 mod arrays;
+mod bodies;
 mod head;
 
 pub use head::StageState;
@@ -19,6 +20,9 @@ use crate::simulation::{Simulation, hex};
 
 /// Version of the file's layout.
 pub const FORMAT: u32 = 3;
+
+/// That of a file with obstacles that turn, move freely, or have a shape that the other one does not know.
+const BODIES_FORMAT: u32 = 4;
 
 const KEY: &str = "bitgrain";
 
@@ -54,7 +58,10 @@ pub fn pack(sim: &mut Simulation, note: &StageState) -> Result<Vec<u8>> {
     let arrays = arrays(sim, note);
     let part = |(name, (_, _, bytes)): &Array| PartSeal::of(name, bytes);
     let mut head = Head {
-        format: FORMAT,
+        format: match sim.obstacles.iter().all(bodies::is_plain) {
+            true => FORMAT,
+            false => BODIES_FORMAT,
+        },
         bits_version: BITS_VERSION,
         step,
         dt: sim.dt,
@@ -206,8 +213,8 @@ pub fn unpack_foreign(bytes: &[u8], name: &str) -> Result<Simulation> {
 
 fn other_versions(name: &str, [format, bits]: [u32; 2]) -> Error {
     let problem = format!(
-        "written in format {format} with arithmetic {bits}; this program reads format {FORMAT} with \
-         arithmetic {BITS_VERSION}: make it again, or use the program that wrote it"
+        "written in format {format} with arithmetic {bits}; this program reads formats {FORMAT} \
+         and {BODIES_FORMAT} with arithmetic {BITS_VERSION}: make it again, or use the program that wrote it"
     );
     Error::input(name, problem)
 }
@@ -228,7 +235,7 @@ fn head(bytes: &[u8], name: &str) -> Result<Head> {
     let text = text.ok_or_else(|| damaged(format!("no `{KEY}` entry in its metadata")))?;
     // The versions first: another format may have other fields.
     let made: Made = serde_json::from_str(text).map_err(|e| damaged(e.to_string()))?;
-    if made.format != FORMAT {
+    if ![FORMAT, BODIES_FORMAT].contains(&made.format) {
         return Err(other_versions(name, [made.format, made.bits_version]));
     }
     let head: Head = serde_json::from_str(text).map_err(|e| damaged(e.to_string()))?;

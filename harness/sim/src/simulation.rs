@@ -8,7 +8,7 @@ use std::ops::{Deref, DerefMut};
 use bitgrain_kernel::vec3::head;
 use bitgrain_kernel::{
     Clock, ContactForce, ContactHistory, Digest, Domain, Error as KernelError, Group, Obstacle,
-    TOUCHING, World, check_arithmetic,
+    TOUCHING, World, check_arithmetic, obstacle_of,
 };
 
 use crate::crowd::deep_pair;
@@ -152,8 +152,12 @@ impl Simulation {
             .iter()
             .zip(&list.obstacle_contact_obstacle);
         let touching = listed.take(self.clock.obstacle_contacts());
-        let touching = touching.filter(move |&(_, &word)| word == (obstacle | TOUCHING));
-        touching.map(|(&grain, _)| grain).collect()
+        let touching =
+            touching.filter(|&(_, &word)| word & TOUCHING != 0 && obstacle_of(word) == obstacle);
+        let mut touching: Vec<u32> = touching.map(|(&grain, _)| grain).collect();
+        // A grain may touch two surfaces of it.
+        touching.dedup();
+        touching
     }
 
     /// How many grains touch an obstacle.

@@ -8,7 +8,7 @@
 #include <stdint.h>
 
 // The number of the functions and structures: one that is higher may have more of them, and no others.
-#define BG_ABI_VERSION 1
+#define BG_ABI_VERSION 2
 
 // A block begins at a multiple of so many bytes; `malloc` sees to that.
 #define BG_ALIGNMENT 8
@@ -148,6 +148,19 @@
 // `bg_obstacle.kind`: a flat wall through `point`; `direction` points to the grains.
 #define BG_PLANE 2
 
+// `bg_obstacle.kind`: a round bar about `point` along `direction`, of half the length `half[0]`, with flat ends.
+#define BG_FINITE_CYLINDER 3
+
+// `bg_obstacle.kind`: a round bar with half balls as ends, about `point` along `direction`; `half[0]` from its centre
+// to theirs.
+#define BG_CAPSULE 4
+
+// `bg_obstacle.kind`: a box about `point`; `half` of its edges.
+#define BG_BOX 5
+
+// `bg_obstacle.kind`: the inside of a round tank about `point` along `direction`, of half the length `half[0]`.
+#define BG_DRUM 6
+
 // `bg_departure.cause`: beyond a closed edge.
 #define BG_CAUSE_ESCAPED 1
 
@@ -217,6 +230,54 @@ typedef struct {
   // Angular velocity (radians / time).
   double spin[3];
 } bg_grain;
+
+// A rigid body. All fields behind `mean_torque` may be 0: then it has the axes of the world and moves as prescribed.
+typedef struct {
+  // `sizeof(bg_obstacle)`.
+  uint32_t size;
+  // `BG_SPHERE`, `BG_CYLINDER`, `BG_PLANE`, `BG_FINITE_CYLINDER`, `BG_CAPSULE`, `BG_BOX` or `BG_DRUM`.
+  uint32_t kind;
+  // Centre, or a point of the axis or of the wall (length).
+  double point[3];
+  // Of a bar, a tank or a wall, in its own axes, of any length but zero.
+  double direction[3];
+  // Radius of a ball, bar or tank (length).
+  double radius;
+  // 1 / mass as it enters contacts; 0 is infinitely heavy.
+  double inverse_mass;
+  // Velocity (length / time).
+  double velocity[3];
+  // Force of the grains on it in the last step.
+  double force[3];
+  // Torque of that about `point`.
+  double torque[3];
+  // Mean force over the steps of the last `bg_step` or `bg_step_apply`, summed in their order.
+  double mean_force[3];
+  // Mean torque likewise.
+  double mean_torque[3];
+  // Half of its length, or of its edges (length); see `kind`.
+  double half[3];
+  // Unit quaternion (w, x, y, z) from its own axes to those of the world; all 0 is that of no turn.
+  double orientation[4];
+  // Angular velocity in the axes of the world (radians / time).
+  double angular_velocity[3];
+  // Whether curvature counts that is not a ball's: `1/r + 1/(2 R)` on a bar, `1/r - 1/(2 R)` in a tank.
+  uint32_t curved;
+  // Whether forces move it: then `inverse_mass` and `inertia` are above 0.
+  uint32_t is_free;
+  // Bits 0, 1, 2 if it answers forces along x, y, z; along the others its velocity stays.
+  uint32_t integrates;
+  // Whether it answers torques.
+  uint32_t spins;
+  // Moments of inertia about its own axes (mass length^2).
+  double inertia[3];
+  // Acceleration of gravity on it (length / time^2).
+  double gravity[3];
+  // Force of the host on its point, besides.
+  double applied_force[3];
+  // Torque of the host.
+  double applied_torque[3];
+} bg_obstacle;
 
 // A recording as it grows: see `bg_record_begin`. All of it is plain data, and it may be copied.
 typedef struct {
@@ -317,32 +378,6 @@ typedef struct {
   // Acceleration of gravity on them (length / time^2).
   double gravity[3];
 } bg_group;
-
-// A body with prescribed motion.
-typedef struct {
-  // `sizeof(bg_obstacle)`.
-  uint32_t size;
-  // `BG_SPHERE`, `BG_CYLINDER` or `BG_PLANE`.
-  uint32_t kind;
-  // Centre, or a point of the axis or of the wall (length).
-  double point[3];
-  // Of a bar or a wall, of any length but zero.
-  double direction[3];
-  // Radius of a ball or bar (length).
-  double radius;
-  // 1 / mass as it enters contacts; 0 is infinitely heavy.
-  double inverse_mass;
-  // Velocity (length / time).
-  double velocity[3];
-  // Force of the grains on it in the last step.
-  double force[3];
-  // Torque of that about `point`.
-  double torque[3];
-  // Mean force over the steps of the last `bg_step` or `bg_step_apply`, summed in their order.
-  double mean_force[3];
-  // Mean torque likewise.
-  double mean_torque[3];
-} bg_obstacle;
 
 // How much there is of everything.
 typedef struct {
@@ -455,6 +490,31 @@ int32_t bg_regroup(bg_world *world, const uint32_t *ids, size_t count, uint32_t 
 // Gives a grain another velocity and angular velocity. It costs nothing to speak of.
 int32_t bg_nudge(bg_world *world, uint32_t id, const double *velocity, const double *spin);
 
+// Adds an obstacle before the world is started, and sets `number` to its number. Forces in the structure are not read.
+int32_t bg_add_obstacle(bg_world *world,
+                        const bg_obstacle *obstacle,
+                        uint32_t *number);
+
+// Lets an obstacle turn at this angular velocity (radians / time, axes of the world) from the next step on.
+int32_t bg_turn(bg_world *world,
+                uint32_t number,
+                const double *angular_velocity);
+
+// Puts a force of the host (mass length / time^2) on the point of a free obstacle, and a torque (mass length^2 /
+// time^2), from the next step on until they are changed.
+int32_t bg_push(bg_world *world,
+                uint32_t number,
+                const double *force,
+                const double *torque);
+
+// Lets an obstacle move at this velocity (length / time) from the next step on.
+int32_t bg_drive(bg_world *world, uint32_t number, const double *velocity);
+
+// Sets `out` to an obstacle as it is: its place, the force on it in the last step, and the means over the last steps.
+int32_t bg_get_obstacle(bg_world *world,
+                        uint32_t number,
+                        bg_obstacle *out);
+
 // Begins a recording: writes its first two lines, and a zero, to `out` of `size` bytes; `BG_LINE` are enough.
 // `bitgrain bisect A B` finds the step and the array at which two recordings part.
 int32_t bg_record_begin(bg_recording *recording,
@@ -551,19 +611,6 @@ int32_t bg_set_policy(bg_world *world, const bg_policy *policy);
 // Adds a group before the world is started, and sets `number` to its number.
 int32_t bg_add_group(bg_world *world, const bg_group *group, uint32_t *number);
 
-// Adds an obstacle before the world is started, and sets `number` to its number. Forces in the structure are not read.
-int32_t bg_add_obstacle(bg_world *world,
-                        const bg_obstacle *obstacle,
-                        uint32_t *number);
-
-// Lets an obstacle move at this velocity (length / time) from the next step on.
-int32_t bg_drive(bg_world *world, uint32_t number, const double *velocity);
-
-// Sets `out` to an obstacle as it is: its place, the force on it in the last step, and the means over the last steps.
-int32_t bg_get_obstacle(bg_world *world,
-                        uint32_t number,
-                        bg_obstacle *out);
-
 // Sets `out` to how much there is of everything.
 int32_t bg_get_counts(bg_world *world, bg_counts *out);
 
@@ -644,19 +691,6 @@ int32_t bg_set_policy(bg_world *world, const bg_policy *policy);
 
 // Adds a group before the world is started, and sets `number` to its number.
 int32_t bg_add_group(bg_world *world, const bg_group *group, uint32_t *number);
-
-// Adds an obstacle before the world is started, and sets `number` to its number. Forces in the structure are not read.
-int32_t bg_add_obstacle(bg_world *world,
-                        const bg_obstacle *obstacle,
-                        uint32_t *number);
-
-// Lets an obstacle move at this velocity (length / time) from the next step on.
-int32_t bg_drive(bg_world *world, uint32_t number, const double *velocity);
-
-// Sets `out` to an obstacle as it is: its place, the force on it in the last step, and the means over the last steps.
-int32_t bg_get_obstacle(bg_world *world,
-                        uint32_t number,
-                        bg_obstacle *out);
 
 // Sets `out` to how much there is of everything.
 int32_t bg_get_counts(bg_world *world, bg_counts *out);

@@ -23,6 +23,7 @@ extern crate std;
 
 pub mod block;
 pub mod grains;
+pub mod obstacles;
 pub mod record;
 pub mod rows;
 pub mod saved;
@@ -32,7 +33,7 @@ pub mod steps;
 pub mod types;
 
 /// The number of the functions and structures: one that is higher may have more of them, and no others.
-pub const BG_ABI_VERSION: u32 = 1;
+pub const BG_ABI_VERSION: u32 = 2;
 
 /// The `BG_ABI_VERSION` that the library was built with: compare it with the header's.
 #[unsafe(no_mangle)]

@@ -1,13 +1,13 @@
 //! Worlds: how much memory they take, and what they are made of.
 
 use bitgrain_kernel::contact::{HertzHistory, HertzTsuji};
-use bitgrain_kernel::{Capacity, Domain, Drain, Group, Head, LossPolicy, Obstacle, Shape};
+use bitgrain_kernel::{Capacity, Domain, Drain, Group, Head, LossPolicy};
 
-use crate::block::{Law, bytes, give, init, last_fault, put, take, vector, with};
+use crate::block::{Law, bytes, give, init, last_fault, put, take, with};
 use crate::status::{BG_BAD_ARGUMENT, BG_BAD_LAW, BG_OK, BG_TOO_SMALL, Done, fault};
 use crate::types::{
-    BG_CYLINDER, BG_HERTZ_HISTORY, BG_HERTZ_TSUJI, BG_PLANE, BG_SPHERE, bg_capacity, bg_config,
-    bg_counts, bg_fault, bg_group, bg_law, bg_obstacle, bg_policy, bg_world,
+    BG_HERTZ_HISTORY, BG_HERTZ_TSUJI, bg_capacity, bg_config, bg_counts, bg_fault, bg_group,
+    bg_law, bg_policy, bg_world,
 };
 
 /// The number of what came of a call that has no world.
@@ -214,77 +214,6 @@ pub extern "C" fn bg_add_group(
             gravity: group.gravity,
         })?;
         put(number, u32::from(added))
-    })
-}
-
-/// Adds an obstacle before the world is started, and sets `number` to its number. Forces in the structure are not read.
-#[unsafe(no_mangle)]
-pub extern "C" fn bg_add_obstacle(
-    world: *mut bg_world,
-    obstacle: *const bg_obstacle,
-    number: *mut u32,
-) -> i32 {
-    with(world, |parts| {
-        let of = take(obstacle)?;
-        put(number, 0)?;
-        let made = match of.kind {
-            BG_SPHERE => Obstacle::sphere(of.point, of.radius),
-            BG_CYLINDER => Obstacle::cylinder(of.point, of.direction, of.radius),
-            BG_PLANE => Obstacle::plane(of.point, of.direction),
-            _ => return Err(fault(BG_BAD_ARGUMENT)),
-        };
-        let added = parts.store.add_obstacle(Obstacle {
-            velocity: of.velocity,
-            inverse_mass: of.inverse_mass,
-            ..made
-        })?;
-        put(number, added)
-    })
-}
-
-/// Lets an obstacle move at this velocity (length / time) from the next step on.
-#[unsafe(no_mangle)]
-pub extern "C" fn bg_drive(world: *mut bg_world, number: u32, velocity: *const f64) -> i32 {
-    with(world, |parts| {
-        let velocity = vector(velocity)?;
-        let world = parts.store.world();
-        let body = world.obstacles.get_mut(number as usize);
-        body.ok_or(fault(BG_BAD_ARGUMENT))?.velocity = velocity;
-        Ok(())
-    })
-}
-
-/// Sets `out` to an obstacle as it is: its place, the force on it in the last step, and the means over the last steps.
-#[unsafe(no_mangle)]
-pub extern "C" fn bg_get_obstacle(world: *mut bg_world, number: u32, out: *mut bg_obstacle) -> i32 {
-    with(world, |parts| {
-        let steps = (*parts.stepped).max(1) as f64;
-        let sums = parts.sums.get(number as usize).copied();
-        let world = parts.store.world();
-        let body = world.obstacles.get(number as usize).zip(sums);
-        let (body, sums) = body.ok_or(fault(BG_BAD_ARGUMENT))?;
-        let (kind, direction, radius) = match body.shape {
-            Shape::Sphere { radius } => (BG_SPHERE, [0.0; 3], radius),
-            Shape::Cylinder { axis, radius } => (BG_CYLINDER, axis, radius),
-            Shape::Plane { normal } => (BG_PLANE, normal, 0.0),
-        };
-        let [a, b, c, d, e, f] = sums.map(|sum| sum / steps);
-        give(
-            out,
-            bg_obstacle {
-                size: size_of::<bg_obstacle>() as u32,
-                kind,
-                point: body.point,
-                direction,
-                radius,
-                inverse_mass: body.inverse_mass,
-                velocity: body.velocity,
-                force: body.force,
-                torque: body.torque,
-                mean_force: [a, b, c],
-                mean_torque: [d, e, f],
-            },
-        )
     })
 }
 

@@ -99,20 +99,29 @@ pub const BG_SPHERE: u32 = 0;
 pub const BG_CYLINDER: u32 = 1;
 /// `bg_obstacle.kind`: a flat wall through `point`; `direction` points to the grains.
 pub const BG_PLANE: u32 = 2;
+/// `bg_obstacle.kind`: a round bar about `point` along `direction`, of half the length `half[0]`, with flat ends.
+pub const BG_FINITE_CYLINDER: u32 = 3;
+/// `bg_obstacle.kind`: a round bar with half balls as ends, about `point` along `direction`; `half[0]` from its centre
+/// to theirs.
+pub const BG_CAPSULE: u32 = 4;
+/// `bg_obstacle.kind`: a box about `point`; `half` of its edges.
+pub const BG_BOX: u32 = 5;
+/// `bg_obstacle.kind`: the inside of a round tank about `point` along `direction`, of half the length `half[0]`.
+pub const BG_DRUM: u32 = 6;
 
-/// A body with prescribed motion.
+/// A rigid body. All fields behind `mean_torque` may be 0: then it has the axes of the world and moves as prescribed.
 #[repr(C)]
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct bg_obstacle {
     /// `sizeof(bg_obstacle)`.
     pub size: u32,
-    /// `BG_SPHERE`, `BG_CYLINDER` or `BG_PLANE`.
+    /// `BG_SPHERE`, `BG_CYLINDER`, `BG_PLANE`, `BG_FINITE_CYLINDER`, `BG_CAPSULE`, `BG_BOX` or `BG_DRUM`.
     pub kind: u32,
     /// Centre, or a point of the axis or of the wall (length).
     pub point: [f64; 3],
-    /// Of a bar or a wall, of any length but zero.
+    /// Of a bar, a tank or a wall, in its own axes, of any length but zero.
     pub direction: [f64; 3],
-    /// Radius of a ball or bar (length).
+    /// Radius of a ball, bar or tank (length).
     pub radius: f64,
     /// 1 / mass as it enters contacts; 0 is infinitely heavy.
     pub inverse_mass: f64,
@@ -126,6 +135,28 @@ pub struct bg_obstacle {
     pub mean_force: [f64; 3],
     /// Mean torque likewise.
     pub mean_torque: [f64; 3],
+    /// Half of its length, or of its edges (length); see `kind`.
+    pub half: [f64; 3],
+    /// Unit quaternion (w, x, y, z) from its own axes to those of the world; all 0 is that of no turn.
+    pub orientation: [f64; 4],
+    /// Angular velocity in the axes of the world (radians / time).
+    pub angular_velocity: [f64; 3],
+    /// Whether curvature counts that is not a ball's: `1/r + 1/(2 R)` on a bar, `1/r - 1/(2 R)` in a tank.
+    pub curved: u32,
+    /// Whether forces move it: then `inverse_mass` and `inertia` are above 0.
+    pub is_free: u32,
+    /// Bits 0, 1, 2 if it answers forces along x, y, z; along the others its velocity stays.
+    pub integrates: u32,
+    /// Whether it answers torques.
+    pub spins: u32,
+    /// Moments of inertia about its own axes (mass length^2).
+    pub inertia: [f64; 3],
+    /// Acceleration of gravity on it (length / time^2).
+    pub gravity: [f64; 3],
+    /// Force of the host on its point, besides.
+    pub applied_force: [f64; 3],
+    /// Torque of the host.
+    pub applied_torque: [f64; 3],
 }
 
 /// A grain that comes into a world.

@@ -10,7 +10,7 @@ use crate::state::obstacle::Obstacle;
 /// Most grains of a world.
 pub const GRAINS: usize = 30;
 
-/// Storage for any of the worlds: 12 kB in double precision.
+/// Storage for any of the worlds: 13 kB in double precision.
 pub type Room<R> = Store<R, GRAINS, 54, 12, 5>;
 
 /// Groups by number, in each of the worlds.

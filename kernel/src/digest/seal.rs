@@ -5,11 +5,11 @@
 //! or not, as the skin happens to be. So a world is sealed when a stretch of steps ends, and the next
 //! one is refused if the seal no longer fits.
 //!
-//! Sealed is all that the motion of a step comes from, but for the velocity of an obstacle: it may change
-//! between steps, and each step reads it again. The forces on grains are sealed too: the next drift
-//! begins with half a kick by them, so that the travel that was foreseen depends on them. Not sealed are
-//! names and crossings, which move nothing; the force and torque on an obstacle, which are results that no
-//! step reads; and pairs with their springs, storage that only the kernel writes.
+//! Sealed is all that the motion of a step comes from, but for the velocities of an obstacle and the host's force and
+//! torque on it: they may change between steps, and each step reads them again. The forces on grains are sealed too:
+//! the next drift begins with half a kick by them, so that the travel that was foreseen depends on them. Not sealed are
+//! names and crossings, which move nothing; the force and torque on an obstacle that does not move freely, which are
+//! results that no step reads; and pairs with their springs, storage that only the kernel writes.
 //!
 //! The seal is a sum over words, each mixed with where it stands, so that grains can be sealed range by
 //! range in any order. Of all ways to write to a row about one in 2^32 leaves the seal as it was. It is not
@@ -19,7 +19,7 @@ use crate::integrate::GrainMotion;
 use crate::math::real::Real;
 use crate::math::rows::Row;
 use crate::math::vec3::Vec3;
-use crate::state::obstacle::Shape;
+use crate::state::motion::Motion;
 use crate::world::World;
 
 /// The seal of a range of grains, or of several.
@@ -143,16 +143,24 @@ pub(crate) fn whole<R: Real>(world: &World<'_, R>, grains: Sealed) -> u64 {
         rest.vector(group.gravity);
     }
     for body in world.obstacles.iter() {
-        let (kind, direction, size) = match body.shape {
-            Shape::Sphere { radius } => (0, [R::ZERO; 3], radius),
-            Shape::Cylinder { axis, radius } => (1, axis, radius),
-            Shape::Plane { normal } => (2, normal, R::ZERO),
-        };
-        rest.word(kind);
+        let (kind, direction, sizes) = body.shape.written();
+        rest.word(u64::from(kind) | u64::from(body.curved) << 32);
         rest.vector(direction);
-        rest.number(size);
+        rest.vector(sizes);
         rest.vector(body.point);
+        for number in body.orientation {
+            rest.number(number);
+        }
         rest.number(body.inverse_mass);
+        if let Motion::Free(free) = &body.motion {
+            // Half a kick by them begins the next drift.
+            rest.vector(body.force);
+            rest.vector(body.torque);
+            rest.vector(free.inertia);
+            rest.vector(free.gravity);
+            rest.flags(free.integrates);
+            rest.flags([free.spins, true, true]);
+        }
     }
     rest.sum
 }

@@ -24,11 +24,15 @@ pub struct Digest {
     pub histories: [u8; 32],
     /// Contact forces and torques on the grains.
     pub forces: [u8; 32],
-    /// Obstacles: place, crossings, velocity, force and torque.
+    /// Obstacles: place, crossings, velocity, force and torque; of those that turn or have turned, orientation and
+    /// angular velocity too.
     pub obstacles: [u8; 32],
     /// The hash of the six above, in this order.
     pub whole: [u8; 32],
 }
+
+/// The word before the orientation of a body.
+const TURNED: u32 = u32::from_le_bytes(*b"turn");
 
 /// Names of a digest's parts, in order.
 pub const PARTS: [&str; 6] = [
@@ -91,6 +95,12 @@ pub fn digest<R: Real>(world: &World<'_, R>) -> Digest {
             images(h, &body.image);
             for v in [&body.velocity, &body.force, &body.torque] {
                 numbers(h, v);
+            }
+            // Only then, so that a body that never turns has the digest that it had before bodies turned.
+            if body.has_turned() {
+                h.word(TURNED);
+                numbers(h, &body.orientation);
+                numbers(h, &body.angular_velocity);
             }
         }
     });

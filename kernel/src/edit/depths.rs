@@ -4,7 +4,7 @@ use crate::error::Error;
 use crate::math::real::{Real, smaller};
 use crate::math::rows::get_or_default;
 use crate::math::vec3::{dot, head};
-use crate::neighbors::pair_list::PLACE;
+use crate::neighbors::pair_list::{obstacle_of, surface_of};
 use crate::state::domain::Domain;
 use crate::state::grains::Grains;
 use crate::state::obstacle::Obstacle;
@@ -25,10 +25,12 @@ pub(crate) fn deep_in_obstacle<R: Real>(
     entry: usize,
 ) -> Option<(usize, u32)> {
     let i = get_or_default(world.pairs.obstacle_contact_grain, entry) as usize;
-    let k = get_or_default(world.pairs.obstacle_contact_obstacle, entry) & PLACE;
+    let word = get_or_default(world.pairs.obstacle_contact_obstacle, entry);
+    let k = obstacle_of(word);
     let body: &Obstacle<R> = world.obstacles.get(k as usize)?;
     let x = get_or_default(world.grains.position, i);
-    let overlap = body.meet(world.domain, head(x), x[3]).overlap;
+    let met = body.meet(surface_of(word), world.domain, head(x), x[3]);
+    let overlap = met.overlap;
     (overlap > body.depth_allowed(x[3])).then_some((i, k))
 }
 

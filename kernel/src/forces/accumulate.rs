@@ -93,6 +93,8 @@ pub struct ContactForce<R> {
     pub i: u32,
     /// Its partner.
     pub partner: Partner,
+    /// Which surface of an obstacle; 0 of a grain.
+    pub surface: u32,
     /// Depth of the overlap (length).
     pub overlap: R,
     /// Unit vector from the partner to the grain.
@@ -233,6 +235,7 @@ fn show<R: Real>(block: &Block<R>, watch: &mut impl FnMut(ContactForce<R>)) {
         watch(ContactForce {
             i,
             partner: Partner::Grain(j),
+            surface: 0,
             overlap,
             normal,
             normal_force,

@@ -9,7 +9,7 @@ use crate::math::real::Real;
 use crate::math::rows::Row;
 use crate::math::rows::{add_at, get_or_default, row, set, sub_at};
 use crate::math::vec3::{Vec3, add, cross, head, scale, sub};
-use crate::neighbors::pair_list::{PLACE, TOUCHING};
+use crate::neighbors::pair_list::{PLACE, TOUCHING, obstacle_of, surface_of};
 use crate::state::obstacle::Obstacle;
 
 /// Storage of the obstacle contacts: the list and the obstacles' own sums.
@@ -77,14 +77,14 @@ pub fn obstacle_forces<R: Real, L: Law<R>>(
     let listed = touch.grain.iter().zip(touch.obstacle.iter_mut());
     for (t, ((grain, obstacle), spring)) in listed.zip(touch.spring.iter_mut()).enumerate() {
         let i = *grain as usize;
-        let k = *obstacle & PLACE;
+        let (word, k) = (*obstacle & PLACE, obstacle_of(*obstacle));
         let Some(body) = touch.obstacles.get_mut(k as usize) else {
             continue;
         };
-        let (contact, offset) = obstacle_contact(grains, body, i);
+        let (contact, offset) = obstacle_contact(grains, body, surface_of(word), i);
         let touching = contact.overlap > R::ZERO;
         if !touching {
-            *obstacle = k;
+            *obstacle = word;
             *spring = [R::ZERO; 4];
             set(touch.shares, t, ObstacleShare::default());
             continue;
@@ -99,7 +99,7 @@ pub fn obstacle_forces<R: Real, L: Law<R>>(
         } else {
             cross(sub(offset, scale(contact.normal, r.lever_arm_i)), push)
         };
-        *obstacle = k | TOUCHING;
+        *obstacle = word | TOUCHING;
         *spring = [r.spring[0], r.spring[1], r.spring[2], R::ZERO];
         add_at(grains.force, i, &row(push));
         sub_at(grains.torque, i, &row(scale(couple, r.lever_arm_i)));
@@ -114,6 +114,7 @@ pub fn obstacle_forces<R: Real, L: Law<R>>(
         watch(ContactForce {
             i: i as u32,
             partner: Partner::Obstacle(k),
+            surface: surface_of(word),
             overlap: contact.overlap,
             normal: contact.normal,
             normal_force: r.normal,
@@ -135,6 +136,7 @@ pub fn obstacle_forces<R: Real, L: Law<R>>(
 fn obstacle_contact<R: Real>(
     grains: &GrainMotion<'_, R>,
     body: &Obstacle<R>,
+    surface: u32,
     i: usize,
 ) -> (Contact<R>, Vec3<R>) {
     let x = get_or_default(grains.position, i);
@@ -142,19 +144,28 @@ fn obstacle_contact<R: Real>(
         get_or_default(grains.velocity, i),
         get_or_default(grains.spin, i),
     );
-    let meeting = body.meet(grains.domain, head(x), x[3]);
-    let flat = meeting.radius == R::ZERO;
-    let curved = (x[3] * meeting.radius) / (x[3] + meeting.radius);
+    let meeting = body.meet(surface, grains.domain, head(x), x[3]);
+    let flat = meeting.curvature == R::ZERO;
+    let curved = (x[3] * meeting.curvature) / (x[3] + meeting.curvature);
+    // A ball turns as a grain does, about the law's lever. Elsewhere the surface moves as it does where it is nearest.
+    let ball = body.ball_radius();
+    let (own, spin) = if ball > R::ZERO {
+        (body.velocity, body.angular_velocity)
+    } else {
+        let depth = x[3] - meeting.overlap;
+        let nearest = sub(meeting.offset, scale(meeting.normal, depth));
+        (body.velocity_at(nearest), [R::ZERO; 3])
+    };
     let contact = Contact {
         normal: meeting.normal,
         overlap: meeting.overlap,
         radius_i: x[3],
-        radius_j: meeting.radius,
+        radius_j: ball,
         radius_effective: if flat { x[3] } else { curved },
         mass_effective: R::ONE / (w[3] + body.inverse_mass),
-        velocity: sub(head(v), body.velocity),
+        velocity: sub(head(v), own),
         spin_i: head(w),
-        spin_j: [R::ZERO; 3],
+        spin_j: spin,
     };
     (contact, meeting.offset)
 }

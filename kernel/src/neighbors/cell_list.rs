@@ -13,7 +13,7 @@ use crate::math::vec3::{head, is_beyond};
 use crate::neighbors::extent::Extent;
 use crate::neighbors::grid::Grid;
 use crate::neighbors::outer_list::OuterList;
-use crate::neighbors::pair_list::{PLACE, PairList};
+use crate::neighbors::pair_list::{PairList, obstacle_of, surface_of, surface_word};
 use crate::state::domain::Domain;
 use crate::state::grains::Grains;
 use crate::state::obstacle::Obstacle;
@@ -244,18 +244,21 @@ fn list_obstacle_contacts<R: Real>(
             if heavy && body.inverse_mass == R::ZERO {
                 continue;
             }
-            let meeting = body.meet(domain, head(*x), x[3]);
-            // A distance whose square is too large for a number may be any.
-            let is_number = meeting.overlap.is_finite();
-            let is_far = match R::FIXED_POINT {
-                // A distance whose square overflows is beyond all contacts.
-                true => !is_number || meeting.overlap < -skin,
-                false => is_number && meeting.overlap < -skin,
-            };
-            if !is_far {
-                set(spare.obstacle_contact_grain, touches, i as u32);
-                set(spare.obstacle_contact_obstacle, touches, k as u32);
-                touches += 1;
+            for surface in 0..body.shape.surfaces() {
+                let meeting = body.meet(surface, domain, head(*x), x[3]);
+                // A distance whose square is too large for a number may be any.
+                let is_number = meeting.overlap.is_finite();
+                let is_far = match R::FIXED_POINT {
+                    // A distance whose square overflows is beyond all contacts.
+                    true => !is_number || meeting.overlap < -skin,
+                    false => is_number && meeting.overlap < -skin,
+                };
+                if !is_far {
+                    let word = surface_word(k as u32, surface);
+                    set(spare.obstacle_contact_grain, touches, i as u32);
+                    set(spare.obstacle_contact_obstacle, touches, word);
+                    touches += 1;
+                }
             }
         }
     }
@@ -273,16 +276,14 @@ fn take_obstacle_contact_springs<R: Real>(
 ) {
     let mut from = 0;
     for t in 0..touches {
-        let key = (
-            get_or_default(new.obstacle_contact_grain, t),
-            get_or_default(new.obstacle_contact_obstacle, t),
-        );
-        let old_key = |f: usize| {
-            (
-                get_or_default(old.obstacle_contact_grain, f),
-                get_or_default(old.obstacle_contact_obstacle, f) & PLACE,
-            )
+        // By grain, obstacle and surface.
+        let key = |list: &PairList<'_, R>, t: usize| {
+            let word = get_or_default(list.obstacle_contact_obstacle, t);
+            let grain = get_or_default(list.obstacle_contact_grain, t);
+            (grain, obstacle_of(word), surface_of(word))
         };
+        let old_key = |f: usize| key(old, f);
+        let key = key(new, t);
         while from < old_obstacle_contacts && old_key(from) < key {
             from += 1;
         }

@@ -14,8 +14,35 @@ use crate::state::domain::Domain;
 /// Bit of a listed obstacle that says the contact touched in the last evaluation.
 pub const TOUCHING: u32 = 1 << 31;
 
-/// The rest of the word: the obstacle's number.
+/// The rest of the word: the obstacle's number, and above it which of its surfaces.
 pub(crate) const PLACE: u32 = TOUCHING - 1;
+
+/// Where in the word the number of the surface begins.
+const SURFACE: u32 = 12;
+
+/// So many obstacles a world can have.
+pub const OBSTACLES_MAX: usize = 1 << SURFACE;
+
+/// The number of the obstacle in a word of the list or of a history.
+#[inline(always)]
+#[must_use]
+pub fn obstacle_of(word: u32) -> u32 {
+    word & (OBSTACLES_MAX as u32 - 1)
+}
+
+/// Which of its surfaces the grain may touch: a drum has its side, its end against its axis and its end along its axis;
+/// other bodies have one.
+#[inline(always)]
+#[must_use]
+pub fn surface_of(word: u32) -> u32 {
+    (word & PLACE) >> SURFACE
+}
+
+/// The word of a surface of an obstacle.
+#[inline(always)]
+pub(crate) fn surface_word(obstacle: u32, surface: u32) -> u32 {
+    obstacle | surface << SURFACE
+}
 
 /// Storage of one list, borrowed. Two of them make a renewal possible.
 pub struct PairList<'a, R> {
@@ -28,7 +55,7 @@ pub struct PairList<'a, R> {
     pub spring: [&'a mut [R]; 3],
     /// Obstacle contacts: place of the grain.
     pub obstacle_contact_grain: &'a mut [u32],
-    /// Number of the obstacle, with [`TOUCHING`].
+    /// Number of the obstacle ([`obstacle_of`]) and of its surface ([`surface_of`]), with [`TOUCHING`].
     pub obstacle_contact_obstacle: &'a mut [u32],
     /// Tangential spring from the grain's side; last word unused.
     pub obstacle_contact_spring: &'a mut [Row<R>],
@@ -78,7 +105,7 @@ pub enum ContactHistory<R> {
     Obstacle {
         /// Place of the grain.
         i: u32,
-        /// Number of the obstacle.
+        /// Number of the obstacle, and of its surface: [`obstacle_of`], [`surface_of`].
         obstacle: u32,
         /// Tangential spring of the grain against the obstacle (length).
         spring: [R; 3],

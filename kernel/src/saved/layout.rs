@@ -1,16 +1,20 @@
 //! The layout: words and numbers of each part.
 
 use crate::math::real::Real;
+use crate::state::obstacle::Obstacle;
 
-/// The layout that this version writes and reads.
-pub(crate) const FORMAT: u32 = 1;
+/// The layouts that this version writes and reads: [`PLAIN`] of obstacles that are balls, endless bars and planes and
+/// never turned, as before there were others, and [`FORMAT`] of any.
+pub(crate) const FORMAT: u32 = 2;
+pub(crate) const PLAIN: u32 = 1;
 pub(crate) const MAGIC: [u32; 2] = [u32::from_le_bytes(*b"bitg"), u32::from_le_bytes(*b"rain")];
 /// Words before the numbers of the head.
 pub(crate) const COUNTS: usize = 16;
 /// Numbers of the head, of a group, an obstacle, a grain and a history, and words beside them.
 pub(crate) const HEAD: usize = 13;
 pub(crate) const GROUP: (usize, usize) = (1, 3);
-pub(crate) const OBSTACLE: (usize, usize) = (4, 17);
+const OBSTACLE: (usize, usize) = (4, 38);
+const PLAIN_OBSTACLE: (usize, usize) = (4, 17);
 pub(crate) const GRAIN: (usize, usize) = (5, 17);
 pub(crate) const HISTORY: (usize, usize) = (2, 3);
 /// Words of the two hashes.
@@ -29,12 +33,44 @@ pub(crate) fn width<R: Real>() -> usize {
     }
 }
 
+/// Flags of an obstacle, beside its kind.
+pub(crate) const KIND: u32 = 0xff;
+pub(crate) const CURVED: u32 = 1 << 8;
+pub(crate) const FREE: u32 = 1 << 9;
+pub(crate) const SPINS: u32 = 1 << 10;
+pub(crate) const INTEGRATES: u32 = 12;
+
+/// Words and numbers of an obstacle.
+pub(crate) fn obstacle(format: u32) -> (usize, usize) {
+    match format {
+        PLAIN => PLAIN_OBSTACLE,
+        _ => OBSTACLE,
+    }
+}
+
+/// Whether the plain layout holds all of an obstacle.
+pub(crate) fn is_plain<R: Real>(body: &Obstacle<R>) -> bool {
+    let alike = Obstacle {
+        image: body.image,
+        velocity: body.velocity,
+        inverse_mass: body.inverse_mass,
+        force: body.force,
+        torque: body.torque,
+        ..Obstacle::new(body.shape, body.point)
+    };
+    let (kind, ..) = body.shape.written();
+    kind <= 2 && *body == alike
+}
+
 /// Bytes that a world with these counts takes.
-pub(crate) fn size<R: Real>([grains, groups, obstacles, histories]: [usize; 4]) -> usize {
+pub(crate) fn size<R: Real>(
+    format: u32,
+    [grains, groups, obstacles, histories]: [usize; 4],
+) -> usize {
     let all = [
         (1, (COUNTS + HASHES, HEAD)),
         (groups, GROUP),
-        (obstacles, OBSTACLE),
+        (obstacles, obstacle(format)),
         (grains, GRAIN),
         (histories, HISTORY),
     ];

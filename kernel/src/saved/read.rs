@@ -3,8 +3,8 @@
 use core::marker::PhantomData;
 
 use super::layout::{
-    COUNTS, DRAINS, FORMAT, GRAIN, GROUP, HASHES, HEAD, MAGIC, OBSTACLE, OPEN, TAKES_OUT, name,
-    size, width,
+    COUNTS, CURVED, DRAINS, FORMAT, FREE, GRAIN, GROUP, HASHES, HEAD, INTEGRATES, KIND, MAGIC,
+    OPEN, PLAIN, SPINS, TAKES_OUT, name, obstacle, size, width,
 };
 use super::write::checksum;
 use crate::digest::BITS_VERSION;
@@ -17,7 +17,9 @@ use crate::neighbors::pair_list::ContactHistory;
 use crate::state::domain::Domain;
 use crate::state::grains::Group;
 use crate::state::losses::{Drain, LossPolicy};
-use crate::state::obstacle::{Obstacle, Shape};
+use crate::state::motion::{FreeMotion, Motion};
+use crate::state::obstacle::Obstacle;
+use crate::state::shape::Shape;
 use crate::step::take_up;
 use crate::world::World;
 
@@ -25,11 +27,27 @@ fn axes(flags: u32) -> [bool; 3] {
     [flags & 1 != 0, flags & 2 != 0, flags & 4 != 0]
 }
 
+/// How an obstacle with these flags and numbers moves.
+fn motion<R: Real>(flags: u32, [inertia, gravity, force, torque]: [Vec3<R>; 4]) -> Motion<R> {
+    if flags & FREE == 0 {
+        return Motion::Prescribed;
+    }
+    Motion::Free(FreeMotion {
+        inertia,
+        gravity,
+        force,
+        torque,
+        integrates: axes(flags >> INTEGRATES),
+        spins: flags & SPINS != 0,
+    })
+}
+
 /// A saved world whose bytes are as they were written: what a host that owns the storage of its worlds, as
 /// [`Store`](crate::Store) does, makes one from. It makes a world with this box, time step, policy, groups, obstacles
 /// and so many grains, then calls [`Saved::fill`] and [`Saved::resume`].
 pub struct Saved<'b, R> {
     words: &'b [[u8; 4]],
+    format: u32,
     counts: [usize; 5],
     number: PhantomData<R>,
 }
@@ -43,6 +61,7 @@ impl<'b, R: Real> Saved<'b, R> {
         let words = bytes.as_chunks::<4>().0;
         let mut saved = Self {
             words,
+            format: FORMAT,
             counts: [0; 5],
             number: PhantomData,
         };
@@ -50,12 +69,15 @@ impl<'b, R: Real> Saved<'b, R> {
         if [at.word(), at.word()] != MAGIC {
             return Err(Error::BadSave);
         }
-        if at.word() != FORMAT || at.word() != BITS_VERSION || name::<R>() != at.four() {
+        saved.format = at.word();
+        let is_known = matches!(saved.format, PLAIN | FORMAT);
+        if !is_known || at.word() != BITS_VERSION || name::<R>() != at.four() {
             return Err(Error::OtherVersion);
         }
         saved.counts = [(); 5].map(|()| at.word() as usize);
         let [grains, groups, obstacles, pairs, touches] = saved.counts;
-        let size = size::<R>([grains, groups, obstacles, pairs.saturating_add(touches)]) / 4;
+        let counts = [grains, groups, obstacles, pairs.saturating_add(touches)];
+        let size = size::<R>(saved.format, counts) / 4;
         let Some(words) = words.get(..size) else {
             return Err(Error::BadSave);
         };
@@ -102,7 +124,7 @@ impl<'b, R: Real> Saved<'b, R> {
         let sizes = [
             (1, (COUNTS, HEAD)),
             (groups, GROUP),
-            (obstacles, OBSTACLE),
+            (obstacles, obstacle(self.format)),
             (grains, GRAIN),
         ];
         let words = sizes.iter().take(parts).fold(0, |sum, (count, (w, n))| {
@@ -164,25 +186,31 @@ impl<'b, R: Real> Saved<'b, R> {
     /// Its obstacles by number.
     pub fn obstacles(&self) -> impl Iterator<Item = Obstacle<R>> + use<'b, R> {
         let mut at = self.part(2);
+        let is_plain = self.format == PLAIN;
         (0..self.counts[2]).map(move |_| {
-            let kind = at.word();
+            let flags = at.word();
             let image = at.images();
             let (direction, size) = (at.vector(), at.number());
-            Obstacle {
-                shape: match kind {
-                    0 => Shape::Sphere { radius: size },
-                    1 => Shape::Cylinder {
-                        axis: direction,
-                        radius: size,
-                    },
-                    _ => Shape::Plane { normal: direction },
-                },
+            let shape = |sizes| Shape::read(flags & KIND, direction, sizes);
+            let plain = Obstacle {
                 point: at.vector(),
                 image,
                 velocity: at.vector(),
                 inverse_mass: at.number(),
                 force: at.vector(),
                 torque: at.vector(),
+                ..Obstacle::new(shape([size, R::ZERO, R::ZERO]), [R::ZERO; 3])
+            };
+            if is_plain {
+                return plain;
+            }
+            Obstacle {
+                shape: shape([size, at.number(), at.number()]),
+                orientation: at.row(),
+                angular_velocity: at.vector(),
+                curved: flags & CURVED != 0,
+                motion: motion(flags, [(); 4].map(|()| at.vector())),
+                ..plain
             }
         })
     }

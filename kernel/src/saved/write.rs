@@ -1,6 +1,9 @@
 //! Writing.
 
-use super::layout::{DRAINS, FORMAT, MAGIC, OPEN, TAKES_OUT, name, size};
+use super::layout::{
+    CURVED, DRAINS, FORMAT, FREE, INTEGRATES, MAGIC, OPEN, PLAIN, SPINS, TAKES_OUT, is_plain, name,
+    size,
+};
 use crate::digest::BITS_VERSION;
 use crate::digest::blake3::Hasher;
 use crate::digest::state::digest;
@@ -12,7 +15,8 @@ use crate::neighbors::pair_list::ContactHistory;
 use crate::state::domain::Domain;
 use crate::state::grains::Group;
 use crate::state::losses::Drain;
-use crate::state::obstacle::{Obstacle, Shape};
+use crate::state::motion::Motion;
+use crate::state::obstacle::Obstacle;
 use crate::world::World;
 
 /// How many of a world's histories are of pairs and of obstacle contacts.
@@ -27,15 +31,26 @@ fn histories<R: Real>(world: &World<'_, R>) -> [usize; 2] {
     [pairs, touches]
 }
 
+/// The layout that a world is written in.
+fn format<R: Real>(world: &World<'_, R>) -> u32 {
+    match world.obstacles.iter().all(is_plain) {
+        true => PLAIN,
+        false => FORMAT,
+    }
+}
+
 /// Bytes that [`save`] needs for a world as it is now.
 pub fn save_size<R: Real>(world: &World<'_, R>) -> usize {
     let [pairs, touches] = histories(world);
-    size::<R>([
-        world.grains.count(),
-        world.grains.groups.len(),
-        world.obstacles.len(),
-        pairs + touches,
-    ])
+    size::<R>(
+        format(world),
+        [
+            world.grains.count(),
+            world.grains.groups.len(),
+            world.obstacles.len(),
+            pairs + touches,
+        ],
+    )
 }
 
 /// Writes a world at rest to the beginning of `out`, and returns how many bytes that took. Going on from there, in a
@@ -78,6 +93,10 @@ fn flags<R: Real>(world: &World<'_, R>) -> u32 {
     flags
 }
 
+fn flag(is_set: bool, flag: u32) -> u32 {
+    if is_set { flag } else { 0 }
+}
+
 fn bits([x, y, z]: [bool; 3]) -> u32 {
     u32::from(x) | u32::from(y) << 1 | u32::from(z) << 2
 }
@@ -103,7 +122,8 @@ impl<'a> Writer<'a> {
         for half in MAGIC {
             self.word(half);
         }
-        self.word(FORMAT);
+        let format = format(world);
+        self.word(format);
         self.word(BITS_VERSION);
         for word in name::<R>() {
             self.word(word);
@@ -134,7 +154,7 @@ impl<'a> Writer<'a> {
             self.group(group);
         }
         for body in world.obstacles.iter() {
-            self.obstacle(body);
+            self.obstacle(body, format);
         }
         let moving = g.position.iter().zip(&*g.velocity).zip(&*g.spin);
         let pushes = g.force.iter().zip(&*g.torque);
@@ -199,21 +219,42 @@ impl<'a> Writer<'a> {
         self.numbers(&group.gravity);
     }
 
-    fn obstacle<R: Real>(&mut self, body: &Obstacle<R>) {
-        let (kind, direction, size) = match body.shape {
-            Shape::Sphere { radius } => (0, [R::ZERO; 3], radius),
-            Shape::Cylinder { axis, radius } => (1, axis, radius),
-            Shape::Plane { normal } => (2, normal, R::ZERO),
+    fn obstacle<R: Real>(&mut self, body: &Obstacle<R>, format: u32) {
+        let (kind, direction, sizes) = body.shape.written();
+        let free = match body.motion {
+            Motion::Free(free) => Some(free),
+            Motion::Prescribed => None,
         };
-        self.word(kind);
+        let flags = match (format, free) {
+            (PLAIN, _) => 0,
+            (_, None) => flag(body.curved, CURVED),
+            (_, Some(free)) => {
+                flag(body.curved, CURVED)
+                    | FREE
+                    | flag(free.spins, SPINS)
+                    | bits(free.integrates) << INTEGRATES
+            }
+        };
+        self.word(kind | flags);
         self.images(&body.image);
         self.numbers(&direction);
-        self.number(size);
+        self.number(sizes[0]);
         self.numbers(&body.point);
         self.numbers(&body.velocity);
         self.number(body.inverse_mass);
         self.numbers(&body.force);
         self.numbers(&body.torque);
+        if format == PLAIN {
+            return;
+        }
+        self.numbers(&[sizes[1], sizes[2]]);
+        self.numbers(&body.orientation);
+        self.numbers(&body.angular_velocity);
+        let nothing = [R::ZERO; 3];
+        let free = free.map(|free| [free.inertia, free.gravity, free.force, free.torque]);
+        for numbers in free.unwrap_or([nothing; 4]) {
+            self.numbers(&numbers);
+        }
     }
 
     fn hash(&mut self, hash: &[u8; 32]) {

@@ -1,7 +1,11 @@
-//! What a world consists of: grains and their groups, the box, obstacles.
+//! What a world consists of: grains and their groups, the box, obstacles and how they move.
 
 pub(crate) mod domain;
 pub(crate) mod grains;
 pub(crate) mod losses;
+pub(crate) mod motion;
 pub(crate) mod obstacle;
 pub(crate) mod owned;
+pub(crate) mod rigid_body;
+pub(crate) mod shape;
+pub(crate) mod turning;

@@ -1,75 +1,71 @@
-//! Obstacles: bodies that push grains and move as prescribed, and the force the grains put on them.
+//! Obstacles: rigid bodies that push grains, and the force the grains put on them. What they are is in `shape.rs`,
+//! what moves them in `motion.rs`, and how in `rigid_body.rs`.
 
 use crate::error::Error;
 use crate::math::real::{Real, smaller};
-use crate::math::vec3::{Vec3, dot, scale, sub};
+use crate::math::vec3::{Vec3, add, cross, dot, scale, sub};
 use crate::state::domain::Domain;
+use crate::state::motion::Motion;
+use crate::state::shape::{Nearest, Shape, divide};
+use crate::state::turning::{Orientation, is_upright, to_body, to_world, upright};
 
-/// What an obstacle is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Shape<R> {
-    /// A ball about the obstacle's point.
-    Sphere {
-        /// Radius (length), positive.
-        radius: R,
-    },
-    /// An endless round bar through the obstacle's point. To a grain it counts as flat, with the
-    /// grain's own radius as effective radius (Guillard 2014, appendix A).
-    Cylinder {
-        /// Unit vector along the bar.
-        axis: Vec3<R>,
-        /// Radius (length), positive.
-        radius: R,
-    },
-    /// A flat wall through the obstacle's point; grains live on the side its normal points to.
-    Plane {
-        /// Unit vector out of the wall.
-        normal: Vec3<R>,
-    },
-}
-
-/// A body with prescribed motion.
+/// A rigid body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Obstacle<R> {
     /// What it is.
     pub shape: Shape<R>,
-    /// Its centre, a point of its axis, or a point of its plane (length, inside the box).
+    /// Its centre (the centre of mass of one that moves freely), a point of its axis, or a point of its plane (length,
+    /// inside the box).
     pub point: Vec3<R>,
     /// Crossings of each periodic axis so far.
     pub image: [i32; 3],
-    /// Velocity (length / time): constant between changes by the caller.
+    /// Unit quaternion `(w, x, y, z)` that turns the shape from its own axes to those of the world.
+    pub orientation: Orientation<R>,
+    /// Velocity of `point` (length / time).
     pub velocity: Vec3<R>,
+    /// Angular velocity in the axes of the world (radians / time).
+    pub angular_velocity: Vec3<R>,
     /// 1 / mass as it enters the effective mass of its contacts; 0 is infinitely heavy.
     pub inverse_mass: R,
+    /// Whether the curvature `1/c` of its surface counts in the effective radius of a contact, `1 / (1/r + 1/c)`: `c`
+    /// is twice the radius of a bar, its negative inside a drum, and the radius of a half ball. If not, only that of
+    /// a ball counts, and other surfaces are flat.
+    pub curved: bool,
+    /// What moves it.
+    pub motion: Motion<R>,
     /// Sum of the contact forces of the grains on it, by ascending grain id.
     pub force: Vec3<R>,
     /// Torque of those forces about `point`.
     pub torque: Vec3<R>,
 }
 
-/// Where a grain meets an obstacle.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct ContactGeometry<R> {
+/// Where a grain meets a surface of an obstacle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Meeting<R> {
     /// Unit vector from the obstacle's surface to the grain's centre.
     pub normal: Vec3<R>,
     /// Vector from the obstacle's point to the grain's centre.
     pub offset: Vec3<R>,
-    /// Depth of the overlap.
+    /// Depth of the overlap; below zero the distance.
     pub overlap: R,
-    /// Radius of curvature as the law sees it; 0 for flat.
-    pub radius: R,
+    /// Radius of curvature of the surface, as it counts in the effective radius; 0 for flat.
+    pub curvature: R,
 }
 
 impl<R: Real> Obstacle<R> {
-    fn new(shape: Shape<R>, point: Vec3<R>) -> Self {
+    /// A resting, infinitely heavy body of this shape, about this point (length) and along the axes of the world.
+    pub fn new(shape: Shape<R>, point: Vec3<R>) -> Self {
         Self {
             shape,
             point,
             image: [0; 3],
+            orientation: upright(),
             velocity: [R::ZERO; 3],
+            angular_velocity: [R::ZERO; 3],
             inverse_mass: R::ZERO,
+            curved: false,
+            motion: Motion::Prescribed,
             force: [R::ZERO; 3],
             torque: [R::ZERO; 3],
         }
@@ -80,10 +76,50 @@ impl<R: Real> Obstacle<R> {
         Self::new(Shape::Sphere { radius }, center)
     }
 
-    /// A resting, infinitely heavy bar of this radius (length); `axis` of any length but zero.
+    /// A resting, infinitely heavy, endless bar of this radius (length); `axis` of any length but zero.
     pub fn cylinder(center: Vec3<R>, axis: Vec3<R>, radius: R) -> Self {
         let axis = unit(axis);
         Self::new(Shape::Cylinder { axis, radius }, center)
+    }
+
+    /// A resting, infinitely heavy bar of this radius and half length (length); `axis` of any length but zero.
+    pub fn finite_cylinder(center: Vec3<R>, axis: Vec3<R>, radius: R, half_length: R) -> Self {
+        let axis = unit(axis);
+        let shape = Shape::FiniteCylinder {
+            axis,
+            radius,
+            half_length,
+        };
+        Self::new(shape, center)
+    }
+
+    /// A resting, infinitely heavy bar with half balls as ends, by their radius and half the distance between their
+    /// centres (length); `axis` of any length but zero.
+    pub fn capsule(center: Vec3<R>, axis: Vec3<R>, radius: R, half_length: R) -> Self {
+        let axis = unit(axis);
+        let shape = Shape::Capsule {
+            axis,
+            radius,
+            half_length,
+        };
+        Self::new(shape, center)
+    }
+
+    /// A resting, infinitely heavy box with these halves of its edges (length).
+    pub fn cuboid(center: Vec3<R>, half: Vec3<R>) -> Self {
+        Self::new(Shape::Box { half }, center)
+    }
+
+    /// A resting, infinitely heavy drum by its inner radius and half its inner length (length), in which grains live;
+    /// `axis` of any length but zero.
+    pub fn drum(center: Vec3<R>, axis: Vec3<R>, radius: R, half_length: R) -> Self {
+        let axis = unit(axis);
+        let shape = Shape::Drum {
+            axis,
+            radius,
+            half_length,
+        };
+        Self::new(shape, center)
     }
 
     /// A resting, infinitely heavy wall; `normal` of any length but zero points to the grains.
@@ -92,11 +128,13 @@ impl<R: Real> Obstacle<R> {
         Self::new(Shape::Plane { normal }, point)
     }
 
-    /// Checks size, place and direction against the box: a ball lies in it with its centre and is
-    /// no larger; so does a bar across its axis; directions have length 1.
+    /// Checks size, place, direction and motion against the box: a ball lies in it with its centre and is
+    /// no larger; so does a bar across its axis; directions and orientation have length 1.
     ///
-    /// A plane's normal may have no part along a periodic axis; if an axis is periodic, a bar
-    /// must lie along one of the three axes.
+    /// A plane's normal may have no part along a periodic axis; if an axis is periodic, an endless bar
+    /// must lie along one of the three axes. What is endless turns about its own direction only. What moves freely has
+    /// a finite mass and positive moments of inertia, and is not endless if it turns; in fixed point nothing moves
+    /// freely.
     ///
     /// # Errors
     /// [`Error::BadObstacle`] with `number`.
@@ -113,65 +151,110 @@ impl<R: Real> Obstacle<R> {
     ) -> Result<(), Error> {
         let periodic = domain.periodic();
         let direction_fits = match self.shape {
-            Shape::Sphere { .. } => true,
             Shape::Plane { normal } => (0..3).all(|a| !periodic[a] || normal[a] == R::ZERO),
             Shape::Cylinder { axis, .. } => {
                 let along = (0..3).filter(|&a| axis[a] != R::ZERO).count();
                 along == 1 || !periodic.contains(&true)
             }
+            _ => true,
         };
-        let numbers = [self.point, self.velocity, self.direction()];
+        let numbers = [self.point, self.velocity, self.angular_velocity];
         let finite = numbers.iter().flatten().all(|x| x.is_finite());
-        let sized = match self.shape {
-            Shape::Sphere { radius } | Shape::Cylinder { radius, .. } => {
-                radius > R::ZERO && radius.is_finite()
-            }
-            Shape::Plane { .. } => true,
-        };
-        let direction = self.direction();
-        let length = dot(direction, direction);
-        let off = length - R::ONE;
-        let unit = length == R::ZERO || off * off < R::EPSILON;
         let heavy = self.inverse_mass >= R::ZERO && self.inverse_mass.is_finite();
-        if direction_fits && finite && sized && heavy && unit && self.is_within(domain, has_moved) {
+        let turns = self.is_turned_soundly();
+        let endless = self.shape.is_endless();
+        let moves = self.motion.is_sound(self.inverse_mass, endless);
+        let sound = self.shape.is_sound() && finite && heavy && turns && moves;
+        if direction_fits && sound && self.is_within(domain, has_moved) {
             Ok(())
         } else {
             Err(Error::BadObstacle { obstacle: number })
         }
     }
 
+    /// Whether the orientation is one, and what is endless is turned about its own direction.
+    fn is_turned_soundly(&self) -> bool {
+        let q = self.orientation;
+        let length = ((q[0] * q[0] + q[1] * q[1]) + q[2] * q[2]) + q[3] * q[3];
+        let off = length - R::ONE;
+        let is_unit = off * off < R::EPSILON;
+        let direction = self.shape.direction();
+        let tilt = sub(to_world(q, direction), direction);
+        let keeps = dot(tilt, tilt) < R::EPSILON && self.swing() == R::ZERO;
+        is_upright(q) && self.angular_velocity == [R::ZERO; 3]
+            || is_unit && (keeps || !self.shape.is_endless())
+    }
+
     fn is_within(&self, domain: &Domain<R>, has_moved: bool) -> bool {
         let (lo, hi, periodic) = (domain.lo(), domain.hi(), domain.periodic());
-        let along = self.direction();
-        let plane = matches!(self.shape, Shape::Plane { .. });
+        // What is endless may be anywhere along itself; a plane, and the middle of a drum, anywhere.
+        let along = match self.shape.is_endless() {
+            true => self.shape.direction(),
+            false => [R::ZERO; 3],
+        };
+        let anywhere = matches!(self.shape, Shape::Plane { .. } | Shape::Drum { .. });
+        let is_round = matches!(self.shape, Shape::Sphere { .. } | Shape::Cylinder { .. });
         (0..3).all(|a| {
             let inside = self.point[a] >= lo[a] && self.point[a] <= hi[a];
-            let fits = (self.reach() + self.reach()) <= hi[a] - lo[a];
+            let fits = !is_round || (self.reach() + self.reach()) <= hi[a] - lo[a];
             let left = has_moved && !periodic[a];
-            plane || along[a] != R::ZERO || ((inside || left) && fits)
+            anywhere || along[a] != R::ZERO || ((inside || left) && fits)
         })
     }
 
-    fn direction(&self) -> Vec3<R> {
-        match self.shape {
-            Shape::Sphere { .. } => [R::ZERO; 3],
-            Shape::Cylinder { axis, .. } => axis,
-            Shape::Plane { normal } => normal,
+    /// How far from `point` (or the bar's axis) the surface reaches at most (length).
+    pub fn reach(&self) -> R {
+        self.shape.reach()
+    }
+
+    /// The direction of its shape in the axes of the world; zero if it has none.
+    pub fn direction(&self) -> Vec3<R> {
+        let own = self.shape.direction();
+        match self.is_turned() {
+            true => to_world(self.orientation, own),
+            false => own,
         }
     }
 
-    /// How far from `point` (or the bar's axis) the surface reaches (length).
-    pub fn reach(&self) -> R {
-        match self.shape {
-            Shape::Sphere { radius } | Shape::Cylinder { radius, .. } => radius,
-            Shape::Plane { .. } => R::ZERO,
+    /// Whether its orientation changes where its surface is.
+    #[inline(always)]
+    fn is_turned(&self) -> bool {
+        !is_upright(self.orientation) && !self.shape.is_endless()
+    }
+
+    /// Whether it turns or has turned: what a digest and a file have to say then.
+    pub(crate) fn has_turned(&self) -> bool {
+        !is_upright(self.orientation) || self.angular_velocity != [R::ZERO; 3]
+    }
+
+    /// Bound of the speed that its turning gives to the place of its surface (length / time). A surface of revolution
+    /// that turns about itself stays where it is; what is endless may not turn otherwise.
+    pub(crate) fn swing(&self) -> R {
+        let spin = self.angular_velocity;
+        if spin == [R::ZERO; 3] {
+            return R::ZERO;
         }
+        let across = match self.shape {
+            Shape::Sphere { .. } => return R::ZERO,
+            Shape::Box { .. } => spin,
+            _ => {
+                let axis = self.direction();
+                sub(spin, scale(axis, dot(spin, axis)))
+            }
+        };
+        let size = dot(across, across);
+        if self.shape.is_endless() {
+            // Rounding is no tilt.
+            let is_tilt = size > dot(spin, spin) * R::EPSILON;
+            return if is_tilt { R::MAX } else { R::ZERO };
+        }
+        size.sqrt() * self.reach()
     }
 
     /// How deep a grain of this radius may overlap it: a quarter of the smaller diameter.
     #[inline(always)]
     pub(crate) fn depth_allowed(&self, radius: R) -> R {
-        let own = self.reach();
+        let own = self.shape.thinnest();
         let least = if own > R::ZERO {
             smaller(radius, own)
         } else {
@@ -180,65 +263,59 @@ impl<R: Real> Obstacle<R> {
         least * R::HALF
     }
 
-    /// Moves the obstacle by one step of `dt` and wraps it.
-    pub(crate) fn advance(&mut self, domain: &Domain<R>, dt: R) {
-        for a in 0..3 {
-            self.point[a] = self.point[a] + self.velocity[a] * dt;
+    /// The radius at whose end a law lets the force on a ball act; 0 of another shape.
+    #[inline(always)]
+    pub(crate) fn ball_radius(&self) -> R {
+        match self.shape {
+            Shape::Sphere { radius } => radius,
+            _ => R::ZERO,
         }
-        // An obstacle may leave the box through a closed edge: only grains must stay inside.
-        domain.wrap(&mut self.point, &mut self.image);
     }
 
-    /// Where a grain at `position` with this radius meets the surface.
-    ///
-    /// The normal is the offset divided by the distance, component by component.
+    /// Velocity of the point of the body at this offset from `point` (length / time).
     #[inline(always)]
-    pub(crate) fn meet(
+    pub fn velocity_at(&self, offset: Vec3<R>) -> Vec3<R> {
+        if self.angular_velocity == [R::ZERO; 3] {
+            return self.velocity;
+        }
+        add(self.velocity, cross(self.angular_velocity, offset))
+    }
+
+    /// Where a grain at `position` with this radius meets one of its surfaces, by its number below
+    /// [`Shape::surfaces`].
+    #[inline(always)]
+    pub fn meet(
         &self,
+        surface: u32,
         domain: &Domain<R>,
         position: Vec3<R>,
         radius: R,
-    ) -> ContactGeometry<R> {
-        match self.shape {
-            Shape::Sphere { radius: own } => {
-                let offset = domain.separation(position, self.point);
-                let distance = dot(offset, offset).sqrt();
-                ContactGeometry {
-                    normal: divide(offset, distance),
-                    offset,
-                    overlap: (radius + own) - distance,
-                    radius: own,
-                }
-            }
-            Shape::Cylinder { axis, radius: own } => {
-                let offset = domain.separation(position, self.point);
-                let across = sub(offset, scale(axis, dot(offset, axis)));
-                let distance = dot(across, across).sqrt();
-                ContactGeometry {
-                    normal: divide(across, distance),
-                    offset,
-                    overlap: (radius + own) - distance,
-                    radius: R::ZERO,
-                }
-            }
-            Shape::Plane { normal } => {
-                let offset = sub(position, self.point);
-                ContactGeometry {
-                    normal,
-                    offset,
-                    overlap: radius - dot(offset, normal),
-                    radius: R::ZERO,
-                }
-            }
+    ) -> Meeting<R> {
+        let offset = match self.shape {
+            Shape::Plane { .. } => sub(position, self.point),
+            _ => domain.separation(position, self.point),
+        };
+        let meeting = if self.is_turned() {
+            let q = self.orientation;
+            let own = self.shape.meet(surface, to_body(q, offset), radius);
+            let normal = to_world(q, own.normal);
+            Nearest { normal, ..own }
+        } else {
+            self.shape.meet(surface, offset, radius)
+        };
+        Meeting {
+            normal: meeting.normal,
+            offset,
+            overlap: meeting.overlap,
+            curvature: match self.shape {
+                Shape::Sphere { radius } => radius,
+                _ if self.curved => meeting.curvature,
+                _ => R::ZERO,
+            },
         }
     }
 }
 
-fn unit<R: Real>(v: Vec3<R>) -> Vec3<R> {
+pub(crate) fn unit<R: Real>(v: Vec3<R>) -> Vec3<R> {
     divide(v, dot(v, v).sqrt())
-}
-
-#[inline(always)]
-fn divide<R: Real>(v: Vec3<R>, s: R) -> Vec3<R> {
-    [v[0] / s, v[1] / s, v[2] / s]
 }

@@ -5,6 +5,7 @@ mod common {
     pub mod crowd;
     pub mod part;
     pub mod parts;
+    pub mod slow_bodies;
 }
 
 mod canary;

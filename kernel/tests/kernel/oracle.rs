@@ -6,9 +6,13 @@ use std::collections::BTreeMap;
 
 use crate::common::cases::cases;
 use crate::common::crowd::{DENSE, PER_GRAIN, Packing, REDUCED, SI, Units, crowd, history, tsuji};
+use crate::common::slow_bodies::{drift, kick, meet};
 use bitgrain_kernel::contact::{Contact, Law, react};
 use bitgrain_kernel::vec3::{self, head};
-use bitgrain_kernel::{ContactHistory, Domain, Group, Obstacle, Row, Shape, World, start, step};
+use bitgrain_kernel::{
+    ContactHistory, Domain, Group, Obstacle, Row, Shape, World, obstacle_of, start, step,
+    surface_of,
+};
 use proptest::prelude::*;
 
 type V = [f64; 3];
@@ -36,7 +40,7 @@ struct Slow<L> {
     image: Vec<[i32; 3]>,
     obstacles: Vec<Obstacle<f64>>,
     pairs: BTreeMap<(usize, usize), V>,
-    touches: BTreeMap<(usize, usize), V>,
+    touches: BTreeMap<(usize, usize, u32), V>,
 }
 
 impl<L: Law<f64>> Slow<L> {
@@ -85,27 +89,9 @@ impl<L: Law<f64>> Slow<L> {
                 if self.heavy(i) && body.inverse_mass == 0.0 {
                     continue;
                 }
-                let Some((contact, offset)) = self.on_obstacle(i, k) else {
-                    self.touches.remove(&(i, k));
-                    continue;
-                };
-                let spring = self.touches.get(&(i, k)).copied().unwrap_or([0.0; 3]);
-                let r = react(&self.law, &contact, spring, dt);
-                self.touches.insert((i, k), r.spring);
-                let push = vec3::add(vec3::scale(contact.normal, r.normal), r.tangential);
-                let couple = vec3::cross(contact.normal, r.tangential);
-                force[i] = vec3::add(force[i], push);
-                torque[i] = vec3::sub(torque[i], vec3::scale(couple, r.lever_arm_i));
-                let body = &mut self.obstacles[k];
-                body.force = vec3::sub(body.force, push);
-                let moment = match body.shape {
-                    Shape::Sphere { .. } => vec3::scale(couple, r.lever_arm_j),
-                    _ => {
-                        let lever = vec3::sub(offset, vec3::scale(contact.normal, r.lever_arm_i));
-                        vec3::cross(lever, push)
-                    }
-                };
-                body.torque = vec3::sub(body.torque, moment);
+                for surface in 0..body.shape.surfaces() {
+                    self.touch(i, (k, surface), dt, &mut force[i], &mut torque[i]);
+                }
             }
         }
         for i in 0..n {
@@ -134,6 +120,32 @@ impl<L: Law<f64>> Slow<L> {
         }
     }
 
+    /// A contact on a surface of an obstacle, and what it adds to the force and torque on the grain.
+    fn touch(&mut self, i: usize, at: (usize, u32), dt: f64, force: &mut V, torque: &mut V) {
+        let key = (i, at.0, at.1);
+        let Some((contact, offset)) = self.on_obstacle(i, at.0, at.1) else {
+            self.touches.remove(&key);
+            return;
+        };
+        let spring = self.touches.get(&key).copied().unwrap_or([0.0; 3]);
+        let r = react(&self.law, &contact, spring, dt);
+        self.touches.insert(key, r.spring);
+        let push = vec3::add(vec3::scale(contact.normal, r.normal), r.tangential);
+        let couple = vec3::cross(contact.normal, r.tangential);
+        *force = vec3::add(*force, push);
+        *torque = vec3::sub(*torque, vec3::scale(couple, r.lever_arm_i));
+        let body = &mut self.obstacles[at.0];
+        body.force = vec3::sub(body.force, push);
+        let moment = match body.shape {
+            Shape::Sphere { .. } => vec3::scale(couple, r.lever_arm_j),
+            _ => {
+                let lever = vec3::sub(offset, vec3::scale(contact.normal, r.lever_arm_i));
+                vec3::cross(lever, push)
+            }
+        };
+        body.torque = vec3::sub(body.torque, moment);
+    }
+
     fn of_two(&self, i: usize, j: usize) -> Option<Contact<f64>> {
         let s = self;
         let d = s
@@ -155,30 +167,21 @@ impl<L: Law<f64>> Slow<L> {
         })
     }
 
-    fn on_obstacle(&self, i: usize, k: usize) -> Option<(Contact<f64>, V)> {
+    fn on_obstacle(&self, i: usize, k: usize, surface: u32) -> Option<(Contact<f64>, V)> {
         let s = self;
         let (body, radius) = (&s.obstacles[k], s.position[i][3]);
-        let (normal, offset, overlap, curve) = match body.shape {
-            Shape::Plane { normal } => {
-                let offset = vec3::sub(head(s.position[i]), body.point);
-                (normal, offset, radius - vec3::dot(offset, normal), 0.0)
-            }
-            Shape::Sphere { radius: own } => {
-                let d = s.domain.separation(head(s.position[i]), body.point);
-                let distance = vec3::dot(d, d).sqrt();
-                (d.map(|x| x / distance), d, (radius + own) - distance, own)
-            }
-            Shape::Cylinder { axis, radius: own } => {
-                let d = s.domain.separation(head(s.position[i]), body.point);
-                let across = vec3::sub(d, vec3::scale(axis, vec3::dot(d, axis)));
-                let distance = vec3::dot(across, across).sqrt();
-                (
-                    across.map(|x| x / distance),
-                    d,
-                    (radius + own) - distance,
-                    0.0,
-                )
-            }
+        let place = head(s.position[i]);
+        let (normal, offset, overlap) = meet(body, surface, &s.domain, place, radius);
+        let (curve, spin) = match body.shape {
+            Shape::Sphere { radius: own } => (own, body.angular_velocity),
+            _ => (0.0, [0.0; 3]),
+        };
+        let turning = curve == 0.0 && body.angular_velocity != [0.0; 3];
+        let surface = if turning {
+            let there = vec3::sub(offset, vec3::scale(normal, radius - overlap));
+            vec3::add(body.velocity, vec3::cross(body.angular_velocity, there))
+        } else {
+            body.velocity
         };
         let contact = Contact {
             normal,
@@ -191,15 +194,18 @@ impl<L: Law<f64>> Slow<L> {
                 radius
             },
             mass_effective: 1.0 / (self.inverse_mass(i) + body.inverse_mass),
-            velocity: vec3::sub(head(s.velocity[i]), body.velocity),
+            velocity: vec3::sub(head(s.velocity[i]), surface),
             spin_i: head(s.spin[i]),
-            spin_j: [0.0; 3],
+            spin_j: spin,
         };
         (overlap > 0.0).then_some((contact, offset))
     }
 
     fn kick(&mut self) {
         let half = self.dt * 0.5;
+        for body in &mut self.obstacles {
+            kick(body, self.dt);
+        }
         for i in 0..self.position.len() {
             let group = self.group[i];
             let (radius, per_mass) = (self.position[i][3], 1.0 / self.velocity[i][3]);
@@ -221,10 +227,7 @@ impl<L: Law<f64>> Slow<L> {
         let dt = self.dt;
         let domain = self.domain;
         for body in &mut self.obstacles {
-            for a in 0..3 {
-                body.point[a] += body.velocity[a] * dt;
-            }
-            domain.wrap(&mut body.point, &mut body.image);
+            drift(body, &domain, dt);
         }
         for i in 0..self.position.len() {
             let mut to = head(self.position[i]);
@@ -259,7 +262,11 @@ fn same<L>(fast: &World<'_, f64>, slow: &Slow<L>, step: u64) -> Result<(), TestC
     }
     prop_assert_eq!(&*g.image, &slow.image, "crossings at step {}", step);
     for (a, b) in fast.obstacles.iter().zip(&slow.obstacles) {
-        let words = |o: &Obstacle<f64>| [o.point, o.force, o.torque].map(bits);
+        let words = |o: &Obstacle<f64>| {
+            [o.point, o.velocity, o.angular_velocity, o.force, o.torque].map(bits)
+        };
+        let turned = |o: &Obstacle<f64>| o.orientation.map(f64::to_bits);
+        prop_assert_eq!(turned(a), turned(b), "orientations at step {}", step);
         prop_assert_eq!(words(a), words(b), "obstacles at step {}", step);
         prop_assert_eq!(a.image, b.image, "crossings at step {}", step);
     }
@@ -267,24 +274,27 @@ fn same<L>(fast: &World<'_, f64>, slow: &Slow<L>, step: u64) -> Result<(), TestC
         .contact_histories()
         .map(|bond| words_of(&bond))
         .collect();
-    let of = |kind, map: &BTreeMap<(usize, usize), V>| -> Vec<_> {
-        let words = |(&(i, j), &spring): (&(usize, usize), &V)| (kind, i, j, bits(spring));
-        map.iter().map(words).collect()
-    };
-    let kept = [of(0, &slow.pairs), of(1, &slow.touches)].concat();
+    let pairs = slow.pairs.iter();
+    let pairs = pairs.map(|(&(i, j), &spring)| (0, i, (j, 0), bits(spring)));
+    let touches = slow.touches.iter();
+    let touches = touches.map(|(&(i, k, surface), &spring)| (1, i, (k, surface), bits(spring)));
+    let kept: Vec<_> = pairs.chain(touches).collect();
     prop_assert_eq!(held, kept, "springs at step {}", step);
     Ok(())
 }
 
 /// A pair is of kind 0, a contact on an obstacle of kind 1.
-fn words_of(bond: &ContactHistory<f64>) -> (u8, usize, usize, [u64; 3]) {
+fn words_of(bond: &ContactHistory<f64>) -> (u8, usize, (usize, u32), [u64; 3]) {
     match *bond {
-        ContactHistory::Pair { i, j, spring } => (0, i as usize, j as usize, bits(spring)),
+        ContactHistory::Pair { i, j, spring } => (0, i as usize, (j as usize, 0), bits(spring)),
         ContactHistory::Obstacle {
             i,
             obstacle,
             spring,
-        } => (1, i as usize, obstacle as usize, bits(spring)),
+        } => {
+            let on = (obstacle_of(obstacle) as usize, surface_of(obstacle));
+            (1, i as usize, on, bits(spring))
+        }
     }
 }
 

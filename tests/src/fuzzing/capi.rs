@@ -5,11 +5,11 @@ use std::ffi::c_void;
 use std::ptr::{null, null_mut};
 
 use bitgrain_capi::grains::{bg_insert, bg_nudge, bg_regroup, bg_remove};
+use bitgrain_capi::obstacles::{bg_add_obstacle, bg_drive, bg_get_obstacle, bg_push, bg_turn};
 use bitgrain_capi::rows::bg_read;
 use bitgrain_capi::saved::{bg_load, bg_save, bg_save_size};
 use bitgrain_capi::setup::{
-    bg_add_group, bg_add_obstacle, bg_drive, bg_get_counts, bg_get_fault, bg_get_obstacle, bg_init,
-    bg_set_policy, bg_set_skins, bg_size,
+    bg_add_group, bg_get_counts, bg_get_fault, bg_init, bg_set_policy, bg_set_skins, bg_size,
 };
 use bitgrain_capi::status::BG_OK;
 use bitgrain_capi::steps::{bg_get_digest, bg_start, bg_step};
@@ -96,7 +96,7 @@ fn config(bytes: &mut Bytes) -> bg_config {
 /// One call; whether it was a step that was done.
 fn call(bytes: &mut Bytes, world: *mut bg_world) -> bool {
     let mut number = 0;
-    match bytes.below(16) {
+    match bytes.below(18) {
         0 => {
             let group = bg_group {
                 size: sized::<bg_group>(),
@@ -140,6 +140,12 @@ fn call(bytes: &mut Bytes, world: *mut bg_world) -> bool {
             bg_set_policy(world, &policy)
         }
         11 => bg_set_skins(world, bytes.between(0.0, 1.0), bytes.between(0.0, 1.0)),
+        15 => bg_turn(world, u32::from(bytes.byte() % 4), bytes.vector().as_ptr()),
+        16 => {
+            let (force, torque) = (bytes.vector(), bytes.vector());
+            let body = u32::from(bytes.byte() % 4);
+            bg_push(world, body, force.as_ptr(), torque.as_ptr())
+        }
         12 => pass(bytes, world),
         13 => nulls(world),
         14 => look(bytes, world),
@@ -151,7 +157,7 @@ fn call(bytes: &mut Bytes, world: *mut bg_world) -> bool {
 fn obstacle(bytes: &mut Bytes) -> bg_obstacle {
     bg_obstacle {
         size: sized::<bg_obstacle>(),
-        kind: bytes.below(4) as u32,
+        kind: bytes.below(8) as u32,
         point: bytes.vector(),
         direction: bytes.vector(),
         radius: bytes.scale(-1.0, 1.0),
@@ -161,6 +167,27 @@ fn obstacle(bytes: &mut Bytes) -> bg_obstacle {
         torque: [0.0; 3],
         mean_force: [0.0; 3],
         mean_torque: [0.0; 3],
+        half: [0; 3].map(|_| bytes.scale(-1.0, 1.0)),
+        orientation: turned(bytes),
+        angular_velocity: bytes.vector(),
+        curved: bytes.below(2) as u32,
+        is_free: bytes.below(2) as u32,
+        integrates: u32::from(bytes.byte()),
+        spins: bytes.below(2) as u32,
+        inertia: [0; 3].map(|_| bytes.zero_or_scale(-1.0, 1.0)),
+        gravity: bytes.vector(),
+        applied_force: bytes.vector(),
+        applied_torque: bytes.vector(),
+    }
+}
+
+/// No orientation, one, or four numbers.
+fn turned(bytes: &mut Bytes) -> [f64; 4] {
+    match bytes.below(4) {
+        0 => [0.0; 4],
+        1 => [0.6, 0.0, -0.8, 0.0],
+        2 => [0.5, 0.5, -0.5, 0.5],
+        _ => [0; 4].map(|_| bytes.scale(-1.0, 1.0)),
     }
 }
 

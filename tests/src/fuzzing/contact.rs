@@ -130,20 +130,18 @@ fn obstacle(
     match shape {
         0 => {
             let normal = if upright { [0.0, 0.0, 1.0] } else { direction };
-            let plane = ObstacleSpec::Plane {
-                point: center,
-                normal,
+            let plane = ObstacleSpec {
                 velocity,
+                ..ObstacleSpec::plane(center, normal)
             };
             (Some(plane), normal, 0.0)
         }
         1 => {
             let density = (bytes.below(2) == 0).then(|| bytes.scale(-3.0, 4.0));
-            let sphere = ObstacleSpec::Sphere {
-                center,
-                diameter,
+            let sphere = ObstacleSpec {
                 density,
                 velocity,
+                ..ObstacleSpec::sphere(center, diameter)
             };
             (Some(sphere), direction, 0.5 * diameter)
         }
@@ -152,11 +150,9 @@ fn obstacle(
             let axis = if upright { lying } else { bytes.direction() };
             let along = (0..3).map(|a| direction[a] * axis[a]).sum::<f64>();
             let across = unit(beyond(direction, axis, -along));
-            let cylinder = ObstacleSpec::Cylinder {
-                center,
-                axis,
-                diameter,
+            let cylinder = ObstacleSpec {
                 velocity,
+                ..ObstacleSpec::cylinder(center, axis, diameter)
             };
             (Some(cylinder), across, 0.5 * diameter)
         }

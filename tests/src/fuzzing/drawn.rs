@@ -2,7 +2,8 @@
 
 use bitgrain_kernel::phases::{Extent, ForceCheck, ObstacleShare};
 use bitgrain_kernel::{
-    ContactHistory, Domain, Error as KernelError, Group, Obstacle, Real, Row, Shape,
+    ContactHistory, Domain, Error as KernelError, FreeMotion, Group, Motion, Obstacle, Real, Row,
+    Shape,
 };
 
 use super::bytes::Bytes;
@@ -77,12 +78,16 @@ pub(super) fn group<R: Real>(bytes: &mut Bytes) -> Group<R> {
 
 pub(super) fn obstacle<R: Real>(bytes: &mut Bytes) -> Obstacle<R> {
     let (point, radius) = (vector(bytes), number(bytes));
-    let mut body = match bytes.below(6) {
+    let mut body = match bytes.below(10) {
         0 => Obstacle::sphere(point, radius),
         1 => Obstacle::plane(point, vector(bytes)),
         2 => Obstacle::cylinder(point, vector(bytes), radius),
         3 => Obstacle::plane(point, [R::ZERO, R::ZERO, R::ONE]),
         4 => Obstacle::cylinder(point, [R::ZERO, R::ONE, R::ZERO], radius),
+        5 => Obstacle::finite_cylinder(point, vector(bytes), radius, number(bytes)),
+        6 => Obstacle::capsule(point, vector(bytes), radius, number(bytes)),
+        7 => Obstacle::cuboid(point, vector(bytes)),
+        8 => Obstacle::drum(point, [R::ZERO, R::ONE, R::ZERO], radius, number(bytes)),
         _ => Obstacle {
             shape: Shape::Plane {
                 normal: vector(bytes),
@@ -91,6 +96,25 @@ pub(super) fn obstacle<R: Real>(bytes: &mut Bytes) -> Obstacle<R> {
         },
     };
     (body.velocity, body.inverse_mass) = (vector(bytes), number(bytes));
+    (body.angular_velocity, body.curved) = match bytes.below(3) {
+        0 => (vector(bytes), bytes.below(2) == 0),
+        _ => ([R::ZERO; 3], false),
+    };
+    body.orientation = match bytes.below(4) {
+        0 => [0.6, 0.0, 0.8, 0.0].map(R::from_f64),
+        1 => [0; 4].map(|_| number(bytes)),
+        _ => body.orientation,
+    };
+    if bytes.below(3) == 0 {
+        body.motion = Motion::Free(FreeMotion {
+            inertia: vector(bytes),
+            gravity: vector(bytes),
+            force: vector(bytes),
+            torque: vector(bytes),
+            integrates: [0; 3].map(|_| bytes.below(2) == 0),
+            spins: bytes.below(2) == 0,
+        });
+    }
     body.image = [0; 3].map(|_| word(bytes) as i32);
     body
 }

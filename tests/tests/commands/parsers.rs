@@ -217,22 +217,18 @@ fn obstacle() -> impl Strategy<Value = ObstacleSpec> {
     (0..3, prop::array::uniform3(0.1..1.0f64), numbers).prop_map(|(shape, direction, numbers)| {
         let (point, velocity, diameter, density) = numbers;
         match shape {
-            0 => ObstacleSpec::Plane {
-                point,
-                normal: direction,
+            0 => ObstacleSpec {
                 velocity,
+                ..ObstacleSpec::plane(point, direction)
             },
-            1 => ObstacleSpec::Sphere {
-                center: point,
-                diameter,
+            1 => ObstacleSpec {
                 density,
                 velocity,
+                ..ObstacleSpec::sphere(point, diameter)
             },
-            _ => ObstacleSpec::Cylinder {
-                center: point,
-                axis: direction,
-                diameter,
+            _ => ObstacleSpec {
                 velocity,
+                ..ObstacleSpec::cylinder(point, direction, diameter)
             },
         }
     })

@@ -373,7 +373,9 @@ fn what_does_not_belong_is_refused() {
     let out = desk.run(&["run", "--resume", "out/small"]);
     let told = String::from_utf8_lossy(&out.stderr);
     assert_eq!(out.status.code(), Some(2), "{told}");
-    assert!(told.contains("written in format 2 with arithmetic 1; this program reads format 3"));
+    assert!(
+        told.contains("written in format 2 with arithmetic 1; this program reads formats 3 and 4")
+    );
 }
 
 /// Every bit of a small checkpoint, a note with it, and every length: none passes.

@@ -5,8 +5,9 @@ use std::ptr::null_mut;
 use bitgrain::law::AnyLaw;
 use bitgrain::simulation::{Grain, Simulation, sphere_mass};
 use bitgrain_capi::grains::bg_insert;
+use bitgrain_capi::obstacles::bg_add_obstacle;
 use bitgrain_capi::saved::{bg_load, bg_save, bg_save_size};
-use bitgrain_capi::setup::{bg_add_group, bg_add_obstacle, bg_init, bg_set_policy, bg_size};
+use bitgrain_capi::setup::{bg_add_group, bg_init, bg_set_policy, bg_size};
 use bitgrain_capi::status::BG_OK;
 use bitgrain_capi::steps::{bg_start, bg_step};
 use bitgrain_capi::types::{
@@ -123,10 +124,7 @@ impl InC {
             radius: 0.0,
             inverse_mass: 0.0,
             velocity: [0.0; 3],
-            force: [0.0; 3],
-            torque: [0.0; 3],
-            mean_force: [0.0; 3],
-            mean_torque: [0.0; 3],
+            ..bg_obstacle::default()
         };
         done(bg_add_obstacle(world, &floor, &mut number));
         let policy = bg_policy {

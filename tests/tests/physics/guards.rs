@@ -166,21 +166,11 @@ fn laid_on(body: ObstacleSpec, depth: f64) -> Case {
 }
 
 fn sphere(diameter: f64) -> ObstacleSpec {
-    ObstacleSpec::Sphere {
-        center: [0.0, 0.0, -0.5 * diameter],
-        diameter,
-        density: None,
-        velocity: [0.0; 3],
-    }
+    ObstacleSpec::sphere([0.0, 0.0, -0.5 * diameter], diameter)
 }
 
 fn bar(diameter: f64) -> ObstacleSpec {
-    ObstacleSpec::Cylinder {
-        center: [0.0, 0.0, -0.5 * diameter],
-        axis: [0.0, 1.0, 0.0],
-        diameter,
-        velocity: [0.0; 3],
-    }
+    ObstacleSpec::cylinder([0.0, 0.0, -0.5 * diameter], [0.0, 1.0, 0.0], diameter)
 }
 
 fn fault(told: &Result<bitgrain::simulation::Simulation, Error>) -> Option<KernelError> {
@@ -321,11 +311,9 @@ fn squeezed() -> Case {
         mu: 0.1,
     });
     case.grains[0].position = [3.8, 2.0, 0.499];
-    let down = ObstacleSpec::Sphere {
-        center: [2.5, 2.0, 2.0],
-        diameter: 2.0,
-        density: None,
+    let down = ObstacleSpec {
         velocity: [0.0, 0.0, -2.0],
+        ..ObstacleSpec::sphere([2.5, 2.0, 2.0], 2.0)
     };
     case.obstacles = vec![down, floor()];
     case

@@ -1,6 +1,8 @@
 //! Computed results: laws, beds, drags and flows against closed forms, reference codes, goldens and themselves.
 
 mod beds;
+mod bodies;
+mod busy_bodies;
 mod carried;
 mod drag;
 mod energy;
@@ -24,3 +26,4 @@ mod quick;
 mod ranks;
 mod rig;
 mod store;
+mod walls;

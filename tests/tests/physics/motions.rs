@@ -1,7 +1,7 @@
 //! How the grains of a case move, carried, weightless or as a lid: closed forms,
 //! refusals, and the replay of the rig.
 
-use bitgrain::case::{BoxSpec, Case, GrainSpec, MotionSpec, ObstacleSpec};
+use bitgrain::case::{BodyShape, BoxSpec, Case, GrainSpec, MotionSpec};
 use bitgrain::law::{HertzHistoryParameters, HertzTsujiParameters, LawSpec};
 use bitgrain::simulation::{AnyLaw, Simulation, sphere_mass};
 use bitgrain_tests::{GLASS, floor, golden, number, numbers, open_case, output, told};
@@ -342,10 +342,9 @@ fn the_rig_is_replayed() {
 fn a_bar_has_no_place_along_its_axis() {
     let at = |y: f64| {
         let mut case: Case = bitgrain_tests::golden_case("rig.json");
-        let ObstacleSpec::Cylinder { center, .. } = &mut case.obstacles[0] else {
-            panic!("the rig's first obstacle is its cylinder");
-        };
-        center[1] = y;
+        assert_eq!(case.obstacles[0].shape, BodyShape::Cylinder);
+        let center = case.obstacles[0].center.as_mut();
+        center.expect("it has one")[1] = y;
         let mut sim = case.start("rig", |_| {}).unwrap();
         sim.steps(3000).unwrap();
         let force = sim.obstacles[0].force.map(f64::to_bits);

@@ -208,11 +208,10 @@ fn a_free_pair_keeps_its_momentum_to_the_last_bits() {
 /// grain that rests on it presses it down.
 #[test]
 fn forces_on_an_obstacle_have_the_stated_sign() {
-    let pushed = ObstacleSpec::Sphere {
-        center: [0.0; 3],
-        diameter: 2.0,
+    let pushed = ObstacleSpec {
         density: Some(1.0),
         velocity: [1.0, 0.0, 0.0],
+        ..ObstacleSpec::sphere([0.0; 3], 2.0)
     };
     let grains = vec![
         ball(1, [1.499, 0.0, 0.0], [0.0; 3]),
@@ -246,12 +245,7 @@ fn sliding_friction_turns_a_grain_with_its_radius_as_lever() {
 
 /// A bar along y.
 fn bar(center: [f64; 3], diameter: f64) -> ObstacleSpec {
-    ObstacleSpec::Cylinder {
-        center,
-        axis: [0.0, 1.0, 0.0],
-        diameter,
-        velocity: [0.0; 3],
-    }
+    ObstacleSpec::cylinder(center, [0.0, 1.0, 0.0], diameter)
 }
 
 /// A spinning grain that comes down on an obstacle whose highest point is at z = 2, with this overlap.
@@ -270,23 +264,14 @@ fn comes_down(law: LawSpec, below: ObstacleSpec, overlap: f64) -> Simulation {
 fn a_cylinder_pushes_a_grain_as_a_plane_does() {
     for law in [TSUJI, soft(0.5, 792.0)] {
         for overlap in [1.0 / 4096.0, 1.0 / 512.0, 3.0 / 64.0] {
-            let plane = ObstacleSpec::Plane {
-                point: [0.0, 0.0, 2.0],
-                normal: [0.0, 0.0, 1.0],
-                velocity: [0.0; 3],
-            };
+            let plane = ObstacleSpec::plane([0.0, 0.0, 2.0], [0.0, 0.0, 1.0]);
             let flat = comes_down(law, plane, overlap);
             for diameter in [0.5, 1.0, 3.25, 16.0] {
                 let axis = 2.0 - 0.5 * diameter;
                 let round = comes_down(law, bar([0.0, 0.0, axis], diameter), overlap);
                 assert_eq!(round.force[0], flat.force[0], "{diameter} {overlap}");
                 assert_eq!(round.torque[0], flat.torque[0], "{diameter} {overlap}");
-                let ball = ObstacleSpec::Sphere {
-                    center: [0.0, 0.25, axis],
-                    diameter,
-                    density: None,
-                    velocity: [0.0; 3],
-                };
+                let ball = ObstacleSpec::sphere([0.0, 0.25, axis], diameter);
                 let ball = comes_down(law, ball, overlap);
                 assert!(ball.force[0][2] < flat.force[0][2], "{diameter}");
             }

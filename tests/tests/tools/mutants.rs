@@ -4,12 +4,14 @@
 //! Kernel and `sim` are copied into a folder of their own with a workspace that builds fast; the build is kept in
 //! `target/mutants`.
 
+mod bodies;
 mod list;
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use bodies::BODIES;
 use list::{MUTANTS, Mutant, SIM, UNIT};
 
 /// A workspace with what the manifests take from their own, built fast: a little
@@ -150,10 +152,15 @@ impl Copy {
     }
 }
 
+/// All mutants.
+fn all() -> impl Iterator<Item = &'static Mutant> {
+    MUTANTS.iter().chain(BODIES)
+}
+
 /// Found in seconds: a change that removes a mutant's text.
 #[test]
 fn every_mutant_has_its_text() {
-    for mutant in MUTANTS {
+    for mutant in all() {
         let file = bitgrain_tests::root().join(mutant.file);
         let whole = fs::read_to_string(file).expect("a source");
         assert_eq!(whole.matches(mutant.from).count(), 1, "{}", mutant.name);
@@ -171,8 +178,7 @@ fn every_mutant_is_caught_and_the_sources_themselves_pass() {
         String::from_utf8_lossy(&whole.stdout),
         String::from_utf8_lossy(&whole.stderr)
     );
-    let survivors: Vec<String> = MUTANTS
-        .iter()
+    let survivors: Vec<String> = all()
         .filter_map(|mutant| {
             let problem = copy.check(mutant)?;
             Some(format!("{}: {problem}", mutant.name))

@@ -1,10 +1,9 @@
 //! Checks of a case before it starts: its parts one by one, each with its key.
 
-use super::keys::{Case, GrainSpec, ObstacleSpec};
+use super::keys::{Case, GrainSpec};
 use super::motion::MotionSpec;
-
-/// Nothing, or the key that is wrong and what is wrong with it.
-type Check = Result<(), (String, String)>;
+use super::numbers::{Check, finite, positive};
+use super::obstacle::ObstacleSpec;
 
 pub(super) fn check(case: &Case) -> Check {
     case.law
@@ -27,7 +26,7 @@ pub(super) fn check(case: &Case) -> Check {
         return Err(("grains".into(), problem));
     }
     for (k, o) in case.obstacles.iter().enumerate() {
-        check_obstacle(o, &format!("obstacles[{k}]"))?;
+        check_obstacle(o, case.gravity, &format!("obstacles[{k}]"))?;
     }
     let sizes = case.grains.iter().map(|g| (0.5 * g.diameter, g.density));
     case.law
@@ -74,70 +73,18 @@ fn check_grain(g: &GrainSpec, place: &str) -> Check {
     }
 }
 
-fn check_obstacle(o: &ObstacleSpec, place: &str) -> Check {
+fn check_obstacle(o: &ObstacleSpec, gravity: [f64; 3], place: &str) -> Check {
     let at = |key: &str| format!("{place}.{key}");
-    match o {
-        ObstacleSpec::Plane {
-            point,
-            normal,
-            velocity,
-        } => {
-            finite(&at("point"), point)?;
-            direction(&at("normal"), normal)?;
-            finite(&at("velocity"), velocity)
-        }
-        ObstacleSpec::Sphere {
-            center,
-            diameter,
-            density,
-            velocity,
-        } => {
-            finite(&at("center"), center)?;
-            positive(&at("diameter"), *diameter)?;
-            if let Some(density) = density {
-                positive(&at("density"), *density)?;
-            }
-            finite(&at("velocity"), velocity)
-        }
-        ObstacleSpec::Cylinder {
-            center,
-            axis,
-            diameter,
-            velocity,
-        } => {
-            finite(&at("center"), center)?;
-            direction(&at("axis"), axis)?;
-            positive(&at("diameter"), *diameter)?;
-            finite(&at("velocity"), velocity)
-        }
+    finite(&at("velocity"), &o.velocity)?;
+    let vectors = [
+        ("angular_velocity", o.angular_velocity),
+        ("applied_force", o.applied_force),
+        ("applied_torque", o.applied_torque),
+    ];
+    for (key, vector) in vectors {
+        finite(&at(key), &vector.unwrap_or([0.0; 3]))?;
     }
-}
-
-fn positive(key: &str, value: f64) -> Check {
-    if value > 0.0 && value.is_finite() {
-        return Ok(());
-    }
-    Err((
-        key.into(),
-        format!("is {value}; expected a positive number"),
-    ))
-}
-
-fn finite(key: &str, v: &[f64; 3]) -> Check {
-    if v.iter().all(|x| x.is_finite()) {
-        return Ok(());
-    }
-    Err((key.into(), "has a component that is not finite".into()))
-}
-
-fn direction(key: &str, v: &[f64; 3]) -> Check {
-    finite(key, v)?;
-    let squared = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-    if squared.is_normal() {
-        return Ok(());
-    }
-    Err((
-        key.into(),
-        "has no length; expected a direction such as [0, 0, 1]".into(),
-    ))
+    let built = o.build(gravity);
+    built.map_err(|(key, problem)| (at(&key), problem))?;
+    Ok(())
 }

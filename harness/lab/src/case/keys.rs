@@ -1,6 +1,6 @@
 //! What the file of a case says.
 
-use crate::case::MotionSpec;
+use crate::case::{MotionSpec, ObstacleSpec};
 use bitgrain_sim::law::LawSpec;
 use serde::{Deserialize, Serialize};
 
@@ -37,51 +37,6 @@ pub struct BoxSpec {
     pub periodic: [bool; 3],
 }
 
-/// An obstacle.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "shape", rename_all = "snake_case", deny_unknown_fields)]
-pub enum ObstacleSpec {
-    /// A wall through `point`; grains live where `normal` points.
-    Plane {
-        /// A point of the wall.
-        point: [f64; 3],
-        /// Direction out of the wall, of any length.
-        normal: [f64; 3],
-        /// Velocity.
-        #[serde(default)]
-        velocity: [f64; 3],
-    },
-    /// A ball; with a density its own mass enters its contacts, without one it is infinitely heavy.
-    Sphere {
-        /// Centre.
-        center: [f64; 3],
-        /// Diameter.
-        diameter: f64,
-        /// Mass density; null does not leave it out.
-        #[serde(
-            default,
-            deserialize_with = "number",
-            skip_serializing_if = "Option::is_none"
-        )]
-        density: Option<f64>,
-        /// Velocity.
-        #[serde(default)]
-        velocity: [f64; 3],
-    },
-    /// An endless, infinitely heavy bar.
-    Cylinder {
-        /// A point of its axis.
-        center: [f64; 3],
-        /// Direction of its axis, of any length.
-        axis: [f64; 3],
-        /// Diameter.
-        diameter: f64,
-        /// Velocity.
-        #[serde(default)]
-        velocity: [f64; 3],
-    },
-}
-
 /// A grain.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -103,8 +58,4 @@ pub struct GrainSpec {
     /// How it moves.
     #[serde(default)]
     pub motion: MotionSpec,
-}
-
-fn number<'de, D: serde::Deserializer<'de>>(from: D) -> std::result::Result<Option<f64>, D::Error> {
-    f64::deserialize(from).map(Some)
 }

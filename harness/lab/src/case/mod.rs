@@ -2,17 +2,20 @@
 
 use std::path::Path;
 
-use bitgrain_kernel::{Domain, Error as KernelError, Group, Obstacle};
+use bitgrain_kernel::{Domain, Error as KernelError, Group};
 
 use bitgrain_sim::error::{Error, FULL, Result};
-use bitgrain_sim::simulation::{Grain, Simulation, sphere_mass};
+use bitgrain_sim::simulation::{Grain, Simulation};
 
 mod check;
 mod keys;
 mod motion;
+mod numbers;
+mod obstacle;
 
-pub use keys::{BoxSpec, Case, GrainSpec, ObstacleSpec};
+pub use keys::{BoxSpec, Case, GrainSpec};
 pub use motion::MotionSpec;
+pub use obstacle::{BodyMotion, BodyShape, ObstacleSpec};
 
 /// Reads and checks a case file.
 ///
@@ -32,40 +35,6 @@ pub fn parse(text: &str, name: &str) -> Result<Case> {
     check::check(&case)
         .map_err(|(key, problem)| Error::input(format!("{name}: `{key}`"), problem))?;
     Ok(case)
-}
-
-impl ObstacleSpec {
-    fn build(&self) -> Obstacle<f64> {
-        match *self {
-            ObstacleSpec::Plane {
-                point,
-                normal,
-                velocity,
-            } => Obstacle {
-                velocity,
-                ..Obstacle::plane(point, normal)
-            },
-            ObstacleSpec::Sphere {
-                center,
-                diameter,
-                density,
-                velocity,
-            } => Obstacle {
-                velocity,
-                inverse_mass: density.map_or(0.0, |d| 1.0 / sphere_mass(diameter, d)),
-                ..Obstacle::sphere(center, 0.5 * diameter)
-            },
-            ObstacleSpec::Cylinder {
-                center,
-                axis,
-                diameter,
-                velocity,
-            } => Obstacle {
-                velocity,
-                ..Obstacle::cylinder(center, axis, 0.5 * diameter)
-            },
-        }
-    }
 }
 
 impl Case {
@@ -114,7 +83,13 @@ impl Case {
             });
         }
         grains.sort_by_key(|g| g.id);
-        let mut obstacles: Vec<Obstacle<f64>> = self.obstacles.iter().map(|o| o.build()).collect();
+        let mut obstacles = Vec::with_capacity(self.obstacles.len());
+        for (k, body) in self.obstacles.iter().enumerate() {
+            let body = body.build(self.gravity);
+            obstacles.push(body.map_err(|(key, problem)| {
+                Error::input(format!("{name}: `obstacles[{k}].{key}`"), problem)
+            })?);
+        }
         for body in &mut obstacles {
             domain.wrap(&mut body.point, &mut [0; 3]);
         }
@@ -151,8 +126,9 @@ pub fn refuse(name: &str, fault: KernelError, place_of: impl Fn(u32) -> String) 
         ),
         KernelError::BadObstacle { obstacle } => format!(
             "obstacle {obstacle} does not fit the box: a ball or bar must have its centre inside \
-             and be no larger; a plane may not face along a periodic axis; with periodic axes a \
-             cylinder must lie along x, y or z; and its mass must be a sound number"
+             and be no larger; a plane may not face along a periodic axis; with periodic axes an \
+             endless cylinder must lie along x, y or z; what is endless turns about its own direction \
+             only, and not freely; and masses and moments of inertia must be sound numbers"
         ),
         KernelError::ObstacleTooFast { .. } => format!("{fault}; shorten dt"),
         KernelError::TooFast { id } => format!(

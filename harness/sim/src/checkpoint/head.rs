@@ -4,6 +4,8 @@ use crate::simulation::{AnyLaw, hex};
 use bitgrain_kernel::{Domain, Group, Obstacle};
 use serde::{Deserialize, Serialize};
 
+use super::bodies;
+
 /// What a checkpoint holds besides the state.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct StageState {
@@ -31,6 +33,7 @@ pub(super) struct Head {
     pub(super) law: AnyLaw,
     pub(super) domain: Domain<f64>,
     pub(super) groups: Vec<Group<f64>>,
+    #[serde(with = "bodies")]
     pub(super) obstacles: Vec<Obstacle<f64>>,
     pub(super) recipe: String,
     pub(super) link: String,

@@ -3,10 +3,12 @@
 
 use bitgrain_kernel::contact::{Contact, Law, Reaction, react};
 use bitgrain_kernel::vec3::{Vec3, add, cross, dot, head, scale, sub};
-use bitgrain_kernel::{ContactForce, ContactHistory, Obstacle, Partner, Row, Shape};
+use bitgrain_kernel::{
+    ContactForce, ContactHistory, Obstacle, Partner, Row, Shape, obstacle_of, surface_of,
+};
 
 use crate::law::{AnyLaw, Springs, Sprung, WithLaw};
-use crate::observe::{length, offset};
+use crate::observe::length;
 use crate::simulation::Simulation;
 
 /// What a law's springs store, and the levers of its tangential force.
@@ -47,6 +49,10 @@ impl Elastic {
 pub(super) struct ElasticContact {
     pub i: usize,
     pub partner: Partner,
+    /// Which surface of an obstacle.
+    surface: u32,
+    /// From the point of an obstacle to the place of that surface which is nearest to the grain.
+    place: Vec3<f64>,
     /// Unit vector from the partner to the grain.
     pub normal: Vec3<f64>,
     pub overlap: f64,
@@ -68,37 +74,48 @@ pub(super) struct Velocities<'a> {
 
 impl ElasticContact {
     /// The same order for every list: pairs by their places, then obstacle contacts by theirs.
-    pub fn key(&self) -> (bool, usize, u32) {
+    pub fn key(&self) -> (bool, usize, u32, u32) {
         match self.partner {
-            Partner::Grain(j) => (false, self.i, j),
-            Partner::Obstacle(k) => (true, self.i, k),
+            Partner::Grain(j) => (false, self.i, j, 0),
+            Partner::Obstacle(k) => (true, self.i, k, self.surface),
         }
     }
 
     fn new(
         sim: &Simulation,
         elastic: &Elastic,
-        (i, partner): (u32, Partner),
+        (i, partner, surface): (u32, Partner, u32),
         (normal, overlap): (Vec3<f64>, f64),
     ) -> Self {
         let i = i as usize;
-        let radius = sim.position[i][3];
-        let other = match partner {
-            Partner::Grain(j) => sim.position[j as usize][3],
-            Partner::Obstacle(k) => match sim.obstacles[k as usize].shape {
-                Shape::Sphere { radius } => radius,
-                Shape::Cylinder { .. } | Shape::Plane { .. } => 0.0,
-            },
+        let [x, y, z, radius] = sim.position[i];
+        // The partner's radius as a lever, its curvature, and where the surfaces are nearest.
+        let (other, curvature, place) = match partner {
+            Partner::Grain(j) => {
+                let other = sim.position[j as usize][3];
+                (other, other, [0.0; 3])
+            }
+            Partner::Obstacle(k) => {
+                let body = &sim.obstacles[k as usize];
+                let met = body.meet(surface, &sim.domain, [x, y, z], radius);
+                let place = sub(met.offset, scale(met.normal, radius - met.overlap));
+                match body.shape {
+                    Shape::Sphere { radius } => (radius, met.curvature, place),
+                    _ => (0.0, met.curvature, place),
+                }
+            }
         };
-        let radius_effective = if other == 0.0 {
+        let radius_effective = if curvature == 0.0 {
             radius
         } else {
-            radius * other / (radius + other)
+            radius * curvature / (radius + curvature)
         };
         let arm = |radius: f64| radius - elastic.0.short * overlap;
         Self {
             i,
             partner,
+            surface,
+            place,
             normal,
             overlap,
             contact_radius: (radius_effective * overlap).sqrt(),
@@ -110,14 +127,18 @@ impl ElasticContact {
 
     /// A contact as a step showed it.
     pub fn pushed(sim: &Simulation, elastic: &Elastic, p: &ContactForce<f64>) -> Self {
-        Self::new(sim, elastic, (p.i, p.partner), (p.normal, p.overlap))
+        let who = (p.i, p.partner, p.surface);
+        Self::new(sim, elastic, who, (p.normal, p.overlap))
     }
 
     /// A contact of the list, from where its bodies are now.
     pub fn listed(sim: &Simulation, elastic: &Elastic, history: &ContactHistory<f64>) -> Self {
-        let (i, partner) = match *history {
-            ContactHistory::Pair { i, j, .. } => (i, Partner::Grain(j)),
-            ContactHistory::Obstacle { i, obstacle, .. } => (i, Partner::Obstacle(obstacle)),
+        let (i, partner, surface) = match *history {
+            ContactHistory::Pair { i, j, .. } => (i, Partner::Grain(j), 0),
+            ContactHistory::Obstacle { i, obstacle, .. } => {
+                let on = Partner::Obstacle(obstacle_of(obstacle));
+                (i, on, surface_of(obstacle))
+            }
         };
         let x = sim.position[i as usize];
         let met = match partner {
@@ -129,16 +150,11 @@ impl ElasticContact {
             }
             Partner::Obstacle(k) => {
                 let body = &sim.obstacles[k as usize];
-                if let Shape::Plane { normal } = body.shape {
-                    (normal, x[3] - dot(sub(head(x), body.point), normal))
-                } else {
-                    let d = offset(&sim.domain, body, head(x));
-                    let distance = length(d);
-                    (scale(d, 1.0 / distance), x[3] + body.reach() - distance)
-                }
+                let met = body.meet(surface, &sim.domain, head(x), x[3]);
+                (met.normal, met.overlap)
             }
         };
-        Self::new(sim, elastic, (i, partner), met)
+        Self::new(sim, elastic, (i, partner, surface), met)
     }
 
     /// Velocity of the grain less that of its partner, and what the spins add to the sliding before it
@@ -152,8 +168,32 @@ impl ElasticContact {
                 let (u, z) = (head(motion.velocity[j]), head(motion.spin[j]));
                 (sub(v, u), add(turn, scale(z, self.arms[1])))
             }
-            Partner::Obstacle(k) => (sub(v, motion.obstacles[k as usize].velocity), turn),
+            Partner::Obstacle(k) => {
+                let body = &motion.obstacles[k as usize];
+                match body.shape {
+                    Shape::Sphere { .. } => {
+                        let turn = add(turn, scale(body.angular_velocity, self.arms[1]));
+                        (sub(v, body.velocity), turn)
+                    }
+                    _ => (sub(v, body.velocity_at(self.place)), turn),
+                }
+            }
         }
+    }
+
+    /// Velocity of the surface of its obstacle, on which a force of the obstacle works; none of two grains.
+    pub fn surface_velocity(&self, sim: &Simulation) -> Option<Vec3<f64>> {
+        let Partner::Obstacle(k) = self.partner else {
+            return None;
+        };
+        let body = &sim.obstacles[k as usize];
+        Some(match body.shape {
+            Shape::Sphere { .. } => {
+                let turn = scale(body.angular_velocity, self.arms[1]);
+                add(body.velocity, cross(turn, self.normal))
+            }
+            _ => body.velocity_at(self.place),
+        })
     }
 
     /// Speed along the normal, and the velocity of the grain's surface over its partner's.
@@ -191,7 +231,14 @@ impl ElasticContact {
             spin_i: head(sim.spin[self.i]),
             spin_j: match self.partner {
                 Partner::Grain(j) => head(sim.spin[j as usize]),
-                Partner::Obstacle(_) => [0.0; 3],
+                Partner::Obstacle(k) => match sim.obstacles[k as usize] {
+                    Obstacle {
+                        shape: Shape::Sphere { .. },
+                        angular_velocity,
+                        ..
+                    } => angular_velocity,
+                    _ => [0.0; 3],
+                },
             },
         };
         let spring = scale(spring, 1.0 + 1e-9);

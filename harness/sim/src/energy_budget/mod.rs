@@ -26,6 +26,7 @@
 //!
 //! No term is computed as the remainder: the residual is measured, and is the integrator's error.
 
+mod bodies;
 mod contacts;
 mod table;
 
@@ -41,14 +42,14 @@ pub use table::{ENERGY, EnergyRow, energy_text};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Energies {
-    /// Of all grains, by velocity and by spin.
+    /// Of all grains and of the bodies that move freely, by velocity and by spin.
     pub kinetic: f64,
     /// Stored in the normal direction of contacts: sum of `(2/5) K_n sqrt(R) delta^(5/2)`.
     pub normal: f64,
     /// Stored in their tangential springs: sum of `K_t sqrt(R delta) s^2/2`.
     pub tangential: f64,
-    /// Of all grains in the gravity of their groups, from unwrapped positions: zero if all lie in the
-    /// origin.
+    /// Of all grains in the gravity of their groups, and of free bodies in theirs, from unwrapped positions: zero if
+    /// all lie in the origin.
     pub gravitational: f64,
 }
 
@@ -155,7 +156,17 @@ impl Audit {
     ) -> Result<(), KernelError> {
         let elastic = Elastic::of(&sim.law);
         let (velocity, spin) = half_step(sim);
-        let held = held(sim, &elastic, &velocity, &spin);
+        let obstacles: Vec<_> = sim
+            .obstacles
+            .iter()
+            .map(|body| body.kicked(sim.dt))
+            .collect();
+        let half = Velocities {
+            velocity: &velocity,
+            spin: &spin,
+            obstacles: &obstacles,
+        };
+        let held = held(sim, &elastic, &half);
         // A step shows obstacle contacts before pairs, the list holds pairs before obstacle contacts.
         let (mut pairs, mut touches) = (Vec::new(), Vec::new());
         sim.step_watched(|p| {
@@ -168,11 +179,6 @@ impl Audit {
         let histories = sim.contact_histories();
         debug_assert_eq!(histories.len(), pairs.len() + touches.len());
 
-        let half = Velocities {
-            velocity: &velocity,
-            spin: &spin,
-            obstacles: &sim.obstacles,
-        };
         let mut now = of_grains(sim);
         let mut powers = carried(sim);
         let mut held = held.iter().peekable();
@@ -307,9 +313,9 @@ impl Flows {
         } else {
             self.tangential_damping -= dot(damped, sliding);
         }
-        if let Partner::Obstacle(k) = at.partner {
+        if let Some(velocity) = at.surface_velocity(sim) {
             let force = add(scale(at.normal, normal), tangential);
-            self.obstacles += dot(force, sim.obstacles[k as usize].velocity);
+            self.obstacles += dot(force, velocity);
         }
     }
 }
@@ -351,21 +357,11 @@ fn half_step(sim: &Simulation) -> (Vec<Row<f64>>, Vec<Row<f64>>) {
 }
 
 /// The touching contacts with what their springs hold.
-fn held(
-    sim: &mut Simulation,
-    elastic: &Elastic,
-    velocity: &[Row<f64>],
-    spin: &[Row<f64>],
-) -> Vec<Held> {
+fn held(sim: &mut Simulation, elastic: &Elastic, motion: &Velocities) -> Vec<Held> {
     let histories = sim.contact_histories();
-    let motion = Velocities {
-        velocity,
-        spin,
-        obstacles: &sim.obstacles,
-    };
     let hold = |history: &ContactHistory<f64>| {
         let at = ElasticContact::listed(sim, elastic, history);
-        let (_, sliding) = at.speeds(&motion);
+        let (_, sliding) = at.speeds(motion);
         Held {
             spring: spring_of(history),
             stiffness: elastic.stiffness(&at),
@@ -395,8 +391,14 @@ fn of_grains(sim: &Simulation) -> Energies {
         }
         gravitational -= sim.velocity[i][3] * along;
     }
+    let mut kinetic = sim.kinetic_energy();
+    for body in &sim.obstacles {
+        let (moving, lying) = bodies::energies(body, [lo, hi]);
+        kinetic += moving;
+        gravitational += lying;
+    }
     Energies {
-        kinetic: sim.kinetic_energy(),
+        kinetic,
         gravitational,
         ..Energies::default()
     }
@@ -419,6 +421,7 @@ fn carried(sim: &Simulation) -> Flows {
     }
     Flows {
         carriers,
+        obstacles: sim.obstacles.iter().map(bodies::power).sum(),
         ..Flows::default()
     }
 }

@@ -164,8 +164,12 @@ impl Parts {
     pub fn touching(&self, obstacle: u32) -> Option<Vec<u32>> {
         let touching = self.gathered.touching.iter();
         let touching = touching.filter(|(_, of)| *of == obstacle);
-        self.away
-            .then(|| touching.map(|(grain, _)| *grain).collect())
+        self.away.then(|| {
+            let mut touching: Vec<u32> = touching.map(|(grain, _)| *grain).collect();
+            // A grain may touch two surfaces of it.
+            touching.dedup();
+            touching
+        })
     }
 
     /// Pairs and obstacle contacts that are listed, if contacts are with the parts; pairs of two parts twice.

@@ -6,6 +6,8 @@ use bitgrain_kernel::parts::GhostMotion;
 use bitgrain_kernel::phases::{Extent, ForceCheck, MotionCheck};
 use serde::{Deserialize, Serialize};
 
+use super::share::Share;
+
 /// A grain that a part offers to another one as a ghost.
 #[derive(Clone, Copy, Serialize, Deserialize)]
 pub(super) struct Offer {
@@ -61,6 +63,8 @@ pub(super) struct Letter {
     pub skins: [f64; 2],
     /// Where the grains that are ghosts of another part are now, for each.
     pub rows: Vec<Vec<GhostMotion<f64>>>,
+    /// What own grains take from obstacles that move freely, whose sums all parts need.
+    pub pushes: Vec<Share>,
     /// Before a search.
     pub extent: Option<Extent<f64>>,
     /// Seconds of work since the last cut.
@@ -78,6 +82,7 @@ impl Default for Letter {
             found: Found::NOTHING,
             skins: [0.0; 2],
             rows: Vec::new(),
+            pushes: Vec::new(),
             extent: None,
             busy: 0.0,
             grains: 0,

@@ -23,6 +23,7 @@ mod report;
 mod rows;
 mod seed;
 mod service;
+mod share;
 mod sync;
 
 use std::fmt;

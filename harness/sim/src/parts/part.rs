@@ -16,6 +16,7 @@ use serde::{Deserialize, Serialize};
 use super::exchange::Exchange;
 use super::ghosts::Ghosts;
 use super::letter::{Found, Letter, Told};
+use super::share::sum_on_free;
 use crate::isa::Isa;
 use crate::law::{AnyLaw, Sprung, WithLaw};
 use crate::notes::Notebook;
@@ -235,7 +236,20 @@ impl Part {
             letter.found = found;
             letter.skins = [self.world.skin, self.world.outer_skin];
             self.ghosts.write_rows(&self.world, moved, &mut letter.rows);
+            self.write_pushes(&mut letter.pushes);
         });
+    }
+
+    /// Sums the forces on obstacles that move freely over all parts.
+    fn sum_free(&mut self, letters: &Letters) {
+        if self.has_free() {
+            let all = 0..self.ghosts.parts();
+            let all: Vec<_> = all.map(|from| letters.read(self.number, from)).collect();
+            sum_on_free(
+                &mut self.world.obstacles,
+                all.iter().map(|letter| &letter.pushes),
+            );
+        }
     }
 
     fn begin_step(&mut self, letters: &Letters) -> Option<End> {
@@ -375,6 +389,7 @@ impl Part {
     /// Ends a step, and begins the next.
     fn go_on<L: Law<f64>>(&mut self, law: &L, letters: &Letters) -> Fallible<Option<End>> {
         let found = self.hear(letters)?;
+        self.sum_free(letters);
         let mut world = self.world.world();
         check_forces(&mut world, found.forces)?;
         finish(&mut world, found.motion)?;

@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::exchange::Exchange;
 use super::letter::{Found, Letter, Offer, Told};
 use super::ranks::{Mail, Message, Ranks};
+use super::share::Share;
 
 /// The post of one world's parts at one rank.
 pub(super) struct Post {
@@ -32,8 +33,8 @@ struct Envelope {
 
 #[derive(Serialize, Deserialize)]
 enum Content {
-    /// What was found, the skins, and how many rows follow for each part.
-    Found(Found, [f64; 2], Vec<usize>),
+    /// What was found, the skins, how many rows follow for each part, and what free obstacles are pushed by.
+    Found(Found, [f64; 2], Vec<usize>, Vec<Share>),
     /// The extent, the skins, seconds of work, own grains.
     Extent(Option<Extent<f64>>, [f64; 2], f64, usize),
     /// For each part.
@@ -112,7 +113,8 @@ impl Post {
         let content = match letter.told {
             Told::Found => {
                 let rows = letter.rows[of.clone()].iter();
-                Content::Found(letter.found, letter.skins, rows.map(Vec::len).collect())
+                let lengths = rows.map(Vec::len).collect();
+                Content::Found(letter.found, letter.skins, lengths, letter.pushes.clone())
             }
             Told::Extent => {
                 Content::Extent(letter.extent, letter.skins, letter.busy, letter.grains)
@@ -137,8 +139,9 @@ impl Post {
         let (Envelope { part, content }, mut rows) = opened.expect("ranks are of one build");
         let here = self.parts(self.ranks.rank());
         letters.write(part, |letter| match content {
-            Content::Found(found, skins, lengths) => {
+            Content::Found(found, skins, lengths, pushes) => {
                 (letter.told, letter.found, letter.skins) = (Told::Found, found, skins);
+                letter.pushes = pushes;
                 letter
                     .rows
                     .resize_with(self.firsts[self.firsts.len() - 1], Vec::new);

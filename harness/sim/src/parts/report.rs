@@ -1,11 +1,12 @@
 //! What a part brings home from its way, beside the rows of its grains, and its contacts if they are wanted.
 
 use bitgrain_kernel::parts::listed_springs;
-use bitgrain_kernel::phases::{ObstacleShare, Owned};
-use bitgrain_kernel::{Clock, Obstacle, TOUCHING};
+use bitgrain_kernel::phases::Owned;
+use bitgrain_kernel::{Clock, Obstacle};
 use serde::{Deserialize, Serialize};
 
 use super::part::{End, Part};
+use super::share::{Share, is_free};
 use crate::notes::Notebook;
 
 /// What a part brings home.
@@ -27,15 +28,6 @@ pub(super) struct Report {
     pub listed: [usize; 3],
 }
 
-/// An obstacle contact of a grain at a place of the whole world.
-#[derive(Clone, Copy, Serialize, Deserialize)]
-pub(super) struct Share {
-    pub grain: u32,
-    /// Of its obstacle, with the touching bit.
-    pub word: u32,
-    pub share: ObstacleShare<f64>,
-}
-
 /// Contacts in places of the whole world.
 #[derive(Serialize, Deserialize)]
 pub(super) struct PartContacts {
@@ -48,24 +40,14 @@ pub(super) struct PartContacts {
 impl Part {
     /// What it brings home at the end of its way; notes are handed over.
     pub fn report(&mut self) -> Report {
-        let (home, list) = (self.ghosts.home(), &self.world.lists[0]);
         let contacts = self.world.clock.obstacle_contacts();
-        let listed = list
-            .obstacle_contact_grain
-            .iter()
-            .zip(&list.obstacle_contact_obstacle);
-        let share = |(t, (grain, word)): (usize, (&u32, &u32))| Share {
-            grain: home[*grain as usize],
-            word: *word,
-            share: self.shares.get(t).copied().unwrap_or_default(),
-        };
         Report {
             end: self.end().expect("it has ended"),
             clock: self.world.clock,
             skins: [self.world.skin, self.world.outer_skin],
             obstacles: self.world.obstacles.clone(),
             has_summed: self.has_summed,
-            shares: listed.take(contacts).enumerate().map(share).collect(),
+            shares: self.listed_shares().collect(),
             busy: self.busy.as_secs_f64(),
             listed: [self.world.clock.listed(), contacts, self.world.bytes()],
             notes: self.notes.take(),
@@ -97,9 +79,36 @@ impl Part {
     }
 }
 
-impl Share {
-    /// The obstacle, if the grain touches it.
-    pub fn touched(&self) -> Option<u32> {
-        (self.word & TOUCHING != 0).then_some(self.word & !TOUCHING)
+impl Part {
+    /// The listed obstacle contacts, with what each took from its obstacle in the last step.
+    pub(super) fn listed_shares(&self) -> impl Iterator<Item = Share> + '_ {
+        let (home, list) = (self.ghosts.home(), &self.world.lists[0]);
+        let listed = list
+            .obstacle_contact_grain
+            .iter()
+            .zip(&list.obstacle_contact_obstacle);
+        let listed = listed.take(self.world.clock.obstacle_contacts());
+        listed.enumerate().map(|(t, (grain, word))| Share {
+            grain: home[*grain as usize],
+            word: *word,
+            share: self.shares.get(t).copied().unwrap_or_default(),
+        })
+    }
+
+    /// Whether an obstacle moves freely.
+    pub(super) fn has_free(&self) -> bool {
+        self.world.obstacles.iter().any(is_free)
+    }
+
+    /// Writes what own grains take from obstacles that move freely over an old list.
+    pub(super) fn write_pushes(&self, pushes: &mut Vec<Share>) {
+        pushes.clear();
+        if self.has_free() {
+            let touching = |share: &Share| {
+                let body = share.touched().map(|k| &self.world.obstacles[k as usize]);
+                body.is_some_and(is_free)
+            };
+            pushes.extend(self.listed_shares().filter(touching));
+        }
     }
 }

@@ -49,7 +49,7 @@ pub fn tsuji() -> HertzTsuji<f64> {
 }
 
 /// Storage for a crowd of up to 64 grains, listed up to 0.6 diameters beyond touching.
-pub type Crowd = Store<f64, 64, 1024, 320, 5>;
+pub type Crowd = Store<f64, 64, 1024, 320, 6>;
 
 /// Random numbers from 0 to 1 that one grain takes.
 pub const PER_GRAIN: usize = 5;
@@ -124,8 +124,8 @@ pub fn crowd(seed: &[f64], packing: &Packing, units: &Units, skin: f64) -> Box<C
     store
 }
 
-/// The five groups, the last without weight, and a floor, a ball with its own mass and a bar that come
-/// down on the crowd.
+/// The five groups, the last without weight, and a floor, a ball with its own mass, a bar, a box that turns, and a
+/// capsule and a short bar that move freely, which come down on the crowd.
 fn add_bodies(store: &mut Crowd, seed: &[f64], units: &Units) {
     let scale = units.length;
     let down = |g: f64| [0.0, 0.0, -g * units.gravity];
@@ -149,6 +149,39 @@ fn add_bodies(store: &mut Crowd, seed: &[f64], units: &Units) {
         Obstacle {
             velocity: [0.0, 0.0, -scale.sqrt()],
             ..Obstacle::cylinder([0.5 * scale, 0.0, top], [0.0, 2.0, 0.0], 0.4 * scale)
+        },
+        Obstacle {
+            velocity: [0.0, 0.3 * scale.sqrt(), -scale.sqrt()],
+            angular_velocity: [1.0, -0.5, 2.0].map(|w| w / scale.sqrt()),
+            ..Obstacle::cuboid(
+                [1.5 * scale, 1.2 * scale, top + 0.8 * scale],
+                [0.5, 0.4, 0.3].map(|h| h * scale),
+            )
+        },
+        Obstacle {
+            velocity: [0.0, 0.0, -2.0 * scale.sqrt()],
+            angular_velocity: [3.0, 1.0, -2.0].map(|w| w / scale.sqrt()),
+            ..Obstacle::capsule(
+                [3.4 * scale, 0.9 * scale, top + 0.2 * scale],
+                [1.0, 0.0, 0.0],
+                0.3 * scale,
+                0.5 * scale,
+            )
+            .free(units.density, down(1.0))
+            .unwrap()
+        },
+        Obstacle {
+            velocity: [0.0, 0.0, -scale.sqrt()],
+            angular_velocity: [0.0, 1.0, 0.5].map(|w| w / scale.sqrt()),
+            orientation: [0.8, 0.0, 0.6, 0.0],
+            ..Obstacle::finite_cylinder(
+                [0.6 * scale, 3.1 * scale, top + 0.4 * scale],
+                [0.0, 0.0, 1.0],
+                0.5 * scale,
+                0.3 * scale,
+            )
+            .free(units.density, down(1.0))
+            .unwrap()
         },
     ] {
         store.add_obstacle(obstacle).unwrap();

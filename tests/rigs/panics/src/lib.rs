@@ -6,6 +6,7 @@
 // Nothing here reads the tables: who loads the library could.
 #![allow(dead_code)]
 
+mod bodies;
 mod calls;
 mod hosts;
 mod parts;
@@ -14,6 +15,7 @@ mod state;
 use bitgrain_kernel::contact::{HertzHistory, HertzTsuji};
 use bitgrain_kernel::fixed_point::I32F32;
 
+use bodies::Bodies;
 use calls::Calls;
 use state::{Fixed, Plain, State};
 
@@ -26,6 +28,15 @@ pub static STATE_F64: State<f64> = State::ALL;
 /// The same in single precision.
 #[unsafe(no_mangle)]
 pub static STATE_F32: State<f32> = State::ALL;
+/// Rigid bodies.
+#[unsafe(no_mangle)]
+pub static BODIES_F64: Bodies<f64> = Bodies::ALL;
+/// The same in single precision.
+#[unsafe(no_mangle)]
+pub static BODIES_F32: Bodies<f32> = Bodies::ALL;
+/// The same in fixed point.
+#[unsafe(no_mangle)]
+pub static BODIES_FIXED: Bodies<I32F32> = Bodies::ALL;
 /// Steps and their phases, by precision and law.
 #[unsafe(no_mangle)]
 pub static HISTORY_F64: Calls<f64, HertzHistory<f64>> = Calls::ALL;

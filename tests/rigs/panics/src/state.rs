@@ -189,11 +189,6 @@ pub struct Pieces<R: Real> {
     edges: fn(&Domain<R>) -> (Vec3<R>, Vec3<R>, [bool; 3]),
     separation: fn(&Domain<R>, Vec3<R>, Vec3<R>) -> Vec3<R>,
     wrap: fn(&Domain<R>, &mut Vec3<R>, &mut [i32; 3]) -> bool,
-    sphere: fn(Vec3<R>, R) -> Obstacle<R>,
-    cylinder: fn(Vec3<R>, Vec3<R>, R) -> Obstacle<R>,
-    plane: fn(Vec3<R>, Vec3<R>) -> Obstacle<R>,
-    check: fn(&Obstacle<R>, &Domain<R>, u32) -> Ended,
-    reach: fn(&Obstacle<R>) -> R,
     groups: fn(Vec3<R>) -> [Group<R>; 4],
     tsuji: fn(f64, f64, f64, f64) -> HertzTsuji<R>,
     laws: fn(f64) -> (HertzHistory<R>, HertzTsuji<R>),
@@ -209,11 +204,6 @@ impl<R: Real> Pieces<R> {
         edges: |domain| (domain.lo(), domain.hi(), domain.periodic()),
         separation: Domain::separation,
         wrap: Domain::wrap,
-        sphere: Obstacle::sphere,
-        cylinder: Obstacle::cylinder,
-        plane: Obstacle::plane,
-        check: Obstacle::check,
-        reach: Obstacle::reach,
         groups: |gravity| {
             [
                 Group::free(gravity),

@@ -248,14 +248,6 @@ pub const MUTANTS: &[Mutant] = &[
         red: &["the_step_equals_its_definition_hertz_tsuji"],
     },
     Mutant {
-        name: "a bar is as curved as a ball",
-        file: "kernel/src/state/obstacle.rs",
-        from: "overlap: (radius + own) - distance,\n                    radius: R::ZERO,",
-        to: "overlap: (radius + own) - distance,\n                    radius: own,",
-        target: "oracle",
-        red: &["the_step_equals_its_definition_hertz_tsuji"],
-    },
-    Mutant {
         name: "a hollow ball's moment of inertia",
         file: "kernel/src/integrate.rs",
         from: "R::from_f64(0.4)",

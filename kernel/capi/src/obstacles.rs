@@ -1,0 +1,176 @@
+//! Obstacles: what they are, how they move, and the forces on them.
+
+use bitgrain_kernel::{FreeMotion, Motion, Obstacle, Shape};
+
+use crate::block::{give, put, take, vector, with};
+use crate::status::{BG_BAD_ARGUMENT, fault};
+use crate::types::{
+    BG_BOX, BG_CAPSULE, BG_CYLINDER, BG_DRUM, BG_FINITE_CYLINDER, BG_PLANE, BG_SPHERE, bg_obstacle,
+    bg_world,
+};
+
+/// Adds an obstacle before the world is started, and sets `number` to its number. Forces in the structure are not read.
+#[unsafe(no_mangle)]
+pub extern "C" fn bg_add_obstacle(
+    world: *mut bg_world,
+    obstacle: *const bg_obstacle,
+    number: *mut u32,
+) -> i32 {
+    with(world, |parts| {
+        let of = take(obstacle)?;
+        put(number, 0)?;
+        let made = match of.kind {
+            BG_SPHERE => Obstacle::sphere(of.point, of.radius),
+            BG_CYLINDER => Obstacle::cylinder(of.point, of.direction, of.radius),
+            BG_PLANE => Obstacle::plane(of.point, of.direction),
+            BG_FINITE_CYLINDER => {
+                Obstacle::finite_cylinder(of.point, of.direction, of.radius, of.half[0])
+            }
+            BG_CAPSULE => Obstacle::capsule(of.point, of.direction, of.radius, of.half[0]),
+            BG_BOX => Obstacle::cuboid(of.point, of.half),
+            BG_DRUM => Obstacle::drum(of.point, of.direction, of.radius, of.half[0]),
+            _ => return Err(fault(BG_BAD_ARGUMENT)),
+        };
+        let added = parts.store.add_obstacle(Obstacle {
+            velocity: of.velocity,
+            angular_velocity: of.angular_velocity,
+            orientation: match of.orientation {
+                [0.0, 0.0, 0.0, 0.0] => made.orientation,
+                turned => turned,
+            },
+            inverse_mass: of.inverse_mass,
+            curved: of.curved != 0,
+            motion: motion(&of),
+            ..made
+        })?;
+        put(number, added)
+    })
+}
+
+/// How an obstacle is to move.
+fn motion(of: &bg_obstacle) -> Motion<f64> {
+    if of.is_free == 0 {
+        return Motion::Prescribed;
+    }
+    Motion::Free(FreeMotion {
+        inertia: of.inertia,
+        gravity: of.gravity,
+        force: of.applied_force,
+        torque: of.applied_torque,
+        integrates: [0, 1, 2].map(|axis| of.integrates >> axis & 1 != 0),
+        spins: of.spins != 0,
+    })
+}
+
+/// Lets an obstacle turn at this angular velocity (radians / time, axes of the world) from the next step on.
+#[unsafe(no_mangle)]
+pub extern "C" fn bg_turn(world: *mut bg_world, number: u32, angular_velocity: *const f64) -> i32 {
+    with(world, |parts| {
+        let angular_velocity = vector(angular_velocity)?;
+        let world = parts.store.world();
+        let body = world.obstacles.get_mut(number as usize);
+        body.ok_or(fault(BG_BAD_ARGUMENT))?.angular_velocity = angular_velocity;
+        Ok(())
+    })
+}
+
+/// Puts a force of the host (mass length / time^2) on the point of a free obstacle, and a torque (mass length^2 /
+/// time^2), from the next step on until they are changed.
+#[unsafe(no_mangle)]
+pub extern "C" fn bg_push(
+    world: *mut bg_world,
+    number: u32,
+    force: *const f64,
+    torque: *const f64,
+) -> i32 {
+    with(world, |parts| {
+        let (force, torque) = (vector(force)?, vector(torque)?);
+        let world = parts.store.world();
+        let body = world.obstacles.get_mut(number as usize);
+        match &mut body.ok_or(fault(BG_BAD_ARGUMENT))?.motion {
+            Motion::Free(free) => (free.force, free.torque) = (force, torque),
+            Motion::Prescribed => return Err(fault(BG_BAD_ARGUMENT)),
+        }
+        Ok(())
+    })
+}
+
+/// Lets an obstacle move at this velocity (length / time) from the next step on.
+#[unsafe(no_mangle)]
+pub extern "C" fn bg_drive(world: *mut bg_world, number: u32, velocity: *const f64) -> i32 {
+    with(world, |parts| {
+        let velocity = vector(velocity)?;
+        let world = parts.store.world();
+        let body = world.obstacles.get_mut(number as usize);
+        body.ok_or(fault(BG_BAD_ARGUMENT))?.velocity = velocity;
+        Ok(())
+    })
+}
+
+/// Sets `out` to an obstacle as it is: its place, the force on it in the last step, and the means over the last steps.
+#[unsafe(no_mangle)]
+pub extern "C" fn bg_get_obstacle(world: *mut bg_world, number: u32, out: *mut bg_obstacle) -> i32 {
+    with(world, |parts| {
+        let steps = (*parts.stepped).max(1) as f64;
+        let sums = parts.sums.get(number as usize).copied();
+        let world = parts.store.world();
+        let body = world.obstacles.get(number as usize).zip(sums);
+        let (body, sums) = body.ok_or(fault(BG_BAD_ARGUMENT))?;
+        let nothing = [0.0; 3];
+        let (kind, direction, radius, half) = match body.shape {
+            Shape::Sphere { radius } => (BG_SPHERE, nothing, radius, nothing),
+            Shape::Cylinder { axis, radius } => (BG_CYLINDER, axis, radius, nothing),
+            Shape::Plane { normal } => (BG_PLANE, normal, 0.0, nothing),
+            Shape::FiniteCylinder {
+                axis,
+                radius,
+                half_length,
+            } => (BG_FINITE_CYLINDER, axis, radius, [half_length, 0.0, 0.0]),
+            Shape::Capsule {
+                axis,
+                radius,
+                half_length,
+            } => (BG_CAPSULE, axis, radius, [half_length, 0.0, 0.0]),
+            Shape::Box { half } => (BG_BOX, nothing, 0.0, half),
+            Shape::Drum {
+                axis,
+                radius,
+                half_length,
+            } => (BG_DRUM, axis, radius, [half_length, 0.0, 0.0]),
+        };
+        let free = match body.motion {
+            Motion::Free(free) => Some(free),
+            Motion::Prescribed => None,
+        };
+        let flags = free.map_or([false; 3], |free| free.integrates);
+        let flags = flags.map(u32::from);
+        let [a, b, c, d, e, f] = sums.map(|sum| sum / steps);
+        give(
+            out,
+            bg_obstacle {
+                size: size_of::<bg_obstacle>() as u32,
+                kind,
+                point: body.point,
+                direction,
+                radius,
+                inverse_mass: body.inverse_mass,
+                velocity: body.velocity,
+                force: body.force,
+                torque: body.torque,
+                mean_force: [a, b, c],
+                mean_torque: [d, e, f],
+                half,
+                orientation: body.orientation,
+                angular_velocity: body.angular_velocity,
+                curved: body.curved.into(),
+                is_free: free.is_some().into(),
+                integrates: flags[0] | flags[1] << 1 | flags[2] << 2,
+                spins: free.is_some_and(|free| free.spins).into(),
+                inertia: free.map_or(nothing, |free| free.inertia),
+                gravity: free.map_or(nothing, |free| free.gravity),
+                applied_force: free.map_or(nothing, |free| free.force),
+                applied_torque: free.map_or(nothing, |free| free.torque),
+            },
+        )
+    })
+}

@@ -1,0 +1,456 @@
+//! Shapes of bodies: where a grain meets their surfaces, how large they are, and what they weigh.
+
+use crate::math::real::{Real, larger, magnitude, smaller};
+use crate::math::vec3::{Vec3, dot, scale, sub};
+
+/// What an obstacle is, in its own axes and about its own point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Shape<R> {
+    /// A ball about the obstacle's point.
+    Sphere {
+        /// Radius (length), positive.
+        radius: R,
+    },
+    /// An endless round bar through the obstacle's point. To a grain it counts as flat, with the
+    /// grain's own radius as effective radius (Guillard 2014, appendix A).
+    Cylinder {
+        /// Unit vector along the bar.
+        axis: Vec3<R>,
+        /// Radius (length), positive.
+        radius: R,
+    },
+    /// A flat wall through the obstacle's point; grains live on the side its normal points to.
+    Plane {
+        /// Unit vector out of the wall.
+        normal: Vec3<R>,
+    },
+    /// A round bar with two flat ends, about the obstacle's point.
+    FiniteCylinder {
+        /// Unit vector along the bar.
+        axis: Vec3<R>,
+        /// Radius (length), positive.
+        radius: R,
+        /// Half of its length (length), positive.
+        half_length: R,
+    },
+    /// A round bar with two half balls as ends, about the obstacle's point.
+    Capsule {
+        /// Unit vector along the bar.
+        axis: Vec3<R>,
+        /// Radius (length), positive.
+        radius: R,
+        /// Half of the distance between the centres of the half balls (length), positive.
+        half_length: R,
+    },
+    /// A box about the obstacle's point, with its edges along the own axes.
+    Box {
+        /// Half of its edges (length), positive.
+        half: Vec3<R>,
+    },
+    /// The inside of a round tank with two flat ends, about the obstacle's point: grains live in it. It has three
+    /// surfaces, and a grain in a corner touches two of them.
+    Drum {
+        /// Unit vector along the tank.
+        axis: Vec3<R>,
+        /// Inner radius (length), positive.
+        radius: R,
+        /// Half of its inner length (length), positive.
+        half_length: R,
+    },
+}
+
+/// The nearest place of a surface, in the axes in which the offset of a grain was given.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Nearest<R> {
+    /// Unit vector from the surface to the grain's centre.
+    pub normal: Vec3<R>,
+    /// Depth of the overlap.
+    pub overlap: R,
+    /// Radius of curvature of the surface, twice that of a bar, negative if it is hollow; 0 where it is flat.
+    pub curvature: R,
+}
+
+impl<R: Real> Shape<R> {
+    /// Its kind as files have it, its direction and its sizes, zeros for what it has not.
+    pub(crate) fn written(&self) -> (u32, Vec3<R>, Vec3<R>) {
+        let zero = R::ZERO;
+        match *self {
+            Self::Sphere { radius } => (0, [zero; 3], [radius, zero, zero]),
+            Self::Cylinder { axis, radius } => (1, axis, [radius, zero, zero]),
+            Self::Plane { normal } => (2, normal, [zero; 3]),
+            Self::FiniteCylinder {
+                axis,
+                radius,
+                half_length,
+            } => (3, axis, [radius, half_length, zero]),
+            Self::Capsule {
+                axis,
+                radius,
+                half_length,
+            } => (4, axis, [radius, half_length, zero]),
+            Self::Box { half } => (5, [zero; 3], half),
+            Self::Drum {
+                axis,
+                radius,
+                half_length,
+            } => (6, axis, [radius, half_length, zero]),
+        }
+    }
+
+    /// The shape that was written so; a kind that there is none of is a plane.
+    pub(crate) fn read(kind: u32, axis: Vec3<R>, sizes: Vec3<R>) -> Self {
+        let [radius, half_length, _] = sizes;
+        match kind {
+            0 => Self::Sphere { radius },
+            1 => Self::Cylinder { axis, radius },
+            3 => Self::FiniteCylinder {
+                axis,
+                radius,
+                half_length,
+            },
+            4 => Self::Capsule {
+                axis,
+                radius,
+                half_length,
+            },
+            5 => Self::Box { half: sizes },
+            6 => Self::Drum {
+                axis,
+                radius,
+                half_length,
+            },
+            _ => Self::Plane { normal: axis },
+        }
+    }
+
+    /// How many surfaces a grain can touch at once.
+    #[must_use]
+    pub fn surfaces(&self) -> u32 {
+        match self {
+            Self::Drum { .. } => 3,
+            _ => 1,
+        }
+    }
+
+    /// The direction that it is given by; zero if it has none.
+    pub(crate) fn direction(&self) -> Vec3<R> {
+        match *self {
+            Self::Sphere { .. } | Self::Box { .. } => [R::ZERO; 3],
+            Self::Cylinder { axis, .. }
+            | Self::FiniteCylinder { axis, .. }
+            | Self::Capsule { axis, .. }
+            | Self::Drum { axis, .. } => axis,
+            Self::Plane { normal } => normal,
+        }
+    }
+
+    /// Whether it has no end, so that it can turn about its own direction only.
+    pub(crate) fn is_endless(&self) -> bool {
+        matches!(self, Self::Cylinder { .. } | Self::Plane { .. })
+    }
+
+    /// How far from its point (or the axis of an endless bar) the surface reaches (length).
+    #[must_use]
+    pub fn reach(&self) -> R {
+        match *self {
+            Self::Sphere { radius } | Self::Cylinder { radius, .. } => radius,
+            Self::Plane { .. } => R::ZERO,
+            Self::FiniteCylinder {
+                radius,
+                half_length,
+                ..
+            }
+            | Self::Drum {
+                radius,
+                half_length,
+                ..
+            } => radius + half_length,
+            Self::Capsule {
+                radius,
+                half_length,
+                ..
+            } => radius + half_length,
+            Self::Box { half } => (half[0] + half[1]) + half[2],
+        }
+    }
+
+    /// Half of its thinnest place (length); 0 if it has no thickness.
+    pub(crate) fn thinnest(&self) -> R {
+        match *self {
+            Self::Sphere { radius }
+            | Self::Cylinder { radius, .. }
+            | Self::Capsule { radius, .. } => radius,
+            Self::Plane { .. } | Self::Drum { .. } => R::ZERO,
+            Self::FiniteCylinder {
+                radius,
+                half_length,
+                ..
+            } => smaller(radius, half_length),
+            Self::Box { half } => smaller(smaller(half[0], half[1]), half[2]),
+        }
+    }
+
+    /// Whether its sizes are positive and finite, and its direction is of length 1.
+    pub(crate) fn is_sound(&self) -> bool {
+        let sized = |x: R| x > R::ZERO && x.is_finite();
+        let sized = match *self {
+            Self::Sphere { radius } | Self::Cylinder { radius, .. } => sized(radius),
+            Self::Plane { .. } => true,
+            Self::FiniteCylinder {
+                radius,
+                half_length,
+                ..
+            }
+            | Self::Capsule {
+                radius,
+                half_length,
+                ..
+            }
+            | Self::Drum {
+                radius,
+                half_length,
+                ..
+            } => sized(radius) && sized(half_length),
+            Self::Box { half } => half.iter().all(|x| sized(*x)),
+        };
+        let direction = self.direction();
+        let off = dot(direction, direction) - R::ONE;
+        let has_none = matches!(self, Self::Sphere { .. } | Self::Box { .. });
+        sized && direction.iter().all(|x| x.is_finite()) && (has_none || off * off < R::EPSILON)
+    }
+
+    /// Its volume (length^3); none of an endless shape or a tank.
+    #[must_use]
+    pub fn volume(&self) -> Option<R> {
+        let pi = R::from_f64(core::f64::consts::PI);
+        match *self {
+            Self::Sphere { radius } => {
+                Some(((pi * R::from_f64(4.0 / 3.0)) * (radius * radius)) * radius)
+            }
+            Self::FiniteCylinder {
+                radius,
+                half_length,
+                ..
+            } => Some((pi * (radius * radius)) * (half_length + half_length)),
+            Self::Capsule {
+                radius,
+                half_length,
+                ..
+            } => {
+                let ball = R::from_f64(4.0 / 3.0) * radius;
+                Some((pi * (radius * radius)) * ((half_length + half_length) + ball))
+            }
+            Self::Box { half } => Some(((half[0] * half[1]) * half[2]) * R::from_f64(8.0)),
+            Self::Cylinder { .. } | Self::Plane { .. } | Self::Drum { .. } => None,
+        }
+    }
+
+    /// Its moments of inertia about its own axes for a mass of 1, if it is of one density (length^2); none of an
+    /// endless shape, a tank, and one that lies askew to its own axes.
+    #[must_use]
+    pub fn inertia(&self) -> Option<Vec3<R>> {
+        let fraction = |a: f64, b: f64| R::from_f64(a / b);
+        let (axis, along, across) = match *self {
+            Self::Sphere { radius } => {
+                return Some([(radius * radius) * fraction(2.0, 5.0); 3]);
+            }
+            Self::Box { half } => {
+                let [x, y, z] = half.map(|h| h * h);
+                return Some([y + z, x + z, x + y].map(|sum| sum * fraction(1.0, 3.0)));
+            }
+            Self::FiniteCylinder {
+                axis,
+                radius,
+                half_length,
+            } => {
+                let round = radius * radius;
+                let long = half_length * half_length;
+                let across = round * fraction(1.0, 4.0) + long * fraction(1.0, 3.0);
+                (axis, round * R::HALF, across)
+            }
+            Self::Capsule {
+                axis,
+                radius,
+                half_length,
+            } => {
+                // The bar's part of the volume, and that of both half balls.
+                let bar = half_length + half_length;
+                let balls = radius * fraction(4.0, 3.0);
+                let (bar, balls) = (bar / (bar + balls), balls / (bar + balls));
+                let (round, long) = (radius * radius, half_length * half_length);
+                let along = bar * (round * R::HALF) + balls * (round * fraction(2.0, 5.0));
+                let bar = bar * (round * fraction(1.0, 4.0) + long * fraction(1.0, 3.0));
+                let shifted = long + (radius * half_length) * fraction(3.0, 4.0);
+                let balls = balls * (round * fraction(2.0, 5.0) + shifted);
+                (axis, along, bar + balls)
+            }
+            Self::Cylinder { .. } | Self::Plane { .. } | Self::Drum { .. } => return None,
+        };
+        let is_straight = axis.iter().filter(|x| **x != R::ZERO).count() == 1;
+        is_straight.then(|| axis.map(|x| if x == R::ZERO { across } else { along }))
+    }
+
+    /// Where a grain of this radius meets one of its surfaces, by the offset of its centre from the shape's point in
+    /// the shape's own axes.
+    ///
+    /// The normal is the vector from the nearest point divided by its length, component by component.
+    #[inline(always)]
+    pub(crate) fn meet(&self, surface: u32, offset: Vec3<R>, radius: R) -> Nearest<R> {
+        match *self {
+            Self::Sphere { radius: own } => {
+                let distance = dot(offset, offset).sqrt();
+                Nearest {
+                    normal: divide(offset, distance),
+                    overlap: (radius + own) - distance,
+                    curvature: own,
+                }
+            }
+            Self::Cylinder { axis, radius: own } => {
+                let across = sub(offset, scale(axis, dot(offset, axis)));
+                let distance = dot(across, across).sqrt();
+                Nearest {
+                    normal: divide(across, distance),
+                    overlap: (radius + own) - distance,
+                    curvature: own + own,
+                }
+            }
+            Self::Plane { normal } => Nearest {
+                normal,
+                overlap: radius - dot(offset, normal),
+                curvature: R::ZERO,
+            },
+            Self::FiniteCylinder {
+                axis,
+                radius: own,
+                half_length,
+            } => meet_bar(axis, own, half_length, offset, radius),
+            Self::Capsule {
+                axis,
+                radius: own,
+                half_length,
+            } => {
+                let along = dot(offset, axis);
+                let nearest = held(along, half_length);
+                let apart = sub(offset, scale(axis, nearest));
+                let distance = dot(apart, apart).sqrt();
+                let on_side = nearest == along;
+                Nearest {
+                    normal: divide(apart, distance),
+                    overlap: (radius + own) - distance,
+                    curvature: if on_side { own + own } else { own },
+                }
+            }
+            Self::Box { half } => meet_box(half, offset, radius),
+            Self::Drum {
+                axis,
+                radius: own,
+                half_length,
+            } => {
+                let along = dot(offset, axis);
+                if surface == 0 {
+                    let across = sub(offset, scale(axis, along));
+                    let distance = dot(across, across).sqrt();
+                    return Nearest {
+                        normal: divide(scale(across, -R::ONE), distance),
+                        overlap: (distance + radius) - own,
+                        curvature: -(own + own),
+                    };
+                }
+                let side = if surface == 1 { R::ONE } else { -R::ONE };
+                Nearest {
+                    normal: scale(axis, side),
+                    overlap: radius - (half_length + along * side),
+                    curvature: R::ZERO,
+                }
+            }
+        }
+    }
+}
+
+/// The number brought between `-most` and `most`.
+#[inline(always)]
+fn held<R: Real>(x: R, most: R) -> R {
+    larger(smaller(x, most), -most)
+}
+
+/// The meeting at the side, an end or a rim of a finite bar; of a centre within it, at the nearest of side and end.
+#[inline(always)]
+fn meet_bar<R: Real>(
+    axis: Vec3<R>,
+    own: R,
+    half_length: R,
+    offset: Vec3<R>,
+    radius: R,
+) -> Nearest<R> {
+    let along = dot(offset, axis);
+    let across = sub(offset, scale(axis, along));
+    let distance = dot(across, across).sqrt();
+    let (beside, beyond) = (distance - own, magnitude(along) - half_length);
+    if beside > R::ZERO && beyond > R::ZERO {
+        let from_axis = scale(across, beside / distance);
+        let apart = sub(
+            sub(offset, scale(axis, held(along, half_length))),
+            sub(across, from_axis),
+        );
+        let gap = dot(apart, apart).sqrt();
+        return Nearest {
+            normal: divide(apart, gap),
+            overlap: radius - gap,
+            curvature: own + own,
+        };
+    }
+    if beyond > beside {
+        let out = if along < R::ZERO { -R::ONE } else { R::ONE };
+        return Nearest {
+            normal: scale(axis, out),
+            overlap: radius - beyond,
+            curvature: R::ZERO,
+        };
+    }
+    Nearest {
+        normal: divide(across, distance),
+        overlap: (radius + own) - distance,
+        curvature: own + own,
+    }
+}
+
+/// The meeting at a face, an edge or a corner of a box; of a centre within it, at the nearest face.
+#[inline(always)]
+fn meet_box<R: Real>(half: Vec3<R>, offset: Vec3<R>, radius: R) -> Nearest<R> {
+    let mut apart = [R::ZERO; 3];
+    for a in 0..3 {
+        apart[a] = offset[a] - held(offset[a], half[a]);
+    }
+    let gap = dot(apart, apart).sqrt();
+    if gap > R::ZERO {
+        return Nearest {
+            normal: divide(apart, gap),
+            overlap: radius - gap,
+            curvature: R::ZERO,
+        };
+    }
+    let depth = |a: usize| half[a] - magnitude(offset[a]);
+    let mut face = 0;
+    for a in 1..3 {
+        if depth(a) < depth(face) {
+            face = a;
+        }
+    }
+    let mut normal = [R::ZERO; 3];
+    normal[face] = if offset[face] < R::ZERO {
+        -R::ONE
+    } else {
+        R::ONE
+    };
+    Nearest {
+        normal,
+        overlap: radius + depth(face),
+        curvature: R::ZERO,
+    }
+}
+
+#[inline(always)]
+pub(crate) fn divide<R: Real>(v: Vec3<R>, s: R) -> Vec3<R> {
+    [v[0] / s, v[1] / s, v[2] / s]
+}

@@ -1,0 +1,61 @@
+//! Rigid bodies.
+
+use bitgrain_kernel::vec3::Vec3;
+use bitgrain_kernel::{
+    Domain, Error as KernelError, FreeMotion, Meeting, Obstacle, Orientation, Real, Shape,
+    obstacle_of, surface_of, to_body, to_world,
+};
+
+/// Functions of obstacles, their shapes and their motion.
+pub struct Bodies<R: Real> {
+    new: fn(Shape<R>, Vec3<R>) -> Obstacle<R>,
+    sphere: fn(Vec3<R>, R) -> Obstacle<R>,
+    cylinder: fn(Vec3<R>, Vec3<R>, R) -> Obstacle<R>,
+    plane: fn(Vec3<R>, Vec3<R>) -> Obstacle<R>,
+    cuboid: fn(Vec3<R>, Vec3<R>) -> Obstacle<R>,
+    long: fn(Vec3<R>, Vec3<R>, R, R) -> [Obstacle<R>; 3],
+    free: fn(Obstacle<R>, R, Vec3<R>) -> Option<Obstacle<R>>,
+    free_motion: fn(Vec3<R>, Vec3<R>) -> FreeMotion<R>,
+    kicked: fn(&Obstacle<R>, R) -> Obstacle<R>,
+    check: fn(&Obstacle<R>, &Domain<R>, u32) -> Result<(), KernelError>,
+    look: fn(&Obstacle<R>) -> (R, Vec3<R>),
+    velocity_at: fn(&Obstacle<R>, Vec3<R>) -> Vec3<R>,
+    meet: fn(&Obstacle<R>, u32, &Domain<R>, Vec3<R>, R) -> Meeting<R>,
+    shape: fn(&Shape<R>) -> (u32, R, Option<R>, Option<Vec3<R>>),
+    turns: fn(Orientation<R>, Vec3<R>) -> [Vec3<R>; 2],
+    words: fn(u32) -> [u32; 2],
+}
+
+impl<R: Real> Bodies<R> {
+    pub const ALL: Self = Self {
+        new: Obstacle::new,
+        sphere: Obstacle::sphere,
+        cylinder: Obstacle::cylinder,
+        plane: Obstacle::plane,
+        cuboid: Obstacle::cuboid,
+        long: |center, axis, radius, half| {
+            [
+                Obstacle::finite_cylinder(center, axis, radius, half),
+                Obstacle::capsule(center, axis, radius, half),
+                Obstacle::drum(center, axis, radius, half),
+            ]
+        },
+        free: Obstacle::free,
+        free_motion: FreeMotion::new,
+        kicked: Obstacle::kicked,
+        check: Obstacle::check,
+        look: |body| (body.reach(), body.direction()),
+        velocity_at: Obstacle::velocity_at,
+        meet: Obstacle::meet,
+        shape: |shape| {
+            (
+                shape.surfaces(),
+                shape.reach(),
+                shape.volume(),
+                shape.inertia(),
+            )
+        },
+        turns: |orientation, v| [to_world(orientation, v), to_body(orientation, v)],
+        words: |word| [obstacle_of(word), surface_of(word)],
+    };
+}

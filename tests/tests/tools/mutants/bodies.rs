@@ -1,0 +1,46 @@
+//! Mutants of rigid bodies.
+
+use super::list::{Mutant, UNIT};
+
+pub const BODIES: &[Mutant] = &[
+    Mutant {
+        name: "a bar is curved although nobody asks for it",
+        file: "kernel/src/state/obstacle.rs",
+        from: "_ if self.curved => meeting.curvature,",
+        to: "_ if true => meeting.curvature,",
+        target: "oracle",
+        red: &["the_step_equals_its_definition_hertz_tsuji"],
+    },
+    Mutant {
+        name: "a turned body is met as if it were upright",
+        file: "kernel/src/state/obstacle.rs",
+        from: "self.shape.meet(surface, to_body(q, offset), radius)",
+        to: "self.shape.meet(surface, offset, radius)",
+        target: "oracle",
+        red: &["the_step_equals_its_definition_hertz_tsuji"],
+    },
+    Mutant {
+        name: "a surface that turns moves as its middle",
+        file: "kernel/src/forces/obstacle_contacts.rs",
+        from: "(body.velocity_at(nearest), [R::ZERO; 3])",
+        to: "(sub(body.velocity, sub(nearest, nearest)), [R::ZERO; 3])",
+        target: "oracle",
+        red: &["the_step_equals_its_definition_hertz_tsuji"],
+    },
+    Mutant {
+        name: "a free body takes only half of its kicks",
+        file: "kernel/src/phases.rs",
+        from: "    for body in world.obstacles.iter_mut() {\n        body.kick(world.dt);\n    }\n    go_on",
+        to: "    go_on",
+        target: "oracle",
+        red: &["the_step_equals_its_definition_hertz_tsuji"],
+    },
+    Mutant {
+        name: "angular momentum turns with the body",
+        file: "kernel/src/state/rigid_body.rs",
+        from: "w[B] = (lb * cosine + lc * sine) / inertia[B];\n    w[C] = (lc * cosine - lb * sine) / inertia[C];",
+        to: "w[B] = (lb * cosine - lc * sine) / inertia[B];\n    w[C] = (lc * cosine + lb * sine) / inertia[C];",
+        target: UNIT,
+        red: &["state::rigid_body::tests::a_hundred_turns_keep_energy_and_momentum"],
+    },
+];
