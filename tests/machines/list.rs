@@ -264,8 +264,23 @@ const fn board(machine: &'static str) -> [&'static str; 12] {
 /// An MPS2 board with its Cortex-M4F.
 const M4F: &[&str] = &board("mps2-an386");
 
-/// A micro:bit with its Cortex-M0 and 16 kB of RAM.
-const M0: &[&str] = &board("microbit");
+/// A micro:bit with its Cortex-M0, and 32 kB of RAM, as the larger nRF51 has.
+const M0: &[&str] = &[
+    "qemu-system-arm",
+    "-M",
+    "microbit",
+    "-global",
+    "nrf51-soc.sram-size=32768",
+    "-nographic",
+    "-monitor",
+    "none",
+    "-serial",
+    "none",
+    "-semihosting-config",
+    "enable=on,target=native",
+    "-kernel",
+    "{}",
+];
 
 /// The feature of firmware that computes in fixed point alone.
 const NO_FLOATS: &str = "no-floats";

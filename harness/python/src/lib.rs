@@ -15,6 +15,7 @@ mod obstacles;
 mod readings;
 mod recordings;
 mod saved;
+mod settings;
 mod simulated;
 mod steps;
 mod views;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use bitgrain_kernel::{Obstacle as Body, Shape};
+use bitgrain_kernel::{FreeMotion, Motion, Obstacle as Body, Shape};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
@@ -12,12 +12,34 @@ use crate::views::{Shared, read, write};
 
 type Vector<'py> = PyResult<Bound<'py, PyArray1<f64>>>;
 
-/// A sphere, a cylinder or a plane that pushes grains and moves as it is told; `World.sphere`, `World.cylinder` and
-/// `World.plane` make them. Forces and torques on it are results.
+/// A rigid body that pushes grains and moves as it is told, or freely; `World.sphere`, `cylinder`, `capsule`, `cuboid`,
+/// `drum` and `plane` make them. Forces and torques on it are results.
 #[pyclass(frozen, module = "bitgrain")]
 pub struct Obstacle {
     shared: Shared,
     number: usize,
+}
+
+/// A body with the contact mass that its shape has by a density, if there is one.
+///
+/// # Errors
+/// `InputError` for a density that is none, or of a shape without a volume.
+pub fn weighed(mut body: Body<f64>, density: Option<f64>) -> PyResult<Body<f64>> {
+    let Some(density) = density else {
+        return Ok(body);
+    };
+    if !(density > 0.0 && density.is_finite()) {
+        let problem = format!("is {density}; expected a positive number");
+        return Err(input("density", problem));
+    }
+    let mass = match body.shape {
+        Shape::Sphere { radius } => Some(bitgrain::simulation::sphere_mass(2.0 * radius, density)),
+        shape => shape.volume().map(|volume| density * volume),
+    };
+    let problem = "is given for a shape without a volume; leave it out";
+    let mass = mass.ok_or_else(|| input("density", problem))?;
+    body.inverse_mass = 1.0 / mass;
+    Ok(body)
 }
 
 impl Obstacle {
@@ -30,6 +52,26 @@ impl Obstacle {
     fn body(&self) -> PyResult<Body<f64>> {
         Ok(read(&self.shared)?.sim.obstacles[self.number])
     }
+
+    fn free_motion(&self) -> PyResult<Option<FreeMotion<f64>>> {
+        Ok(match self.body()?.motion {
+            Motion::Free(free) => Some(free),
+            Motion::Prescribed => None,
+        })
+    }
+
+    fn push(&self, name: &str, change: impl FnOnce(&mut FreeMotion<f64>)) -> PyResult<()> {
+        match &mut write(&self.shared)?.sim.obstacles[self.number].motion {
+            Motion::Free(free) => {
+                change(free);
+                Ok(())
+            }
+            Motion::Prescribed => {
+                let problem = "is of an obstacle that forces do not move; call its set_free first";
+                Err(input(name, problem))
+            }
+        }
+    }
 }
 
 #[pymethods]
@@ -40,7 +82,7 @@ impl Obstacle {
         self.number
     }
 
-    /// Its shape: "sphere", "cylinder" or "plane".
+    /// Its shape: "sphere", "cylinder", "plane", "finite_cylinder", "capsule", "box" or "drum".
     #[getter]
     fn shape(&self) -> PyResult<&'static str> {
         Ok(match self.body()?.shape {
@@ -93,6 +135,134 @@ impl Obstacle {
         let velocity = vector(value, "velocity")?;
         write(&self.shared)?.move_obstacle(self.number, velocity);
         Ok(())
+    }
+
+    /// Angular velocity in the axes of the world (radians / time) as a read-only array of shape (3,); set it to turn the
+    /// obstacle from the next step on.
+    ///
+    /// Raises
+    /// ------
+    /// InputError, Busy
+    #[getter]
+    fn angular_velocity<'py>(&self, py: Python<'py>) -> Vector<'py> {
+        fixed(py, self.body()?.angular_velocity)
+    }
+
+    #[setter]
+    fn set_angular_velocity(&self, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        let spin = vector(value, "angular_velocity")?;
+        write(&self.shared)?.sim.obstacles[self.number].angular_velocity = spin;
+        Ok(())
+    }
+
+    /// Unit quaternion (w, x, y, z) from its own axes to those of the world, as a read-only array of shape (4,). Set it to
+    /// turn the obstacle there at once; its contacts keep their histories.
+    ///
+    /// Raises
+    /// ------
+    /// BadObstacle
+    ///     It does not fit the box so.
+    /// InputError, Busy
+    #[getter]
+    fn orientation<'py>(&self, py: Python<'py>) -> Vector<'py> {
+        let array = PyArray1::from_slice(py, &self.body()?.orientation);
+        array.call_method1("setflags", (false,))?;
+        Ok(array)
+    }
+
+    #[setter]
+    fn set_orientation(&self, value: [f64; 4]) -> PyResult<()> {
+        let length = value.iter().map(|x| x * x).sum::<f64>().sqrt();
+        // Numbers that were written with seven digits still name a direction.
+        let is_unit = (length - 1.0).abs() < 1e-6;
+        if !is_unit {
+            let problem = format!("has length {length}; expected a unit quaternion (w, x, y, z)");
+            return Err(input("orientation", problem));
+        }
+        let turned = value.map(|x| x / length);
+        let turn = |body: &mut Body<f64>| body.orientation = turned;
+        write(&self.shared)?
+            .change_obstacle(self.number, turn)
+            .map_err(kernel)
+    }
+
+    /// Lets forces, and the world's gravity, move it from now on; it needs a density, or none of them would.
+    ///
+    /// Parameters
+    /// ----------
+    /// along : tuple of bool
+    ///     Along which axes of the world it answers forces; along the others its velocity stays.
+    /// turns : bool
+    ///     Whether it answers torques.
+    /// inertia : array_like, shape (3,), optional
+    ///     Its moments of inertia about its own axes (mass length^2); those of its shape without.
+    ///
+    /// Raises
+    /// ------
+    /// BadObstacle
+    ///     It cannot move so: it has no mass, or is endless.
+    /// InputError, Busy
+    #[pyo3(signature = (along=(true, true, true), turns=true, inertia=None))]
+    fn set_free(
+        &self,
+        along: (bool, bool, bool),
+        turns: bool,
+        inertia: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<()> {
+        let body = self.body()?;
+        let of_shape = || {
+            let own = body.shape.inertia()?;
+            Some(own.map(|moment| moment / body.inverse_mass))
+        };
+        let inertia = match inertia {
+            Some(inertia) => vector(inertia, "inertia")?,
+            None => of_shape().unwrap_or([f64::from(u8::from(!turns)); 3]),
+        };
+        let mut core = write(&self.shared)?;
+        let free = FreeMotion {
+            integrates: [along.0, along.1, along.2],
+            spins: turns,
+            ..FreeMotion::new(inertia, core.gravity)
+        };
+        let change = |body: &mut Body<f64>| body.motion = Motion::Free(free);
+        core.change_obstacle(self.number, change).map_err(kernel)
+    }
+
+    /// Whether forces move it.
+    #[getter]
+    fn is_free(&self) -> PyResult<bool> {
+        Ok(self.free_motion()?.is_some())
+    }
+
+    /// A force on a free obstacle besides its contacts and its weight, shape (3,); zero if it is not free. Set it from the
+    /// next step on.
+    ///
+    /// Raises
+    /// ------
+    /// InputError
+    ///     It is not free.
+    /// Busy
+    #[getter]
+    fn applied_force<'py>(&self, py: Python<'py>) -> Vector<'py> {
+        fixed(py, self.free_motion()?.map_or([0.0; 3], |free| free.force))
+    }
+
+    #[setter]
+    fn set_applied_force(&self, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        let force = vector(value, "applied_force")?;
+        self.push("applied_force", |free| free.force = force)
+    }
+
+    /// A torque on it, likewise.
+    #[getter]
+    fn applied_torque<'py>(&self, py: Python<'py>) -> Vector<'py> {
+        fixed(py, self.free_motion()?.map_or([0.0; 3], |free| free.torque))
+    }
+
+    #[setter]
+    fn set_applied_torque(&self, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        let torque = vector(value, "applied_torque")?;
+        self.push("applied_torque", |free| free.torque = torque)
     }
 
     /// Force of the grains on it after the last step, shape (3,).

@@ -9,9 +9,10 @@ use pyo3::pybacked::PyBackedBytes;
 use pyo3::types::{PyBytes, PyType};
 
 use crate::errors::{input, kernel};
+use crate::settings::{processors, registers};
 use crate::simulated::Core;
 use crate::views::write;
-use crate::world::{World, processors, registers};
+use crate::world::World;
 
 #[pymethods]
 impl World {

@@ -195,16 +195,31 @@ impl Core {
         Ok(number)
     }
 
+    /// Changes an obstacle at once; its contacts keep their histories.
+    ///
+    /// # Errors
+    /// [`KernelError::BadObstacle`] if it does not fit the box then.
+    pub fn change_obstacle(
+        &mut self,
+        number: usize,
+        change: impl FnOnce(&mut Obstacle<f64>),
+    ) -> Result<(), KernelError> {
+        let mut body = self.sim.obstacles[number];
+        change(&mut body);
+        self.sim.domain.wrap(&mut body.point, &mut [0; 3]);
+        body.check(&self.sim.domain, number as u32)?;
+        self.rearrange(|sim| {
+            let image = sim.obstacles[number].image;
+            sim.obstacles[number] = Obstacle { image, ..body };
+        })
+    }
+
     /// Moves an obstacle to a place at once.
     ///
     /// # Errors
     /// [`KernelError::BadObstacle`] if it does not fit the box there.
     pub fn place_obstacle(&mut self, number: usize, point: [f64; 3]) -> Result<(), KernelError> {
-        let mut body = self.sim.obstacles[number];
-        body.point = point;
-        self.sim.domain.wrap(&mut body.point, &mut [0; 3]);
-        body.check(&self.sim.domain, number as u32)?;
-        self.rearrange(|sim| sim.obstacles[number].point = body.point)?;
+        self.change_obstacle(number, |body| body.point = point)?;
         self.stop_drive(number);
         Ok(())
     }

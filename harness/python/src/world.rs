@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use bitgrain::isa::Isa;
 use bitgrain::simulation::Simulation;
 use bitgrain_kernel::{Domain, Drain, LossPolicy, Obstacle as Body};
 use numpy::PyArray1;
@@ -14,12 +13,10 @@ use crate::edits::Edit;
 use crate::errors::{input, kernel};
 use crate::grains::{Given, Group, added_group, group_number, ids_of, kind_number, kind_of};
 use crate::laws::law as law_of;
-use crate::obstacles::Obstacle;
+use crate::obstacles::{Obstacle, weighed};
+use crate::settings::{processors, registers};
 use crate::simulated::Core;
 use crate::views::{Shared, read, write};
-
-/// Most threads.
-const THREADS: usize = 1024;
 
 /// A world of grains and obstacles that is stepped with the same bits on any machine and any number of threads.
 ///
@@ -167,7 +164,7 @@ impl World {
         Ok(ids_of(py, &grains))
     }
 
-    /// Adds a sphere that moves as it is told.
+    /// Adds a sphere that moves as it is told, or freely: see `Obstacle.set_free`.
     ///
     /// Parameters
     /// ----------
@@ -191,48 +188,102 @@ impl World {
         velocity: Option<&Bound<'_, PyAny>>,
         density: Option<f64>,
     ) -> PyResult<Obstacle> {
-        let mut body = Body::sphere(or_zero(point, "point")?, radius);
-        if let Some(density) = density {
-            if !(density > 0.0 && density.is_finite()) {
-                return Err(input(
-                    "density",
-                    format!("is {density}; expected a positive number"),
-                ));
-            }
-            body.inverse_mass = 1.0 / bitgrain::simulation::sphere_mass(2.0 * radius, density);
-        }
-        self.obstacle(body, velocity)
+        let body = Body::sphere(or_zero(point, "point")?, radius);
+        self.obstacle(body, velocity, density)
     }
 
-    /// Adds an endless round bar that moves as it is told.
+    /// Adds a round bar, endless or with flat ends.
     ///
     /// Parameters
     /// ----------
     /// radius : float
     ///     Radius (length), positive.
     /// axis : array_like, shape (3,)
-    ///     Direction of the bar, of any length but zero; along x, y or z if an axis of the box is periodic.
+    ///     Direction of the bar, of any length but zero; an endless one along x, y or z if an axis of the box is periodic.
     /// point : array_like, shape (3,)
-    ///     A point of its axis (length), inside the box.
+    ///     Its centre, or a point of its axis (length), inside the box.
     /// velocity : array_like, shape (3,)
     ///     Velocity (length / time).
+    /// length : float, optional
+    ///     Its length; endless without.
+    /// density : float, optional
+    ///     As of a sphere; of a bar with a length.
     ///
     /// Raises
     /// ------
     /// BadObstacle, InputError, Busy
-    #[pyo3(signature = (radius, axis, point=None, velocity=None))]
+    #[pyo3(signature = (radius, axis, point=None, velocity=None, length=None, density=None))]
     fn cylinder(
         &self,
         radius: f64,
         axis: &Bound<'_, PyAny>,
         point: Option<&Bound<'_, PyAny>>,
         velocity: Option<&Bound<'_, PyAny>>,
+        length: Option<f64>,
+        density: Option<f64>,
     ) -> PyResult<Obstacle> {
-        let axis = direction(axis, "axis")?;
-        self.obstacle(
-            Body::cylinder(or_zero(point, "point")?, axis, radius),
-            velocity,
-        )
+        let (axis, point) = (direction(axis, "axis")?, or_zero(point, "point")?);
+        let body = match length {
+            Some(length) => Body::finite_cylinder(point, axis, radius, 0.5 * length),
+            None => Body::cylinder(point, axis, radius),
+        };
+        self.obstacle(body, velocity, density)
+    }
+
+    /// Adds a round bar with half balls as ends, by their radius and half the distance between their centres (length);
+    /// the rest as of a cylinder.
+    ///
+    /// Raises
+    /// ------
+    /// BadObstacle, InputError, Busy
+    #[pyo3(signature = (radius, axis, half_length, point=None, velocity=None, density=None))]
+    fn capsule(
+        &self,
+        radius: f64,
+        axis: &Bound<'_, PyAny>,
+        half_length: f64,
+        point: Option<&Bound<'_, PyAny>>,
+        velocity: Option<&Bound<'_, PyAny>>,
+        density: Option<f64>,
+    ) -> PyResult<Obstacle> {
+        let (axis, point) = (direction(axis, "axis")?, or_zero(point, "point")?);
+        let body = Body::capsule(point, axis, radius, half_length);
+        self.obstacle(body, velocity, density)
+    }
+
+    /// Adds a box by the halves of its edges (length), shape (3,); the rest as of a sphere.
+    ///
+    /// Raises
+    /// ------
+    /// BadObstacle, InputError, Busy
+    #[pyo3(signature = (half, point=None, velocity=None, density=None))]
+    fn cuboid(
+        &self,
+        half: &Bound<'_, PyAny>,
+        point: Option<&Bound<'_, PyAny>>,
+        velocity: Option<&Bound<'_, PyAny>>,
+        density: Option<f64>,
+    ) -> PyResult<Obstacle> {
+        let body = Body::cuboid(or_zero(point, "point")?, vector(half, "half")?);
+        self.obstacle(body, velocity, density)
+    }
+
+    /// Adds the inside of a cylinder with ends, in which grains live, by its inner radius and length; the rest as of a
+    /// cylinder. Turn it by its `angular_velocity`.
+    ///
+    /// Raises
+    /// ------
+    /// BadObstacle, InputError, Busy
+    #[pyo3(signature = (radius, axis, length, point=None))]
+    fn drum(
+        &self,
+        radius: f64,
+        axis: &Bound<'_, PyAny>,
+        length: f64,
+        point: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Obstacle> {
+        let (axis, point) = (direction(axis, "axis")?, or_zero(point, "point")?);
+        self.obstacle(Body::drum(point, axis, radius, 0.5 * length), None, None)
     }
 
     /// Adds a flat wall that moves as it is told.
@@ -257,7 +308,11 @@ impl World {
         velocity: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Obstacle> {
         let normal = direction(normal, "normal")?;
-        self.obstacle(Body::plane(or_zero(point, "point")?, normal), velocity)
+        self.obstacle(
+            Body::plane(or_zero(point, "point")?, normal),
+            velocity,
+            None,
+        )
     }
 
     /// Makes a group of grains with a gravity of its own, for `group=`.
@@ -314,9 +369,11 @@ impl World {
 impl World {
     fn obstacle(
         &self,
-        mut body: Body<f64>,
+        body: Body<f64>,
         velocity: Option<&Bound<'_, PyAny>>,
+        density: Option<f64>,
     ) -> PyResult<Obstacle> {
+        let mut body = weighed(body, density)?;
         body.velocity = or_zero(velocity, "velocity")?;
         let number = write(&self.shared)?.add_obstacle(body).map_err(kernel)?;
         Ok(Obstacle::of(&self.shared, number))
@@ -358,50 +415,4 @@ fn domain(given: Option<&Bound<'_, PyAny>>, periodic: [bool; 3]) -> PyResult<Dom
         },
     };
     Domain::new(lo, hi, periodic).map_err(kernel)
-}
-
-/// Threads: so many as are asked for, or one for each processor.
-///
-/// # Errors
-/// `InputError` for none or too many.
-pub fn processors(asked: Option<usize>) -> PyResult<usize> {
-    let all = || std::thread::available_parallelism().map_or(1, usize::from);
-    let threads = asked.unwrap_or_else(all);
-    match (1..=THREADS).contains(&threads) {
-        true => Ok(threads),
-        false => Err(input(
-            "threads",
-            format!("is {threads}; expected 1 to {THREADS}"),
-        )),
-    }
-}
-
-/// The instructions that are asked for.
-///
-/// # Errors
-/// `InputError` for what this machine has not.
-pub fn registers(asked: Option<&str>) -> PyResult<Isa> {
-    let names = [
-        ("plain", Isa::Plain),
-        ("avx2", Isa::Avx2),
-        ("avx512", Isa::Avx512),
-    ];
-    let here = Isa::all();
-    let Some(asked) = asked else {
-        return Ok(Isa::best());
-    };
-    let found = names
-        .iter()
-        .find(|(name, isa)| *name == asked && here.contains(isa));
-    found.map(|(_, isa)| *isa).ok_or_else(|| {
-        let names = names
-            .iter()
-            .filter(|(_, isa)| here.contains(isa))
-            .map(|(name, _)| *name);
-        let names: Vec<&str> = names.collect();
-        input(
-            "instructions",
-            format!("is {asked:?}; this machine has {}", names.join(", ")),
-        )
-    })
 }

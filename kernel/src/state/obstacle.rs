@@ -272,6 +272,15 @@ impl<R: Real> Obstacle<R> {
         }
     }
 
+    /// The nearest place of a turned body, by an offset in the axes of the world: one copy of it, for small machines.
+    #[inline(never)]
+    fn meet_turned(&self, surface: u32, offset: Vec3<R>, radius: R) -> Nearest<R> {
+        let q = self.orientation;
+        let own = self.shape.meet(surface, to_body(q, offset), radius);
+        let normal = to_world(q, own.normal);
+        Nearest { normal, ..own }
+    }
+
     /// Velocity of the point of the body at this offset from `point` (length / time).
     #[inline(always)]
     pub fn velocity_at(&self, offset: Vec3<R>) -> Vec3<R> {
@@ -296,10 +305,7 @@ impl<R: Real> Obstacle<R> {
             _ => domain.separation(position, self.point),
         };
         let meeting = if self.is_turned() {
-            let q = self.orientation;
-            let own = self.shape.meet(surface, to_body(q, offset), radius);
-            let normal = to_world(q, own.normal);
-            Nearest { normal, ..own }
+            self.meet_turned(surface, offset, radius)
         } else {
             self.shape.meet(surface, offset, radius)
         };

@@ -30,6 +30,7 @@ impl<R: Real> Obstacle<R> {
 
     /// Half a kick, if it is free: `v += (F/m + g) h`, and in its own axes `w += (T/I) h`, with `h = dt/2`, the sums of
     /// contacts first.
+    #[inline(never)]
     pub(crate) fn kick(&mut self, dt: R) {
         let Motion::Free(free) = self.motion else {
             return;
@@ -62,6 +63,7 @@ impl<R: Real> Obstacle<R> {
     }
 
     /// Moves and turns it by one step of `dt` and wraps it.
+    #[inline(never)]
     pub(crate) fn drift(&mut self, domain: &Domain<R>, dt: R) {
         for a in 0..3 {
             self.point[a] = self.point[a] + self.velocity[a] * dt;

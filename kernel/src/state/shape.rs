@@ -320,6 +320,14 @@ impl<R: Real> Shape<R> {
                 overlap: radius - dot(offset, normal),
                 curvature: R::ZERO,
             },
+            _ => self.meet_bounded(surface, offset, radius),
+        }
+    }
+
+    /// The same of a shape that has ends: one copy of it, for small machines.
+    #[inline(never)]
+    fn meet_bounded(&self, surface: u32, offset: Vec3<R>, radius: R) -> Nearest<R> {
+        match *self {
             Self::FiniteCylinder {
                 axis,
                 radius: own,
@@ -364,6 +372,12 @@ impl<R: Real> Shape<R> {
                     curvature: R::ZERO,
                 }
             }
+            // These are met above.
+            Self::Sphere { .. } | Self::Cylinder { .. } | Self::Plane { .. } => Nearest {
+                normal: [R::ZERO; 3],
+                overlap: -R::MAX,
+                curvature: R::ZERO,
+            },
         }
     }
 }
@@ -375,7 +389,7 @@ fn held<R: Real>(x: R, most: R) -> R {
 }
 
 /// The meeting at the side, an end or a rim of a finite bar; of a centre within it, at the nearest of side and end.
-#[inline(always)]
+#[inline]
 fn meet_bar<R: Real>(
     axis: Vec3<R>,
     own: R,
@@ -416,7 +430,7 @@ fn meet_bar<R: Real>(
 }
 
 /// The meeting at a face, an edge or a corner of a box; of a centre within it, at the nearest face.
-#[inline(always)]
+#[inline]
 fn meet_box<R: Real>(half: Vec3<R>, offset: Vec3<R>, radius: R) -> Nearest<R> {
     let mut apart = [R::ZERO; 3];
     for a in 0..3 {
@@ -430,22 +444,24 @@ fn meet_box<R: Real>(half: Vec3<R>, offset: Vec3<R>, radius: R) -> Nearest<R> {
             curvature: R::ZERO,
         };
     }
-    let depth = |a: usize| half[a] - magnitude(offset[a]);
-    let mut face = 0;
-    for a in 1..3 {
-        if depth(a) < depth(face) {
-            face = a;
-        }
+    // The first of the least depths, without an index that could be any number.
+    let [x, y, z] = offset;
+    let depths = [
+        half[0] - magnitude(x),
+        half[1] - magnitude(y),
+        half[2] - magnitude(z),
+    ];
+    let out = |x: R| if x < R::ZERO { -R::ONE } else { R::ONE };
+    let (mut least, mut normal) = (depths[0], [out(x), R::ZERO, R::ZERO]);
+    if depths[1] < least {
+        (least, normal) = (depths[1], [R::ZERO, out(y), R::ZERO]);
     }
-    let mut normal = [R::ZERO; 3];
-    normal[face] = if offset[face] < R::ZERO {
-        -R::ONE
-    } else {
-        R::ONE
-    };
+    if depths[2] < least {
+        (least, normal) = (depths[2], [R::ZERO, R::ZERO, out(z)]);
+    }
     Nearest {
         normal,
-        overlap: radius + depth(face),
+        overlap: radius + least,
         curvature: R::ZERO,
     }
 }

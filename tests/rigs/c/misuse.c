@@ -78,7 +78,7 @@ int main(void) {
     IS(bg_add_group(world, &group, NULL), BG_NULL);
     IS(bg_add_group(world, NULL, &number), BG_NULL);
     IS(bg_add_group(world, &group, &number), BG_OK);
-    bg_obstacle plane = {.size = sizeof plane, .kind = 3, .direction = {0, 0, 1}};
+    bg_obstacle plane = {.size = sizeof plane, .kind = 99, .direction = {0, 0, 1}};
     IS(bg_add_obstacle(world, &plane, &number), BG_BAD_ARGUMENT);
     plane.kind = BG_PLANE;
     IS(bg_add_obstacle(world, &plane, &number), BG_OK);

@@ -103,6 +103,30 @@ class Obstacle:
     @velocity.setter
     def velocity(self, value: _Array) -> None: ...
     @property
+    def angular_velocity(self) -> NDArray[np.float64]: ...
+    @angular_velocity.setter
+    def angular_velocity(self, value: _Array) -> None: ...
+    @property
+    def orientation(self) -> NDArray[np.float64]: ...
+    @orientation.setter
+    def orientation(self, value: _Array) -> None: ...
+    def set_free(
+        self,
+        along: Tuple[bool, bool, bool] = ...,
+        turns: bool = True,
+        inertia: Optional[_Array] = None,
+    ) -> None: ...
+    @property
+    def is_free(self) -> bool: ...
+    @property
+    def applied_force(self) -> NDArray[np.float64]: ...
+    @applied_force.setter
+    def applied_force(self, value: _Array) -> None: ...
+    @property
+    def applied_torque(self) -> NDArray[np.float64]: ...
+    @applied_torque.setter
+    def applied_torque(self, value: _Array) -> None: ...
+    @property
     def force(self) -> NDArray[np.float64]: ...
     @property
     def torque(self) -> NDArray[np.float64]: ...
@@ -176,6 +200,31 @@ class World:
         axis: _Array,
         point: Optional[_Array] = None,
         velocity: Optional[_Array] = None,
+        length: Optional[float] = None,
+        density: Optional[float] = None,
+    ) -> Obstacle: ...
+    def capsule(
+        self,
+        radius: float,
+        axis: _Array,
+        half_length: float,
+        point: Optional[_Array] = None,
+        velocity: Optional[_Array] = None,
+        density: Optional[float] = None,
+    ) -> Obstacle: ...
+    def cuboid(
+        self,
+        half: _Array,
+        point: Optional[_Array] = None,
+        velocity: Optional[_Array] = None,
+        density: Optional[float] = None,
+    ) -> Obstacle: ...
+    def drum(
+        self,
+        radius: float,
+        axis: _Array,
+        length: float,
+        point: Optional[_Array] = None,
     ) -> Obstacle: ...
     def plane(
         self,
