@@ -137,8 +137,8 @@ impl Obstacle {
         Ok(())
     }
 
-    /// Angular velocity in the axes of the world (radians / time) as a read-only array of shape (3,); set it to turn the
-    /// obstacle from the next step on.
+    /// Angular velocity in the axes of the world (radians / time) as a read-only array of shape (3,); set it to turn
+    /// the obstacle from the next step on.
     ///
     /// Raises
     /// ------
@@ -155,8 +155,8 @@ impl Obstacle {
         Ok(())
     }
 
-    /// Unit quaternion (w, x, y, z) from its own axes to those of the world, as a read-only array of shape (4,). Set it to
-    /// turn the obstacle there at once; its contacts keep their histories.
+    /// Unit quaternion (w, x, y, z) from its own axes to those of the world, as a read-only array of shape (4,). Set it
+    /// to turn the obstacle there at once; its contacts keep their histories.
     ///
     /// Raises
     /// ------
@@ -234,8 +234,8 @@ impl Obstacle {
         Ok(self.free_motion()?.is_some())
     }
 
-    /// A force on a free obstacle besides its contacts and its weight, shape (3,); zero if it is not free. Set it from the
-    /// next step on.
+    /// A force on a free obstacle besides its contacts and its weight, shape (3,); zero if it is not free. What is set
+    /// acts from the next step on.
     ///
     /// Raises
     /// ------

@@ -199,7 +199,7 @@ impl World {
     /// radius : float
     ///     Radius (length), positive.
     /// axis : array_like, shape (3,)
-    ///     Direction of the bar, of any length but zero; an endless one along x, y or z if an axis of the box is periodic.
+    ///     Direction of the bar, of any length but zero; an endless one along x, y or z if the box is periodic.
     /// point : array_like, shape (3,)
     ///     Its centre, or a point of its axis (length), inside the box.
     /// velocity : array_like, shape (3,)

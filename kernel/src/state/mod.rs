@@ -8,4 +8,5 @@ pub(crate) mod obstacle;
 pub(crate) mod owned;
 pub(crate) mod rigid_body;
 pub(crate) mod shape;
+pub(crate) mod solid;
 pub(crate) mod turning;

@@ -1,4 +1,4 @@
-//! Shapes of bodies: where a grain meets their surfaces, how large they are, and what they weigh.
+//! Shapes of bodies: how large they are, and where a grain meets their surfaces. What they weigh is in `solid.rs`.
 
 use crate::math::real::{Real, larger, magnitude, smaller};
 use crate::math::vec3::{Vec3, dot, scale, sub};
@@ -218,77 +218,6 @@ impl<R: Real> Shape<R> {
         let off = dot(direction, direction) - R::ONE;
         let has_none = matches!(self, Self::Sphere { .. } | Self::Box { .. });
         sized && direction.iter().all(|x| x.is_finite()) && (has_none || off * off < R::EPSILON)
-    }
-
-    /// Its volume (length^3); none of an endless shape or a tank.
-    #[must_use]
-    pub fn volume(&self) -> Option<R> {
-        let pi = R::from_f64(core::f64::consts::PI);
-        match *self {
-            Self::Sphere { radius } => {
-                Some(((pi * R::from_f64(4.0 / 3.0)) * (radius * radius)) * radius)
-            }
-            Self::FiniteCylinder {
-                radius,
-                half_length,
-                ..
-            } => Some((pi * (radius * radius)) * (half_length + half_length)),
-            Self::Capsule {
-                radius,
-                half_length,
-                ..
-            } => {
-                let ball = R::from_f64(4.0 / 3.0) * radius;
-                Some((pi * (radius * radius)) * ((half_length + half_length) + ball))
-            }
-            Self::Box { half } => Some(((half[0] * half[1]) * half[2]) * R::from_f64(8.0)),
-            Self::Cylinder { .. } | Self::Plane { .. } | Self::Drum { .. } => None,
-        }
-    }
-
-    /// Its moments of inertia about its own axes for a mass of 1, if it is of one density (length^2); none of an
-    /// endless shape, a tank, and one that lies askew to its own axes.
-    #[must_use]
-    pub fn inertia(&self) -> Option<Vec3<R>> {
-        let fraction = |a: f64, b: f64| R::from_f64(a / b);
-        let (axis, along, across) = match *self {
-            Self::Sphere { radius } => {
-                return Some([(radius * radius) * fraction(2.0, 5.0); 3]);
-            }
-            Self::Box { half } => {
-                let [x, y, z] = half.map(|h| h * h);
-                return Some([y + z, x + z, x + y].map(|sum| sum * fraction(1.0, 3.0)));
-            }
-            Self::FiniteCylinder {
-                axis,
-                radius,
-                half_length,
-            } => {
-                let round = radius * radius;
-                let long = half_length * half_length;
-                let across = round * fraction(1.0, 4.0) + long * fraction(1.0, 3.0);
-                (axis, round * R::HALF, across)
-            }
-            Self::Capsule {
-                axis,
-                radius,
-                half_length,
-            } => {
-                // The bar's part of the volume, and that of both half balls.
-                let bar = half_length + half_length;
-                let balls = radius * fraction(4.0, 3.0);
-                let (bar, balls) = (bar / (bar + balls), balls / (bar + balls));
-                let (round, long) = (radius * radius, half_length * half_length);
-                let along = bar * (round * R::HALF) + balls * (round * fraction(2.0, 5.0));
-                let bar = bar * (round * fraction(1.0, 4.0) + long * fraction(1.0, 3.0));
-                let shifted = long + (radius * half_length) * fraction(3.0, 4.0);
-                let balls = balls * (round * fraction(2.0, 5.0) + shifted);
-                (axis, along, bar + balls)
-            }
-            Self::Cylinder { .. } | Self::Plane { .. } | Self::Drum { .. } => return None,
-        };
-        let is_straight = axis.iter().filter(|x| **x != R::ZERO).count() == 1;
-        is_straight.then(|| axis.map(|x| if x == R::ZERO { across } else { along }))
     }
 
     /// Where a grain of this radius meets one of its surfaces, by the offset of its centre from the shape's point in
