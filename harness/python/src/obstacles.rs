@@ -42,6 +42,20 @@ pub fn weighed(mut body: Body<f64>, density: Option<f64>) -> PyResult<Body<f64>>
     Ok(body)
 }
 
+/// An orientation of length 1.
+fn unit(value: [f64; 4]) -> PyResult<[f64; 4]> {
+    let length = value.iter().map(|x| x * x).sum::<f64>().sqrt();
+    // Numbers that were written with seven digits still name a direction.
+    let is_unit = (length - 1.0).abs() < 1e-6;
+    match is_unit {
+        true => Ok(value.map(|x| x / length)),
+        false => Err(input(
+            "orientation",
+            format!("has length {length}; expected a unit quaternion (w, x, y, z)"),
+        )),
+    }
+}
+
 impl Obstacle {
     /// The handle of an obstacle of a world.
     pub fn of(shared: &Shared, number: usize) -> Self {
@@ -151,7 +165,7 @@ impl Obstacle {
     #[setter]
     fn set_angular_velocity(&self, value: &Bound<'_, PyAny>) -> PyResult<()> {
         let spin = vector(value, "angular_velocity")?;
-        write(&self.shared)?.sim.obstacles[self.number].angular_velocity = spin;
+        write(&self.shared)?.turn_obstacle(self.number, spin);
         Ok(())
     }
 
@@ -172,14 +186,7 @@ impl Obstacle {
 
     #[setter]
     fn set_orientation(&self, value: [f64; 4]) -> PyResult<()> {
-        let length = value.iter().map(|x| x * x).sum::<f64>().sqrt();
-        // Numbers that were written with seven digits still name a direction.
-        let is_unit = (length - 1.0).abs() < 1e-6;
-        if !is_unit {
-            let problem = format!("has length {length}; expected a unit quaternion (w, x, y, z)");
-            return Err(input("orientation", problem));
-        }
-        let turned = value.map(|x| x / length);
+        let turned = unit(value)?;
         let turn = |body: &mut Body<f64>| body.orientation = turned;
         write(&self.shared)?
             .change_obstacle(self.number, turn)
@@ -289,7 +296,8 @@ impl Obstacle {
         fixed(py, read(&self.shared)?.means(self.number)[1])
     }
 
-    /// Moves it at constant velocity, so that it is at a place after `over`, and rests from then on.
+    /// Moves it at constant velocity, so that it is at a place after `over`, and rests from then on; turns it likewise, if
+    /// an orientation is given.
     ///
     /// The obstacle moves during the next `round(over / dt)` steps, however they are shared among calls of
     /// `World.step`. Where it arrives is `pos` to the rounding of that many additions. On a periodic axis it goes by
@@ -301,15 +309,23 @@ impl Obstacle {
     ///     Where to (length).
     /// over : float
     ///     How long it takes (time); at least half a time step.
+    /// orientation : array_like, shape (4,), optional
+    ///     Unit quaternion (w, x, y, z) to turn to, the shorter way round; without one it does not turn.
     ///
     /// Raises
     /// ------
     /// InputError
     ///     `over` is not positive, or too short.
     /// Busy
-    #[pyo3(signature = (pos, over))]
-    fn drive(&self, pos: &Bound<'_, PyAny>, over: f64) -> PyResult<()> {
+    #[pyo3(signature = (pos, over, orientation=None))]
+    fn drive(
+        &self,
+        pos: &Bound<'_, PyAny>,
+        over: f64,
+        orientation: Option<[f64; 4]>,
+    ) -> PyResult<()> {
         let point = vector(pos, "pos")?;
+        let orientation = orientation.map(unit).transpose()?;
         let mut core = write(&self.shared)?;
         let steps = (over / core.sim.dt).round();
         if !(1.0..=1e15).contains(&steps) {
@@ -320,7 +336,7 @@ impl Obstacle {
             );
             return Err(input("over", problem));
         }
-        core.drive(self.number, point, steps as u64);
+        core.drive(self.number, point, orientation, steps as u64);
         Ok(())
     }
 

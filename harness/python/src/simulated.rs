@@ -50,6 +50,8 @@ impl Kind {
 pub struct Driven {
     /// Steps until it rests; 0 if it is not driven.
     pub left: u64,
+    /// Whether it turns until then.
+    turns: bool,
     /// Sum of the force, then of the torque.
     sum: [[f64; 3]; 2],
 }
@@ -226,24 +228,50 @@ impl Core {
 
     /// Gives an obstacle a velocity for all steps to come.
     pub fn move_obstacle(&mut self, number: usize, velocity: [f64; 3]) {
-        self.driven[number].left = 0;
+        self.stop_drive(number);
         self.sim.obstacles[number].velocity = velocity;
     }
 
-    /// Has an obstacle go to `point` within `count` steps, at constant velocity, and rest there.
-    pub fn drive(&mut self, number: usize, point: [f64; 3], count: u64) {
+    /// Gives an obstacle an angular velocity for all steps to come.
+    pub fn turn_obstacle(&mut self, number: usize, angular_velocity: [f64; 3]) {
+        self.driven[number].turns = false;
+        self.sim.obstacles[number].angular_velocity = angular_velocity;
+    }
+
+    /// Has an obstacle go to `point`, and turn to an orientation if one is given, within `count` steps, at constant
+    /// velocities, and rest there.
+    pub fn drive(
+        &mut self,
+        number: usize,
+        point: [f64; 3],
+        orientation: Option<[f64; 4]>,
+        count: u64,
+    ) {
         let time = count as f64 * self.sim.dt;
+        let dt = self.sim.dt;
         let body = &mut self.sim.obstacles[number];
+        if let Some(orientation) = orientation {
+            let steps = u32::try_from(count).unwrap_or(u32::MAX);
+            body.drive_to([0.0; 3], orientation, steps, dt);
+        }
         for a in 0..3 {
             body.velocity[a] = (point[a] - body.point[a]) / time;
         }
-        self.driven[number].left = count;
+        let turns = orientation.is_some();
+        let driven = &mut self.driven[number];
+        (driven.left, driven.turns) = (count, turns);
     }
 
-    /// Ends a drive; what was not driven keeps its velocity.
+    /// Ends a drive; what was not driven keeps its velocities.
     fn stop_drive(&mut self, number: usize) {
-        if std::mem::take(&mut self.driven[number].left) > 0 {
-            self.sim.obstacles[number].velocity = [0.0; 3];
+        let driven = &mut self.driven[number];
+        let turned = std::mem::take(&mut driven.turns);
+        if std::mem::take(&mut driven.left) > 0 {
+            let body = &mut self.sim.obstacles[number];
+            body.velocity = [0.0; 3];
+            if turned {
+                body.angular_velocity = [0.0; 3];
+            }
         }
     }
 

@@ -48,6 +48,19 @@ def test_a_force_and_a_torque_of_the_host_push():
     assert np.allclose(box.angular_velocity, (0, 0, 0.1), rtol=0, atol=1e-12)
 
 
+def test_a_drive_turns_to_an_orientation_and_rests():
+    w = open_world(gravity=(0, 0, 0))
+    box = w.cuboid(half=(1, 2, 3))
+    there = (0.6, 0, 0.8, 0)
+    box.drive((0.01, 0, 0), over=0.05, orientation=there)
+    w.step(300)
+    assert box.angular_velocity[1] > 1
+    w.step(700)
+    assert np.allclose(box.orientation, there, rtol=0, atol=1e-12)
+    assert np.allclose(box.point, (0.01, 0, 0), rtol=0, atol=1e-12)
+    assert not box.angular_velocity.any() and not box.velocity.any()
+
+
 def test_a_drum_carries_a_grain_along():
     w = bitgrain.World(box=None, gravity=(0, 0, -1), dt=1e-4, law=tsuji())
     w.add([[0, 0, -4.5]], 0.5, 1.0)

@@ -500,6 +500,15 @@ int32_t bg_turn(bg_world *world,
                 uint32_t number,
                 const double *angular_velocity);
 
+// Lets an obstacle go to a point (length) and turn to an orientation, the shorter way round, in `steps` steps from the
+// next one on; then stop it with `bg_drive` and `bg_turn`. On a periodic axis it goes by the difference of the points,
+// which may be more than a period.
+int32_t bg_drive_to(bg_world *world,
+                    uint32_t number,
+                    const double *point,
+                    const double *orientation,
+                    uint32_t steps);
+
 // Puts a force of the host (mass length / time^2) on the point of a free obstacle, and a torque (mass length^2 /
 // time^2), from the next step on until they are changed.
 int32_t bg_push(bg_world *world,

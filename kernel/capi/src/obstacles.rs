@@ -2,7 +2,7 @@
 
 use bitgrain_kernel::{FreeMotion, Motion, Obstacle, Shape};
 
-use crate::block::{give, put, take, vector, with};
+use crate::block::{give, lent, put, take, vector, with};
 use crate::status::{BG_BAD_ARGUMENT, fault};
 use crate::types::{
     BG_BOX, BG_CAPSULE, BG_CYLINDER, BG_DRUM, BG_FINITE_CYLINDER, BG_PLANE, BG_SPHERE, bg_obstacle,
@@ -70,6 +70,30 @@ pub extern "C" fn bg_turn(world: *mut bg_world, number: u32, angular_velocity: *
         let world = parts.store.world();
         let body = world.obstacles.get_mut(number as usize);
         body.ok_or(fault(BG_BAD_ARGUMENT))?.angular_velocity = angular_velocity;
+        Ok(())
+    })
+}
+
+/// Lets an obstacle go to a point (length) and turn to an orientation, the shorter way round, in `steps` steps from the
+/// next one on; then stop it with `bg_drive` and `bg_turn`. On a periodic axis it goes by the difference of the points,
+/// which may be more than a period.
+#[unsafe(no_mangle)]
+pub extern "C" fn bg_drive_to(
+    world: *mut bg_world,
+    number: u32,
+    point: *const f64,
+    orientation: *const f64,
+    steps: u32,
+) -> i32 {
+    with(world, |parts| {
+        let point = vector(point)?;
+        let turned = lent(orientation, 4)?;
+        let turned = turned.try_into().map_err(|_| fault(BG_BAD_ARGUMENT))?;
+        let world = parts.store.world();
+        let body = world.obstacles.get_mut(number as usize);
+        let body = body.ok_or(fault(BG_BAD_ARGUMENT))?;
+        let way = [0, 1, 2].map(|a| point[a] - body.point[a]);
+        body.drive_to(way, turned, steps, world.dt);
         Ok(())
     })
 }

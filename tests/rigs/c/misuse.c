@@ -120,6 +120,10 @@ int main(void) {
     IS(bg_nudge(world, 1, NULL, v), BG_NULL);
     IS(bg_drive(world, 1, v), BG_BAD_ARGUMENT);
     IS(bg_get_obstacle(world, 1, &plane), BG_BAD_ARGUMENT);
+    const double some[4] = {1, 0, 0, 0};
+    IS(bg_turn(world, 1, some), BG_BAD_ARGUMENT);
+    IS(bg_drive_to(world, 0, some, NULL, 5), BG_NULL);
+    IS(bg_push(world, 0, some, some), BG_BAD_ARGUMENT);
     IS(bg_read(world, BG_POSITION, out, 0, 0, 3), BG_NO_GRAIN);
     IS(bg_read(world, BG_POSITION, out, 0, SIZE_MAX, 2), BG_NO_GRAIN);
     IS(bg_read(world, BG_POSITION, out, 8, 0, 2), BG_BAD_ARGUMENT);

@@ -5,7 +5,9 @@ use std::ffi::c_void;
 use std::ptr::{null, null_mut};
 
 use bitgrain_capi::grains::{bg_insert, bg_nudge, bg_regroup, bg_remove};
-use bitgrain_capi::obstacles::{bg_add_obstacle, bg_drive, bg_get_obstacle, bg_push, bg_turn};
+use bitgrain_capi::obstacles::{
+    bg_add_obstacle, bg_drive, bg_drive_to, bg_get_obstacle, bg_push, bg_turn,
+};
 use bitgrain_capi::rows::bg_read;
 use bitgrain_capi::saved::{bg_load, bg_save, bg_save_size};
 use bitgrain_capi::setup::{
@@ -96,7 +98,7 @@ fn config(bytes: &mut Bytes) -> bg_config {
 /// One call; whether it was a step that was done.
 fn call(bytes: &mut Bytes, world: *mut bg_world) -> bool {
     let mut number = 0;
-    match bytes.below(18) {
+    match bytes.below(19) {
         0 => {
             let group = bg_group {
                 size: sized::<bg_group>(),
@@ -141,6 +143,11 @@ fn call(bytes: &mut Bytes, world: *mut bg_world) -> bool {
         }
         11 => bg_set_skins(world, bytes.between(0.0, 1.0), bytes.between(0.0, 1.0)),
         15 => bg_turn(world, u32::from(bytes.byte() % 4), bytes.vector().as_ptr()),
+        17 => {
+            let (body, steps) = (u32::from(bytes.byte() % 4), u32::from(bytes.byte()));
+            let (point, turn) = (bytes.vector(), turned(bytes));
+            bg_drive_to(world, body, point.as_ptr(), turn.as_ptr(), steps)
+        }
         16 => {
             let (force, torque) = (bytes.vector(), bytes.vector());
             let body = u32::from(bytes.byte() % 4);
