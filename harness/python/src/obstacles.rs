@@ -296,8 +296,8 @@ impl Obstacle {
         fixed(py, read(&self.shared)?.means(self.number)[1])
     }
 
-    /// Moves it at constant velocity, so that it is at a place after `over`, and rests from then on; turns it likewise, if
-    /// an orientation is given.
+    /// Moves it at constant velocity, so that it is at a place after `over`, and rests from then on; turns it likewise,
+    /// if an orientation is given.
     ///
     /// The obstacle moves during the next `round(over / dt)` steps, however they are shared among calls of
     /// `World.step`. Where it arrives is `pos` to the rounding of that many additions. On a periodic axis it goes by

@@ -1,6 +1,7 @@
 //! What a world consists of: grains and their groups, the box, obstacles and how they move.
 
 pub(crate) mod domain;
+pub(crate) mod drive;
 pub(crate) mod grains;
 pub(crate) mod losses;
 pub(crate) mod motion;

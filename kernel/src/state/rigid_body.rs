@@ -19,33 +19,14 @@ impl<R: Real> Obstacle<R> {
     /// `inverse_mass` and [`FreeMotion`] then.
     #[must_use]
     pub fn free(self, density: R, gravity: Vec3<R>) -> Option<Self> {
-        let mass = density * self.shape.volume()?;
-        let inertia = scale(self.shape.inertia()?, mass);
+        let inverse_mass = R::ONE / (density * self.shape.volume()?);
+        // As any host can compute it of a body with a mass.
+        let inertia = self.shape.inertia()?.map(|moment| moment / inverse_mass);
         Some(Self {
-            inverse_mass: R::ONE / mass,
+            inverse_mass,
             motion: Motion::Free(FreeMotion::new(inertia, gravity)),
             ..self
         })
-    }
-
-    /// Gives it the velocity and the angular velocity at which it goes `way` (length) and turns to an orientation, the
-    /// shorter way round, in so many steps of `dt`; then the host stops it. It arrives to the rounding of as many
-    /// additions and turns. For set-up, not within a step: it takes a tangent.
-    pub fn drive_to(&mut self, way: Vec3<R>, orientation: Orientation<R>, steps: u32, dt: R) {
-        let count = f64::from(if steps > 0 { steps } else { 1 });
-        let dt = dt.to_f64();
-        for a in 0..3 {
-            self.velocity[a] = R::from_f64(way[a].to_f64() / (count * dt));
-        }
-        let [w, x, y, z] = self.orientation;
-        let [w, x, y, z] = after(orientation, [w, -x, -y, -z]).map(R::to_f64);
-        let sine = libm::sqrt((x * x + y * y) + z * z);
-        let sign = if w < 0.0 { -1.0 } else { 1.0 };
-        // A turn at the spin w is by twice the arc tangent of w dt/2.
-        let half = libm::atan2(sine, sign * w) / count;
-        let spin = sign * 2.0 * libm::tan(half) / (dt * sine);
-        let spin = if sine > 0.0 { spin } else { 0.0 };
-        self.angular_velocity = [x, y, z].map(|x| R::from_f64(x * spin));
     }
 
     /// Half a kick, if it is free: `v += (F/m + g) h`, and in its own axes `w += (T/I) h`, with `h = dt/2`, the sums of
@@ -261,44 +242,6 @@ mod tests {
         assert!(lost < 1e-11, "{lost:e}");
         assert!(worst < 1e-6, "{worst:e}");
         assert!(tumbles);
-    }
-
-    /// From any pose to any other one, the shorter way round.
-    #[test]
-    fn a_driven_body_arrives() {
-        let poses = [
-            normalized([0.3, -0.4, 0.5, 0.6]),
-            normalized([-0.9, 0.1, 0.2, -0.3]),
-            [1.0, 0.0, 0.0, 0.0],
-            [0.0, 0.0, 1.0, 0.0],
-        ];
-        let mut body = Obstacle::cuboid([1.0, 2.0, 3.0], [0.5; 3]);
-        let (steps, dt) = (500, 1e-3);
-        for (k, pose) in poses.into_iter().enumerate() {
-            let (from, way) = (body.point, [0.5, -1.0, 0.1 * k as f64]);
-            body.drive_to(way, pose, steps, dt);
-            let turned = dot(body.angular_velocity, body.angular_velocity).sqrt();
-            assert!(turned * f64::from(steps) * dt < 3.2, "half a turn at most");
-            for _ in 0..steps {
-                body.drift(&Domain::open(), dt);
-            }
-            let same = |a: f64, b: f64| (a - b).abs() < 1e-12;
-            assert!((0..3).all(|a| same(body.point[a], from[a] + way[a])));
-            let sign = if body.orientation[0] * pose[0] + body.orientation[2] * pose[2] < 0.0 {
-                -1.0
-            } else {
-                1.0
-            };
-            let near = body.orientation.iter().zip(pose);
-            let mut near = near.map(|(a, b)| (a * sign - b).abs());
-            assert!(
-                near.all(|off| off < 1e-12),
-                "{:?} {pose:?}",
-                body.orientation
-            );
-        }
-        body.drive_to([0.0; 3], body.orientation, steps, dt);
-        assert_eq!((body.velocity, body.angular_velocity), ([0.0; 3], [0.0; 3]));
     }
 
     /// A constant torque about an axis, and a force: half kicks give the parabola exactly but for rounding.

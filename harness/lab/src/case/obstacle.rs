@@ -1,6 +1,5 @@
 //! An obstacle of a case: what its file says, and the body that it makes.
 
-use bitgrain_kernel::vec3::scale;
 use bitgrain_kernel::{FreeMotion, Motion, Obstacle};
 use bitgrain_sim::simulation::sphere_mass;
 use serde::{Deserialize, Serialize};
@@ -350,7 +349,9 @@ impl ObstacleSpec {
                 size("inertia", Some(moment))?;
             }
         }
-        let own = body.shape.inertia().map(|inertia| scale(inertia, mass));
+        // As any host can compute it of a body with this inverse mass.
+        let of_mass = |inertia: [f64; 3]| inertia.map(|moment| moment / (1.0 / mass));
+        let own = body.shape.inertia().map(of_mass);
         Ok(Some((mass, self.inertia.or(own))))
     }
 }
