@@ -17,7 +17,8 @@ pub use bitgrain_lab::{
     run, scenario, selftest, series, summary, verify,
 };
 pub use bitgrain_sim::{
-    block_averaging, chain, checkpoint, coarse_graining, coefficients, disk, energy_budget, error,
-    export, files, format, histogram, isa, lammps, law, lists, memory, motion, notes, observe,
-    observer, owned_world, parts, random, simulation, spatial_order, stepping, threads, units,
+    block_averaging, body, chain, checkpoint, coarse_graining, coefficients, disk, energy_budget,
+    error, export, files, format, histogram, isa, lammps, law, lists, memory, motion, notes,
+    observe, observer, owned_world, parts, random, simulation, spatial_order, stepping, threads,
+    units,
 };

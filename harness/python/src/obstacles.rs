@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use bitgrain::body::{body_mass, orientation};
 use bitgrain_kernel::{FreeMotion, Motion, Obstacle as Body, Shape};
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -32,28 +33,15 @@ pub fn weighed(mut body: Body<f64>, density: Option<f64>) -> PyResult<Body<f64>>
         let problem = format!("is {density}; expected a positive number");
         return Err(input("density", problem));
     }
-    let mass = match body.shape {
-        Shape::Sphere { radius } => Some(bitgrain::simulation::sphere_mass(2.0 * radius, density)),
-        shape => shape.volume().map(|volume| density * volume),
-    };
     let problem = "is given for a shape without a volume; leave it out";
-    let mass = mass.ok_or_else(|| input("density", problem))?;
+    let mass = body_mass(&body.shape, density).ok_or_else(|| input("density", problem))?;
     body.inverse_mass = 1.0 / mass;
     Ok(body)
 }
 
-/// An orientation of length 1.
-fn unit(value: [f64; 4]) -> PyResult<[f64; 4]> {
-    let length = value.iter().map(|x| x * x).sum::<f64>().sqrt();
-    // Numbers that were written with seven digits still name a direction.
-    let is_unit = (length - 1.0).abs() < 1e-6;
-    match is_unit {
-        true => Ok(value.map(|x| x / length)),
-        false => Err(input(
-            "orientation",
-            format!("has length {length}; expected a unit quaternion (w, x, y, z)"),
-        )),
-    }
+/// The orientation that four numbers name.
+fn turned(numbers: [f64; 4]) -> PyResult<[f64; 4]> {
+    orientation(numbers).map_err(|problem| input("orientation", problem))
 }
 
 impl Obstacle {
@@ -186,7 +174,7 @@ impl Obstacle {
 
     #[setter]
     fn set_orientation(&self, value: [f64; 4]) -> PyResult<()> {
-        let turned = unit(value)?;
+        let turned = turned(value)?;
         let turn = |body: &mut Body<f64>| body.orientation = turned;
         write(&self.shared)?
             .change_obstacle(self.number, turn)
@@ -217,13 +205,11 @@ impl Obstacle {
         inertia: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
         let body = self.body()?;
-        let of_shape = || {
-            let own = body.shape.inertia()?;
-            Some(own.map(|moment| moment / body.inverse_mass))
-        };
         let inertia = match inertia {
             Some(inertia) => vector(inertia, "inertia")?,
-            None => of_shape().unwrap_or([f64::from(u8::from(!turns)); 3]),
+            // Of a body that does not turn it says nothing.
+            None if !turns => [1.0; 3],
+            None => body.own_inertia().unwrap_or_default(),
         };
         let mut core = write(&self.shared)?;
         let free = FreeMotion {
@@ -325,7 +311,7 @@ impl Obstacle {
         orientation: Option<[f64; 4]>,
     ) -> PyResult<()> {
         let point = vector(pos, "pos")?;
-        let orientation = orientation.map(unit).transpose()?;
+        let orientation = orientation.map(turned).transpose()?;
         let mut core = write(&self.shared)?;
         let steps = (over / core.sim.dt).round();
         if !(1.0..=1e15).contains(&steps) {

@@ -11,7 +11,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use arrays::Arrays;
-use bitgrain_kernel::{BITS_VERSION, ContactHistory, Error as KernelError, Row};
+use bitgrain_kernel::{BITS_VERSION, ContactHistory, Error as KernelError, Obstacle, Row};
 use safetensors::tensor::{Dtype, SafeTensors, TensorView, serialize};
 
 use crate::disk::{self, write_whole};
@@ -58,7 +58,7 @@ pub fn pack(sim: &mut Simulation, note: &StageState) -> Result<Vec<u8>> {
     let arrays = arrays(sim, note);
     let part = |(name, (_, _, bytes)): &Array| PartSeal::of(name, bytes);
     let mut head = Head {
-        format: match sim.obstacles.iter().all(bodies::is_plain) {
+        format: match sim.obstacles.iter().all(Obstacle::is_plain) {
             true => FORMAT,
             false => BODIES_FORMAT,
         },

@@ -17,6 +17,7 @@
 #![forbid(unsafe_code)]
 
 pub mod block_averaging;
+pub mod body;
 pub mod chain;
 pub mod checkpoint;
 pub mod coarse_graining;

@@ -143,18 +143,17 @@ impl Simulation {
 
     /// Places of the grains that touch an obstacle, ascending.
     pub fn touching(&self, obstacle: u32) -> Vec<u32> {
-        if let Some(touching) = self.parts.touching(obstacle) {
-            return touching;
-        }
-        let list = &self.lists[0];
-        let listed = list
-            .obstacle_contact_grain
-            .iter()
-            .zip(&list.obstacle_contact_obstacle);
-        let touching = listed.take(self.clock.obstacle_contacts());
-        let touching =
-            touching.filter(|&(_, &word)| word & TOUCHING != 0 && obstacle_of(word) == obstacle);
-        let mut touching: Vec<u32> = touching.map(|(&grain, _)| grain).collect();
+        let mut touching = self.parts.touching(obstacle).unwrap_or_else(|| {
+            let list = &self.lists[0];
+            let listed = list
+                .obstacle_contact_grain
+                .iter()
+                .zip(&list.obstacle_contact_obstacle);
+            let listed = listed.take(self.clock.obstacle_contacts());
+            let touching =
+                listed.filter(|&(_, &word)| word & TOUCHING != 0 && obstacle_of(word) == obstacle);
+            touching.map(|(&grain, _)| grain).collect()
+        });
         // A grain may touch two surfaces of it.
         touching.dedup();
         touching

@@ -2,11 +2,11 @@
 
 use bitgrain_kernel::{FreeMotion, Motion, Obstacle, Shape};
 
-use crate::block::{give, lent, put, take, vector, with};
+use crate::block::{Parts, give, lent, put, take, vector, with};
 use crate::status::{BG_BAD_ARGUMENT, fault};
 use crate::types::{
-    BG_BOX, BG_CAPSULE, BG_CYLINDER, BG_DRUM, BG_FINITE_CYLINDER, BG_PLANE, BG_SPHERE, bg_obstacle,
-    bg_world,
+    BG_BOX, BG_CAPSULE, BG_CYLINDER, BG_DRUM, BG_FINITE_CYLINDER, BG_PLANE, BG_SPHERE, bg_fault,
+    bg_obstacle, bg_world,
 };
 
 /// Adds an obstacle before the world is started, and sets `number` to its number. Forces in the structure are not read.
@@ -62,15 +62,23 @@ fn motion(of: &bg_obstacle) -> Motion<f64> {
     })
 }
 
+/// Changes the obstacle of this number, in a world with a time step.
+fn change<T>(
+    parts: &mut Parts<'_>,
+    number: u32,
+    act: impl FnOnce(&mut Obstacle<f64>, f64) -> T,
+) -> Result<T, bg_fault> {
+    let world = parts.store.world();
+    let body = world.obstacles.get_mut(number as usize);
+    Ok(act(body.ok_or(fault(BG_BAD_ARGUMENT))?, world.dt))
+}
+
 /// Lets an obstacle turn at this angular velocity (radians / time, axes of the world) from the next step on.
 #[unsafe(no_mangle)]
 pub extern "C" fn bg_turn(world: *mut bg_world, number: u32, angular_velocity: *const f64) -> i32 {
     with(world, |parts| {
-        let angular_velocity = vector(angular_velocity)?;
-        let world = parts.store.world();
-        let body = world.obstacles.get_mut(number as usize);
-        body.ok_or(fault(BG_BAD_ARGUMENT))?.angular_velocity = angular_velocity;
-        Ok(())
+        let spin = vector(angular_velocity)?;
+        change(parts, number, |body, _| body.angular_velocity = spin)
     })
 }
 
@@ -89,12 +97,10 @@ pub extern "C" fn bg_drive_to(
         let point = vector(point)?;
         let turned = lent(orientation, 4)?;
         let turned = turned.try_into().map_err(|_| fault(BG_BAD_ARGUMENT))?;
-        let world = parts.store.world();
-        let body = world.obstacles.get_mut(number as usize);
-        let body = body.ok_or(fault(BG_BAD_ARGUMENT))?;
-        let way = [0, 1, 2].map(|a| point[a] - body.point[a]);
-        body.drive_to(way, turned, steps, world.dt);
-        Ok(())
+        change(parts, number, |body, dt| {
+            let way = [0, 1, 2].map(|a| point[a] - body.point[a]);
+            body.drive_to(way, turned, steps, dt);
+        })
     })
 }
 
@@ -109,13 +115,13 @@ pub extern "C" fn bg_push(
 ) -> i32 {
     with(world, |parts| {
         let (force, torque) = (vector(force)?, vector(torque)?);
-        let world = parts.store.world();
-        let body = world.obstacles.get_mut(number as usize);
-        match &mut body.ok_or(fault(BG_BAD_ARGUMENT))?.motion {
-            Motion::Free(free) => (free.force, free.torque) = (force, torque),
-            Motion::Prescribed => return Err(fault(BG_BAD_ARGUMENT)),
-        }
-        Ok(())
+        change(parts, number, |body, _| match &mut body.motion {
+            Motion::Free(free) => {
+                (free.force, free.torque) = (force, torque);
+                Ok(())
+            }
+            Motion::Prescribed => Err(fault(BG_BAD_ARGUMENT)),
+        })?
     })
 }
 
@@ -124,10 +130,7 @@ pub extern "C" fn bg_push(
 pub extern "C" fn bg_drive(world: *mut bg_world, number: u32, velocity: *const f64) -> i32 {
     with(world, |parts| {
         let velocity = vector(velocity)?;
-        let world = parts.store.world();
-        let body = world.obstacles.get_mut(number as usize);
-        body.ok_or(fault(BG_BAD_ARGUMENT))?.velocity = velocity;
-        Ok(())
+        change(parts, number, |body, _| body.velocity = velocity)
     })
 }
 

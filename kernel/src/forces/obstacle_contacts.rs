@@ -147,20 +147,12 @@ fn obstacle_contact<R: Real>(
     let meeting = body.meet(surface, grains.domain, head(x), x[3]);
     let flat = meeting.curvature == R::ZERO;
     let curved = (x[3] * meeting.curvature) / (x[3] + meeting.curvature);
-    // A ball turns as a grain does, about the law's lever. Elsewhere the surface moves as it does where it is nearest.
-    let ball = body.ball_radius();
-    let (own, spin) = if ball > R::ZERO {
-        (body.velocity, body.angular_velocity)
-    } else {
-        let depth = x[3] - meeting.overlap;
-        let nearest = sub(meeting.offset, scale(meeting.normal, depth));
-        (body.velocity_at(nearest), [R::ZERO; 3])
-    };
+    let (own, spin) = body.contact_motion(&meeting, x[3]);
     let contact = Contact {
         normal: meeting.normal,
         overlap: meeting.overlap,
         radius_i: x[3],
-        radius_j: ball,
+        radius_j: body.ball_radius(),
         radius_effective: if flat { x[3] } else { curved },
         mass_effective: R::ONE / (w[3] + body.inverse_mass),
         velocity: sub(head(v), own),

@@ -1,7 +1,6 @@
 //! The layout: words and numbers of each part.
 
 use crate::math::real::Real;
-use crate::state::obstacle::Obstacle;
 
 /// The layouts that this version writes and reads: [`PLAIN`] of obstacles that are balls, endless bars and planes and
 /// never turned, as before there were others, and [`FORMAT`] of any.
@@ -46,20 +45,6 @@ pub(crate) fn obstacle(format: u32) -> (usize, usize) {
         PLAIN => PLAIN_OBSTACLE,
         _ => OBSTACLE,
     }
-}
-
-/// Whether the plain layout holds all of an obstacle.
-pub(crate) fn is_plain<R: Real>(body: &Obstacle<R>) -> bool {
-    let alike = Obstacle {
-        image: body.image,
-        velocity: body.velocity,
-        inverse_mass: body.inverse_mass,
-        force: body.force,
-        torque: body.torque,
-        ..Obstacle::new(body.shape, body.point)
-    };
-    let (kind, ..) = body.shape.written();
-    kind <= 2 && *body == alike
 }
 
 /// Bytes that a world with these counts takes.

@@ -1,8 +1,7 @@
 //! Writing.
 
 use super::layout::{
-    CURVED, DRAINS, FORMAT, FREE, INTEGRATES, MAGIC, OPEN, PLAIN, SPINS, TAKES_OUT, is_plain, name,
-    size,
+    CURVED, DRAINS, FORMAT, FREE, INTEGRATES, MAGIC, OPEN, PLAIN, SPINS, TAKES_OUT, name, size,
 };
 use crate::digest::BITS_VERSION;
 use crate::digest::blake3::Hasher;
@@ -33,7 +32,7 @@ fn histories<R: Real>(world: &World<'_, R>) -> [usize; 2] {
 
 /// The layout that a world is written in.
 fn format<R: Real>(world: &World<'_, R>) -> u32 {
-    match world.obstacles.iter().all(is_plain) {
+    match world.obstacles.iter().all(Obstacle::is_plain) {
         true => PLAIN,
         false => FORMAT,
     }

@@ -3,11 +3,11 @@
 
 use crate::error::Error;
 use crate::math::real::{Real, smaller};
-use crate::math::vec3::{Vec3, add, cross, dot, scale, sub};
+use crate::math::vec3::{Vec3, add, cross, dot, length_bound, scale, sub};
 use crate::state::domain::Domain;
 use crate::state::motion::Motion;
 use crate::state::shape::{Nearest, Shape, divide};
-use crate::state::turning::{Orientation, is_upright, to_body, to_world, upright};
+use crate::state::turning::{Orientation, is_upright, length2, to_body, to_world, upright};
 
 /// A rigid body.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -174,15 +174,12 @@ impl<R: Real> Obstacle<R> {
 
     /// Whether the orientation is one, and what is endless is turned about its own direction.
     fn is_turned_soundly(&self) -> bool {
-        let q = self.orientation;
-        let length = ((q[0] * q[0] + q[1] * q[1]) + q[2] * q[2]) + q[3] * q[3];
-        let off = length - R::ONE;
+        let off = length2(self.orientation) - R::ONE;
         let is_unit = off * off < R::EPSILON;
         let direction = self.shape.direction();
-        let tilt = sub(to_world(q, direction), direction);
+        let tilt = sub(to_world(self.orientation, direction), direction);
         let keeps = dot(tilt, tilt) < R::EPSILON && self.swing() == R::ZERO;
-        is_upright(q) && self.angular_velocity == [R::ZERO; 3]
-            || is_unit && (keeps || !self.shape.is_endless())
+        !self.has_turned() || is_unit && (keeps || !self.shape.is_endless())
     }
 
     fn is_within(&self, domain: &Domain<R>, has_moved: bool) -> bool {
@@ -222,7 +219,25 @@ impl<R: Real> Obstacle<R> {
         !is_upright(self.orientation) && !self.shape.is_endless()
     }
 
-    /// Whether it turns or has turned: what a digest and a file have to say then.
+    /// Whether it is as obstacles were before they turned, moved freely and had ends: files of that time can hold it.
+    #[must_use]
+    pub fn is_plain(&self) -> bool {
+        let alike = Self {
+            image: self.image,
+            velocity: self.velocity,
+            inverse_mass: self.inverse_mass,
+            force: self.force,
+            torque: self.torque,
+            ..Self::new(self.shape, self.point)
+        };
+        let is_old = matches!(
+            self.shape,
+            Shape::Sphere { .. } | Shape::Cylinder { .. } | Shape::Plane { .. }
+        );
+        is_old && *self == alike
+    }
+
+    /// Whether it turns or has turned: what a digest has to say then.
     pub(crate) fn has_turned(&self) -> bool {
         !is_upright(self.orientation) || self.angular_velocity != [R::ZERO; 3]
     }
@@ -242,13 +257,12 @@ impl<R: Real> Obstacle<R> {
                 sub(spin, scale(axis, dot(spin, axis)))
             }
         };
-        let size = dot(across, across);
         if self.shape.is_endless() {
             // Rounding is no tilt.
-            let is_tilt = size > dot(spin, spin) * R::EPSILON;
+            let is_tilt = dot(across, across) > dot(spin, spin) * R::EPSILON;
             return if is_tilt { R::MAX } else { R::ZERO };
         }
-        size.sqrt() * self.reach()
+        length_bound(across) * self.reach()
     }
 
     /// How deep a grain of this radius may overlap it: a quarter of the smaller diameter.
@@ -281,13 +295,17 @@ impl<R: Real> Obstacle<R> {
         Nearest { normal, ..own }
     }
 
-    /// Velocity of the point of the body at this offset from `point` (length / time).
+    /// The velocity (length / time) and the spin (radians / time) with which it enters a contact with a grain of this
+    /// radius that meets it so. A ball turns as a grain does, about the law's lever; elsewhere the surface moves as it
+    /// does where it is nearest.
     #[inline(always)]
-    pub fn velocity_at(&self, offset: Vec3<R>) -> Vec3<R> {
-        if self.angular_velocity == [R::ZERO; 3] {
-            return self.velocity;
+    pub fn contact_motion(&self, met: &Meeting<R>, radius: R) -> (Vec3<R>, Vec3<R>) {
+        let (velocity, spin) = (self.velocity, self.angular_velocity);
+        if self.ball_radius() > R::ZERO || spin == [R::ZERO; 3] {
+            return (velocity, spin);
         }
-        add(self.velocity, cross(self.angular_velocity, offset))
+        let nearest = sub(met.offset, scale(met.normal, radius - met.overlap));
+        (add(velocity, cross(spin, nearest)), [R::ZERO; 3])
     }
 
     /// Where a grain at `position` with this radius meets one of its surfaces, by its number below
@@ -324,4 +342,21 @@ impl<R: Real> Obstacle<R> {
 
 pub(crate) fn unit<R: Real>(v: Vec3<R>) -> Vec3<R> {
     divide(v, dot(v, v).sqrt())
+}
+
+#[cfg(all(test, feature = "fixed"))]
+mod tests {
+    use super::*;
+    use crate::fixed_point::I32F32;
+
+    /// In fixed point squares of slow spins vanish, and a search must know of the way that a surface turns by.
+    #[test]
+    fn a_slow_turn_counts_in_what_a_surface_goes_by() {
+        let slow = I32F32::from_f64(1e-6);
+        let body = Obstacle {
+            angular_velocity: [I32F32::ZERO, slow, I32F32::ZERO],
+            ..Obstacle::cuboid([I32F32::ZERO; 3], [I32F32::ONE; 3])
+        };
+        assert!(slow * slow == I32F32::ZERO && body.swing() >= slow);
+    }
 }

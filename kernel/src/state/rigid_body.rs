@@ -20,13 +20,22 @@ impl<R: Real> Obstacle<R> {
     #[must_use]
     pub fn free(self, density: R, gravity: Vec3<R>) -> Option<Self> {
         let inverse_mass = R::ONE / (density * self.shape.volume()?);
-        // As any host can compute it of a body with a mass.
-        let inertia = self.shape.inertia()?.map(|moment| moment / inverse_mass);
-        Some(Self {
+        let body = Self {
             inverse_mass,
-            motion: Motion::Free(FreeMotion::new(inertia, gravity)),
             ..self
+        };
+        Some(Self {
+            motion: Motion::Free(FreeMotion::new(body.own_inertia()?, gravity)),
+            ..body
         })
+    }
+
+    /// Moments of inertia about its own axes (mass length^2) of its mass spread evenly over its shape; `None` as of
+    /// [`Shape::inertia`](crate::Shape::inertia). They are no numbers if it is infinitely heavy.
+    #[must_use]
+    pub fn own_inertia(&self) -> Option<Vec3<R>> {
+        let of_shape = self.shape.inertia()?;
+        Some(of_shape.map(|moment| moment / self.inverse_mass))
     }
 
     /// Half a kick, if it is free: `v += (F/m + g) h`, and in its own axes `w += (T/I) h`, with `h = dt/2`, the sums of

@@ -22,18 +22,17 @@ pub(crate) fn is_upright<R: Real>([w, x, y, z]: Orientation<R>) -> bool {
 }
 
 /// A vector of a body's own axes as one of the world: `v + w t + u x t` with `t = 2 (u x v)`.
-#[inline(always)]
 pub fn to_world<R: Real>([w, x, y, z]: Orientation<R>, v: Vec3<R>) -> Vec3<R> {
     rotated(w, [x, y, z], v)
 }
 
 /// A vector of the world as one of a body's own axes.
-#[inline(always)]
 pub fn to_body<R: Real>([w, x, y, z]: Orientation<R>, v: Vec3<R>) -> Vec3<R> {
     rotated(w, [-x, -y, -z], v)
 }
 
-#[inline(always)]
+/// One copy of it, for small machines; so below.
+#[inline(never)]
 fn rotated<R: Real>(w: R, u: Vec3<R>, v: Vec3<R>) -> Vec3<R> {
     let once = cross(u, v);
     let t = add(once, once);
@@ -41,6 +40,7 @@ fn rotated<R: Real>(w: R, u: Vec3<R>, v: Vec3<R>) -> Vec3<R> {
 }
 
 /// The orientation `p` followed by `q`, both seen from the world.
+#[inline(never)]
 pub(crate) fn after<R: Real>(q: Orientation<R>, p: Orientation<R>) -> Orientation<R> {
     let ([a, x, y, z], [b, s, t, u]) = (q, p);
     let (q, p) = ([x, y, z], [s, t, u]);
@@ -48,9 +48,14 @@ pub(crate) fn after<R: Real>(q: Orientation<R>, p: Orientation<R>) -> Orientatio
     [a * b - dot(q, p), across[0], across[1], across[2]]
 }
 
+/// The square of a quaternion's length.
+pub(crate) fn length2<R: Real>(q: Orientation<R>) -> R {
+    ((q[0] * q[0] + q[1] * q[1]) + q[2] * q[2]) + q[3] * q[3]
+}
+
 /// The quaternion divided by its length.
 pub(crate) fn normalized<R: Real>(q: Orientation<R>) -> Orientation<R> {
-    let length = (((q[0] * q[0] + q[1] * q[1]) + q[2] * q[2]) + q[3] * q[3]).sqrt();
+    let length = length2(q).sqrt();
     q.map(|x| x / length)
 }
 

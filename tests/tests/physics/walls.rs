@@ -8,6 +8,14 @@ use serde_json::Value;
 
 use crate::peers::{PeerRow, compare, grain, trajectory};
 
+/// A law where any will do.
+const TSUJI: LawSpec = LawSpec::HertzTsuji(HertzTsujiParameters {
+    young: 5e6,
+    poisson: 0.45,
+    restitution: 0.6,
+    mu: 0.4,
+});
+
 /// The wall of a case of either file as an obstacle.
 fn wall(wall: &Value) -> ObstacleSpec {
     let lo_hi = |key: &str| triple(&numbers(&wall[key]), 0);
@@ -50,11 +58,20 @@ fn sphere(case: &Value, traj: &[Vec<PeerRow>]) -> GrainSpec {
     grain(1, diameter, density, &traj[0][0], MotionSpec::Free)
 }
 
-fn with_gravity(case: &Value, of: Case) -> Case {
-    Case {
-        gravity: triple(&numbers(&case["gravity"]), 0),
-        ..of
-    }
+/// Compares a case under its law.
+fn check(c: &Value, law: LawSpec) {
+    let traj = trajectory(c);
+    let case = Case {
+        gravity: triple(&numbers(&c["gravity"]), 0),
+        ..open_case(
+            law,
+            number(&c["dt"]),
+            vec![sphere(c, &traj)],
+            vec![wall(&c["walls"][0])],
+        )
+    };
+    let name = c["name"].as_str().expect("a name");
+    compare(name, &case, &traj, &[false]);
 }
 
 /// LAMMPS under the law that is one of ours: effective radius `r c / (r + c)` with `c = -2 R` inside a cylinder and
@@ -76,15 +93,7 @@ fn lammps_walls_with_hertz_history() {
             gamma_t: get("gt"),
             mu: get("mu"),
         });
-        let traj = trajectory(c);
-        let case = open_case(
-            law,
-            number(&c["dt"]),
-            vec![sphere(c, &traj)],
-            vec![wall(&c["walls"][0])],
-        );
-        let name = c["name"].as_str().expect("a name");
-        compare(name, &with_gravity(c, case), &traj, &[false]);
+        check(c, law);
         count += 1;
     }
     assert_eq!(count, 2);
@@ -99,13 +108,7 @@ fn lammps_places_of_contact() {
     for c in file["cases"].as_array().expect("cases") {
         let traj = trajectory(c);
         let spec = wall(&c["walls"][0]);
-        let law = LawSpec::HertzTsuji(HertzTsujiParameters {
-            young: 5e6,
-            poisson: 0.45,
-            restitution: 0.6,
-            mu: 0.5,
-        });
-        let case = open_case(law, number(&c["dt"]), vec![sphere(c, &traj)], vec![spec]);
+        let case = open_case(TSUJI, number(&c["dt"]), vec![sphere(c, &traj)], vec![spec]);
         let body = case
             .start("wall", |_| {})
             .expect("the peers ran it")
@@ -153,15 +156,7 @@ fn liggghts_cylinder_from_inside() {
             restitution: number(&c["params"]["e"]["11"]),
             mu: number(&c["params"]["mu"]["11"]),
         });
-        let traj = trajectory(c);
-        let case = open_case(
-            law,
-            number(&c["dt"]),
-            vec![sphere(c, &traj)],
-            vec![wall(&c["walls"][0])],
-        );
-        let name = c["name"].as_str().expect("a name");
-        compare(name, &with_gravity(c, case), &traj, &[false]);
+        check(c, law);
         count += 1;
     }
     assert_eq!(count, 2);
@@ -171,17 +166,11 @@ fn liggghts_cylinder_from_inside() {
 /// plane that moves.
 #[test]
 fn a_turning_surface_moves_as_its_nearest_place() {
-    let law = LawSpec::HertzTsuji(HertzTsujiParameters {
-        young: 5e6,
-        poisson: 0.45,
-        restitution: 0.6,
-        mu: 0.4,
-    });
     let (radius, spin) = (0.25, 3.0);
     let start = |body: ObstacleSpec| {
         let row = [0.0, 0.0, 0.0, -0.248_01, 0.1, -0.2, -0.3, 1.0, 2.0, 3.0];
         let case = open_case(
-            law,
+            TSUJI,
             1e-6,
             vec![grain(1, 0.004, 2500.0, &row, MotionSpec::Free)],
             vec![body],

@@ -1,7 +1,7 @@
 //! An obstacle of a case: what its file says, and the body that it makes.
 
-use bitgrain_kernel::{FreeMotion, Motion, Obstacle};
-use bitgrain_sim::simulation::sphere_mass;
+use bitgrain_kernel::{FreeMotion, Motion, Obstacle, Orientation};
+use bitgrain_sim::body::{body_mass, orientation};
 use serde::{Deserialize, Serialize};
 
 use super::numbers::{direction as is_direction, finite, positive};
@@ -185,7 +185,7 @@ impl ObstacleSpec {
             curved: self.curved,
             ..body
         };
-        let Some((mass, inertia)) = self.weighed(&body)? else {
+        let Some(mass) = self.weighed(&body)? else {
             return self.prescribed(body);
         };
         let body = Obstacle {
@@ -197,7 +197,12 @@ impl ObstacleSpec {
             BodyMotion::Free => ([true; 3], true),
             BodyMotion::Partly { along, turns } => (along, turns),
         };
-        let Some(inertia) = inertia.or((!spins).then_some([1.0; 3])) else {
+        for moment in self.inertia.into_iter().flatten() {
+            size("inertia", Some(moment))?;
+        }
+        // Of a body that does not turn it says nothing.
+        let any = (!spins).then_some([1.0; 3]);
+        let Some(inertia) = self.inertia.or(body.own_inertia()).or(any) else {
             let problem = "is left out, and the shape lies askew to its own axes or has none; give the principal \
                            moments, or an axis along x, y or z and an orientation";
             return Err(("inertia".into(), problem.into()));
@@ -302,57 +307,30 @@ impl ObstacleSpec {
         })
     }
 
-    /// The orientation, of length 1.
-    fn turned(&self) -> Result<[f64; 4], (String, String)> {
-        let Some(q) = self.orientation else {
-            return Ok([1.0, 0.0, 0.0, 0.0]);
-        };
-        let length = q.iter().map(|x| x * x).sum::<f64>().sqrt();
-        // Numbers that were written with seven digits still name a direction.
-        if (length - 1.0).abs() < 1e-6 {
-            return Ok(q.map(|x| x / length));
-        }
-        let problem = format!("has length {length}; expected a unit quaternion [w, x, y, z]");
-        Err(("orientation".into(), problem))
+    /// The orientation.
+    fn turned(&self) -> Result<Orientation<f64>, (String, String)> {
+        let upright = [1.0, 0.0, 0.0, 0.0];
+        let turned = self.orientation.map_or(Ok(upright), orientation);
+        turned.map_err(|problem| ("orientation".into(), problem))
     }
 
-    /// Mass and moments of inertia, if it has them.
-    #[allow(clippy::type_complexity)]
-    fn weighed(
-        &self,
-        body: &Obstacle<f64>,
-    ) -> Result<Option<(f64, Option<[f64; 3]>)>, (String, String)> {
-        let mass = match (self.density, self.mass) {
-            (None, None) => return Ok(None),
+    /// Mass of this body, if it has one.
+    fn weighed(&self, body: &Obstacle<f64>) -> Result<Option<f64>, (String, String)> {
+        let wrong = |key: &str, problem: &str| Err((key.to_string(), problem.to_string()));
+        match (self.density, self.mass) {
+            (None, None) => Ok(None),
             (Some(_), Some(_)) => {
-                let problem = "is given beside `density`; one of the two says all";
-                return Err(("mass".into(), problem.into()));
+                wrong("mass", "is given beside `density`; one of the two says all")
             }
-            (None, mass) => size("mass", mass)?,
-            (density, None) => {
-                let density = size("density", density)?;
-                match (self.shape, body.shape.volume()) {
-                    (BodyShape::Sphere, _) => {
-                        sphere_mass(size("diameter", self.diameter)?, density)
-                    }
-                    (_, Some(volume)) => density * volume,
-                    (_, None) => {
-                        let problem =
-                            "is given for a shape without a volume; leave it out or give a `mass`";
-                        return Err(("density".into(), problem.into()));
-                    }
-                }
-            }
-        };
-        if let Some(inertia) = self.inertia {
-            for moment in inertia {
-                size("inertia", Some(moment))?;
-            }
+            (None, mass) => size("mass", mass).map(Some),
+            (density, None) => match body_mass(&body.shape, size("density", density)?) {
+                None => wrong(
+                    "density",
+                    "is given for a shape without a volume; leave it out or give a `mass`",
+                ),
+                mass => Ok(mass),
+            },
         }
-        // As any host can compute it of a body with this inverse mass.
-        let of_mass = |inertia: [f64; 3]| inertia.map(|moment| moment / (1.0 / mass));
-        let own = body.shape.inertia().map(of_mass);
-        Ok(Some((mass, self.inertia.or(own))))
     }
 }
 

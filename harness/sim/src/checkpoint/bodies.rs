@@ -6,7 +6,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// An obstacle in the file.
 #[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(remote = "Obstacle<f64>", deny_unknown_fields)]
 struct Body {
     shape: Shape<f64>,
     point: [f64; 3],
@@ -19,7 +19,7 @@ struct Body {
     orientation: [f64; 4],
     #[serde(default, skip_serializing_if = "is_zero")]
     angular_velocity: [f64; 3],
-    #[serde(default, skip_serializing_if = "is_false")]
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     curved: bool,
     #[serde(default = "prescribed", skip_serializing_if = "is_prescribed")]
     motion: Motion<f64>,
@@ -34,11 +34,7 @@ fn is_upright(orientation: &[f64; 4]) -> bool {
 }
 
 fn is_zero(spin: &[f64; 3]) -> bool {
-    spin.iter().all(|x| x.to_bits() == 0)
-}
-
-fn is_false(flag: &bool) -> bool {
-    !flag
+    *spin == [0.0; 3]
 }
 
 fn prescribed() -> Motion<f64> {
@@ -46,53 +42,20 @@ fn prescribed() -> Motion<f64> {
 }
 
 fn is_prescribed(motion: &Motion<f64>) -> bool {
-    *motion == Motion::Prescribed
+    *motion == prescribed()
 }
 
-/// Whether a file of the third layout could say it.
-pub(super) fn is_plain(body: &Obstacle<f64>) -> bool {
-    let is_old = matches!(
-        body.shape,
-        Shape::Sphere { .. } | Shape::Cylinder { .. } | Shape::Plane { .. }
-    );
-    is_old
-        && is_upright(&body.orientation)
-        && is_zero(&body.angular_velocity)
-        && is_prescribed(&body.motion)
-        && !body.curved
-}
+/// An obstacle that is spelled so.
+#[derive(Serialize, Deserialize)]
+struct Spelled(#[serde(with = "Body")] Obstacle<f64>);
 
 pub(super) fn serialize<S: Serializer>(all: &[Obstacle<f64>], to: S) -> Result<S::Ok, S::Error> {
-    to.collect_seq(all.iter().map(|body| Body {
-        shape: body.shape,
-        point: body.point,
-        image: body.image,
-        velocity: body.velocity,
-        inverse_mass: body.inverse_mass,
-        force: body.force,
-        torque: body.torque,
-        orientation: body.orientation,
-        angular_velocity: body.angular_velocity,
-        curved: body.curved,
-        motion: body.motion,
-    }))
+    to.collect_seq(all.iter().copied().map(Spelled))
 }
 
 pub(super) fn deserialize<'de, D: Deserializer<'de>>(
     from: D,
 ) -> Result<Vec<Obstacle<f64>>, D::Error> {
-    let all = Vec::<Body>::deserialize(from)?;
-    let body = |body: Body| Obstacle {
-        image: body.image,
-        velocity: body.velocity,
-        inverse_mass: body.inverse_mass,
-        force: body.force,
-        torque: body.torque,
-        orientation: body.orientation,
-        angular_velocity: body.angular_velocity,
-        curved: body.curved,
-        motion: body.motion,
-        ..Obstacle::new(body.shape, body.point)
-    };
-    Ok(all.into_iter().map(body).collect())
+    let all = Vec::<Spelled>::deserialize(from)?;
+    Ok(all.into_iter().map(|Spelled(body)| body).collect())
 }

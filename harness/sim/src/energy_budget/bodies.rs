@@ -1,10 +1,32 @@
 //! Energies of obstacles that move freely, and the power of what moves obstacles.
 
 use bitgrain_kernel::vec3::{add, dot};
-use bitgrain_kernel::{FreeMotion, Motion, Obstacle, to_body};
+use bitgrain_kernel::{Domain, FreeMotion, Motion, Obstacle, to_body};
 
-/// Kinetic and gravitational energy of a body that moves freely, in a box with these edges; zero of another.
-pub(super) fn energies(body: &Obstacle<f64>, [lo, hi]: [[f64; 3]; 2]) -> (f64, f64) {
+/// A gravity times an unwrapped place: how far along it a unit of mass lies.
+pub(super) fn along(
+    gravity: [f64; 3],
+    place: [f64; 3],
+    image: [i32; 3],
+    domain: &Domain<f64>,
+) -> f64 {
+    let (lo, hi) = (domain.lo(), domain.hi());
+    let mut along = 0.0;
+    for a in 0..3 {
+        let crossed = f64::from(image[a]);
+        // Open space has no width to count crossings by.
+        let shift = if crossed == 0.0 {
+            0.0
+        } else {
+            crossed * (hi[a] - lo[a])
+        };
+        along += gravity[a] * (place[a] + shift);
+    }
+    along
+}
+
+/// Kinetic and gravitational energy of a body that moves freely; zero of another.
+pub(super) fn energies(body: &Obstacle<f64>, domain: &Domain<f64>) -> (f64, f64) {
     let Motion::Free(free) = body.motion else {
         return (0.0, 0.0);
     };
@@ -17,18 +39,8 @@ pub(super) fn energies(body: &Obstacle<f64>, [lo, hi]: [[f64; 3]; 2]) -> (f64, f
                 .map(|a| free.inertia[a] * own[a] * own[a])
                 .sum::<f64>();
     }
-    let mut gravitational = 0.0;
-    for a in 0..3 {
-        let crossed = f64::from(body.image[a]);
-        // Open space has no width to count crossings by.
-        let shift = if crossed == 0.0 {
-            0.0
-        } else {
-            crossed * (hi[a] - lo[a])
-        };
-        gravitational -= mass * free.gravity[a] * (body.point[a] + shift);
-    }
-    (kinetic, gravitational)
+    let along = along(free.gravity, body.point, body.image, domain);
+    (kinetic, -mass * along)
 }
 
 /// The power that a body which moves freely gets from its host, and from what keeps it from answering a force or

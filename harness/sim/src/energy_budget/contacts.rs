@@ -4,7 +4,7 @@
 use bitgrain_kernel::contact::{Contact, Law, Reaction, react};
 use bitgrain_kernel::vec3::{Vec3, add, cross, dot, head, scale, sub};
 use bitgrain_kernel::{
-    ContactForce, ContactHistory, Obstacle, Partner, Row, Shape, obstacle_of, surface_of,
+    ContactForce, ContactHistory, Meeting, Obstacle, Partner, Row, Shape, obstacle_of, surface_of,
 };
 
 use crate::law::{AnyLaw, Springs, Sprung, WithLaw};
@@ -51,8 +51,8 @@ pub(super) struct ElasticContact {
     pub partner: Partner,
     /// Which surface of an obstacle.
     surface: u32,
-    /// From the point of an obstacle to the place of that surface which is nearest to the grain.
-    place: Vec3<f64>,
+    /// Where the grain meets that surface.
+    met: Option<Meeting<f64>>,
     /// Unit vector from the partner to the grain.
     pub normal: Vec3<f64>,
     pub overlap: f64,
@@ -81,28 +81,31 @@ impl ElasticContact {
         }
     }
 
+    /// A contact, from where its bodies are now.
     fn new(
         sim: &Simulation,
         elastic: &Elastic,
         (i, partner, surface): (u32, Partner, u32),
-        (normal, overlap): (Vec3<f64>, f64),
     ) -> Self {
         let i = i as usize;
-        let [x, y, z, radius] = sim.position[i];
-        // The partner's radius as a lever, its curvature, and where the surfaces are nearest.
-        let (other, curvature, place) = match partner {
+        let (place, radius) = (head(sim.position[i]), sim.position[i][3]);
+        // Where they meet; the partner's radius as a lever, and as it curves.
+        let (normal, overlap, other, curvature, met) = match partner {
             Partner::Grain(j) => {
-                let other = sim.position[j as usize][3];
-                (other, other, [0.0; 3])
+                let y = sim.position[j as usize];
+                let d = sim.domain.separation(place, head(y));
+                let distance = length(d);
+                let overlap = radius + y[3] - distance;
+                (scale(d, 1.0 / distance), overlap, y[3], y[3], None)
             }
             Partner::Obstacle(k) => {
                 let body = &sim.obstacles[k as usize];
-                let met = body.meet(surface, &sim.domain, [x, y, z], radius);
-                let place = sub(met.offset, scale(met.normal, radius - met.overlap));
-                match body.shape {
-                    Shape::Sphere { radius } => (radius, met.curvature, place),
-                    _ => (0.0, met.curvature, place),
-                }
+                let met = body.meet(surface, &sim.domain, place, radius);
+                let lever = match body.shape {
+                    Shape::Sphere { radius } => radius,
+                    _ => 0.0,
+                };
+                (met.normal, met.overlap, lever, met.curvature, Some(met))
             }
         };
         let radius_effective = if curvature == 0.0 {
@@ -115,7 +118,7 @@ impl ElasticContact {
             i,
             partner,
             surface,
-            place,
+            met,
             normal,
             overlap,
             contact_radius: (radius_effective * overlap).sqrt(),
@@ -125,75 +128,50 @@ impl ElasticContact {
         }
     }
 
-    /// A contact as a step showed it.
+    /// A contact as a step showed it, after the step.
     pub fn pushed(sim: &Simulation, elastic: &Elastic, p: &ContactForce<f64>) -> Self {
-        let who = (p.i, p.partner, p.surface);
-        Self::new(sim, elastic, who, (p.normal, p.overlap))
+        Self::new(sim, elastic, (p.i, p.partner, p.surface))
     }
 
-    /// A contact of the list, from where its bodies are now.
+    /// A contact of the list.
     pub fn listed(sim: &Simulation, elastic: &Elastic, history: &ContactHistory<f64>) -> Self {
-        let (i, partner, surface) = match *history {
+        let who = match *history {
             ContactHistory::Pair { i, j, .. } => (i, Partner::Grain(j), 0),
             ContactHistory::Obstacle { i, obstacle, .. } => {
                 let on = Partner::Obstacle(obstacle_of(obstacle));
                 (i, on, surface_of(obstacle))
             }
         };
-        let x = sim.position[i as usize];
-        let met = match partner {
-            Partner::Grain(j) => {
-                let y = sim.position[j as usize];
-                let d = sim.domain.separation(head(x), head(y));
-                let distance = length(d);
-                (scale(d, 1.0 / distance), x[3] + y[3] - distance)
+        Self::new(sim, elastic, who)
+    }
+
+    /// Velocity and spin with which the partner enters the contact.
+    fn of_partner(&self, motion: &Velocities) -> (Vec3<f64>, Vec3<f64>) {
+        match (self.partner, &self.met) {
+            (Partner::Obstacle(k), Some(met)) => {
+                motion.obstacles[k as usize].contact_motion(met, self.radii[0])
             }
-            Partner::Obstacle(k) => {
-                let body = &sim.obstacles[k as usize];
-                let met = body.meet(surface, &sim.domain, head(x), x[3]);
-                (met.normal, met.overlap)
+            (Partner::Grain(j) | Partner::Obstacle(j), _) => {
+                let j = j as usize;
+                (head(motion.velocity[j]), head(motion.spin[j]))
             }
-        };
-        Self::new(sim, elastic, (i, partner, surface), met)
+        }
     }
 
     /// Velocity of the grain less that of its partner, and what the spins add to the sliding before it
     /// is crossed with the normal.
     fn relative(&self, motion: &Velocities) -> (Vec3<f64>, Vec3<f64>) {
         let (v, w) = (head(motion.velocity[self.i]), head(motion.spin[self.i]));
-        let turn = scale(w, self.arms[0]);
-        match self.partner {
-            Partner::Grain(j) => {
-                let j = j as usize;
-                let (u, z) = (head(motion.velocity[j]), head(motion.spin[j]));
-                (sub(v, u), add(turn, scale(z, self.arms[1])))
-            }
-            Partner::Obstacle(k) => {
-                let body = &motion.obstacles[k as usize];
-                match body.shape {
-                    Shape::Sphere { .. } => {
-                        let turn = add(turn, scale(body.angular_velocity, self.arms[1]));
-                        (sub(v, body.velocity), turn)
-                    }
-                    _ => (sub(v, body.velocity_at(self.place)), turn),
-                }
-            }
-        }
+        let (u, z) = self.of_partner(motion);
+        let turn = add(scale(w, self.arms[0]), scale(z, self.arms[1]));
+        (sub(v, u), turn)
     }
 
     /// Velocity of the surface of its obstacle, on which a force of the obstacle works; none of two grains.
-    pub fn surface_velocity(&self, sim: &Simulation) -> Option<Vec3<f64>> {
-        let Partner::Obstacle(k) = self.partner else {
-            return None;
-        };
-        let body = &sim.obstacles[k as usize];
-        Some(match body.shape {
-            Shape::Sphere { .. } => {
-                let turn = scale(body.angular_velocity, self.arms[1]);
-                add(body.velocity, cross(turn, self.normal))
-            }
-            _ => body.velocity_at(self.place),
-        })
+    pub fn surface_velocity(&self, motion: &Velocities) -> Option<Vec3<f64>> {
+        self.met?;
+        let (u, z) = self.of_partner(motion);
+        Some(add(u, cross(scale(z, self.arms[1]), self.normal)))
     }
 
     /// Speed along the normal, and the velocity of the grain's surface over its partner's.
@@ -229,17 +207,7 @@ impl ElasticContact {
             mass_effective: 1.0 / (sim.spin[self.i][3] + inverse_mass),
             velocity,
             spin_i: head(sim.spin[self.i]),
-            spin_j: match self.partner {
-                Partner::Grain(j) => head(sim.spin[j as usize]),
-                Partner::Obstacle(k) => match sim.obstacles[k as usize] {
-                    Obstacle {
-                        shape: Shape::Sphere { .. },
-                        angular_velocity,
-                        ..
-                    } => angular_velocity,
-                    _ => [0.0; 3],
-                },
-            },
+            spin_j: self.of_partner(motion).1,
         };
         let spring = scale(spring, 1.0 + 1e-9);
         sim.law.with(React { contact, spring })

@@ -305,7 +305,8 @@ impl Flows {
         (normal, tangential): (f64, [f64; 3]),
         spring: [f64; 3],
     ) {
-        let (speed, sliding) = at.speeds(&full_step(sim));
+        let motion = full_step(sim);
+        let (speed, sliding) = at.speeds(&motion);
         self.normal_damping -= (normal - elastic.normal_force(at)) * speed;
         let damped = add(tangential, scale(spring, elastic.stiffness(at)));
         if elastic.damper_slides(normal, tangential) {
@@ -313,7 +314,7 @@ impl Flows {
         } else {
             self.tangential_damping -= dot(damped, sliding);
         }
-        if let Some(velocity) = at.surface_velocity(sim) {
+        if let Some(velocity) = at.surface_velocity(&motion) {
             let force = add(scale(at.normal, normal), tangential);
             self.obstacles += dot(force, velocity);
         }
@@ -374,26 +375,15 @@ fn held(sim: &mut Simulation, elastic: &Elastic, motion: &Velocities) -> Vec<Hel
 
 /// Kinetic and gravitational energy.
 fn of_grains(sim: &Simulation) -> Energies {
-    let (lo, hi) = (sim.domain.lo(), sim.domain.hi());
     let mut gravitational = 0.0;
     for (i, x) in sim.position.iter().enumerate() {
         let gravity = sim.groups[usize::from(sim.group[i])].gravity;
-        let mut along = 0.0;
-        for a in 0..3 {
-            let crossed = f64::from(sim.image[i][a]);
-            // Open space has no width to count crossings by.
-            let shift = if crossed == 0.0 {
-                0.0
-            } else {
-                crossed * (hi[a] - lo[a])
-            };
-            along += gravity[a] * (x[a] + shift);
-        }
+        let along = bodies::along(gravity, head(*x), sim.image[i], &sim.domain);
         gravitational -= sim.velocity[i][3] * along;
     }
     let mut kinetic = sim.kinetic_energy();
     for body in &sim.obstacles {
-        let (moving, lying) = bodies::energies(body, [lo, hi]);
+        let (moving, lying) = bodies::energies(body, &sim.domain);
         kinetic += moving;
         gravitational += lying;
     }

@@ -160,16 +160,12 @@ impl Parts {
         })
     }
 
-    /// Places of the grains that touch an obstacle, ascending, if contacts are with the parts.
+    /// Places of the grains that touch an obstacle, ascending, once for each surface, if contacts are with the parts.
     pub fn touching(&self, obstacle: u32) -> Option<Vec<u32>> {
         let touching = self.gathered.touching.iter();
         let touching = touching.filter(|(_, of)| *of == obstacle);
-        self.away.then(|| {
-            let mut touching: Vec<u32> = touching.map(|(grain, _)| *grain).collect();
-            // A grain may touch two surfaces of it.
-            touching.dedup();
-            touching
-        })
+        self.away
+            .then(|| touching.map(|(grain, _)| *grain).collect())
     }
 
     /// Pairs and obstacle contacts that are listed, if contacts are with the parts; pairs of two parts twice.

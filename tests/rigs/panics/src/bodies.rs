@@ -20,7 +20,8 @@ pub struct Bodies<R: Real> {
     drive_to: fn(&mut Obstacle<R>, Vec3<R>, Orientation<R>, u32, R),
     check: fn(&Obstacle<R>, &Domain<R>, u32) -> Result<(), KernelError>,
     look: fn(&Obstacle<R>) -> (R, Vec3<R>),
-    velocity_at: fn(&Obstacle<R>, Vec3<R>) -> Vec3<R>,
+    contact_motion: fn(&Obstacle<R>, &Meeting<R>, R) -> (Vec3<R>, Vec3<R>),
+    own: fn(&Obstacle<R>) -> (Option<Vec3<R>>, bool),
     meet: fn(&Obstacle<R>, u32, &Domain<R>, Vec3<R>, R) -> Meeting<R>,
     shape: fn(&Shape<R>) -> (u32, R, Option<R>, Option<Vec3<R>>),
     turns: fn(Orientation<R>, Vec3<R>) -> [Vec3<R>; 2],
@@ -47,7 +48,8 @@ impl<R: Real> Bodies<R> {
         drive_to: Obstacle::drive_to,
         check: Obstacle::check,
         look: |body| (body.reach(), body.direction()),
-        velocity_at: Obstacle::velocity_at,
+        contact_motion: Obstacle::contact_motion,
+        own: |body| (body.own_inertia(), body.is_plain()),
         meet: Obstacle::meet,
         shape: |shape| {
             (

@@ -21,9 +21,9 @@ pub const BODIES: &[Mutant] = &[
     },
     Mutant {
         name: "a surface that turns moves as its middle",
-        file: "kernel/src/forces/obstacle_contacts.rs",
-        from: "(body.velocity_at(nearest), [R::ZERO; 3])",
-        to: "(sub(body.velocity, sub(nearest, nearest)), [R::ZERO; 3])",
+        file: "kernel/src/state/obstacle.rs",
+        from: "(add(velocity, cross(spin, nearest)), [R::ZERO; 3])",
+        to: "(add(velocity, cross(spin, sub(nearest, nearest))), [R::ZERO; 3])",
         target: "oracle",
         red: &["the_step_equals_its_definition_hertz_tsuji"],
     },
