@@ -67,6 +67,12 @@ pub enum Error {
     BadSave,
     /// A saved world of another layout, other arithmetic or another number type.
     OtherVersion,
+    /// The triangles of the world are not those that this mesh was made of; or it has more than
+    /// [`FACETS_MAX`](crate::FACETS_MAX).
+    OtherFacets {
+        /// The obstacle.
+        obstacle: u32,
+    },
     /// The lent bytes are too few for a saved world; nothing was written.
     BufferTooShort {
         /// Bytes that would have been enough.
@@ -221,6 +227,7 @@ impl Error {
             Self::BadContactHistory => 12,
             Self::BadSave => 13,
             Self::OtherVersion => 14,
+            Self::OtherFacets { .. } => 15,
             Self::PairListFull { .. } => 20,
             Self::OuterListFull { .. } => 21,
             Self::ObstacleContactsFull { .. } => 22,
@@ -308,6 +315,10 @@ impl fmt::Display for Error {
             Error::OtherVersion => write!(
                 f,
                 "a saved world of another layout, other arithmetic or another number type"
+            ),
+            Error::OtherFacets { obstacle } => write!(
+                f,
+                "the world's triangles are not those that obstacle {obstacle} was made of: give it the same ones again"
             ),
             Error::BufferTooShort { needed } => write!(f, "a saved world takes {needed} bytes"),
             Error::GrainsFull { needed } => write!(f, "there is no room for {needed} grains"),

@@ -291,6 +291,7 @@ fn rebuild_outer_list<R: Real>(
         domain: world.domain,
         grains: &world.grains,
         obstacles: world.obstacles,
+        facets: world.facets,
         owned: Owned::new(world.owned),
         extent: extent.unwrap_or_else(|| measure(world)),
         far,

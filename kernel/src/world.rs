@@ -13,6 +13,7 @@ use crate::neighbors::outer_list::OuterList;
 use crate::neighbors::pair_list::{ContactHistory, Listed, OBSTACLES_MAX, PairList, TOUCHING};
 use crate::neighbors::stretch::StretchList;
 use crate::state::domain::Domain;
+use crate::state::facet::Facet;
 use crate::state::grains::Grains;
 use crate::state::losses::LossPolicy;
 use crate::state::motion::Motion;
@@ -173,6 +174,8 @@ pub struct World<'a, R> {
     pub grains: Grains<'a, R>,
     /// The obstacles, by number.
     pub obstacles: &'a mut [Obstacle<R>],
+    /// The triangles of all meshes; empty if there are none.
+    pub facets: &'a [Facet<R>],
     /// The pair list.
     pub pairs: PairList<'a, R>,
     /// Storage for the next list; its pair and obstacle entries bound how many can be listed.
@@ -235,6 +238,7 @@ impl<R: Real> World<'_, R> {
             obstacle: front_mut(pairs.obstacle_contact_obstacle, listed.obstacle_contacts),
             spring: front_mut(pairs.obstacle_contact_spring, listed.obstacle_contacts),
             obstacles: self.obstacles,
+            facets: self.facets,
         };
         let [x, y, z] = &mut pairs.spring;
         let range = PairRange {
@@ -327,7 +331,11 @@ impl<R: Real> World<'_, R> {
             return Err(Error::BadObstacle { obstacle });
         }
         for (number, body) in self.obstacles.iter().enumerate() {
-            body.check_place(self.domain, number as u32, has_moved)?;
+            let obstacle = number as u32;
+            body.check_place(self.domain, obstacle, has_moved)?;
+            if !body.has_facets(self.facets) {
+                return Err(Error::OtherFacets { obstacle });
+            }
         }
         self.check_periods()
     }

@@ -98,6 +98,9 @@ pub struct ContactState {
     /// Or the obstacle.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub obstacle: Option<u32>,
+    /// And which of its surfaces, if it has several.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub surface: Option<u32>,
     /// Normal force on `i`.
     pub normal_force: [f64; 3],
     /// Tangential force on `i`.
@@ -283,10 +286,13 @@ fn write_sample(
                     Partner::Grain(j) => (Some(name(j)), None),
                     Partner::Obstacle(k) => (None, Some(k)),
                 };
+                let surfaces = |k: u32| sim.obstacles[k as usize].shape.surfaces();
+                let has_several = obstacle.is_some_and(|k| surfaces(k) > 1);
                 ContactState {
                     i: name(c.i),
                     j,
                     obstacle,
+                    surface: has_several.then_some(c.surface),
                     normal_force: vec3::scale(c.normal, c.normal_force),
                     tangential_force: c.tangential_force,
                 }

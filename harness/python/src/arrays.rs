@@ -70,6 +70,21 @@ pub fn rows(value: &Bound<'_, PyAny>, name: &str, count: Option<usize>) -> PyRes
     Ok(numbers.as_chunks().0.to_vec())
 }
 
+/// Triples of corners.
+///
+/// # Errors
+/// `InputError` for another shape or a number that is not finite.
+pub fn triangles(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<[[f64; 3]; 3]>> {
+    let array = array(value, name)?;
+    let found = array.shape().to_vec();
+    if found.len() != 3 || found[1..] != [3, 3] {
+        return refuse(name, &found, "(n, 3, 3)");
+    }
+    let numbers = numbers(&array, name, 9)?;
+    let corners = numbers.as_chunks::<3>().0;
+    Ok(corners.as_chunks().0.to_vec())
+}
+
 /// One number for each of `count`: an array, or a number for all.
 ///
 /// # Errors

@@ -14,7 +14,7 @@ use crate::views::{Shared, read, write};
 type Vector<'py> = PyResult<Bound<'py, PyArray1<f64>>>;
 
 /// A rigid body that pushes grains and moves as it is told, or freely; `World.sphere`, `cylinder`, `capsule`, `cuboid`,
-/// `drum` and `plane` make them. Forces and torques on it are results.
+/// `drum`, `mesh` and `plane` make them. Forces and torques on it are results.
 #[pyclass(frozen, module = "bitgrain")]
 pub struct Obstacle {
     shared: Shared,
@@ -84,7 +84,7 @@ impl Obstacle {
         self.number
     }
 
-    /// Its shape: "sphere", "cylinder", "plane", "finite_cylinder", "capsule", "box" or "drum".
+    /// Its shape: "sphere", "cylinder", "plane", "finite_cylinder", "capsule", "box", "drum" or "mesh".
     #[getter]
     fn shape(&self) -> PyResult<&'static str> {
         Ok(match self.body()?.shape {
@@ -95,6 +95,7 @@ impl Obstacle {
             Shape::Capsule { .. } => "capsule",
             Shape::Box { .. } => "box",
             Shape::Drum { .. } => "drum",
+            Shape::Mesh { .. } => "mesh",
         })
     }
 

@@ -1,6 +1,7 @@
 //! A simulation with what a Python world adds to it: drives of obstacles, mean forces, groups by kind, a number that
 //! says whether a view is of the present state. Nothing here knows Python.
 
+use bitgrain::mesh::{Triangle, add_mesh};
 use bitgrain::notes::Watch;
 use bitgrain::simulation::{Grain, Simulation};
 use bitgrain::threads::ThreadsError;
@@ -193,6 +194,28 @@ impl Core {
         self.sim.domain.wrap(&mut body.point, &mut [0; 3]);
         body.check(&self.sim.domain, number as u32)?;
         self.rearrange(|sim| sim.obstacles.push(body))?;
+        self.driven.push(Driven::default());
+        Ok(number)
+    }
+
+    /// Adds a mesh and returns its number.
+    ///
+    /// # Errors
+    /// [`KernelError::BadObstacle`] if it does not fit the box.
+    pub fn add_mesh(
+        &mut self,
+        point: [f64; 3],
+        velocity: [f64; 3],
+        triangles: &[Triangle],
+    ) -> Result<usize, KernelError> {
+        let number = self.driven.len();
+        self.rearrange(|sim| {
+            let mut body = add_mesh(sim, point, triangles);
+            body.velocity = velocity;
+            let domain = sim.domain;
+            domain.wrap(&mut body.point, &mut [0; 3]);
+            sim.obstacles.push(body);
+        })?;
         self.driven.push(Driven::default());
         Ok(number)
     }

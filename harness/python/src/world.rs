@@ -2,13 +2,14 @@
 
 use std::sync::Arc;
 
+use bitgrain::mesh::{Triangle, check_triangles, read_stl};
 use bitgrain::simulation::Simulation;
 use bitgrain_kernel::{Domain, Drain, LossPolicy, Obstacle as Body};
 use numpy::PyArray1;
 use parking_lot::RwLock;
 use pyo3::prelude::*;
 
-use crate::arrays::{rows, vector};
+use crate::arrays::{rows, triangles, vector};
 use crate::edits::Edit;
 use crate::errors::{input, kernel};
 use crate::grains::{Given, Group, added_group, group_number, ids_of, kind_number, kind_of};
@@ -286,6 +287,34 @@ impl World {
         self.obstacle(Body::drum(point, axis, radius, 0.5 * length), None, None)
     }
 
+    /// Adds a mesh of triangles that moves as it is told; grains touch both sides.
+    ///
+    /// Parameters
+    /// ----------
+    /// triangles : array_like, shape (n, 3, 3), or str
+    ///     Corners (length) from the point of the mesh, in any order; or the path of an STL file of them.
+    /// point : array_like, shape (3,)
+    ///     Where that point is (length).
+    /// velocity : array_like, shape (3,)
+    ///     Velocity (length / time).
+    ///
+    /// Raises
+    /// ------
+    /// BadObstacle, InputError, Busy
+    #[pyo3(signature = (triangles, point=None, velocity=None))]
+    fn mesh(
+        &self,
+        triangles: &Bound<'_, PyAny>,
+        point: Option<&Bound<'_, PyAny>>,
+        velocity: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Obstacle> {
+        let corners = corners(triangles)?;
+        let (point, velocity) = (or_zero(point, "point")?, or_zero(velocity, "velocity")?);
+        let mut core = write(&self.shared)?;
+        let number = core.add_mesh(point, velocity, &corners).map_err(kernel)?;
+        Ok(Obstacle::of(&self.shared, number))
+    }
+
     /// Adds a flat wall that moves as it is told.
     ///
     /// Parameters
@@ -378,6 +407,17 @@ impl World {
         let number = write(&self.shared)?.add_obstacle(body).map_err(kernel)?;
         Ok(Obstacle::of(&self.shared, number))
     }
+}
+
+/// The triangles in an array or a file.
+fn corners(given: &Bound<'_, PyAny>) -> PyResult<Vec<Triangle>> {
+    let wrong = |problem: String| input("triangles", problem);
+    if let Ok(path) = given.extract::<std::path::PathBuf>() {
+        return read_stl(&path).map_err(|problem| wrong(problem.to_string()));
+    }
+    let corners = triangles(given, "triangles")?;
+    check_triangles(&corners).map_err(wrong)?;
+    Ok(corners)
 }
 
 fn or_zero(value: Option<&Bound<'_, PyAny>>, name: &str) -> PyResult<[f64; 3]> {

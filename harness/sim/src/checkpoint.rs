@@ -5,7 +5,7 @@ mod bodies;
 mod head;
 
 pub use head::StageState;
-use head::{FIELDS, FRAMES, Head, Made, PartSeal};
+use head::{FACETS, FIELDS, FRAMES, Head, Made, PartSeal};
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -16,6 +16,7 @@ use safetensors::tensor::{Dtype, SafeTensors, TensorView, serialize};
 
 use crate::disk::{self, write_whole};
 use crate::error::{Error, Result};
+use crate::mesh::corners;
 use crate::simulation::{Simulation, hex};
 
 /// Version of the file's layout.
@@ -58,7 +59,7 @@ pub fn pack(sim: &mut Simulation, note: &StageState) -> Result<Vec<u8>> {
     let arrays = arrays(sim, note);
     let part = |(name, (_, _, bytes)): &Array| PartSeal::of(name, bytes);
     let mut head = Head {
-        format: match sim.obstacles.iter().all(Obstacle::is_plain) {
+        format: match sim.obstacles.iter().all(Obstacle::is_plain) && sim.facets.is_empty() {
             true => FORMAT,
             false => BODIES_FORMAT,
         },
@@ -131,6 +132,15 @@ fn arrays(sim: &mut Simulation, note: &StageState) -> Vec<Array> {
         ("torque", rows(&torques)),
         ("velocity", rows(&sim.velocity)),
     ];
+    let corners = corners(&sim.facets);
+    if !corners.is_empty() {
+        let bytes = reals(corners.as_flattened().as_flattened());
+        let place = all.partition_point(|(other, _)| *other < FACETS);
+        all.insert(
+            place,
+            (FACETS, (Dtype::F64, vec![corners.len(), 3, 3], bytes)),
+        );
+    }
     for (name, bytes) in [(FIELDS, &note.fields[..]), (FRAMES, note.frames.as_bytes())] {
         if !bytes.is_empty() {
             // They go by name.

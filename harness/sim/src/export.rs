@@ -4,6 +4,10 @@
 //! are written here, by a few lines: the crate that would do it, `vtkio`, has had nothing but
 //! candidates for its next release since 2023.
 
+mod bodies;
+
+pub use bodies::vtk_bodies;
+
 use bitgrain_kernel::{ContactForce, Obstacle, Partner, Shape};
 
 use crate::lammps::{Atom, DataFile, DumpFrame};

@@ -10,7 +10,7 @@
 //!   [`motion`] and in [`units`];
 //! * keeping: [`checkpoint`], [`chain`] (digests), [`lammps`] and [`export`] (LAMMPS and VTK files);
 //! * below all: [`error`], [`disk`] (every call to the file system), [`files`], [`table`] (CSV), [`memory`],
-//!   [`mod@format`].
+//!   [`mod@format`]; [`body`] and [`mesh`] make obstacles of what hosts say.
 //!
 //! Everything that a step executes is compiled in this crate, as one unit.
 
@@ -39,6 +39,7 @@ pub mod law;
 mod law_work;
 pub mod lists;
 pub mod memory;
+pub mod mesh;
 pub mod motion;
 pub mod notes;
 pub mod observe;

@@ -1,8 +1,10 @@
 //! A world of the kernel and everything that it borrows, owned.
 
+use std::sync::Arc;
+
 use bitgrain_kernel::{
-    CellList, Clock, Domain, Error as KernelError, Grains, Group, LossPolicy, Obstacle, OuterList,
-    Real, Row, World,
+    CellList, Clock, Domain, Error as KernelError, Facet, Grains, Group, LossPolicy, Obstacle,
+    OuterList, Real, Row, World,
 };
 
 use crate::lists::{Grown, List, Stretches};
@@ -44,6 +46,8 @@ pub struct OwnedWorld<R> {
     pub image: Vec<[i32; 3]>,
     /// Obstacles by number.
     pub obstacles: Vec<Obstacle<R>>,
+    /// The triangles of all meshes; see [`crate::mesh::add_mesh`].
+    pub facets: Arc<Vec<Facet<R>>>,
     /// The pair list, and storage for the next one; of a [`Simulation`](crate::simulation::Simulation) on threads, see
     /// there.
     pub lists: [List<R>; 2],
@@ -83,6 +87,7 @@ impl<R: Real> OwnedWorld<R> {
             torque: Vec::new(),
             image: Vec::new(),
             obstacles: Vec::new(),
+            facets: Arc::default(),
             lists: [List::default(), List::default()],
             stretches: Stretches::default(),
             policy: LossPolicy::STOP,
@@ -189,6 +194,7 @@ impl<R: Real> OwnedWorld<R> {
             + 4 * (self.candidate_row.len() + self.candidate.len())
             + self.lists.iter().map(List::bytes).sum::<usize>()
             + self.stretches.bytes()
+            + self.facets.len() * size_of::<Facet<R>>()
     }
 
     /// Lends everything as a world of the kernel.
@@ -214,6 +220,7 @@ impl<R: Real> OwnedWorld<R> {
                 image: &mut self.image,
             },
             obstacles: &mut self.obstacles,
+            facets: &self.facets,
             pairs: first.lend(),
             spare: second.lend(),
             stretches: self.stretches.lend(),

@@ -1,10 +1,13 @@
 //! A simulation as bytes that the C library's `bg_save` writes too: the contact law and its BLAKE3 hash, then the
 //! kernel's saved world.
 
+use std::sync::Arc;
+
 use bitgrain_kernel::contact::{HertzHistory, HertzTsuji};
 use bitgrain_kernel::{Error as KernelError, Saved, save, save_size};
 
 use crate::law::AnyLaw;
+use crate::mesh::{Triangle, restored};
 use crate::simulation::Simulation;
 
 /// How the bytes begin: a name and the format.
@@ -51,6 +54,8 @@ impl Simulation {
         let groups = saved.groups().collect();
         let obstacles = saved.obstacles().collect();
         let mut sim = Self::new(law, saved.domain(), saved.dt(), groups, &[], obstacles);
+        let corners: Vec<Triangle> = saved.facets().collect();
+        sim.facets = Arc::new(restored(&corners, &sim.obstacles));
         sim.policy = saved.policy();
         sim.set_rows(saved.count());
         saved.fill(&mut sim.world());

@@ -7,7 +7,7 @@ use core::ffi::c_char;
 use core::ptr::{addr_of, addr_of_mut};
 
 use bitgrain_kernel::contact::{HertzHistory, HertzTsuji};
-use bitgrain_kernel::{Capacity, Group, Head, LentStore, Memory, Obstacle};
+use bitgrain_kernel::{Capacity, Facet, Group, Head, LentStore, Memory, Obstacle};
 
 use crate::BG_ABI_VERSION;
 use crate::status::{
@@ -43,6 +43,8 @@ pub(crate) struct Header {
     /// Steps of the last call that stepped.
     stepped: u64,
     departed: u64,
+    /// Triangles in use.
+    facets: u64,
     head: Head<f64>,
 }
 
@@ -54,6 +56,7 @@ struct Layout {
     numbers: usize,
     sums: usize,
     obstacles: usize,
+    facets: usize,
     groups: usize,
     words: usize,
     images: usize,
@@ -89,6 +92,7 @@ impl Layout {
         let numbers = next(room.numbers()?, size_of::<f64>())?;
         let sums = next(room.obstacles, size_of::<Sums>())?;
         let obstacles = next(room.obstacles, size_of::<Obstacle<f64>>())?;
+        let facets = next(capacity.facets as usize, size_of::<Facet<f64>>())?;
         let groups = next(room.groups, size_of::<Group<f64>>())?;
         let words = next(room.words()?, size_of::<u32>())?;
         let images = next(room.grains, size_of::<[i32; 3]>())?;
@@ -100,6 +104,7 @@ impl Layout {
             numbers,
             sums,
             obstacles,
+            facets,
             groups,
             words,
             images,
@@ -122,6 +127,8 @@ pub(crate) struct Parts<'a> {
     pub sums: &'a mut [Sums],
     pub stepped: &'a mut u64,
     pub departed: &'a mut u64,
+    /// Triangles that are not in use, and how many are.
+    pub facets: (&'a mut [Facet<f64>], &'a mut u64),
     fault: &'a mut bg_fault,
     /// Not borrowed: a callback that calls the world again reads it.
     busy: *mut u32,
@@ -173,6 +180,7 @@ pub(crate) fn init(
             fault: fault(BG_OK),
             stepped: 0,
             departed: 0,
+            facets: 0,
             head,
         });
         let obstacles = memory.add(layout.obstacles).cast::<Obstacle<f64>>();
@@ -230,6 +238,11 @@ fn open<'a>(world: *mut bg_world) -> Result<Parts<'a>, bg_fault> {
     // uses a world from one thread at a time, and a callback cannot come here, because the world is busy then. So these
     // are the only references until the call returns.
     let (memory, parts) = unsafe {
+        let used = &mut *addr_of_mut!((*header).facets);
+        let facets = slice_mut(memory, layout.facets, capacity.facets as usize);
+        let (facets, free) = facets
+            .split_at_mut_checked(*used as usize)
+            .unwrap_or_default();
         let memory = Memory {
             head: &mut *addr_of_mut!((*header).head),
             numbers: slice_mut(memory, layout.numbers, numbers),
@@ -238,6 +251,7 @@ fn open<'a>(world: *mut bg_world) -> Result<Parts<'a>, bg_fault> {
             group: slice_mut(memory, layout.group, room.grains),
             groups: slice_mut(memory, layout.groups, room.groups),
             obstacles: slice_mut(memory, layout.obstacles, room.obstacles),
+            facets,
         };
         let parts = (
             &mut *addr_of_mut!((*header).law),
@@ -245,16 +259,18 @@ fn open<'a>(world: *mut bg_world) -> Result<Parts<'a>, bg_fault> {
             &mut *addr_of_mut!((*header).stepped),
             &mut *addr_of_mut!((*header).departed),
             &mut *addr_of_mut!((*header).fault),
+            (free, used),
         );
         (memory, parts)
     };
-    let (law, sums, stepped, departed, last) = parts;
+    let (law, sums, stepped, departed, last, facets) = parts;
     Ok(Parts {
         store: LentStore::new(memory, room).map_err(|_| fault(BG_FOREIGN))?,
         law,
         sums,
         stepped,
         departed,
+        facets,
         fault: last,
         // SAFETY: within the header.
         busy: unsafe { addr_of_mut!((*header).busy) },

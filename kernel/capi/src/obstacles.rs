@@ -1,12 +1,12 @@
 //! Obstacles: what they are, how they move, and the forces on them.
 
-use bitgrain_kernel::{FreeMotion, Motion, Obstacle, Shape};
+use bitgrain_kernel::{FACETS_MAX, Facet, FreeMotion, Motion, Obstacle, Shape, arrange};
 
 use crate::block::{Parts, give, lent, put, take, vector, with};
-use crate::status::{BG_BAD_ARGUMENT, fault};
+use crate::status::{BG_BAD_ARGUMENT, BG_TOO_SMALL, fault};
 use crate::types::{
-    BG_BOX, BG_CAPSULE, BG_CYLINDER, BG_DRUM, BG_FINITE_CYLINDER, BG_PLANE, BG_SPHERE, bg_fault,
-    bg_obstacle, bg_world,
+    BG_BOX, BG_CAPSULE, BG_CYLINDER, BG_DRUM, BG_FINITE_CYLINDER, BG_MESH, BG_PLANE, BG_SPHERE,
+    bg_fault, bg_obstacle, bg_world,
 };
 
 /// Adds an obstacle before the world is started, and sets `number` to its number. Forces in the structure are not read.
@@ -31,20 +31,73 @@ pub extern "C" fn bg_add_obstacle(
             BG_DRUM => Obstacle::drum(of.point, of.direction, of.radius, of.half[0]),
             _ => return Err(fault(BG_BAD_ARGUMENT)),
         };
-        let added = parts.store.add_obstacle(Obstacle {
-            velocity: of.velocity,
-            angular_velocity: of.angular_velocity,
-            orientation: match of.orientation {
-                [0.0, 0.0, 0.0, 0.0] => made.orientation,
-                turned => turned,
-            },
-            inverse_mass: of.inverse_mass,
-            curved: of.curved != 0,
-            motion: motion(&of),
-            ..made
-        })?;
+        let added = parts.store.add_obstacle(moving(&of, made))?;
         put(number, added)
     })
+}
+
+/// Adds a mesh before the world is started, and sets `number` to its number: `facets` triangles of nine numbers each, the
+/// corners from the point of the mesh in its own axes (length), in any order. They are copied; grains touch both sides.
+/// `obstacle` says the rest, as for `bg_add_obstacle`. A world that was saved with meshes is loaded into one to which the
+/// same ones were added in the same order.
+#[unsafe(no_mangle)]
+pub extern "C" fn bg_add_mesh(
+    world: *mut bg_world,
+    obstacle: *const bg_obstacle,
+    corners: *const f64,
+    facets: u32,
+    number: *mut u32,
+) -> i32 {
+    with(world, |parts| {
+        let of = take(obstacle)?;
+        put(number, 0)?;
+        let count = facets as usize;
+        let length = count.checked_mul(9).ok_or(fault(BG_BAD_ARGUMENT))?;
+        let corners = lent(corners, length)?.as_chunks::<9>().0;
+        let sound = corners.iter().flatten().all(|x| x.is_finite());
+        if of.kind != BG_MESH || !sound || count == 0 || count > FACETS_MAX {
+            return Err(fault(BG_BAD_ARGUMENT));
+        }
+        let (free, used) = (&mut *parts.facets.0, &mut *parts.facets.1);
+        let room = free.get_mut(..count).ok_or(fault(BG_TOO_SMALL))?;
+        for (facet, [a, b, c, d, e, f, g, h, i]) in room.iter_mut().zip(corners) {
+            *facet = Facet::new([[*a, *b, *c], [*d, *e, *f], [*g, *h, *i]]);
+        }
+        arrange(room);
+        let made = Obstacle::mesh(of.point, room, 0..facets);
+        let shape = match made.shape {
+            Shape::Mesh {
+                count, reach, name, ..
+            } => Shape::Mesh {
+                first: *used as u32,
+                count,
+                reach,
+                name,
+            },
+            other => other,
+        };
+        let added = parts
+            .store
+            .add_obstacle(moving(&of, Obstacle { shape, ..made }))?;
+        *used += u64::from(facets);
+        put(number, added)
+    })
+}
+
+/// An obstacle of this shape and place that moves as a structure says.
+fn moving(of: &bg_obstacle, made: Obstacle<f64>) -> Obstacle<f64> {
+    Obstacle {
+        velocity: of.velocity,
+        angular_velocity: of.angular_velocity,
+        orientation: match of.orientation {
+            [0.0, 0.0, 0.0, 0.0] => made.orientation,
+            turned => turned,
+        },
+        inverse_mass: of.inverse_mass,
+        curved: of.curved != 0,
+        motion: motion(of),
+        ..made
+    }
 }
 
 /// How an obstacle is to move.
@@ -164,6 +217,7 @@ pub extern "C" fn bg_get_obstacle(world: *mut bg_world, number: u32, out: *mut b
                 radius,
                 half_length,
             } => (BG_DRUM, axis, radius, [half_length, 0.0, 0.0]),
+            Shape::Mesh { reach, .. } => (BG_MESH, nothing, reach, nothing),
         };
         let free = match body.motion {
             Motion::Free(free) => Some(free),

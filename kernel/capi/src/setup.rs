@@ -16,7 +16,7 @@ fn code(done: Done) -> i32 {
 }
 
 /// Sets `out` to room for a bed of `grains` grains among `obstacles` obstacles: 8 pairs, 8 candidates, 2 obstacle
-/// contacts and 2 cells for each grain and 64 more of each, and 8 groups. Nothing but the memory depends on it.
+/// contacts and 2 cells for each grain and 64 more of each, 8 groups, and no triangles. Nothing but the memory depends on it.
 #[unsafe(no_mangle)]
 pub extern "C" fn bg_capacity_for_bed(grains: u32, obstacles: u32, out: *mut bg_capacity) -> i32 {
     let room = Capacity::for_bed(grains as usize, obstacles as usize);
@@ -31,6 +31,7 @@ pub extern "C" fn bg_capacity_for_bed(grains: u32, obstacles: u32, out: *mut bg_
             cells: count(room.cells)?,
             obstacles,
             groups: count(room.groups)?,
+            facets: 0,
         })
     };
     code(make().and_then(|capacity| give(out, capacity)))

@@ -36,6 +36,8 @@ pub const BG_BAD_CONTACT_HISTORY: i32 = 12;
 pub const BG_BAD_SAVE: i32 = 13;
 /// A saved world of another layout, arithmetic or number type.
 pub const BG_OTHER_VERSION: i32 = 14;
+/// The world's triangles are not those that a mesh was made of.
+pub const BG_OTHER_FACETS: i32 = 15;
 /// The list of pairs is full; nothing was changed.
 pub const BG_PAIR_LIST_FULL: i32 = 20;
 /// The list of candidates is full; nothing was changed.
@@ -116,6 +118,7 @@ impl From<Error> for bg_fault {
             | Error::Escaped { id }
             | Error::UnknownGrain { id } => (id, 0, 0),
             Error::BadObstacle { obstacle }
+            | Error::OtherFacets { obstacle }
             | Error::ObstacleTooSlow { obstacle }
             | Error::ObstacleOverflow { obstacle }
             | Error::ObstacleNotFinite { obstacle }
@@ -165,6 +168,7 @@ fn text(code: i32) -> &'static core::ffi::CStr {
         BG_BAD_CONTACT_HISTORY => c"a saved contact fits no bodies near each other",
         BG_BAD_SAVE => c"these bytes are no saved world as it was written",
         BG_OTHER_VERSION => c"a saved world of another layout, arithmetic or number type",
+        BG_OTHER_FACETS => c"the world's triangles are not those that a mesh was made of",
         BG_PAIR_LIST_FULL => c"the list of pairs is full",
         BG_OUTER_LIST_FULL => c"the list of candidates is full",
         BG_OBSTACLE_CONTACTS_FULL => c"the list of obstacle contacts is full",

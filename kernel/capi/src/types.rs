@@ -28,6 +28,8 @@ pub struct bg_capacity {
     pub obstacles: u32,
     /// Groups, 256 at most.
     pub groups: u32,
+    /// Triangles of all meshes together.
+    pub facets: u32,
 }
 
 /// `bg_law.kind`: Hertz contact with a tangential spring, Kumar 2018, eqs. 1 and 2.
@@ -108,6 +110,8 @@ pub const BG_CAPSULE: u32 = 4;
 pub const BG_BOX: u32 = 5;
 /// `bg_obstacle.kind`: the inside of a round tank about `point` along `direction`, of half the length `half[0]`.
 pub const BG_DRUM: u32 = 6;
+/// `bg_obstacle.kind`: triangles, which `bg_add_mesh` adds.
+pub const BG_MESH: u32 = 7;
 
 /// A rigid body. All fields behind `mean_torque` may be 0: then it has the axes of the world and moves as prescribed.
 #[repr(C)]
@@ -115,13 +119,14 @@ pub const BG_DRUM: u32 = 6;
 pub struct bg_obstacle {
     /// `sizeof(bg_obstacle)`.
     pub size: u32,
-    /// `BG_SPHERE`, `BG_CYLINDER`, `BG_PLANE`, `BG_FINITE_CYLINDER`, `BG_CAPSULE`, `BG_BOX` or `BG_DRUM`.
+    /// `BG_SPHERE`, `BG_CYLINDER`, `BG_PLANE`, `BG_FINITE_CYLINDER`, `BG_CAPSULE`, `BG_BOX`, `BG_DRUM` or
+    /// `BG_MESH`.
     pub kind: u32,
     /// Centre, or a point of the axis or of the wall (length).
     pub point: [f64; 3],
     /// Of a bar, a tank or a wall, in its own axes, of any length but zero.
     pub direction: [f64; 3],
-    /// Radius of a ball, bar or tank (length).
+    /// Radius of a ball, bar or tank; of a mesh the distance of its farthest corner (length).
     pub radius: f64,
     /// 1 / mass as it enters contacts; 0 is infinitely heavy.
     pub inverse_mass: f64,

@@ -20,6 +20,7 @@ use crate::math::real::Real;
 use crate::math::rows::Row;
 use crate::math::vec3::Vec3;
 use crate::state::motion::Motion;
+use crate::state::shape::Shape;
 use crate::world::World;
 
 /// The seal of a range of grains, or of several.
@@ -147,6 +148,11 @@ pub(crate) fn whole<R: Real>(world: &World<'_, R>, grains: Sealed) -> u64 {
         rest.word(u64::from(kind) | u64::from(body.curved) << 32);
         rest.vector(direction);
         rest.vector(sizes);
+        if let Shape::Mesh { .. } = body.shape {
+            for word in body.shape.table() {
+                rest.word(u64::from(word));
+            }
+        }
         rest.vector(body.point);
         for number in body.orientation {
             rest.number(number);

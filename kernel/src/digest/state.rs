@@ -8,6 +8,7 @@ use crate::math::real::Real;
 use crate::math::rows::get_or_default;
 use crate::math::vec3::{Vec3, head};
 use crate::neighbors::pair_list::ContactHistory;
+use crate::state::shape::Shape;
 use crate::world::World;
 
 /// BLAKE3 hashes of a state, 32 bytes each.
@@ -25,7 +26,7 @@ pub struct Digest {
     /// Contact forces and torques on the grains.
     pub forces: [u8; 32],
     /// Obstacles: place, crossings, velocity, force and torque; of those that turn or have turned, orientation and
-    /// angular velocity too.
+    /// angular velocity too; of meshes, what tells their triangles from others.
     pub obstacles: [u8; 32],
     /// The hash of the six above, in this order.
     pub whole: [u8; 32],
@@ -33,6 +34,9 @@ pub struct Digest {
 
 /// The word before the orientation of a body.
 const TURNED: u32 = u32::from_le_bytes(*b"turn");
+
+/// The word before the name of a mesh.
+const MESH: u32 = u32::from_le_bytes(*b"mesh");
 
 /// Names of a digest's parts, in order.
 pub const PARTS: [&str; 6] = [
@@ -101,6 +105,11 @@ pub fn digest<R: Real>(world: &World<'_, R>) -> Digest {
                 h.word(TURNED);
                 numbers(h, &body.orientation);
                 numbers(h, &body.angular_velocity);
+            }
+            if let Shape::Mesh { name, .. } = body.shape {
+                h.word(MESH);
+                h.word(name as u32);
+                h.word((name >> 32) as u32);
             }
         }
     });

@@ -29,7 +29,7 @@ pub(crate) fn deep_in_obstacle<R: Real>(
     let k = obstacle_of(word);
     let body: &Obstacle<R> = world.obstacles.get(k as usize)?;
     let x = get_or_default(world.grains.position, i);
-    let met = body.meet(surface_of(word), world.domain, head(x), x[3]);
+    let met = body.meet(surface_of(word), world.facets, world.domain, head(x), x[3]);
     let overlap = met.overlap;
     (overlap > body.depth_allowed(x[3])).then_some((i, k))
 }

@@ -4,13 +4,15 @@
 use crate::contact::law::{Contact, Law, react};
 use crate::forces::accumulate::{ContactForce, GrainRange, Partner};
 use crate::forces::force_check::ForceCheck;
+use crate::forces::mesh_histories::hand_on;
 use crate::integrate::GrainMotion;
 use crate::math::real::Real;
 use crate::math::rows::Row;
 use crate::math::rows::{add_at, get_or_default, row, set, sub_at};
 use crate::math::vec3::{Vec3, add, cross, head, scale, sub};
 use crate::neighbors::pair_list::{PLACE, TOUCHING, obstacle_of, surface_of};
-use crate::state::obstacle::Obstacle;
+use crate::state::facet::Facet;
+use crate::state::obstacle::{Meeting, Obstacle};
 
 /// Storage of the obstacle contacts: the list and the obstacles' own sums.
 pub struct ObstacleContactRange<'a, R> {
@@ -25,6 +27,8 @@ pub struct ObstacleContactRange<'a, R> {
     pub shares: &'a mut [ObstacleShare<R>],
     /// All obstacles.
     pub obstacles: &'a mut [Obstacle<R>],
+    /// The triangles of all meshes.
+    pub facets: &'a [Facet<R>],
 }
 
 /// What a contact takes from the force and the torque on its obstacle; zero if it does not touch.
@@ -74,6 +78,10 @@ pub fn obstacle_forces<R: Real, L: Law<R>>(
         body.force = [R::ZERO; 3];
         body.torque = [R::ZERO; 3];
     }
+    if !touch.facets.is_empty() {
+        hand_on(grains, touch);
+    }
+    let facets = touch.facets;
     let listed = touch.grain.iter().zip(touch.obstacle.iter_mut());
     for (t, ((grain, obstacle), spring)) in listed.zip(touch.spring.iter_mut()).enumerate() {
         let i = *grain as usize;
@@ -81,7 +89,7 @@ pub fn obstacle_forces<R: Real, L: Law<R>>(
         let Some(body) = touch.obstacles.get_mut(k as usize) else {
             continue;
         };
-        let (contact, offset) = obstacle_contact(grains, body, surface_of(word), i);
+        let (contact, met) = obstacle_contact(grains, body, (surface_of(word), facets), i);
         let touching = contact.overlap > R::ZERO;
         if !touching {
             *obstacle = word;
@@ -89,7 +97,11 @@ pub fn obstacle_forces<R: Real, L: Law<R>>(
             set(touch.shares, t, ObstacleShare::default());
             continue;
         }
-        let r = react(law, &contact, head(*spring), dt);
+        let mut r = react(law, &contact, head(*spring), dt);
+        if met.share < R::ONE {
+            r.normal = r.normal * met.share;
+            r.tangential = scale(r.tangential, met.share);
+        }
         let push = add(scale(contact.normal, r.normal), r.tangential);
         let couple = cross(contact.normal, r.tangential);
         // A ball's lever is the law's, as for two grains. Elsewhere the force acts where the grain's
@@ -97,7 +109,7 @@ pub fn obstacle_forces<R: Real, L: Law<R>>(
         let moment = if contact.radius_j > R::ZERO {
             scale(couple, r.lever_arm_j)
         } else {
-            cross(sub(offset, scale(contact.normal, r.lever_arm_i)), push)
+            cross(sub(met.offset, scale(contact.normal, r.lever_arm_i)), push)
         };
         *obstacle = word | TOUCHING;
         *spring = [r.spring[0], r.spring[1], r.spring[2], R::ZERO];
@@ -131,20 +143,20 @@ pub fn obstacle_forces<R: Real, L: Law<R>>(
     }
 }
 
-/// The contact of grain `i` on an obstacle, and the offset of its centre from the obstacle's point.
+/// The contact of grain `i` on a surface of an obstacle, and where it meets it.
 #[inline(always)]
 fn obstacle_contact<R: Real>(
     grains: &GrainMotion<'_, R>,
     body: &Obstacle<R>,
-    surface: u32,
+    (surface, facets): (u32, &[Facet<R>]),
     i: usize,
-) -> (Contact<R>, Vec3<R>) {
+) -> (Contact<R>, Meeting<R>) {
     let x = get_or_default(grains.position, i);
     let (v, w) = (
         get_or_default(grains.velocity, i),
         get_or_default(grains.spin, i),
     );
-    let meeting = body.meet(surface, grains.domain, head(x), x[3]);
+    let meeting = body.meet(surface, facets, grains.domain, head(x), x[3]);
     let flat = meeting.curvature == R::ZERO;
     let curved = (x[3] * meeting.curvature) / (x[3] + meeting.curvature);
     let (own, spin) = body.contact_motion(&meeting, x[3]);
@@ -159,5 +171,5 @@ fn obstacle_contact<R: Real>(
         spin_i: head(w),
         spin_j: spin,
     };
-    (contact, meeting.offset)
+    (contact, meeting)
 }

@@ -129,3 +129,24 @@ pub(crate) fn shorten<T>(slice: &mut &mut [T], end: usize) {
 pub(crate) fn min(a: usize, b: usize) -> usize {
     if a < b { a } else { b }
 }
+
+/// Shell's sort with these gaps, of which the last is 1: it cannot panic, whatever the order is.
+#[inline(always)]
+pub(crate) fn sort_by<T: Copy + Default>(
+    items: &mut [T],
+    gaps: &[usize],
+    is_before: impl Fn(&T, &T) -> bool,
+) {
+    for gap in gaps.iter().copied() {
+        for k in gap..items.len() {
+            let item = get_or_default(items, k);
+            let mut place = k;
+            while place >= gap && is_before(&item, &get_or_default(items, place - gap)) {
+                let before = get_or_default(items, place - gap);
+                set(items, place, before);
+                place -= gap;
+            }
+            set(items, place, item);
+        }
+    }
+}

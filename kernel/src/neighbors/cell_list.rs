@@ -8,16 +8,18 @@
 use crate::error::Error;
 use crate::math::real::Real;
 use crate::math::rows::Row;
-use crate::math::rows::{copy, front_mut, get_or_default, prefix, set};
+use crate::math::rows::{copy, front_mut, get_or_default, prefix, set, sort_by};
 use crate::math::vec3::{head, is_beyond};
 use crate::neighbors::extent::Extent;
 use crate::neighbors::grid::Grid;
 use crate::neighbors::outer_list::OuterList;
 use crate::neighbors::pair_list::{PairList, obstacle_of, surface_of, surface_word};
 use crate::state::domain::Domain;
+use crate::state::facet::Facet;
 use crate::state::grains::Grains;
 use crate::state::obstacle::Obstacle;
 use crate::state::owned::Owned;
+use crate::state::shape::Shape;
 
 /// Storage of the cells, borrowed.
 pub struct CellList<'a> {
@@ -44,6 +46,7 @@ pub(crate) struct Scene<'a, R> {
     pub domain: &'a Domain<R>,
     pub grains: &'a Grains<'a, R>,
     pub obstacles: &'a [Obstacle<R>],
+    pub facets: &'a [Facet<R>],
     pub owned: Owned<'a>,
     /// How large numbers and grains are.
     pub extent: Extent<R>,
@@ -211,20 +214,11 @@ fn has_infinite_mass<R: Real>(grains: &Grains<'_, R>, i: usize) -> bool {
     group.is_some_and(|group| group.infinite_mass)
 }
 
-/// Shell's sort with Ciura's gaps: rows are short, and it cannot panic.
+/// Ciura's gaps: rows are short.
+const GAPS: [usize; 8] = [701, 301, 132, 57, 23, 10, 4, 1];
+
 fn sort(words: &mut [u32]) {
-    for gap in [701, 301, 132, 57, 23, 10, 4, 1] {
-        for k in gap..words.len() {
-            let word = get_or_default(words, k);
-            let mut place = k;
-            while place >= gap && get_or_default(words, place - gap) > word {
-                let before = get_or_default(words, place - gap);
-                set(words, place, before);
-                place -= gap;
-            }
-            set(words, place, word);
-        }
-    }
+    sort_by(words, &GAPS, |a, b| a < b);
 }
 
 fn list_obstacle_contacts<R: Real>(
@@ -244,8 +238,20 @@ fn list_obstacle_contacts<R: Real>(
             if heavy && body.inverse_mass == R::ZERO {
                 continue;
             }
+            if let Shape::Mesh { .. } = body.shape {
+                let offset = domain.separation(head(*x), body.point);
+                if let Some((mesh, own)) = body.in_mesh(scene.facets, offset) {
+                    mesh.near(own, x[3] + skin, &mut |surface| {
+                        let word = surface_word(k as u32, surface);
+                        set(spare.obstacle_contact_grain, touches, i as u32);
+                        set(spare.obstacle_contact_obstacle, touches, word);
+                        touches += 1;
+                    });
+                }
+                continue;
+            }
             for surface in 0..body.shape.surfaces() {
-                let meeting = body.meet(surface, domain, head(*x), x[3]);
+                let meeting = body.meet(surface, &[], domain, head(*x), x[3]);
                 // A distance whose square is too large for a number may be any.
                 let is_number = meeting.overlap.is_finite();
                 let is_far = match R::FIXED_POINT {

@@ -11,6 +11,7 @@ use crate::neighbors::pair_list::PairList;
 use crate::neighbors::stretch::{NEIGHBORS, StretchList};
 use crate::saved::Saved;
 use crate::state::domain::Domain;
+use crate::state::facet::Facet;
 use crate::state::grains::{Grains, Group, NewGrain};
 use crate::state::losses::LossPolicy;
 use crate::state::obstacle::Obstacle;
@@ -62,6 +63,8 @@ pub struct Memory<'a, R> {
     pub groups: &'a mut [Group<R>],
     /// The obstacles.
     pub obstacles: &'a mut [Obstacle<R>],
+    /// The triangles of all meshes; empty if there are none.
+    pub facets: &'a [Facet<R>],
 }
 
 /// A store in memory that its host lends, as [`Store`](crate::Store) is one in a value. It may be made again from the
@@ -86,6 +89,7 @@ pub struct Memory<'a, R> {
 ///     group: &mut group,
 ///     groups: &mut groups,
 ///     obstacles: &mut obstacles,
+///     facets: &[],
 /// };
 /// let mut store = LentStore::new(memory, capacity).unwrap();
 /// let free = store.add_group(Group::free([0.0, 0.0, -1.0])).unwrap();
@@ -288,6 +292,7 @@ impl<'a, R: Real> LentStore<'a, R> {
             group,
             groups,
             obstacles,
+            facets,
         } = &mut self.memory;
         let (mut numbers, mut words) = (Rest(numbers), Rest(words));
         let id = front_mut(words.take(grains), rows);
@@ -322,6 +327,7 @@ impl<'a, R: Real> LentStore<'a, R> {
                 image: front_mut(images, rows),
             },
             obstacles: front_mut(obstacles, head.obstacles),
+            facets,
             pairs: first,
             spare: second,
             stretches: StretchList::new(

@@ -12,6 +12,7 @@ use crate::neighbors::pair_list::PairList;
 use crate::neighbors::stretch::StretchList;
 use crate::saved::Saved;
 use crate::state::domain::Domain;
+use crate::state::facet::Facet;
 use crate::state::grains::{Grains, Group, NewGrain};
 use crate::state::losses::LossPolicy;
 use crate::state::obstacle::Obstacle;
@@ -29,7 +30,7 @@ use crate::world::{Clock, Stage, World};
 /// static EMPTY: Store<f64, 8, 32, 8, 2> = Store::vacant();
 /// ```
 pub struct Store<
-    R,
+    R: 'static,
     const GRAINS: usize,
     const PAIRS: usize,
     const OBSTACLE_CONTACTS: usize,
@@ -50,6 +51,7 @@ pub struct Store<
     torque: Vec<Row<R>, GRAINS>,
     image: Vec<[i32; 3], GRAINS>,
     obstacles: Vec<Obstacle<R>, BODIES>,
+    facets: &'static [Facet<R>],
     lists: [List<R, PAIRS, OBSTACLE_CONTACTS>; 2],
     stretch: OneStretch<R>,
     /// One entry more than grains.
@@ -158,6 +160,7 @@ impl<
             torque: Vec::new(),
             image: Vec::new(),
             obstacles: Vec::new(),
+            facets: &[],
             lists: [const { List::EMPTY }; 2],
             stretch: OneStretch::EMPTY,
             candidate_row: Vec::new(),
@@ -190,6 +193,7 @@ impl<
         self.torque.clear();
         self.image.clear();
         self.obstacles.clear();
+        self.facets = &[];
         self.clock = Clock::ZERO;
     }
 
@@ -225,6 +229,12 @@ impl<
         self.obstacles.push(obstacle)?;
         self.clock.stage = Stage::Stopped;
         Ok(())
+    }
+
+    /// The triangles of all meshes, instead of those before; see [`Obstacle::mesh`].
+    pub fn set_facets(&mut self, facets: &'static [Facet<R>]) {
+        self.facets = facets;
+        self.clock.stage = Stage::Stopped;
     }
 
     /// What becomes of grains that leave, from now on; at first they stop the world.
@@ -281,7 +291,7 @@ impl<
     }
 
     /// Goes on from what [`save`](crate::save) wrote: box, time step, groups, obstacles, grains and histories are those
-    /// of the saved world; skins stay as they are. Bytes behind the saved world are not looked at.
+    /// of the saved world; skins and triangles of meshes stay as they are. Bytes behind the saved world are not looked at.
     ///
     /// # Errors
     /// All is as it was: [`Error::BadSave`], [`Error::OtherVersion`], [`Error::GrainsFull`]; [`Error::BadStorage`] if
@@ -290,9 +300,9 @@ impl<
     pub fn load(&mut self, bytes: &[u8]) -> Result<(), Error> {
         let saved = Saved::<R>::open(bytes)?;
         saved.check_room(GRAINS, BODIES, BODIES)?;
-        let outer_skin = self.outer_skin;
+        let (outer_skin, facets) = (self.outer_skin, self.facets);
         self.clear(saved.domain(), saved.dt(), self.skin);
-        self.outer_skin = outer_skin;
+        (self.outer_skin, self.facets) = (outer_skin, facets);
         self.policy = saved.policy();
         for group in saved.groups() {
             self.add_group(group).map_err(|_| Error::BadStorage)?;
@@ -365,6 +375,7 @@ impl<
                 image: &mut self.image,
             },
             obstacles: &mut self.obstacles,
+            facets: self.facets,
             pairs: first.lend(),
             spare: second.lend(),
             stretches: self.stretch.lend(),

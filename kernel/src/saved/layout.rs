@@ -7,15 +7,21 @@ use crate::math::real::Real;
 pub(crate) const FORMAT: u32 = 2;
 pub(crate) const PLAIN: u32 = 1;
 pub(crate) const MAGIC: [u32; 2] = [u32::from_le_bytes(*b"bitg"), u32::from_le_bytes(*b"rain")];
-/// Words before the numbers of the head.
-pub(crate) const COUNTS: usize = 16;
+/// Words before the numbers of the head, of which the last three are flags and the step. [`FORMAT`] has one more count.
+pub(crate) fn counts(format: u32) -> usize {
+    match format {
+        PLAIN => 16,
+        _ => 17,
+    }
+}
 /// Numbers of the head, of a group, an obstacle, a grain and a history, and words beside them.
 pub(crate) const HEAD: usize = 13;
 pub(crate) const GROUP: (usize, usize) = (1, 3);
-const OBSTACLE: (usize, usize) = (4, 38);
+const OBSTACLE: (usize, usize) = (8, 38);
 const PLAIN_OBSTACLE: (usize, usize) = (4, 17);
 pub(crate) const GRAIN: (usize, usize) = (5, 17);
 pub(crate) const HISTORY: (usize, usize) = (2, 3);
+pub(crate) const FACET: (usize, usize) = (0, 9);
 /// Words of the two hashes.
 pub(crate) const HASHES: usize = 16;
 
@@ -50,14 +56,15 @@ pub(crate) fn obstacle(format: u32) -> (usize, usize) {
 /// Bytes that a world with these counts takes.
 pub(crate) fn size<R: Real>(
     format: u32,
-    [grains, groups, obstacles, histories]: [usize; 4],
+    [grains, groups, obstacles, histories, facets]: [usize; 5],
 ) -> usize {
     let all = [
-        (1, (COUNTS + HASHES, HEAD)),
+        (1, (counts(format) + HASHES, HEAD)),
         (groups, GROUP),
         (obstacles, obstacle(format)),
         (grains, GRAIN),
         (histories, HISTORY),
+        (facets, FACET),
     ];
     all.iter().fold(0usize, |sum, (count, (words, numbers))| {
         let each = 4 * (words + width::<R>() * numbers);

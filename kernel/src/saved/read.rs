@@ -3,8 +3,8 @@
 use core::marker::PhantomData;
 
 use super::layout::{
-    COUNTS, CURVED, DRAINS, FORMAT, FREE, GRAIN, GROUP, HASHES, HEAD, INTEGRATES, KIND, MAGIC,
-    OPEN, PLAIN, SPINS, TAKES_OUT, name, obstacle, size, width,
+    CURVED, DRAINS, FORMAT, FREE, GRAIN, GROUP, HASHES, HEAD, HISTORY, INTEGRATES, KIND, MAGIC,
+    OPEN, PLAIN, SPINS, TAKES_OUT, counts, name, obstacle, size, width,
 };
 use super::write::checksum;
 use crate::digest::BITS_VERSION;
@@ -48,7 +48,7 @@ fn motion<R: Real>(flags: u32, [inertia, gravity, force, torque]: [Vec3<R>; 4]) 
 pub struct Saved<'b, R> {
     words: &'b [[u8; 4]],
     format: u32,
-    counts: [usize; 5],
+    counts: [usize; 6],
     number: PhantomData<R>,
 }
 
@@ -62,7 +62,7 @@ impl<'b, R: Real> Saved<'b, R> {
         let mut saved = Self {
             words,
             format: FORMAT,
-            counts: [0; 5],
+            counts: [0; 6],
             number: PhantomData,
         };
         let mut at = saved.from(0);
@@ -74,9 +74,14 @@ impl<'b, R: Real> Saved<'b, R> {
         if !is_known || at.word() != BITS_VERSION || name::<R>() != at.four() {
             return Err(Error::OtherVersion);
         }
-        saved.counts = [(); 5].map(|()| at.word() as usize);
-        let [grains, groups, obstacles, pairs, touches] = saved.counts;
-        let counts = [grains, groups, obstacles, pairs.saturating_add(touches)];
+        let [grains, groups, obstacles, pairs, touches] = [(); 5].map(|()| at.word() as usize);
+        let facets = match saved.format {
+            PLAIN => 0,
+            _ => at.word() as usize,
+        };
+        saved.counts = [grains, groups, obstacles, pairs, touches, facets];
+        let histories = pairs.saturating_add(touches);
+        let counts = [grains, groups, obstacles, histories, facets];
         let size = size::<R>(saved.format, counts) / 4;
         let Some(words) = words.get(..size) else {
             return Err(Error::BadSave);
@@ -118,14 +123,15 @@ impl<'b, R: Real> Saved<'b, R> {
         Reader(self.words.get(word..).unwrap_or_default())
     }
 
-    /// Where a part begins: after the head, groups, obstacles, grains.
+    /// Where a part begins: after the head, groups, obstacles, grains, histories.
     fn part(&self, parts: usize) -> Reader<'b> {
-        let [grains, groups, obstacles, ..] = self.counts;
+        let [grains, groups, obstacles, pairs, touches, _] = self.counts;
         let sizes = [
-            (1, (COUNTS, HEAD)),
+            (1, (counts(self.format), HEAD)),
             (groups, GROUP),
             (obstacles, obstacle(self.format)),
             (grains, GRAIN),
+            (pairs.saturating_add(touches), HISTORY),
         ];
         let words = sizes.iter().take(parts).fold(0, |sum, (count, (w, n))| {
             sum + count * (w + width::<R>() * n)
@@ -134,17 +140,17 @@ impl<'b, R: Real> Saved<'b, R> {
     }
 
     fn flags(&self) -> u32 {
-        self.from(COUNTS - 3).word()
+        self.from(counts(self.format) - 3).word()
     }
 
     /// Its time step.
     pub fn dt(&self) -> R {
-        self.from(COUNTS).number()
+        self.from(counts(self.format)).number()
     }
 
     /// Its box; one that is none becomes a box without space, which no world starts in.
     pub fn domain(&self) -> Domain<R> {
-        let mut at = self.from(COUNTS);
+        let mut at = self.from(counts(self.format));
         let _: R = at.number();
         let (lo, hi) = (at.vector(), at.vector());
         match self.flags() & OPEN != 0 {
@@ -155,7 +161,7 @@ impl<'b, R: Real> Saved<'b, R> {
 
     /// What becomes of its grains that leave.
     pub fn policy(&self) -> LossPolicy<R> {
-        let mut at = self.from(COUNTS);
+        let mut at = self.from(counts(self.format));
         for _ in 0..7 {
             let _: R = at.number();
         }
@@ -191,7 +197,7 @@ impl<'b, R: Real> Saved<'b, R> {
             let flags = at.word();
             let image = at.images();
             let (direction, size) = (at.vector(), at.number());
-            let shape = |sizes| Shape::read(flags & KIND, direction, sizes);
+            let shape = |sizes, table| Shape::read(flags & KIND, direction, sizes, table);
             let plain = Obstacle {
                 point: at.vector(),
                 image,
@@ -199,13 +205,13 @@ impl<'b, R: Real> Saved<'b, R> {
                 inverse_mass: at.number(),
                 force: at.vector(),
                 torque: at.vector(),
-                ..Obstacle::new(shape([size, R::ZERO, R::ZERO]), [R::ZERO; 3])
+                ..Obstacle::new(shape([size, R::ZERO, R::ZERO], [0; 4]), [R::ZERO; 3])
             };
             if is_plain {
                 return plain;
             }
             Obstacle {
-                shape: shape([size, at.number(), at.number()]),
+                shape: shape([size, at.number(), at.number()], at.four()),
                 orientation: at.row(),
                 angular_velocity: at.vector(),
                 curved: flags & CURVED != 0,
@@ -213,6 +219,13 @@ impl<'b, R: Real> Saved<'b, R> {
                 ..plain
             }
         })
+    }
+
+    /// The corners of the triangles of its meshes, in order (length): what a host makes its [`World::facets`] from, with
+    /// [`arrange`](crate::arrange) for each mesh by itself.
+    pub fn facets(&self) -> impl Iterator<Item = [Vec3<R>; 3]> + use<'b, R> {
+        let mut at = self.part(5);
+        (0..self.counts[5]).map(move |_| [(); 3].map(|()| at.vector()))
     }
 
     /// Writes the rows of its grains, and its step, to a world with so many rows.
@@ -231,13 +244,13 @@ impl<'b, R: Real> Saved<'b, R> {
                 set(rows, i, [x, y, z, R::ZERO]);
             }
         }
-        let mut at = self.from(COUNTS - 2);
+        let mut at = self.from(counts(self.format) - 2);
         world.clock.step = u64::from(at.word()) | u64::from(at.word()) << 32;
     }
 
     fn histories(&self) -> impl Iterator<Item = ContactHistory<R>> + use<'b, R> {
         let mut at = self.part(4);
-        let [.., pairs, touches] = self.counts;
+        let [.., pairs, touches, _] = self.counts;
         (0..pairs.saturating_add(touches)).map(move |k| {
             let (i, j, spring) = (at.word(), at.word(), at.vector());
             match k < pairs {

@@ -12,6 +12,7 @@ use crate::math::real::Real;
 use crate::math::vec3::head;
 use crate::neighbors::pair_list::ContactHistory;
 use crate::state::domain::Domain;
+use crate::state::facet::Facet;
 use crate::state::grains::Group;
 use crate::state::losses::Drain;
 use crate::state::motion::Motion;
@@ -32,7 +33,7 @@ fn histories<R: Real>(world: &World<'_, R>) -> [usize; 2] {
 
 /// The layout that a world is written in.
 fn format<R: Real>(world: &World<'_, R>) -> u32 {
-    match world.obstacles.iter().all(Obstacle::is_plain) {
+    match world.obstacles.iter().all(Obstacle::is_plain) && world.facets.is_empty() {
         true => PLAIN,
         false => FORMAT,
     }
@@ -48,13 +49,13 @@ pub fn save_size<R: Real>(world: &World<'_, R>) -> usize {
             world.grains.groups.len(),
             world.obstacles.len(),
             pairs + touches,
+            world.facets.len(),
         ],
     )
 }
 
 /// Writes a world at rest to the beginning of `out`, and returns how many bytes that took. Going on from there, in a
-/// store of any capacity and with any skin, gives the bits of this world. The contact law is the host's own and not in
-/// it.
+/// store of any capacity and with any skin, gives the bits of this world. The contact law is the host's own and not in it.
 ///
 /// # Errors
 /// [`Error::NotStarted`], [`Error::GrainsLeaving`], [`Error::Edited`]; [`Error::BufferTooShort`], with nothing written.
@@ -137,6 +138,9 @@ impl<'a> Writer<'a> {
         for count in counts {
             self.word(count as u32);
         }
+        if format != PLAIN {
+            self.word(world.facets.len() as u32);
+        }
         self.word(flags(world));
         self.word(world.clock.step as u32);
         self.word((world.clock.step >> 32) as u32);
@@ -181,6 +185,9 @@ impl<'a> Writer<'a> {
             self.word(i);
             self.word(j);
             self.numbers(&spring);
+        }
+        for corner in world.facets.iter().flat_map(Facet::corners) {
+            self.numbers(&corner);
         }
         self.hash(&digest(world).whole);
     }
@@ -247,6 +254,9 @@ impl<'a> Writer<'a> {
             return;
         }
         self.numbers(&[sizes[1], sizes[2]]);
+        for word in body.shape.table() {
+            self.word(word);
+        }
         self.numbers(&body.orientation);
         self.numbers(&body.angular_velocity);
         let nothing = [R::ZERO; 3];

@@ -2,8 +2,10 @@
 
 pub(crate) mod domain;
 pub(crate) mod drive;
+pub(crate) mod facet;
 pub(crate) mod grains;
 pub(crate) mod losses;
+pub(crate) mod mesh;
 pub(crate) mod motion;
 pub(crate) mod obstacle;
 pub(crate) mod owned;

@@ -5,6 +5,8 @@ use crate::error::Error;
 use crate::math::real::{Real, smaller};
 use crate::math::vec3::{Vec3, add, cross, dot, length_bound, scale, sub};
 use crate::state::domain::Domain;
+use crate::state::facet::Facet;
+use crate::state::mesh::{FACETS_MAX, Mesh};
 use crate::state::motion::Motion;
 use crate::state::shape::{Nearest, Shape, divide};
 use crate::state::turning::{Orientation, is_upright, length2, to_body, to_world, upright};
@@ -51,6 +53,9 @@ pub struct Meeting<R> {
     pub overlap: R,
     /// Radius of curvature of the surface, as it counts in the effective radius; 0 for flat.
     pub curvature: R,
+    /// How much of the law's force counts: less than 1 only where triangles of a mesh meet at a hollow crease that
+    /// reaches into the grain, or where the grain touches the mesh elsewhere.
+    pub share: R,
 }
 
 impl<R: Real> Obstacle<R> {
@@ -122,6 +127,21 @@ impl<R: Real> Obstacle<R> {
         Self::new(shape, center)
     }
 
+    /// A resting, infinitely heavy mesh: the triangles of these numbers among those of the world, which
+    /// [`arrange`](crate::arrange) has put in order by themselves.
+    pub fn mesh(center: Vec3<R>, facets: &[Facet<R>], numbers: core::ops::Range<u32>) -> Self {
+        let (first, count) = (numbers.start, numbers.end.saturating_sub(numbers.start));
+        let mesh = Mesh::of(facets, first, count);
+        let (reach, name) = (mesh.reach(), mesh.name());
+        let shape = Shape::Mesh {
+            first,
+            count,
+            reach,
+            name,
+        };
+        Self::new(shape, center)
+    }
+
     /// A resting, infinitely heavy wall; `normal` of any length but zero points to the grains.
     pub fn plane(point: Vec3<R>, normal: Vec3<R>) -> Self {
         let normal = unit(normal);
@@ -172,6 +192,22 @@ impl<R: Real> Obstacle<R> {
         }
     }
 
+    /// Whether these triangles are those that a mesh was made of; of another shape nothing is asked.
+    pub(crate) fn has_facets(&self, facets: &[Facet<R>]) -> bool {
+        let Shape::Mesh {
+            first,
+            count,
+            reach,
+            name,
+        } = self.shape
+        else {
+            return true;
+        };
+        let mesh = Mesh::of(facets, first, count);
+        let is_whole = mesh.0.len() == count as usize && count as usize <= FACETS_MAX;
+        is_whole && mesh.reach() == reach && mesh.name() == name
+    }
+
     /// Whether the orientation is one, and what is endless is turned about its own direction.
     fn is_turned_soundly(&self) -> bool {
         let off = length2(self.orientation) - R::ONE;
@@ -184,12 +220,15 @@ impl<R: Real> Obstacle<R> {
 
     fn is_within(&self, domain: &Domain<R>, has_moved: bool) -> bool {
         let (lo, hi, periodic) = (domain.lo(), domain.hi(), domain.periodic());
-        // What is endless may be anywhere along itself; a plane, and the middle of a drum, anywhere.
+        // What is endless may be anywhere along itself; a plane, and the middle of a drum or a mesh, anywhere.
         let along = match self.shape.is_endless() {
             true => self.shape.direction(),
             false => [R::ZERO; 3],
         };
-        let anywhere = matches!(self.shape, Shape::Plane { .. } | Shape::Drum { .. });
+        let anywhere = matches!(
+            self.shape,
+            Shape::Plane { .. } | Shape::Drum { .. } | Shape::Mesh { .. }
+        );
         let is_round = matches!(self.shape, Shape::Sphere { .. } | Shape::Cylinder { .. });
         (0..3).all(|a| {
             let inside = self.point[a] >= lo[a] && self.point[a] <= hi[a];
@@ -251,7 +290,7 @@ impl<R: Real> Obstacle<R> {
         }
         let across = match self.shape {
             Shape::Sphere { .. } => return R::ZERO,
-            Shape::Box { .. } => spin,
+            Shape::Box { .. } | Shape::Mesh { .. } => spin,
             _ => {
                 let axis = self.direction();
                 sub(spin, scale(axis, dot(spin, axis)))
@@ -308,12 +347,57 @@ impl<R: Real> Obstacle<R> {
         (add(velocity, cross(spin, nearest)), [R::ZERO; 3])
     }
 
+    /// Whether it is a mesh.
+    pub(crate) fn is_mesh(&self) -> bool {
+        matches!(self.shape, Shape::Mesh { .. })
+    }
+
+    /// Its triangles, and the offset of a grain in its own axes; none if it is no mesh.
+    pub(crate) fn in_mesh<'f>(
+        &self,
+        facets: &'f [Facet<R>],
+        offset: Vec3<R>,
+    ) -> Option<(Mesh<'f, R>, Vec3<R>)> {
+        let Shape::Mesh { first, count, .. } = self.shape else {
+            return None;
+        };
+        let own = match self.is_turned() {
+            true => to_body(self.orientation, offset),
+            false => offset,
+        };
+        Some((Mesh::of(facets, first, count), own))
+    }
+
+    /// Where a grain meets a triangle of its mesh: one copy of it, for small machines.
+    #[inline(never)]
+    fn meet_mesh(
+        &self,
+        surface: u32,
+        facets: &[Facet<R>],
+        offset: Vec3<R>,
+        radius: R,
+    ) -> Meeting<R> {
+        let (mesh, own) = self.in_mesh(facets, offset).unwrap_or((Mesh(&[]), offset));
+        let (met, share) = mesh.meet(surface, own, radius);
+        Meeting {
+            normal: match self.is_turned() {
+                true => to_world(self.orientation, met.normal),
+                false => met.normal,
+            },
+            offset,
+            overlap: met.overlap,
+            curvature: R::ZERO,
+            share,
+        }
+    }
+
     /// Where a grain at `position` with this radius meets one of its surfaces, by its number below
-    /// [`Shape::surfaces`].
+    /// [`Shape::surfaces`]; `facets` are the triangles of the world.
     #[inline(always)]
     pub fn meet(
         &self,
         surface: u32,
+        facets: &[Facet<R>],
         domain: &Domain<R>,
         position: Vec3<R>,
         radius: R,
@@ -322,6 +406,9 @@ impl<R: Real> Obstacle<R> {
             Shape::Plane { .. } => sub(position, self.point),
             _ => domain.separation(position, self.point),
         };
+        if let Shape::Mesh { .. } = self.shape {
+            return self.meet_mesh(surface, facets, offset, radius);
+        }
         let meeting = if self.is_turned() {
             self.meet_turned(surface, offset, radius)
         } else {
@@ -336,6 +423,7 @@ impl<R: Real> Obstacle<R> {
                 _ if self.curved => meeting.curvature,
                 _ => R::ZERO,
             },
+            share: R::ONE,
         }
     }
 }

@@ -3,6 +3,9 @@
 use crate::math::real::{Real, larger, magnitude, smaller};
 use crate::math::vec3::{Vec3, dot, scale, sub};
 
+/// The kind of a mesh in files.
+pub(crate) const MESH: u32 = 7;
+
 /// What an obstacle is, in its own axes and about its own point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -58,6 +61,18 @@ pub enum Shape<R> {
         /// Half of its inner length (length), positive.
         half_length: R,
     },
+    /// A surface of triangles about the obstacle's point: some of those that the world has. It has as many surfaces as
+    /// triangles, and a grain may touch several of them. [`Obstacle::mesh`](crate::Obstacle::mesh) makes one.
+    Mesh {
+        /// Number of its first triangle among those of the world.
+        first: u32,
+        /// How many it has, at most [`FACETS_MAX`](crate::FACETS_MAX).
+        count: u32,
+        /// Distance of its farthest corner from the point (length).
+        reach: R,
+        /// What tells its triangles from others: the first half of their hash.
+        name: u64,
+    },
 }
 
 /// The nearest place of a surface, in the axes in which the offset of a grain was given.
@@ -72,7 +87,8 @@ pub(crate) struct Nearest<R> {
 }
 
 impl<R: Real> Shape<R> {
-    /// Its kind as files have it, its direction and its sizes, zeros for what it has not.
+    /// Its kind as files have it, its direction and its sizes, zeros for what it has not; of a mesh see
+    /// [`Shape::table`].
     pub(crate) fn written(&self) -> (u32, Vec3<R>, Vec3<R>) {
         let zero = R::ZERO;
         match *self {
@@ -95,11 +111,22 @@ impl<R: Real> Shape<R> {
                 radius,
                 half_length,
             } => (6, axis, [radius, half_length, zero]),
+            Self::Mesh { reach, .. } => (MESH, [zero; 3], [reach, zero, zero]),
+        }
+    }
+
+    /// Of a mesh: first triangle, number of triangles, and both halves of the name; zeros else.
+    pub(crate) fn table(&self) -> [u32; 4] {
+        match *self {
+            Self::Mesh {
+                first, count, name, ..
+            } => [first, count, name as u32, (name >> 32) as u32],
+            _ => [0; 4],
         }
     }
 
     /// The shape that was written so; a kind that there is none of is a plane.
-    pub(crate) fn read(kind: u32, axis: Vec3<R>, sizes: Vec3<R>) -> Self {
+    pub(crate) fn read(kind: u32, axis: Vec3<R>, sizes: Vec3<R>, table: [u32; 4]) -> Self {
         let [radius, half_length, _] = sizes;
         match kind {
             0 => Self::Sphere { radius },
@@ -120,15 +147,25 @@ impl<R: Real> Shape<R> {
                 radius,
                 half_length,
             },
+            MESH => {
+                let [first, count, low, high] = table;
+                Self::Mesh {
+                    first,
+                    count,
+                    reach: radius,
+                    name: u64::from(low) | u64::from(high) << 32,
+                }
+            }
             _ => Self::Plane { normal: axis },
         }
     }
 
-    /// How many surfaces a grain can touch at once.
+    /// How many surfaces it has, of which a grain may touch several.
     #[must_use]
     pub fn surfaces(&self) -> u32 {
         match self {
             Self::Drum { .. } => 3,
+            Self::Mesh { count, .. } => *count,
             _ => 1,
         }
     }
@@ -136,7 +173,7 @@ impl<R: Real> Shape<R> {
     /// The direction that it is given by; zero if it has none.
     pub(crate) fn direction(&self) -> Vec3<R> {
         match *self {
-            Self::Sphere { .. } | Self::Box { .. } => [R::ZERO; 3],
+            Self::Sphere { .. } | Self::Box { .. } | Self::Mesh { .. } => [R::ZERO; 3],
             Self::Cylinder { axis, .. }
             | Self::FiniteCylinder { axis, .. }
             | Self::Capsule { axis, .. }
@@ -156,6 +193,7 @@ impl<R: Real> Shape<R> {
         match *self {
             Self::Sphere { radius } | Self::Cylinder { radius, .. } => radius,
             Self::Plane { .. } => R::ZERO,
+            Self::Mesh { reach, .. } => reach,
             Self::FiniteCylinder {
                 radius,
                 half_length,
@@ -181,7 +219,7 @@ impl<R: Real> Shape<R> {
             Self::Sphere { radius }
             | Self::Cylinder { radius, .. }
             | Self::Capsule { radius, .. } => radius,
-            Self::Plane { .. } | Self::Drum { .. } => R::ZERO,
+            Self::Plane { .. } | Self::Drum { .. } | Self::Mesh { .. } => R::ZERO,
             Self::FiniteCylinder {
                 radius,
                 half_length,
@@ -197,6 +235,7 @@ impl<R: Real> Shape<R> {
         let sized = match *self {
             Self::Sphere { radius } | Self::Cylinder { radius, .. } => sized(radius),
             Self::Plane { .. } => true,
+            Self::Mesh { reach, .. } => sized(reach),
             Self::FiniteCylinder {
                 radius,
                 half_length,
@@ -216,7 +255,10 @@ impl<R: Real> Shape<R> {
         };
         let direction = self.direction();
         let off = dot(direction, direction) - R::ONE;
-        let has_none = matches!(self, Self::Sphere { .. } | Self::Box { .. });
+        let has_none = matches!(
+            self,
+            Self::Sphere { .. } | Self::Box { .. } | Self::Mesh { .. }
+        );
         sized && direction.iter().all(|x| x.is_finite()) && (has_none || off * off < R::EPSILON)
     }
 
@@ -301,8 +343,11 @@ impl<R: Real> Shape<R> {
                     curvature: R::ZERO,
                 }
             }
-            // These are met above.
-            Self::Sphere { .. } | Self::Cylinder { .. } | Self::Plane { .. } => Nearest {
+            // The first three are met above, a mesh in `mesh.rs`.
+            Self::Sphere { .. }
+            | Self::Cylinder { .. }
+            | Self::Plane { .. }
+            | Self::Mesh { .. } => Nearest {
                 normal: [R::ZERO; 3],
                 overlap: -R::MAX,
                 curvature: R::ZERO,

@@ -5,7 +5,7 @@ use crate::math::vec3::Vec3;
 use crate::state::shape::Shape;
 
 impl<R: Real> Shape<R> {
-    /// Its volume (length^3); none of an endless shape or a tank.
+    /// Its volume (length^3); none of an endless shape, a tank or a mesh.
     #[must_use]
     pub fn volume(&self) -> Option<R> {
         let pi = R::from_f64(core::f64::consts::PI);
@@ -27,12 +27,14 @@ impl<R: Real> Shape<R> {
                 Some((pi * (radius * radius)) * ((half_length + half_length) + ball))
             }
             Self::Box { half } => Some(((half[0] * half[1]) * half[2]) * R::from_f64(8.0)),
-            Self::Cylinder { .. } | Self::Plane { .. } | Self::Drum { .. } => None,
+            Self::Cylinder { .. } | Self::Plane { .. } | Self::Drum { .. } | Self::Mesh { .. } => {
+                None
+            }
         }
     }
 
     /// Its moments of inertia about its own axes for a mass of 1, if it is of one density (length^2); none of an
-    /// endless shape, a tank, and one that lies askew to its own axes.
+    /// endless shape, a tank, a mesh, and one that lies askew to its own axes.
     #[must_use]
     pub fn inertia(&self) -> Option<Vec3<R>> {
         let fraction = |a: f64, b: f64| R::from_f64(a / b);
@@ -70,7 +72,9 @@ impl<R: Real> Shape<R> {
                 let balls = balls * (round * fraction(2.0, 5.0) + shifted);
                 (axis, along, bar + balls)
             }
-            Self::Cylinder { .. } | Self::Plane { .. } | Self::Drum { .. } => return None,
+            Self::Cylinder { .. } | Self::Plane { .. } | Self::Drum { .. } | Self::Mesh { .. } => {
+                return None;
+            }
         };
         let is_straight = axis.iter().filter(|x| **x != R::ZERO).count() == 1;
         is_straight.then(|| axis.map(|x| if x == R::ZERO { across } else { along }))
@@ -94,7 +98,7 @@ mod tests {
             for y in 0..count {
                 for z in 0..count {
                     let place = [at(x), at(y), at(z)];
-                    if body.meet(0, &Domain::open(), place, 0.0).overlap > 0.0 {
+                    if body.meet(0, &[], &Domain::open(), place, 0.0).overlap > 0.0 {
                         places.push(place);
                     }
                 }

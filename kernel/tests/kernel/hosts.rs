@@ -202,6 +202,7 @@ fn errors_have_their_numbers() {
         (12, Error::BadContactHistory),
         (13, Error::BadSave),
         (14, Error::OtherVersion),
+        (15, Error::OtherFacets { obstacle }),
         (20, Error::PairListFull { needed }),
         (21, Error::OuterListFull { needed }),
         (22, Error::ObstacleContactsFull { needed }),

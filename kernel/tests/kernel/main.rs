@@ -6,6 +6,7 @@ mod common {
     pub mod part;
     pub mod parts;
     pub mod slow_bodies;
+    pub mod slow_mesh;
 }
 
 mod canary;
@@ -19,6 +20,7 @@ mod fixed_worlds;
 mod heavy;
 mod hosts;
 mod images;
+mod meshes;
 mod oracle;
 mod parts;
 mod reference;

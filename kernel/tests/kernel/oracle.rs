@@ -6,11 +6,12 @@ use std::collections::BTreeMap;
 
 use crate::common::cases::cases;
 use crate::common::crowd::{DENSE, PER_GRAIN, Packing, REDUCED, SI, Units, crowd, history, tsuji};
-use crate::common::slow_bodies::{drift, kick, meet};
+use crate::common::slow_bodies::{drift, kick, meet, out, own_offset};
+use crate::common::slow_mesh;
 use bitgrain_kernel::contact::{Contact, Law, react};
 use bitgrain_kernel::vec3::{self, head};
 use bitgrain_kernel::{
-    ContactHistory, Domain, Group, Obstacle, Row, Shape, World, obstacle_of, start, step,
+    ContactHistory, Domain, Facet, Group, Obstacle, Row, Shape, World, obstacle_of, start, step,
     surface_of,
 };
 use proptest::prelude::*;
@@ -39,6 +40,7 @@ struct Slow<L> {
     torque: Rows,
     image: Vec<[i32; 3]>,
     obstacles: Vec<Obstacle<f64>>,
+    facets: Vec<Facet<f64>>,
     pairs: BTreeMap<(usize, usize), V>,
     touches: BTreeMap<(usize, usize, u32), V>,
 }
@@ -59,6 +61,7 @@ impl<L: Law<f64>> Slow<L> {
             torque: g.torque.to_vec(),
             image: g.image.to_vec(),
             obstacles: world.obstacles.to_vec(),
+            facets: world.facets.to_vec(),
             pairs: BTreeMap::new(),
             touches: BTreeMap::new(),
         }
@@ -88,6 +91,9 @@ impl<L: Law<f64>> Slow<L> {
                 let body = self.obstacles[k];
                 if self.heavy(i) && body.inverse_mass == 0.0 {
                     continue;
+                }
+                if let Shape::Mesh { .. } = body.shape {
+                    self.hand_on(i, k);
                 }
                 for surface in 0..body.shape.surfaces() {
                     self.touch(i, (k, surface), dt, &mut force[i], &mut torque[i]);
@@ -120,15 +126,38 @@ impl<L: Law<f64>> Slow<L> {
         }
     }
 
+    /// Gives contacts on triangles that begin the springs that the grain has on others.
+    fn hand_on(&mut self, i: usize, k: usize) {
+        let had: Vec<usize> = self
+            .touches
+            .range((i, k, 0)..(i, k + 1, 0))
+            .map(|(key, _)| key.2 as usize)
+            .collect();
+        let (place, radius) = (head(self.position[i]), self.position[i][3]);
+        let (_, own) = own_offset(&self.obstacles[k], &self.domain, place);
+        for surface in 0..self.facets.len() {
+            let (_, overlap, _) = slow_mesh::meet(&self.facets, surface, own, radius);
+            if overlap > 0.0 && !had.contains(&surface) {
+                let from = slow_mesh::source(&self.facets, surface, &had, own, radius);
+                if let Some(from) = from {
+                    let spring = self.touches[&(i, k, from as u32)];
+                    self.touches.insert((i, k, surface as u32), spring);
+                }
+            }
+        }
+    }
+
     /// A contact on a surface of an obstacle, and what it adds to the force and torque on the grain.
     fn touch(&mut self, i: usize, at: (usize, u32), dt: f64, force: &mut V, torque: &mut V) {
         let key = (i, at.0, at.1);
-        let Some((contact, offset)) = self.on_obstacle(i, at.0, at.1) else {
+        let Some((contact, offset, share)) = self.on_obstacle(i, at.0, at.1) else {
             self.touches.remove(&key);
             return;
         };
         let spring = self.touches.get(&key).copied().unwrap_or([0.0; 3]);
-        let r = react(&self.law, &contact, spring, dt);
+        let mut r = react(&self.law, &contact, spring, dt);
+        r.normal *= share;
+        r.tangential = vec3::scale(r.tangential, share);
         self.touches.insert(key, r.spring);
         let push = vec3::add(vec3::scale(contact.normal, r.normal), r.tangential);
         let couple = vec3::cross(contact.normal, r.tangential);
@@ -167,11 +196,20 @@ impl<L: Law<f64>> Slow<L> {
         })
     }
 
-    fn on_obstacle(&self, i: usize, k: usize, surface: u32) -> Option<(Contact<f64>, V)> {
+    fn on_obstacle(&self, i: usize, k: usize, surface: u32) -> Option<(Contact<f64>, V, f64)> {
         let s = self;
         let (body, radius) = (&s.obstacles[k], s.position[i][3]);
         let place = head(s.position[i]);
-        let (normal, offset, overlap) = meet(body, surface, &s.domain, place, radius);
+        let mut share = 1.0;
+        let (normal, offset, overlap) = match body.shape {
+            Shape::Mesh { .. } => {
+                let (offset, own) = own_offset(body, &s.domain, place);
+                let met = slow_mesh::meet(&s.facets, surface as usize, own, radius);
+                share = met.2;
+                (out(body.orientation, met.0), offset, met.1)
+            }
+            _ => meet(body, surface, &s.domain, place, radius),
+        };
         let (curve, spin) = match body.shape {
             Shape::Sphere { radius: own } => (own, body.angular_velocity),
             _ => (0.0, [0.0; 3]),
@@ -198,7 +236,7 @@ impl<L: Law<f64>> Slow<L> {
             spin_i: head(s.spin[i]),
             spin_j: spin,
         };
-        (overlap > 0.0).then_some((contact, offset))
+        (overlap > 0.0).then_some((contact, offset, share))
     }
 
     fn kick(&mut self) {

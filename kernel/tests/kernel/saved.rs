@@ -185,6 +185,7 @@ impl Lender {
             group: &mut self.group,
             groups: &mut self.groups,
             obstacles: &mut self.obstacles,
+            facets: &[],
         };
         LentStore::new(memory, self.capacity).unwrap()
     }
@@ -266,6 +267,7 @@ fn memory_that_is_too_short_is_refused() {
             group: &mut lender.group,
             groups: &mut lender.groups,
             obstacles: &mut lender.obstacles,
+            facets: &[],
         };
         LentStore::new(memory, capacity).err() == Some(Error::BadStorage)
     };

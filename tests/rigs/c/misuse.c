@@ -83,6 +83,14 @@ int main(void) {
     plane.kind = BG_PLANE;
     IS(bg_add_obstacle(world, &plane, &number), BG_OK);
     IS(bg_add_obstacle(world, &plane, &number), BG_BAD_STORAGE);
+    bg_obstacle mesh = {.size = sizeof mesh, .kind = BG_PLANE};
+    double corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    IS(bg_add_mesh(world, &mesh, corners, 1, &number), BG_BAD_ARGUMENT);
+    mesh.kind = BG_MESH;
+    IS(bg_add_obstacle(world, &mesh, &number), BG_BAD_ARGUMENT);
+    IS(bg_add_mesh(world, &mesh, NULL, 1, &number), BG_NULL);
+    IS(bg_add_mesh(world, &mesh, corners, 0, &number), BG_BAD_ARGUMENT);
+    IS(bg_add_mesh(world, &mesh, corners, 1, &number), BG_TOO_SMALL);
     bg_grain grains[4];
     memset(grains, 0, sizeof grains);
     for (int k = 0; k < 4; k++) {

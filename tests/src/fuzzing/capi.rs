@@ -6,7 +6,7 @@ use std::ptr::{null, null_mut};
 
 use bitgrain_capi::grains::{bg_insert, bg_nudge, bg_regroup, bg_remove};
 use bitgrain_capi::obstacles::{
-    bg_add_obstacle, bg_drive, bg_drive_to, bg_get_obstacle, bg_push, bg_turn,
+    bg_add_mesh, bg_add_obstacle, bg_drive, bg_drive_to, bg_get_obstacle, bg_push, bg_turn,
 };
 use bitgrain_capi::rows::bg_read;
 use bitgrain_capi::saved::{bg_load, bg_save, bg_save_size};
@@ -16,7 +16,7 @@ use bitgrain_capi::setup::{
 use bitgrain_capi::status::BG_OK;
 use bitgrain_capi::steps::{bg_get_digest, bg_start, bg_step};
 use bitgrain_capi::types::{
-    bg_capacity, bg_config, bg_counts, bg_digest, bg_fault, bg_grain, bg_group, bg_law,
+    BG_MESH, bg_capacity, bg_config, bg_counts, bg_digest, bg_fault, bg_grain, bg_group, bg_law,
     bg_obstacle, bg_policy, bg_world,
 };
 
@@ -38,6 +38,7 @@ pub fn capi(data: &[u8]) -> bool {
         cells: u32::from(bytes.byte() % 20),
         obstacles: u32::from(bytes.byte() % 4),
         groups: u32::from(bytes.byte() % 4),
+        facets: 6,
     };
     let size = bg_size(&capacity);
     let mut memory = vec![0u64; size / 8];
@@ -152,6 +153,15 @@ fn call(bytes: &mut Bytes, world: *mut bg_world) -> bool {
             let (force, torque) = (bytes.vector(), bytes.vector());
             let body = u32::from(bytes.byte() % 4);
             bg_push(world, body, force.as_ptr(), torque.as_ptr())
+        }
+        18 => {
+            let corners: Vec<f64> = (0..27).map(|_| bytes.between(-2.0, 2.0)).collect();
+            let body = bg_obstacle {
+                kind: BG_MESH,
+                ..obstacle(bytes)
+            };
+            let count = bytes.below(4) as u32;
+            bg_add_mesh(world, &body, corners.as_ptr(), count, &mut number)
         }
         12 => pass(bytes, world),
         13 => nulls(world),

@@ -1,9 +1,11 @@
 //! Numbers, slices and worlds of any kind, sound or not.
 
 use bitgrain_kernel::phases::{Extent, ForceCheck, ObstacleShare};
+use std::sync::Arc;
+
 use bitgrain_kernel::{
-    ContactHistory, Domain, Error as KernelError, FreeMotion, Group, Motion, Obstacle, Real, Row,
-    Shape,
+    ContactHistory, Domain, Error as KernelError, Facet, FreeMotion, Group, Motion, Obstacle, Real,
+    Row, Shape, arrange,
 };
 
 use super::bytes::Bytes;
@@ -119,6 +121,22 @@ pub(super) fn obstacle<R: Real>(bytes: &mut Bytes) -> Obstacle<R> {
     body
 }
 
+/// Triangles of any numbers, in the order of a mesh; some of them slivers, lines and points.
+pub(super) fn facets<R: Real>(bytes: &mut Bytes) -> Vec<Facet<R>> {
+    let count = bytes.below(6);
+    let mut all = many(bytes, count, |bytes| {
+        let (a, b, c) = (vector(bytes), vector(bytes), vector(bytes));
+        Facet::new(match bytes.below(6) {
+            0 => [a, a, a],
+            1 => [a, b, a],
+            2 => [a, b, [a[0] + R::EPSILON, a[1], a[2]]],
+            _ => [a, b, c],
+        })
+    });
+    arrange(&mut all);
+    all
+}
+
 pub(super) fn list<R: Real>(bytes: &mut Bytes) -> List<R> {
     let (pairs, touches) = (bytes.below(40), bytes.below(ENTRIES));
     List {
@@ -197,6 +215,15 @@ pub(super) fn lent<R: Real>(bytes: &mut Bytes) -> Lent<R> {
     if bytes.below(2) == 0 {
         let bounds = bytes.below(ENTRIES);
         lent.owned = many(bytes, bounds, word);
+    }
+    if bytes.below(2) == 0 {
+        lent.facets = Arc::new(facets(bytes));
+        let body = Obstacle::mesh(vector(bytes), &lent.facets, word(bytes)..word(bytes));
+        let orientation = [0; 4].map(|_| number(bytes));
+        lent.obstacles.push(Obstacle {
+            orientation,
+            ..body
+        });
     }
     lent
 }

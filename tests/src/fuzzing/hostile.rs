@@ -13,14 +13,14 @@ use bitgrain_kernel::phases::{
     is_draining, measure, no_fetch, obstacle_forces, seal, sum_on_obstacles,
 };
 use bitgrain_kernel::{
-    Domain, Real, Row, Store, check_arithmetic, digest, resume, start, start_watched, step,
-    step_watched,
+    Domain, Obstacle, Real, Row, Store, check_arithmetic, digest, resume, start, start_watched,
+    step, step_watched,
 };
 
 use super::bytes::Bytes;
 use super::drawn::{
-    ENTRIES, bond, domain, extent, fault, found, group, lent, list, many, number, obstacle, row,
-    share, tame, vector, word,
+    ENTRIES, bond, domain, extent, facets, fault, found, group, lent, list, many, number, obstacle,
+    row, share, tame, vector, word,
 };
 use super::lent::Lent;
 use super::lent::growing;
@@ -270,6 +270,11 @@ pub(super) fn plain<R: Real>(bytes: &mut Bytes) -> bool {
     domain.separation(place, vector(bytes));
     let body = obstacle::<R>(bytes);
     let checked = body.check(&domain, word(bytes));
+    let all = facets(bytes);
+    let mesh = Obstacle::mesh(vector(bytes), &all, 0..word(bytes));
+    for body in [body, mesh] {
+        body.meet(word(bytes), &all, &domain, vector(bytes), number(bytes));
+    }
     let contact = Contact {
         normal: vector(bytes),
         overlap: number(bytes),

@@ -175,7 +175,7 @@ fn gap_to(world: &World<'_, f64>, i: u32, k: usize) -> f64 {
             -((x[3] + radius) - dot(d, d).sqrt())
         }
         Shape::Plane { normal } => dot(sub(head(x), body.point), normal) - x[3],
-        _ => -body.meet(0, world.domain, head(x), x[3]).overlap,
+        _ => -body.meet(0, &[], world.domain, head(x), x[3]).overlap,
     }
 }
 

@@ -4,6 +4,8 @@
 //! they were, and with more room the run goes on to the digests of one that had room from the beginning.
 //! Unsound ones are in `hostile.rs`.
 
+use std::sync::Arc;
+
 use crate::fuzzing::lent::add;
 use crate::fuzzing::lent::growing;
 use crate::fuzzing::lent::reserve;
@@ -11,7 +13,8 @@ use crate::fuzzing::lent::reserve_all;
 use bitgrain_kernel::contact::{HertzHistory, HertzTsuji, Law};
 use bitgrain_kernel::phases::{Sealed, begin, end, seal};
 use bitgrain_kernel::{
-    Domain, Error as KernelError, Group, Obstacle, PARTS, Real, World, digest, resume, start, step,
+    Domain, Error as KernelError, Facet, Group, Obstacle, PARTS, Real, World, arrange, digest,
+    resume, start, step,
 };
 
 use super::bytes::Bytes;
@@ -293,6 +296,20 @@ fn bed<R: Real>(bytes: &mut Bytes) -> (Lent<R>, f64) {
             rows(velocity, mass),
             spin,
         );
+    }
+    if bytes.below(2) == 0 {
+        let at = |bytes: &mut Bytes| bytes.vector().map(|x| R::from_f64(x * size));
+        let mut facets: Vec<_> = (0..1 + bytes.below(4))
+            .map(|k| {
+                let (a, b) = (at(bytes), at(bytes));
+                Facet::new([a, b, if k % 3 == 2 { a } else { at(bytes) }])
+            })
+            .collect();
+        arrange(&mut facets);
+        let numbers = 0..facets.len() as u32;
+        lent.obstacles
+            .push(Obstacle::mesh(place.map(R::from_f64), &facets, numbers));
+        lent.facets = Arc::new(facets);
     }
     lent.cell_start = vec![9; 2 + bytes.below(60)];
     reserve(&mut lent, bytes.below(30), bytes.below(30), bytes.below(12));

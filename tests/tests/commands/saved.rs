@@ -80,6 +80,7 @@ impl InC {
             cells: 200,
             obstacles: 2,
             groups: 2,
+            facets: 0,
         };
         let config = bg_config {
             size: sized::<bg_config>(),

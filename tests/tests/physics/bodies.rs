@@ -73,7 +73,7 @@ fn sliding_becomes_rolling() {
         let slides = ball(1, [0.0, 0.0, 0.4999], [1.0, 0.0, 0.0]);
         let case = Case {
             gravity: [0.0, 0.0, -1.0],
-            ..open_case(law, 1e-4, vec![slides], vec![top])
+            ..open_case(law, 1e-4, vec![slides], vec![top.clone()])
         };
         let mut sim = begin(&case);
         // It slides for 2 v / (7 mu g), about one unit of time.

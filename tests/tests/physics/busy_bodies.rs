@@ -4,12 +4,26 @@
 use bitgrain::case::{BodyMotion, BoxSpec, Case, ObstacleSpec};
 use bitgrain::checkpoint;
 use bitgrain::energy_budget::Audit;
+use bitgrain::mesh::Triangle;
 use bitgrain::parts::Cutting;
 use bitgrain::simulation::{Simulation, hex};
 use bitgrain::threads::on_threads;
 use bitgrain_tests::{ball, open_case};
 
 use crate::bodies::{begin, capsule, cuboid, free, tsuji};
+
+/// Four blades that meet in an axis, each a square of two triangles.
+fn paddles() -> Vec<Triangle> {
+    let blade = |[x, y]: [f64; 2]| {
+        let [a, b] = [-0.5, 0.5].map(|z| [0.0, 0.0, z]);
+        let [c, d] = [0.5, -0.5].map(|z| [x, y, z]);
+        [[a, b, c], [a, c, d]]
+    };
+    [[0.8, 0.0], [0.0, 0.8], [-0.8, 0.0], [0.0, -0.8]]
+        .into_iter()
+        .flat_map(blade)
+        .collect()
+}
 
 /// Many grains in a box that is periodic along x and y, and bodies of every kind of motion among them.
 fn busy() -> Case {
@@ -43,6 +57,15 @@ fn busy() -> Case {
             angular_velocity: Some([2.0, 1.0, -1.0]),
             ..cuboid(above(3.5, 3.5), [0.5, 0.4, 0.6])
         },
+        ObstacleSpec {
+            center: Some(above(6.0, 6.0)),
+            velocity: [0.0, 0.0, -1.5],
+            angular_velocity: Some([1.0, 0.0, 2.0]),
+            mass: Some(6.0),
+            inertia: Some([0.9, 0.9, 1.2]),
+            motion: Some(BodyMotion::Free),
+            ..ObstacleSpec::mesh(paddles())
+        },
     ];
     Case {
         bounds: Some(BoxSpec {
@@ -70,7 +93,7 @@ fn any_threads_step_free_bodies_alike() {
         sim.stepping.tunes = false;
         sim.skin = skin;
         on_threads(threads, || sim.steps(steps).expect("a sound case")).expect("threads");
-        let touched = (1..5).map(|k| sim.touching(k).len()).collect::<Vec<_>>();
+        let touched = (1..6).map(|k| sim.touching(k).len()).collect::<Vec<_>>();
         (digest(&mut sim), touched)
     };
     let one = run(1, Cutting::Planes, 0.1);
@@ -158,42 +181,42 @@ fn wrong_bodies_are_refused_by_key() {
         (
             ObstacleSpec {
                 half: Some([1.0; 3]),
-                ..sphere
+                ..sphere.clone()
             },
             "obstacles[0].half",
         ),
         (
             ObstacleSpec {
                 diameter: None,
-                ..sphere
+                ..sphere.clone()
             },
             "obstacles[0].diameter",
         ),
         (
             ObstacleSpec {
                 motion: Some(BodyMotion::Free),
-                ..sphere
+                ..sphere.clone()
             },
             "obstacles[0].motion",
         ),
         (
             ObstacleSpec {
                 mass: Some(1.0),
-                ..free(sphere, 1.0)
+                ..free(sphere.clone(), 1.0)
             },
             "obstacles[0].mass",
         ),
         (
             ObstacleSpec {
                 orientation: Some([1.0, 1.0, 0.0, 0.0]),
-                ..sphere
+                ..sphere.clone()
             },
             "obstacles[0].orientation",
         ),
         (
             ObstacleSpec {
                 applied_force: Some([1.0; 3]),
-                ..sphere
+                ..sphere.clone()
             },
             "obstacles[0].applied_force",
         ),

@@ -191,7 +191,7 @@ fn an_overlap_beyond_half_the_smaller_radius_is_refused() {
         (bar(4.0), 0.25),
         (bar(0.5), 0.125),
     ] {
-        let start = |depth| laid_on(body, depth).start("deep", |_| {});
+        let start = |depth| laid_on(body.clone(), depth).start("deep", |_| {});
         assert!(start(limit - 1e-6).is_ok(), "{body:?}");
         assert_eq!(fault(&start(limit + 1e-6)), on_obstacle, "{body:?}");
     }
@@ -220,14 +220,14 @@ fn an_overlap_too_deep_stops_a_run() {
         (done, sim.step_count())
     };
     for body in [floor(), sphere(4.0), bar(4.0)] {
-        let (done, steps) = run(laid_on(body, 0.0), 150.0);
+        let (done, steps) = run(laid_on(body.clone(), 0.0), 150.0);
         assert_eq!(
             done,
             Err(KernelError::ObstacleTooDeep { id: 7, obstacle: 0 }),
             "{body:?}"
         );
         assert!((5..60).contains(&steps), "{steps}");
-        assert_eq!(run(laid_on(body, 0.0), 50.0).0, Ok(()));
+        assert_eq!(run(laid_on(body.clone(), 0.0), 50.0).0, Ok(()));
     }
     let mut pair = laid_on(floor(), 0.0);
     pair.obstacles.clear();

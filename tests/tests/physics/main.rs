@@ -17,6 +17,7 @@ mod kumar;
 mod lammps;
 mod matrix;
 mod medium;
+mod meshes;
 mod motions;
 mod near_field;
 mod notes;

@@ -121,7 +121,7 @@ fn lammps_places_of_contact() {
             }
             let ours = (0..body.shape.surfaces()).filter_map(|surface| {
                 let place = triple(&sample[0], 1);
-                let met = body.meet(surface, &Domain::open(), place, radius);
+                let met = body.meet(surface, &[], &Domain::open(), place, radius);
                 let depth = radius - met.overlap;
                 let nearest = vec3::sub(place, vec3::scale(met.normal, depth));
                 (met.overlap > 0.0).then_some(nearest)
@@ -201,7 +201,7 @@ fn a_turning_surface_moves_as_its_nearest_place() {
 fn curvature_counts_if_it_is_asked_for() {
     let meet = |body: Obstacle<f64>, curved: bool, place: [f64; 3]| {
         let body = Obstacle { curved, ..body };
-        body.meet(0, &Domain::open(), place, 0.5).curvature
+        body.meet(0, &[], &Domain::open(), place, 0.5).curvature
     };
     let axis = [0.0, 1.0, 0.0];
     let bars = [

@@ -4,6 +4,8 @@ use super::keys::{Case, GrainSpec};
 use super::motion::MotionSpec;
 use super::numbers::{Check, finite, positive};
 use super::obstacle::ObstacleSpec;
+use bitgrain_kernel::Domain;
+use bitgrain_sim::owned_world::OwnedWorld;
 
 pub(super) fn check(case: &Case) -> Check {
     case.law
@@ -84,7 +86,7 @@ fn check_obstacle(o: &ObstacleSpec, gravity: [f64; 3], place: &str) -> Check {
     for (key, vector) in vectors {
         finite(&at(key), &vector.unwrap_or([0.0; 3]))?;
     }
-    let built = o.build(gravity);
+    let built = o.build(gravity, &mut OwnedWorld::new(Domain::open(), 1.0));
     built.map_err(|(key, problem)| (at(&key), problem))?;
     Ok(())
 }

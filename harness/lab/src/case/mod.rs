@@ -5,6 +5,7 @@ use std::path::Path;
 use bitgrain_kernel::{Domain, Error as KernelError, Group};
 
 use bitgrain_sim::error::{Error, FULL, Result};
+use bitgrain_sim::mesh::read_stl;
 use bitgrain_sim::simulation::{Grain, Simulation};
 
 mod check;
@@ -23,15 +24,26 @@ pub use obstacle::{BodyMotion, BodyShape, ObstacleSpec};
 /// [`Error::Input`] with line or key, and what was expected.
 pub fn read(path: &Path) -> Result<Case> {
     let text = bitgrain_sim::files::read_text(path)?;
-    parse(&text, &path.display().to_string())
+    let name = path.display().to_string();
+    let mut case: Case = crate::json::parse(&text, &name)?;
+    for body in &mut case.obstacles {
+        if let Some(file) = body.file.take() {
+            let folder = path.parent().unwrap_or(Path::new(""));
+            body.triangles = Some(read_stl(&folder.join(file))?);
+        }
+    }
+    checked(case, &name)
 }
 
-/// Parses the text of a case file; `name` is what errors call it.
+/// Parses the text of a case file that names no other file; `name` is what errors call it.
 ///
 /// # Errors
 /// As [`read`].
 pub fn parse(text: &str, name: &str) -> Result<Case> {
-    let case: Case = crate::json::parse(text, name)?;
+    checked(crate::json::parse(text, name)?, name)
+}
+
+fn checked(case: Case, name: &str) -> Result<Case> {
     check::check(&case)
         .map_err(|(key, problem)| Error::input(format!("{name}: `{key}`"), problem))?;
     Ok(case)
@@ -83,16 +95,6 @@ impl Case {
             });
         }
         grains.sort_by_key(|g| g.id);
-        let mut obstacles = Vec::with_capacity(self.obstacles.len());
-        for (k, body) in self.obstacles.iter().enumerate() {
-            let body = body.build(self.gravity);
-            obstacles.push(body.map_err(|(key, problem)| {
-                Error::input(format!("{name}: `obstacles[{k}].{key}`"), problem)
-            })?);
-        }
-        for body in &mut obstacles {
-            domain.wrap(&mut body.point, &mut [0; 3]);
-        }
         let groups = vec![
             Group::free(self.gravity),
             Group::frozen(),
@@ -100,7 +102,15 @@ impl Case {
             Group::free([0.0; 3]),
             Group::free_along_z(self.gravity),
         ];
-        let mut sim = Simulation::new(law, domain, self.dt, groups, &grains, obstacles);
+        let mut sim = Simulation::new(law, domain, self.dt, groups, &grains, Vec::new());
+        for (k, body) in self.obstacles.iter().enumerate() {
+            let body = body.build(self.gravity, &mut sim);
+            let mut body = body.map_err(|(key, problem)| {
+                Error::input(format!("{name}: `obstacles[{k}].{key}`"), problem)
+            })?;
+            domain.wrap(&mut body.point, &mut [0; 3]);
+            sim.obstacles.push(body);
+        }
         sim.start_watched(watch).map_err(|fault| {
             refuse(name, fault, |id| {
                 let at = self.grains.iter().position(|g| g.id == id).unwrap_or(0);

@@ -2,6 +2,8 @@
 
 use bitgrain_kernel::{FreeMotion, Motion, Obstacle, Orientation};
 use bitgrain_sim::body::{body_mass, orientation};
+use bitgrain_sim::mesh::{Triangle, add_mesh, check_triangles};
+use bitgrain_sim::owned_world::OwnedWorld;
 use serde::{Deserialize, Serialize};
 
 use super::numbers::{direction as is_direction, finite, positive};
@@ -22,6 +24,8 @@ pub enum BodyShape {
     Box,
     /// The inside of a cylinder with ends, in which grains live: `center`, `axis`, `diameter`, `length`.
     Drum,
+    /// Triangles that grains touch on both sides: `triangles` or `file`, and `center`.
+    Mesh,
 }
 
 /// What moves an obstacle.
@@ -44,7 +48,7 @@ pub enum BodyMotion {
 }
 
 /// An obstacle as the file of a case spells it. Which keys a shape has is said there.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ObstacleSpec {
     /// What it is.
@@ -73,6 +77,16 @@ pub struct ObstacleSpec {
     /// Half of the edges of a box.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub half: Option<[f64; 3]>,
+    /// The corners of a mesh from its centre, nine numbers for each triangle.
+    #[serde(
+        default,
+        with = "rows_of_nine",
+        skip_serializing_if = "Option::is_none"
+    )]
+    pub triangles: Option<Vec<Triangle>>,
+    /// Or an STL file of them, from the folder of the case; [`read`](super::read) puts its triangles here.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub file: Option<String>,
     /// Mass density: its own mass enters its contacts, and it may move freely. Without one, and without a mass, it is
     /// infinitely heavy; null does not leave it out.
     #[serde(
@@ -131,6 +145,8 @@ impl ObstacleSpec {
             length: None,
             half_length: None,
             half: None,
+            triangles: None,
+            file: None,
             density: None,
             mass: None,
             inertia: None,
@@ -141,6 +157,15 @@ impl ObstacleSpec {
             applied_force: None,
             applied_torque: None,
             curved: false,
+        }
+    }
+
+    /// An infinitely heavy mesh at rest, of these triangles about the origin.
+    #[must_use]
+    pub fn mesh(triangles: Vec<Triangle>) -> Self {
+        Self {
+            triangles: Some(triangles),
+            ..Self::new(BodyShape::Mesh)
         }
     }
 
@@ -176,8 +201,13 @@ impl ObstacleSpec {
     }
 
     /// The body, in a world with this gravity; or the key that is wrong and what is wrong with it.
-    pub(super) fn build(&self, gravity: [f64; 3]) -> Result<Obstacle<f64>, (String, String)> {
-        let body = self.shaped()?;
+    /// A mesh adds its triangles to the world.
+    pub(super) fn build(
+        &self,
+        gravity: [f64; 3],
+        world: &mut OwnedWorld<f64>,
+    ) -> Result<Obstacle<f64>, (String, String)> {
+        let body = self.shaped(world)?;
         let body = Obstacle {
             velocity: self.velocity,
             angular_velocity: self.angular_velocity.unwrap_or([0.0; 3]),
@@ -240,7 +270,7 @@ impl ObstacleSpec {
     }
 
     /// The body's shape and place, at rest and infinitely heavy.
-    fn shaped(&self) -> Result<Obstacle<f64>, (String, String)> {
+    fn shaped(&self, world: &mut OwnedWorld<f64>) -> Result<Obstacle<f64>, (String, String)> {
         let allowed: &[&str] = match self.shape {
             BodyShape::Plane => &["point", "normal"],
             BodyShape::Sphere => &["center", "diameter"],
@@ -248,6 +278,7 @@ impl ObstacleSpec {
             BodyShape::Capsule => &["center", "axis", "diameter", "half_length"],
             BodyShape::Box => &["center", "half"],
             BodyShape::Drum => &["center", "axis", "diameter", "length"],
+            BodyShape::Mesh => &["center", "triangles", "file"],
         };
         let given = [
             ("point", self.point.is_some()),
@@ -258,6 +289,8 @@ impl ObstacleSpec {
             ("length", self.length.is_some()),
             ("half_length", self.half_length.is_some()),
             ("half", self.half.is_some()),
+            ("triangles", self.triangles.is_some()),
+            ("file", self.file.is_some()),
         ];
         for (key, is_given) in given {
             if is_given && !allowed.contains(&key) {
@@ -304,6 +337,12 @@ impl ObstacleSpec {
                 }
                 Obstacle::cuboid(center, half)
             }
+            BodyShape::Mesh => {
+                let center = vector("center", center.unwrap_or([0.0; 3]))?;
+                let triangles = need("triangles", self.triangles.as_deref())?;
+                check_triangles(triangles).map_err(|problem| ("triangles".into(), problem))?;
+                add_mesh(world, center, triangles)
+            }
         })
     }
 
@@ -331,6 +370,25 @@ impl ObstacleSpec {
                 mass => Ok(mass),
             },
         }
+    }
+}
+
+/// Triangles as rows of nine numbers.
+mod rows_of_nine {
+    use super::Triangle;
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub fn serialize<S: Serializer>(all: &Option<Vec<Triangle>>, to: S) -> Result<S::Ok, S::Error> {
+        let rows = all.iter().flatten().map(|triangle| triangle.as_flattened());
+        rows.collect::<Vec<_>>().serialize(to)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(
+        from: D,
+    ) -> Result<Option<Vec<Triangle>>, D::Error> {
+        let rows = Vec::<[f64; 9]>::deserialize(from)?;
+        let corners = |[a, b, c, d, e, f, g, h, i]: [f64; 9]| [[a, b, c], [d, e, f], [g, h, i]];
+        Ok(Some(rows.into_iter().map(corners).collect()))
     }
 }
 

@@ -226,6 +226,12 @@ class World:
         length: float,
         point: Optional[_Array] = None,
     ) -> Obstacle: ...
+    def mesh(
+        self,
+        triangles: Union[_Array, str, PathLike[str]],
+        point: Optional[_Array] = None,
+        velocity: Optional[_Array] = None,
+    ) -> Obstacle: ...
     def plane(
         self,
         normal: _Array,

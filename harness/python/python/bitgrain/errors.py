@@ -23,6 +23,7 @@ __all__ = [
     "GravityTooWeak",
     "BadContactHistory",
     "BadSave",
+    "OtherFacets",
     "OtherVersion",
     "PairListFull",
     "OuterListFull",
@@ -149,6 +150,12 @@ class BadSave(KernelError):
 
 class OtherVersion(KernelError):
     """A saved world of another layout, other arithmetic or another number type."""
+
+
+class OtherFacets(KernelError):
+    """The triangles of a world are not those that a mesh was made of."""
+
+    obstacle: int
 
 
 class PairListFull(KernelError):

@@ -1,9 +1,12 @@
 //! What a checkpoint's arrays say, once they are known to be as they were written.
 
+use std::sync::Arc;
+
 use bitgrain_kernel::ContactHistory;
 use safetensors::tensor::{Dtype, SafeTensors};
 
-use super::head::{FIELDS, FRAMES, Head, StageState};
+use super::head::{FACETS, FIELDS, FRAMES, Head, StageState};
+use crate::mesh::{Triangle, restored};
 use crate::simulation::Simulation;
 
 /// The arrays of a file.
@@ -52,6 +55,14 @@ impl Arrays<'_> {
             vec![],
         );
         sim.obstacles = head.obstacles.clone();
+        if self.file.names().contains(&FACETS) {
+            let corners = self.reals::<9>(FACETS)?;
+            let corners: Vec<Triangle> = corners
+                .iter()
+                .map(|[a, b, c, d, e, f, g, h, i]| [[*a, *b, *c], [*d, *e, *f], [*g, *h, *i]])
+                .collect();
+            sim.facets = Arc::new(restored(&corners, &sim.obstacles));
+        }
         sim.id = id.into_iter().map(u32::from_le_bytes).collect();
         sim.group = group.into_iter().map(|[g]| g).collect();
         sim.position = self.reals("position")?;

@@ -86,7 +86,9 @@ impl Head {
     }
 }
 
-/// The arrays that only states of drags with fields have, and only those that are saved between two kept ones.
+/// The arrays that only states of drags with fields have, worlds with meshes, and states saved between two kept ones.
 pub(super) const FIELDS: &str = "fields";
+
+pub(super) const FACETS: &str = "facets";
 
 pub(super) const FRAMES: &str = "frames";

@@ -22,12 +22,12 @@ impl Elastic {
 
     /// Normal force of the spring alone: `K_n sqrt(R delta) delta` by either law.
     pub fn normal_force(&self, at: &ElasticContact) -> f64 {
-        self.0.kn * at.contact_radius * at.overlap
+        self.0.kn * at.contact_radius * at.overlap * at.share
     }
 
     /// Its energy: `(2/5) K_n sqrt(R) delta^(5/2)`.
     pub fn normal_energy(&self, at: &ElasticContact) -> f64 {
-        0.4 * self.0.kn * at.contact_radius * (at.overlap * at.overlap)
+        0.4 * self.0.kn * at.contact_radius * (at.overlap * at.overlap) * at.share
     }
 
     /// Whether a damper of this contact counts as friction, since it is held to the cap with its spring: a part in
@@ -40,7 +40,7 @@ impl Elastic {
 
     /// Stiffness of the tangential spring: `K_t sqrt(R delta)` by either law.
     pub fn stiffness(&self, at: &ElasticContact) -> f64 {
-        self.0.kt * at.contact_radius
+        self.0.kt * at.contact_radius * at.share
     }
 }
 
@@ -60,6 +60,8 @@ pub(super) struct ElasticContact {
     contact_radius: f64,
     radii: [f64; 2],
     radius_effective: f64,
+    /// How much of the law's force counts.
+    share: f64,
     /// Levers of the tangential force about the grain and its partner.
     arms: [f64; 2],
 }
@@ -100,7 +102,7 @@ impl ElasticContact {
             }
             Partner::Obstacle(k) => {
                 let body = &sim.obstacles[k as usize];
-                let met = body.meet(surface, &sim.domain, place, radius);
+                let met = body.meet(surface, &sim.facets, &sim.domain, place, radius);
                 let lever = match body.shape {
                     Shape::Sphere { radius } => radius,
                     _ => 0.0,
@@ -124,6 +126,7 @@ impl ElasticContact {
             contact_radius: (radius_effective * overlap).sqrt(),
             radii: [radius, other],
             radius_effective,
+            share: met.map_or(1.0, |met| met.share),
             arms: [arm(radius), arm(other)],
         }
     }
@@ -210,7 +213,10 @@ impl ElasticContact {
             spin_j: self.of_partner(motion).1,
         };
         let spring = scale(spring, 1.0 + 1e-9);
-        sim.law.with(React { contact, spring })
+        let mut reaction = sim.law.with(React { contact, spring });
+        reaction.normal *= self.share;
+        reaction.tangential = scale(reaction.tangential, self.share);
+        reaction
     }
 }
 

@@ -1,6 +1,8 @@
 //! A part before it begins: own grains and histories, cut out of a whole world, here or for another process.
 
-use bitgrain_kernel::{Clock, ContactHistory, Domain, Group, LossPolicy, Obstacle};
+use std::sync::Arc;
+
+use bitgrain_kernel::{Clock, ContactHistory, Domain, Facet, Group, LossPolicy, Obstacle};
 use serde::{Deserialize, Serialize};
 
 use super::ghosts::Ghosts;
@@ -16,6 +18,8 @@ pub(super) struct Seed {
     skins: [f64; 2],
     groups: Vec<Group<f64>>,
     obstacles: Vec<Obstacle<f64>>,
+    #[serde(with = "facets")]
+    facets: Arc<Vec<Facet<f64>>>,
     policy: LossPolicy<f64>,
     clock: Clock<f64>,
     rows: Rows,
@@ -39,6 +43,7 @@ impl Seed {
             skins: [home.skin, home.outer_skin],
             groups: home.groups.clone(),
             obstacles: home.obstacles.clone(),
+            facets: Arc::clone(&home.facets),
             policy: home.policy,
             clock: home.clock.of_part(places.len()),
             rows,
@@ -59,6 +64,7 @@ impl Seed {
             outer_skin: self.skins[1],
             groups: self.groups,
             obstacles: self.obstacles,
+            facets: self.facets,
             policy: self.policy,
             clock: self.clock,
             ..OwnedWorld::new(self.domain, self.dt)
@@ -71,5 +77,21 @@ impl Seed {
         let mut part = Part::new(number, world, ghosts, errand);
         part.histories = self.histories;
         part
+    }
+}
+
+/// Triangles that parts of one process share, written out for another one.
+mod facets {
+    use super::{Arc, Facet};
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub fn serialize<S: Serializer>(all: &Arc<Vec<Facet<f64>>>, to: S) -> Result<S::Ok, S::Error> {
+        all.as_slice().serialize(to)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(
+        from: D,
+    ) -> Result<Arc<Vec<Facet<f64>>>, D::Error> {
+        Vec::deserialize(from).map(Arc::new)
     }
 }

@@ -1,7 +1,7 @@
 //! A crowd in a small periodic box over a floor, with a driven ball, a bar and every kind of group.
 
 use bitgrain_kernel::contact::{HertzHistory, HertzTsuji};
-use bitgrain_kernel::{Domain, Group, Obstacle, Store};
+use bitgrain_kernel::{Domain, Facet, Group, Obstacle, Store, arrange};
 
 /// The numbers that a world of one law is measured in.
 #[derive(Clone, Copy, Debug)]
@@ -49,7 +49,7 @@ pub fn tsuji() -> HertzTsuji<f64> {
 }
 
 /// Storage for a crowd of up to 64 grains, listed up to 0.6 diameters beyond touching.
-pub type Crowd = Store<f64, 64, 1024, 320, 6>;
+pub type Crowd = Store<f64, 64, 1024, 2048, 7>;
 
 /// Random numbers from 0 to 1 that one grain takes.
 pub const PER_GRAIN: usize = 5;
@@ -125,7 +125,7 @@ pub fn crowd(seed: &[f64], packing: &Packing, units: &Units, skin: f64) -> Box<C
 }
 
 /// The five groups, the last without weight, and a floor, a ball with its own mass, a bar, a box that turns, and a
-/// capsule and a short bar that move freely, which come down on the crowd.
+/// capsule and a short bar that move freely, and an uneven mesh that turns, which come down on the crowd.
 fn add_bodies(store: &mut Crowd, seed: &[f64], units: &Units) {
     let scale = units.length;
     let down = |g: f64| [0.0, 0.0, -g * units.gravity];
@@ -138,6 +138,8 @@ fn add_bodies(store: &mut Crowd, seed: &[f64], units: &Units) {
     ] {
         store.add_group(group).unwrap();
     }
+    let facets: &'static [Facet<f64>] = uneven(scale).leak();
+    store.set_facets(facets);
     let top = 1.05 * (seed.len() / (16 * PER_GRAIN)) as f64 * scale + 2.2 * scale;
     for obstacle in [
         Obstacle::plane([0.0; 3], [0.0, 0.0, 1.0]),
@@ -183,7 +185,36 @@ fn add_bodies(store: &mut Crowd, seed: &[f64], units: &Units) {
             .free(units.density, down(1.0))
             .unwrap()
         },
+        Obstacle {
+            velocity: [0.0, 0.0, -scale.sqrt()],
+            angular_velocity: [0.1, -0.2, 0.4].map(|w| w / scale.sqrt()),
+            orientation: [0.96, 0.0, 0.0, 0.28],
+            ..Obstacle::mesh([2.6 * scale, 3.2 * scale, top + 0.6 * scale], facets, 0..18)
+        },
     ] {
         store.add_obstacle(obstacle).unwrap();
     }
+}
+
+/// A square of nine smaller ones, each of two triangles, with hills and hollows.
+pub fn uneven(scale: f64) -> Vec<Facet<f64>> {
+    const HEIGHTS: [[f64; 4]; 4] = [
+        [0.0, 0.1, -0.1, 0.05],
+        [0.1, -0.15, 0.2, 0.0],
+        [-0.02, 0.2, -0.2, 0.1],
+        [0.0, 0.0, 0.1, -0.1],
+    ];
+    let corner = |x: usize, y: usize| {
+        let flat = |k: usize| (k as f64 - 1.5) * 0.55 * scale;
+        [flat(x), flat(y), HEIGHTS[x][y] * scale]
+    };
+    let squares = (0..9).map(|k| (k / 3, k % 3));
+    let triangles = squares.flat_map(|(x, y)| {
+        let [a, b, c, d] =
+            [(x, y), (x + 1, y), (x + 1, y + 1), (x, y + 1)].map(|(x, y)| corner(x, y));
+        [Facet::new([a, b, c]), Facet::new([a, c, d])]
+    });
+    let mut facets: Vec<_> = triangles.collect();
+    arrange(&mut facets);
+    facets
 }

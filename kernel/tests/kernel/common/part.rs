@@ -2,7 +2,7 @@
 
 use bitgrain_kernel::phases::ObstacleShare;
 use bitgrain_kernel::{
-    CellList, Clock, ContactHistory, Domain, Grains, Group, LossPolicy, NEIGHBORS, Obstacle,
+    CellList, Clock, ContactHistory, Domain, Facet, Grains, Group, LossPolicy, NEIGHBORS, Obstacle,
     OuterList, PairList, Real, Row, StretchList, World,
 };
 
@@ -18,6 +18,8 @@ pub struct Frame<R> {
     pub id: Vec<u32>,
     pub group: Vec<u8>,
     pub owner: Vec<u8>,
+    /// Triangles of all meshes.
+    pub facets: Vec<Facet<R>>,
 }
 
 /// Room for this many pairs and contacts.
@@ -141,6 +143,7 @@ impl<R: Real> Part<R> {
                 image: &mut self.image,
             },
             obstacles: &mut self.obstacles,
+            facets: &frame.facets,
             pairs: pairs.lend(),
             spare: spare.lend(),
             stretches: StretchList::new(&mut self.stretch_words, &mut self.stretch_numbers),

@@ -83,6 +83,7 @@ impl<R: Real> Parts<R> {
             id: g.id.to_vec(),
             group: g.group.to_vec(),
             owner: owner.to_vec(),
+            facets: world.facets.to_vec(),
         };
         let shown = |k: usize| [g.position[k], g.velocity[k], g.spin[k]];
         let rows = |k: usize| (shown(k), (g.force[k], g.torque[k], g.image[k]));

@@ -100,7 +100,14 @@ fn nearest(shape: &Shape<f64>, surface: u32, d: V, radius: f64) -> Met {
                 _ => (scale(axis, -1.0), radius - (half_length - along)),
             }
         }
+        Shape::Mesh { .. } => unreachable!("see `slow_mesh`"),
     }
+}
+
+/// Offset of a grain's centre from a body's, in the axes of the world and of the body.
+pub fn own_offset(body: &Obstacle<f64>, domain: &Domain<f64>, place: V) -> (V, V) {
+    let offset = domain.separation(place, body.point);
+    (offset, back(body.orientation, offset))
 }
 
 /// Unit vector to the grain, offset of its centre and overlap, in the axes of the world.

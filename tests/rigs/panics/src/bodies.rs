@@ -1,9 +1,11 @@
 //! Rigid bodies.
 
+use core::ops::Range;
+
 use bitgrain_kernel::vec3::Vec3;
 use bitgrain_kernel::{
-    Domain, Error as KernelError, FreeMotion, Meeting, Obstacle, Orientation, Real, Shape,
-    obstacle_of, surface_of, to_body, to_world,
+    Domain, Error as KernelError, Facet, FreeMotion, Meeting, Obstacle, Orientation, Real, Shape,
+    arrange, obstacle_of, surface_of, to_body, to_world,
 };
 
 /// Functions of obstacles, their shapes and their motion.
@@ -22,7 +24,10 @@ pub struct Bodies<R: Real> {
     look: fn(&Obstacle<R>) -> (R, Vec3<R>),
     contact_motion: fn(&Obstacle<R>, &Meeting<R>, R) -> (Vec3<R>, Vec3<R>),
     own: fn(&Obstacle<R>) -> (Option<Vec3<R>>, bool),
-    meet: fn(&Obstacle<R>, u32, &Domain<R>, Vec3<R>, R) -> Meeting<R>,
+    meet: fn(&Obstacle<R>, u32, &[Facet<R>], &Domain<R>, Vec3<R>, R) -> Meeting<R>,
+    mesh: fn(Vec3<R>, &[Facet<R>], Range<u32>) -> Obstacle<R>,
+    facet: fn([Vec3<R>; 3]) -> (Facet<R>, [Vec3<R>; 3]),
+    arrange: fn(&mut [Facet<R>]),
     shape: fn(&Shape<R>) -> (u32, R, Option<R>, Option<Vec3<R>>),
     turns: fn(Orientation<R>, Vec3<R>) -> [Vec3<R>; 2],
     words: fn(u32) -> [u32; 2],
@@ -51,6 +56,12 @@ impl<R: Real> Bodies<R> {
         contact_motion: Obstacle::contact_motion,
         own: |body| (body.own_inertia(), body.is_plain()),
         meet: Obstacle::meet,
+        mesh: Obstacle::mesh,
+        facet: |corners| {
+            let facet = Facet::new(corners);
+            (facet, facet.corners())
+        },
+        arrange,
         shape: |shape| {
             (
                 shape.surfaces(),

@@ -1,7 +1,7 @@
 //! What hosts do between steps: edits, losses, saved worlds, lent memory.
 
 use bitgrain_kernel::{
-    Capacity, Departure, Domain, Error as KernelError, Group, Head, LentStore, LossPolicy, Memory,
+    Capacity, Departure, Domain, Error as KernelError, Facet, Group, Head, LentStore, LossPolicy, Memory,
     NewGrain, Obstacle, Real, Saved, StretchList, World, insert, nudge, regroup, remove, save,
     save_size, take_out,
 };
@@ -27,6 +27,8 @@ pub struct Hosts<R: Real + 'static> {
     saved_fill: fn(&Saved<'_, R>, &mut World<'_, R>),
     saved_resume: fn(&Saved<'_, R>, &mut World<'_, R>) -> Ended,
     set_policy: fn(&mut Few<R>, LossPolicy<R>),
+    saved_facets: fn(&Saved<'_, R>) -> Option<[[R; 3]; 3]>,
+    set_facets: fn(&mut Few<R>, &'static [Facet<R>]),
     store_insert: fn(&mut Few<R>, &[NewGrain<R>]) -> Ended,
     store_load: fn(&mut Few<R>, &[u8]) -> Ended,
     for_bed: fn(usize, usize) -> (Capacity, usize, Option<usize>, Option<usize>),
@@ -62,6 +64,8 @@ impl<R: Real + 'static> Hosts<R> {
         saved_fill: |saved, world| saved.fill(world),
         saved_resume: |saved, world| saved.resume(world),
         set_policy: Few::set_policy,
+        saved_facets: |saved| saved.facets().next(),
+        set_facets: Few::set_facets,
         store_insert: |store, grains| store.insert(grains.iter().copied()),
         store_load: Few::load,
         for_bed: |grains, obstacles| {
