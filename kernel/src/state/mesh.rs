@@ -105,19 +105,26 @@ fn enclose<R: Real>(facets: &mut [Facet<R>], begin: usize, end: usize) -> (Vec3<
     (facet.lo, facet.hi)
 }
 
+/// A triangle, and its place that is nearest to a grain.
+struct Candidate<'f, R> {
+    number: u32,
+    facet: &'f Facet<R>,
+    near: Near<R>,
+}
+
 /// The triangles of one mesh.
 #[derive(Clone, Copy)]
 pub(crate) struct Mesh<'a, R>(pub &'a [Facet<R>]);
 
 impl<'a, R: Real> Mesh<'a, R> {
     /// Those from `first` on.
-    pub fn of(facets: &'a [Facet<R>], first: u32, count: u32) -> Self {
+    pub(crate) fn of(facets: &'a [Facet<R>], first: u32, count: u32) -> Self {
         let first = first as usize;
         Self(part(facets, first, first.saturating_add(count as usize)))
     }
 
     /// The farthest corner from the origin.
-    pub fn reach(self) -> R {
+    pub(crate) fn reach(self) -> R {
         let corners = self.0.iter().flat_map(|facet| facet.corners);
         corners.fold(R::ZERO, |most, corner| {
             larger(most, dot(corner, corner).sqrt())
@@ -125,7 +132,7 @@ impl<'a, R: Real> Mesh<'a, R> {
     }
 
     /// The first half of the hash of all corners: what tells meshes apart.
-    pub fn name(self) -> u64 {
+    pub(crate) fn name(self) -> u64 {
         let mut hasher = Hasher::new();
         for x in self.0.iter().flat_map(|facet| facet.corners).flatten() {
             let (low, high) = x.to_words();
@@ -137,7 +144,7 @@ impl<'a, R: Real> Mesh<'a, R> {
     }
 
     /// Calls `found` with the number of each triangle, ascending, whose box is within `far` of `place` in each axis.
-    pub fn near(self, place: Vec3<R>, far: R, found: &mut dyn FnMut(u32)) {
+    pub(crate) fn near(self, place: Vec3<R>, far: R, found: &mut dyn FnMut(u32)) {
         self.within(0, self.0.len(), (place, far), found);
     }
 
@@ -169,7 +176,7 @@ impl<'a, R: Real> Mesh<'a, R> {
     /// Where a grain of this radius at `place` meets the triangle of this number, and the share of the law's force that
     /// counts: none, and no overlap, if it touches the mesh elsewhere than where this triangle is nearest.
     #[inline(never)]
-    pub fn meet(self, number: u32, place: Vec3<R>, radius: R) -> (Nearest<R>, R) {
+    pub(crate) fn meet(self, number: u32, place: Vec3<R>, radius: R) -> (Nearest<R>, R) {
         let mut met = Nearest {
             normal: [R::ZERO; 3],
             overlap: -R::MAX,
@@ -180,11 +187,16 @@ impl<'a, R: Real> Mesh<'a, R> {
         };
         let near = facet.nearest(place);
         (met.normal, met.overlap) = (near.normal, radius - near.distance);
-        if !self.touches(number, &near, place, radius) {
+        let own = Candidate {
+            number,
+            facet,
+            near,
+        };
+        if !self.touches(&own, place, radius) {
             met.overlap = smaller(met.overlap, R::ZERO);
             return (met, R::ZERO);
         }
-        let share = self.share(number, facet, &near, (place, radius));
+        let share = self.share(&own, place, radius);
         if share == R::ZERO {
             met.overlap = R::ZERO;
         }
@@ -195,25 +207,30 @@ impl<'a, R: Real> Mesh<'a, R> {
     fn others(
         self,
         number: u32,
-        (place, radius): (Vec3<R>, R),
-        found: &mut dyn FnMut(u32, &Facet<R>, &Near<R>),
+        place: Vec3<R>,
+        radius: R,
+        found: &mut dyn FnMut(&Candidate<'_, R>),
     ) {
         self.near(place, radius, &mut |other| {
             if let Some(facet) = self.0.get(other as usize).filter(|_| other != number) {
                 let near = facet.nearest(place);
                 if near.distance < radius {
-                    found(other, facet, &near);
+                    found(&Candidate {
+                        number: other,
+                        facet,
+                        near,
+                    });
                 }
             }
         });
     }
 
     /// Whether the nearest place of a triangle is nearest among all places around it.
-    fn touches(self, number: u32, near: &Near<R>, place: Vec3<R>, radius: R) -> bool {
-        let mut touches = near.distance < radius;
-        if touches && near.feature != Feature::Face {
-            self.others(number, (place, radius), &mut |other, facet, rival| {
-                touches &= !gives_way((number, near), (other, facet, rival));
+    fn touches(self, own: &Candidate<'_, R>, place: Vec3<R>, radius: R) -> bool {
+        let mut touches = own.near.distance < radius;
+        if touches && own.near.feature != Feature::Face {
+            self.others(own.number, place, radius, &mut |rival| {
+                touches &= !gives_way(own, rival);
             });
         }
         touches
@@ -221,13 +238,16 @@ impl<'a, R: Real> Mesh<'a, R> {
 
     /// The share of a contact beside those that it meets at a crease: `1 / (1 + sum (1 / f - 1))` over what each of them
     /// alone would leave, `f`, so that flat triangles that meet in a corner hold one contact together.
-    fn share(self, number: u32, facet: &Facet<R>, near: &Near<R>, at: (Vec3<R>, R)) -> R {
+    fn share(self, own: &Candidate<'_, R>, place: Vec3<R>, radius: R) -> R {
         let (mut taken, mut is_all) = (R::ZERO, false);
-        let (place, radius) = at;
-        self.others(number, at, &mut |other, beside, rival| {
-            let joined = facet.corners.iter().any(|corner| beside.has(*corner));
-            if joined && self.touches(other, rival, place, radius) {
-                let left = left_by([near, rival], radius, number < other);
+        self.others(own.number, place, radius, &mut |rival| {
+            let joined = own
+                .facet
+                .corners
+                .iter()
+                .any(|corner| rival.facet.has(*corner));
+            if joined && self.touches(rival, place, radius) {
+                let left = left_by([&own.near, &rival.near], radius, own.number < rival.number);
                 match left > R::ZERO {
                     true => taken = taken + (R::ONE / left - R::ONE),
                     false => is_all = true,
@@ -245,17 +265,15 @@ impl<'a, R: Real> Mesh<'a, R> {
 /// triangle; or is the same place of that one, whose number is lower.
 ///
 /// Faces come before edges, edges before corners, whatever the rounding of distances: one of all always remains.
-fn gives_way<R: Real>(
-    (number, near): (u32, &Near<R>),
-    (other, facet, rival): (u32, &Facet<R>, &Near<R>),
-) -> bool {
-    let is_nearer = rival.distance < near.distance;
-    match near.feature {
+fn gives_way<R: Real>(own: &Candidate<'_, R>, rival: &Candidate<'_, R>) -> bool {
+    let (number, other, facet) = (own.number, rival.number, rival.facet);
+    let is_nearer = rival.near.distance < own.near.distance;
+    match own.near.feature {
         Feature::Face => false,
         Feature::Edge([a, b]) => {
             facet.has(a)
                 && facet.has(b)
-                && match rival.feature {
+                && match rival.near.feature {
                     Feature::Face => true,
                     Feature::Edge(edge) if edge == [a, b] => other < number,
                     Feature::Edge(_) => is_nearer,
@@ -264,7 +282,7 @@ fn gives_way<R: Real>(
         }
         Feature::Corner(a) => {
             facet.has(a)
-                && match rival.feature {
+                && match rival.near.feature {
                     Feature::Face => true,
                     Feature::Edge(edge) => is_nearer || edge.contains(&a),
                     Feature::Corner(b) if a == b => other < number,
