@@ -6,6 +6,7 @@ pub mod fuzzing;
 pub mod gather;
 pub mod notices;
 pub mod processes;
+pub mod tank;
 pub mod wee;
 
 use std::collections::{BTreeMap, BTreeSet};

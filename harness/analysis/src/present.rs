@@ -7,7 +7,7 @@ use bitgrain_kernel::Shape;
 
 use crate::report::{
     self, BedPicture, Drawings, FieldPicture, Film, FlowGrain, FlowPicture, FlowSeries,
-    PictureGrain,
+    PictureGrain, TankSeries,
 };
 use bitgrain_lab::bed::library::BedCache;
 use bitgrain_lab::flow::{FLOW, PROFILE};
@@ -19,6 +19,7 @@ use bitgrain_lab::run::{self, Setting};
 use bitgrain_lab::scenario::{CheckedScenario, DragPlan};
 use bitgrain_lab::series::{SeriesRow, parse_series};
 use bitgrain_lab::summary::{BedSummary, DragSummary, Summary, read_folder};
+use bitgrain_lab::tank_tables::{BAR, VELOCITY};
 use bitgrain_sim::checkpoint;
 use bitgrain_sim::coarse_graining::read::plane;
 use bitgrain_sim::coarse_graining::{IntruderOutline, intruder_outline};
@@ -28,8 +29,9 @@ use bitgrain_sim::export::{FROZEN_TYPE, OBSTACLE_TYPE};
 use bitgrain_sim::files::packed_name;
 use bitgrain_sim::lammps::{Atom, parse_dump};
 use bitgrain_sim::motion::Moves;
-use bitgrain_sim::observe::INTRUDER;
+use bitgrain_sim::observe::{self, INTRUDER};
 use bitgrain_sim::simulation::Role;
+use bitgrain_sim::table::Table;
 
 /// Writes the report of a run directory from the files in it: of what is done, if the run has not come to its
 /// end. Nothing is drawn that the manifest does not vouch for.
@@ -61,6 +63,10 @@ pub fn write_report(folder: &Folder<'_>) -> Result<()> {
     let d = whole.inputs.mean_diameter();
     let (mut flows, mut films) = (Vec::new(), Vec::new());
     for (run, plan) in &planned {
+        if plan.half_turn.is_some() {
+            // What a bar sweeps is shown as means.
+            continue;
+        }
         let still = still_of(run)?;
         let frames = frames_of(folder, vouched, run, plan)?;
         let panel = frames.iter().find(|frame| frame.step == plan.panel);
@@ -99,22 +105,40 @@ pub fn write_report(folder: &Folder<'_>) -> Result<()> {
         films: &films,
         ..Drawings::default()
     };
-    let page = if whole.runs.iter().any(|run| run.flow.is_some()) {
-        let courses = whole.runs.iter().map(|run| course(folder, vouched, run));
-        let courses: Vec<FlowSeries> = courses.collect::<Result<_>>()?;
-        report::flowing_page(
-            &whole,
-            &text,
-            &Drawings {
-                courses: &courses,
-                maps: &maps,
-                ..drawings
-            },
-        )
-    } else {
-        report::page(&whole, &text, &drawings)
+    let drawings = Drawings {
+        maps: &maps,
+        ..drawings
     };
+    let page = page(folder, vouched, (&whole, &text), drawings)?;
     write_whole(&folder.report(), page.as_bytes())
+}
+
+/// The page of the kind that the scenario asks for.
+fn page(
+    folder: &Folder<'_>,
+    vouched: &Vouched,
+    (whole, text): (&Summary, &str),
+    drawings: Drawings<'_>,
+) -> Result<String> {
+    if whole.inputs.is_tank() {
+        let tanks = whole.runs.iter().map(|run| tank(folder, vouched, run));
+        let tanks: Vec<TankSeries> = tanks.collect::<Result<_>>()?;
+        let drawings = Drawings {
+            tanks: &tanks,
+            ..drawings
+        };
+        return Ok(report::tank_page(whole, text, &drawings));
+    }
+    if whole.runs.iter().all(|run| run.flow.is_none()) {
+        return Ok(report::page(whole, text, &drawings));
+    }
+    let courses = whole.runs.iter().map(|run| course(folder, vouched, run));
+    let courses: Vec<FlowSeries> = courses.collect::<Result<_>>()?;
+    let drawings = Drawings {
+        courses: &courses,
+        ..drawings
+    };
+    Ok(report::flowing_page(whole, text, &drawings))
 }
 
 /// Runs a scenario into a folder, saving now and then, and returns the path of its report: [`run::run_in`].
@@ -186,8 +210,12 @@ fn still(folder: &Folder<'_>, vouched: &Vouched, bed: &BedSummary, moves: Moves)
             hi: sim.domain.hi(),
             surface: bed.surface,
             grains: (0..sim.count()).map(grain).collect(),
-            intruder: ([x, y, z], body.reach()),
-            endless: matches!(body.shape, Shape::Cylinder { .. }),
+            intruder: ([x, y, z], observe::girth(body)),
+            half_length: match body.shape {
+                Shape::Cylinder { .. } => Some(f64::INFINITY),
+                Shape::FiniteCylinder { half_length, .. } => Some(half_length),
+                _ => None,
+            },
             moves,
         },
     })
@@ -198,25 +226,37 @@ fn course(folder: &Folder<'_>, vouched: &Vouched, run: &DragSummary) -> Result<F
     if run.flow.is_none() {
         return Ok(FlowSeries::default());
     }
-    let read = |file: &str| {
-        let path = folder.of_run(&run.name, file);
-        let text = vouched.text(&path)?;
-        Ok::<_, Error>((path.display().to_string(), text))
+    Ok(FlowSeries {
+        rows: rows(folder, vouched, run, "flow.csv", &FLOW)?,
+        profile: rows(folder, vouched, run, "profile.csv", &PROFILE)?,
+    })
+}
+
+/// The tables of a run in a tank.
+fn tank(folder: &Folder<'_>, vouched: &Vouched, run: &DragSummary) -> Result<TankSeries> {
+    Ok(TankSeries {
+        bar: rows(folder, vouched, run, "bar.csv", &BAR)?,
+        velocity: rows(folder, vouched, run, "velocity.csv", &VELOCITY)?,
+    })
+}
+
+/// The rows of a table of a run.
+fn rows<R: Clone + Default>(
+    folder: &Folder<'_>,
+    vouched: &Vouched,
+    run: &DragSummary,
+    file: &str,
+    table: &Table<R>,
+) -> Result<Vec<R>> {
+    let path = folder.of_run(&run.name, file);
+    let damaged = |line: usize| {
+        Error::input(
+            format!("{}:{line}", path.display()),
+            "is not a row of finite numbers, one for each column; is the file cut off? The same \
+             run writes it again",
+        )
     };
-    let damaged = |path: String| {
-        move |line: usize| {
-            Error::input(
-                format!("{path}:{line}"),
-                "is not a row of finite numbers, one for each column; is the file cut off? The same \
-                 run writes it again",
-            )
-        }
-    };
-    let (path, text) = read("flow.csv")?;
-    let rows = FLOW.parse(&text).map_err(damaged(path))?;
-    let (path, text) = read("profile.csv")?;
-    let profile = PROFILE.parse(&text).map_err(damaged(path))?;
-    Ok(FlowSeries { rows, profile })
+    table.parse(&vouched.text(&path)?).map_err(damaged)
 }
 
 /// The mean fields of a run; `None` if they were not asked for, or if the bed is at rest, since no page shows them.

@@ -6,7 +6,9 @@
 
 mod gauges;
 
-use bitgrain_kernel::{ContactForce, Domain, Error as KernelError, Obstacle, check_arithmetic};
+use bitgrain_kernel::{
+    ContactForce, Domain, Error as KernelError, Obstacle, Shape, check_arithmetic,
+};
 use serde::{Deserialize, Serialize};
 
 use crate::flow::FlowGauge;
@@ -14,6 +16,7 @@ use crate::near_field::{NearField, WithinMeans};
 use crate::progress::Stage;
 use crate::scenario::{DragPlan, History};
 use crate::series::SeriesRow;
+use crate::tank::{TankGauge, force_on_bar};
 use bitgrain_sim::chain::Chain;
 use bitgrain_sim::checkpoint::StageState;
 use bitgrain_sim::coarse_graining::CoarseGraining;
@@ -48,6 +51,9 @@ pub struct DragSeries {
     pub coordination: Coordination,
     /// What was measured of a bed that flows.
     pub flow: Option<FlowGauge>,
+    /// What was measured of a bar in a tank.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tank: Option<TankGauge>,
     /// The energy budget, if it was asked for.
     pub energy: Vec<EnergyRow>,
     /// Deepest overlap of grains with each other and with the intruder at any row (length).
@@ -109,6 +115,9 @@ impl Dragging {
             chain,
             record: DragSeries {
                 flow,
+                tank: plan
+                    .half_turn
+                    .map(|half| TankGauge::new(&plan.motion, half, plan.every)),
                 ..DragSeries::default()
             },
             gauges: Gauges::default(),
@@ -172,6 +181,10 @@ impl Dragging {
             if let Some(fields) = self.fields.as_mut().filter(|fields| fields.is_due(n)) {
                 fields.add(sim, &seen, n);
             }
+            let tank = self.record.tank.as_mut();
+            if let Some(tank) = tank.filter(|tank| tank.is_due(n)) {
+                tank.sample(sim, &seen, n);
+            }
             if self.chain.is_due(n) || n == plan.steps() {
                 let link = self.chain.add(n, &sim.digest().map_err(wrong)?);
                 link.map_or(Ok(()), |link| observer.on_digest(link))?;
@@ -193,6 +206,7 @@ impl Dragging {
     /// Whether the contacts of step `n` must be seen.
     fn shows(&self, n: u64, observer: &impl Observer) -> bool {
         let sampled = self.fields.as_ref().is_some_and(|f| f.is_due(n));
+        let sampled = sampled || self.record.tank.as_ref().is_some_and(|t| t.is_due(n));
         self.audit.is_some() || sampled || observer.wants_contacts(n)
     }
 
@@ -252,6 +266,9 @@ impl Dragging {
         if let Some(flow) = &mut record.flow {
             flow.read(note, force);
         }
+        if let Some(tank) = &mut record.tank {
+            tank.read(self.step, force);
+        }
         let (moves, angles) = (plan.motion.moves, &mut record.angles);
         self.around
             .touched(domain, intruder, moves, counted, angles);
@@ -260,7 +277,8 @@ impl Dragging {
 
     /// Whether the present step is in the averaging window.
     fn is_counted(&self, plan: &DragPlan) -> bool {
-        self.step >= plan.motion.window[0]
+        let [first, last] = plan.motion.window;
+        (first..=last).contains(&self.step)
     }
 
     /// Adds to the series what is due after the present step.
@@ -341,7 +359,8 @@ impl Dragging {
     /// [`Error::Input`] if the window is too short for any.
     pub fn means(&self, plan: &DragPlan, dt: f64) -> Result<Means> {
         let short = || Error::input(&plan.name, "has too few steps to average");
-        let steps = self.step + 1 - plan.motion.window[0];
+        let [first, last] = plan.motion.window;
+        let steps = self.step.min(last) + 1 - first;
         let mut means = self.gauges.means(steps).ok_or_else(short)?;
         means.around = self.around.means();
         means.flow = self.record.flow.as_ref().and_then(|flow| flow.means(dt));
@@ -364,11 +383,17 @@ pub fn drag(
     Ok((dragging.means(plan, sim.dt)?, dragging.record))
 }
 
-/// Sets the intruder in motion, or base, lid and planes; all at once.
+/// Sets the intruder in motion, or base, lid and planes; all at once. A bar turns, its ends at this speed.
 fn set_off(sim: &mut Simulation, moves: Moves, speed: f64) -> std::result::Result<(), KernelError> {
     let histories = sim.contact_histories();
     if moves == Moves::Intruder {
-        sim.obstacles[INTRUDER as usize].velocity = [speed, 0.0, 0.0];
+        let body = &mut sim.obstacles[INTRUDER as usize];
+        match body.shape {
+            Shape::FiniteCylinder { half_length, .. } => {
+                body.angular_velocity = [0.0, 0.0, speed / half_length];
+            }
+            _ => body.velocity = [speed, 0.0, 0.0],
+        }
     } else {
         for i in 0..sim.count() {
             if sim.role(i) != Role::Free {
@@ -389,8 +414,11 @@ fn is_row(plan: &DragPlan, n: u64) -> bool {
     n.is_multiple_of(plan.every) || n == plan.steps()
 }
 
-/// Drag, along the motion of the bed past the intruder, lift up, and side force along y.
+/// Drag, along the motion of the bed past the intruder, lift up, and side force along y; of a bar [`force_on_bar`].
 fn force_on_intruder(intruder: &Obstacle<f64>, moves: Moves) -> [f64; 3] {
+    if let Some(force) = force_on_bar(intruder) {
+        return force;
+    }
     let [x, y, z] = intruder.force;
     match moves {
         // A difference, so that no force is +0.

@@ -6,7 +6,7 @@
 //!   [`manifest`] the run directory;
 //! * [`bed`] pours and settles grains, keeps beds for the next run and imports others;
 //! * [`drag`] pulls the intruder or carries the bed past it; [`series`], [`flow`], [`near_field`], [`plug_flow`],
-//!   [`frames`] and [`summary`] hold what was measured;
+//!   [`tank`] with its [`tank_tables`], [`frames`] and [`summary`] hold what was measured;
 //! * [`campaign`] runs a scenario over the values of its grids into one table;
 //! * [`verify`], [`bisect`], [`against`], [`rerun`] and [`replay`] do parts of it again and compare ([`compare`],
 //!   [`changes`]); [`case`](mod@case) is the smallest unit of work, [`selftest`](mod@selftest) tests the machine;
@@ -42,5 +42,7 @@ pub mod scenario;
 pub mod selftest;
 pub mod series;
 pub mod summary;
+pub mod tank;
+pub mod tank_tables;
 mod travel;
 pub mod verify;

@@ -5,4 +5,6 @@ mod read;
 mod record;
 
 pub use read::{parse_record, parse_summary, read_folder, read_summary};
-pub use record::{BedSummary, DragRecord, DragSummary, Flow, LARGE_OVERLAP, Reach, Rig, Summary};
+pub use record::{
+    BedSummary, DragRecord, DragSummary, Flow, LARGE_OVERLAP, Reach, Rig, Summary, Tank,
+};

@@ -52,6 +52,7 @@ mod tests {
             dt,
             grain_diameter: 1.0,
             window: [1, 1],
+            last: 1,
         }
     }
 

@@ -23,7 +23,7 @@ impl Moves {
     }
 }
 
-/// A motion along x at constant speed, and the steps over which means are taken.
+/// A motion at constant speed, along x or of the ends of a bar about z, and the steps over which means are taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
     /// Which of the two moves.
@@ -34,14 +34,16 @@ pub struct Motion {
     pub dt: f64,
     /// Mean diameter of the grains, in which distances are counted.
     pub grain_diameter: f64,
-    /// First and last step that are averaged; the motion ends with the last.
+    /// First and last step that are averaged.
     pub window: [u64; 2],
+    /// The last step of the motion; means may end before it.
+    pub last: u64,
 }
 
 impl Motion {
     /// Steps of the whole motion.
     pub fn steps(&self) -> u64 {
-        self.window[1]
+        self.last
     }
 
     /// Travel of one past the other after `step` steps.
@@ -60,6 +62,19 @@ impl Motion {
             first += 1;
         }
         self.window = [first.max(1), steps];
+        self.last = steps;
+        self
+    }
+
+    /// The same motion with means that end with the last step whose travel is not beyond `travel`.
+    #[must_use]
+    pub fn averaged_up_to(mut self, travel: f64) -> Self {
+        let mut end = (travel / (self.speed * self.dt)) as u64 + 1;
+        while end > 0 && self.travel(end) > travel {
+            end -= 1;
+        }
+        let end = if end < self.last { end } else { self.last };
+        self.window[1] = end;
         self
     }
 }

@@ -45,18 +45,31 @@ fn ball_below(center: f64, radius: f64, z: f64) -> f64 {
     std::f64::consts::PI * h * h * (radius - h / 3.0)
 }
 
-/// Volume of the part of the intruder below the plane at height `z`, in a box of this width along y.
+/// Volume of the part of the intruder below the plane at height `z`, in a box of this width along y; bars lie.
 fn intruder_below(body: &Obstacle<f64>, width: f64, z: f64) -> f64 {
-    let radius = body.reach();
-    match body.shape {
-        Shape::Cylinder { .. } => {
-            // A segment of the circle: the sector less the triangle.
-            let h = (z - (body.point[2] - radius)).clamp(0.0, 2.0 * radius);
-            let rest = radius - h;
-            let chord = (h * (2.0 * radius - h)).sqrt();
-            width * (radius * radius * libm::acos(rest / radius) - rest * chord)
-        }
-        _ => ball_below(body.point[2], radius, z),
+    let radius = girth(body);
+    let length = match body.shape {
+        Shape::Cylinder { .. } => width,
+        Shape::FiniteCylinder { half_length, .. } => 2.0 * half_length,
+        _ => return ball_below(body.point[2], radius, z),
+    };
+    // A segment of the circle: the sector less the triangle.
+    let h = (z - (body.point[2] - radius)).clamp(0.0, 2.0 * radius);
+    let rest = radius - h;
+    let chord = (h * (2.0 * radius - h)).sqrt();
+    length * (radius * radius * libm::acos(rest / radius) - rest * chord)
+}
+
+/// Area of the bed as seen from above (length^2): of the box, or of the round tank that stands in it.
+pub fn cross_section(sim: &Simulation) -> f64 {
+    let tank = sim.obstacles.iter().find_map(|body| match body.shape {
+        Shape::Drum { radius, .. } => Some(radius),
+        _ => None,
+    });
+    let (lo, hi) = (sim.domain.lo(), sim.domain.hi());
+    match tank {
+        Some(radius) => std::f64::consts::PI * radius * radius,
+        None => (hi[0] - lo[0]) * (hi[1] - lo[1]),
     }
 }
 
@@ -68,23 +81,27 @@ pub fn packing_fraction(sim: &Simulation, from: f64, to: f64) -> f64 {
     let solid: f64 = grains
         .map(|i| within(sim.position[i][2], sim.position[i][3]))
         .sum();
-    let room = (hi[0] - lo[0]) * (hi[1] - lo[1]) * (to - from);
+    let room = cross_section(sim) * (to - from);
     let body = &sim.obstacles[INTRUDER as usize];
     let width = hi[1] - lo[1];
     solid / (room - (intruder_below(body, width, to) - intruder_below(body, width, from)))
 }
 
-/// Weight of all grains above a height over the area of the box: the mean vertical stress there if
-/// nothing but the bed carries it. Grains without gravity weigh nothing.
+/// Weight of all grains above a height over the area of the bed: the mean vertical stress there if
+/// nothing but the bed carries it. Grains without gravity weigh nothing, but those of the base, which in a tank reach
+/// up its wall, as much as free ones.
 pub fn pressure_at(sim: &Simulation, height: f64) -> f64 {
-    let (lo, hi) = (sim.domain.lo(), sim.domain.hi());
     let mut weight = 0.0;
     for (i, x) in sim.position.iter().enumerate() {
         let whole = ball_below(0.0, x[3], x[3]);
         let above = (whole - ball_below(x[2], x[3], height)) / whole;
-        weight += above * sim.velocity[i][3] * -sim.groups[sim.group[i] as usize].gravity[2];
+        let group = match sim.role(i) {
+            Role::Base => 0,
+            _ => sim.group[i] as usize,
+        };
+        weight += above * sim.velocity[i][3] * -sim.groups[group].gravity[2];
     }
-    weight / ((hi[0] - lo[0]) * (hi[1] - lo[1]))
+    weight / cross_section(sim)
 }
 
 /// Mean number of contacts, with grains and obstacles, of the free grains whose centres lie below
@@ -115,13 +132,44 @@ pub fn coordination_number(sim: &mut Simulation, top: f64) -> f64 {
 /// From a body's centre, or the nearest point of a bar's axis, to a place, minimum image.
 pub fn offset(domain: &Domain<f64>, body: &Obstacle<f64>, place: [f64; 3]) -> [f64; 3] {
     let mut d = domain.separation(place, body.point);
-    if let Shape::Cylinder { axis, .. } = body.shape {
-        let along = d[0] * axis[0] + d[1] * axis[1] + d[2] * axis[2];
-        for a in 0..3 {
-            d[a] -= along * axis[a];
-        }
+    let (axis, most) = match body.shape {
+        Shape::Cylinder { axis, .. } => (axis, f64::INFINITY),
+        Shape::FiniteCylinder { half_length, .. } => (body.direction(), half_length),
+        _ => return d,
+    };
+    let along = d[0] * axis[0] + d[1] * axis[1] + d[2] * axis[2];
+    let along = along.clamp(-most, most);
+    for a in 0..3 {
+        d[a] -= along * axis[a];
     }
     d
+}
+
+/// How far a body's surface is from its centre, or from the axis of a bar (length).
+pub fn girth(body: &Obstacle<f64>) -> f64 {
+    match body.shape {
+        Shape::FiniteCylinder { radius, .. } => radius,
+        _ => body.reach(),
+    }
+}
+
+/// Where a place is along a bar that turns about z, from its middle (length, negative on one half), and the
+/// direction in which that half moves: a horizontal unit vector across the bar. `None` of a body of another shape.
+pub fn on_turning_bar(
+    domain: &Domain<f64>,
+    body: &Obstacle<f64>,
+    place: [f64; 3],
+) -> Option<(f64, [f64; 3])> {
+    let Shape::FiniteCylinder { .. } = body.shape else {
+        return None;
+    };
+    let (d, [x, y, z]) = (domain.separation(place, body.point), body.direction());
+    let along = d[0] * x + d[1] * y + d[2] * z;
+    let ahead = match along < 0.0 {
+        true => [y, -x, 0.0],
+        false => [-y, x, 0.0],
+    };
+    Some((along, ahead))
 }
 
 /// Length of a vector.
@@ -138,7 +186,7 @@ fn from_intruder(sim: &Simulation, i: usize) -> [f64; 3] {
 
 /// Angle at which a grain at a place touches the intruder: `cos theta = (x_grain - x_intruder) / distance`, minimum
 /// image, in radians, 0 straight ahead. The sign of eq. 6 of Kumar 2018 is a misprint, for eq. 7 needs
-/// this one.
+/// this one. Ahead of a bar that turns about z is where its half moves.
 ///
 /// `front` is 1 if the intruder moves along +x, -1 if the bed does.
 pub fn contact_angle(
@@ -148,7 +196,11 @@ pub fn contact_angle(
     front: f64,
 ) -> f64 {
     let d = offset(domain, intruder, place);
-    libm::acos(front * d[0] / length(d))
+    let forward = match on_turning_bar(domain, intruder, place) {
+        Some((_, ahead)) => d[0] * ahead[0] + d[1] * ahead[1],
+        None => front * d[0],
+    };
+    libm::acos(forward / length(d))
 }
 
 /// What is round the intruder.
@@ -191,7 +243,7 @@ pub fn neighbourhood(sim: &mut Simulation, reach: f64, front: f64) -> Neighbourh
             }
         }
     }
-    let radius = body.reach();
+    let radius = girth(&body);
     let limit = radius + reach;
     let near = |i: usize| {
         let d = from_intruder(sim, i);
@@ -208,7 +260,7 @@ pub fn neighbourhood(sim: &mut Simulation, reach: f64, front: f64) -> Neighbourh
 
 /// Overlaps of grains with each other and with the intruder, from the positions (length).
 pub fn overlaps(sim: &mut Simulation) -> Vec<f64> {
-    let radius = sim.obstacles[INTRUDER as usize].reach();
+    let body = sim.obstacles[INTRUDER as usize];
     let contacts = sim.contact_histories();
     let overlap = |contact: ContactHistory<f64>| match contact {
         ContactHistory::Pair { i, j, .. } => {
@@ -219,7 +271,12 @@ pub fn overlaps(sim: &mut Simulation) -> Vec<f64> {
             Some(x[3] + y[3] - length(d))
         }
         ContactHistory::Obstacle { i, obstacle, .. } if obstacle == INTRUDER => {
-            Some(sim.position[i as usize][3] + radius - length(from_intruder(sim, i as usize)))
+            let x = sim.position[i as usize];
+            Some(match body.shape {
+                // The nearest place may be on one of its ends.
+                Shape::FiniteCylinder { .. } => body.meet(0, &sim.domain, head(x), x[3]).overlap,
+                _ => x[3] + body.reach() - length(from_intruder(sim, i as usize)),
+            })
         }
         ContactHistory::Obstacle { .. } => None,
     };

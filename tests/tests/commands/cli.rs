@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::process::Output;
 
+use bitgrain_tests::tank::TANK;
 use bitgrain_tests::{RIG, SMALL, golden};
 
 fn bitgrain(folder: &Path, args: &[&str]) -> Output {
@@ -85,8 +86,6 @@ fn wrong_scenarios_are_refused() {
 /// Refusals of a cylinder, of a lid and of a bed that moves.
 #[test]
 fn wrong_rigs_are_refused() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("rig.toml");
     let (thick, high) = ("\ndiameter = 0.0015", "\nheight = 0.008");
     let (deep, far) = ("effective_depth = [0.01, 0.03]", "distance = 0.012");
     let (si, rows) = ("units = \"si\"", "every = 100");
@@ -131,26 +130,55 @@ fn wrong_rigs_are_refused() {
         (rows, "every = 100\nfields = { every = 2000 }"),
         (rows, "every = 100\nfields = { windows = 0.001 }"),
     ];
+    snapshot("rigs", &refusals(RIG, "rig.toml", &edits));
+    let sound = RIG.replacen(far, "distance = 0.05\nown_wake = true", 1);
+    let sound = bitgrain::scenario::parse(&sound, "wake", &[], Path::new("")).unwrap();
+    assert_eq!(sound.drags()[0].distance, 0.05);
+}
+
+/// What is said of a scenario after each of some edits, every one of which is refused before anything is begun.
+fn refusals(scenario: &str, name: &str, edits: &[(&str, &str)]) -> String {
+    let folder = tempfile::tempdir().unwrap();
     let mut text = String::new();
     for (from, to) in edits {
-        assert_eq!(RIG.matches(from).count(), 1, "{from}");
-        std::fs::write(&file, RIG.replacen(from, to, 1)).unwrap();
+        assert_eq!(scenario.matches(from).count(), 1, "{from}");
+        std::fs::write(folder.path().join(name), scenario.replacen(from, to, 1)).unwrap();
         let what = if to.is_empty() { from } else { to };
         let what = what.trim().replace('\n', "; ");
         let how = if to.is_empty() { " left out" } else { "" };
         text.push_str(&format!("# {what}{how}\n"));
-        text.push_str(&told(folder.path(), &["run", "rig.toml"]));
+        text.push_str(&told(folder.path(), &["run", name]));
     }
     assert!(!folder.path().join("out").exists(), "nothing was begun");
-    assert_eq!(
-        text.matches("[2]\n").count(),
-        edits.len(),
-        "every one is refused with 2"
-    );
-    snapshot("rigs", &text);
-    let sound = RIG.replacen(far, "distance = 0.05\nown_wake = true", 1);
-    let sound = bitgrain::scenario::parse(&sound, "wake", &[], Path::new("")).unwrap();
-    assert_eq!(sound.drags()[0].distance, 0.05);
+    assert_eq!(text.matches("[2]\n").count(), edits.len());
+    text
+}
+
+#[test]
+fn wrong_tanks_are_refused() {
+    let (tank, long, end) = ("container = \"tank\"", "length = 4.0", "snapshots = 0");
+    let (bar, far, rest) = ("\"bar\"", "distance = 12.5664", "settled = 1e-5");
+    let edits = [
+        (tank, "container = \"barrel\""),
+        (tank, ""),
+        (bar, "\"sphere\""),
+        (bar, "\"cylinder\""),
+        (long, ""),
+        (long, "length = -4.0"),
+        (long, "length = 1.0"),
+        (long, "length = 5.0"),
+        (long, "length = 4.0\ndensity = 2.0"),
+        ("[13.0, 13.0, 15.0]", "[13.0, 14.0, 15.0]"),
+        ("depth = 4.0", "depth = 6.0"),
+        ("own_wake = true", "own_wake = false"),
+        (far, "distance = 1.5"),
+        (far, "distance = 12.5664\nmoves = \"bed\""),
+        (rest, "settled = 1e-5\nbase = 0.0"),
+        (rest, "settled = 1e-5\nfloor = false"),
+        (end, "snapshots = 0\nfields = {}"),
+        (end, "snapshots = 0\n[lid]\neffective_depth = 8.0"),
+    ];
+    snapshot("tanks", &refusals(TANK, "tank.toml", &edits));
 }
 
 const CASE: &str = r#"{

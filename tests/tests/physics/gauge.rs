@@ -82,6 +82,7 @@ fn motion(moves: Moves, rows: u64, discard: f64) -> Motion {
         dt: DT,
         grain_diameter: 1.0,
         window: [1, 1],
+        last: 1,
     };
     motion.averaged_beyond(discard, rows * ROW)
 }

@@ -27,4 +27,5 @@ mod quick;
 mod ranks;
 mod rig;
 mod store;
+mod tank;
 mod walls;

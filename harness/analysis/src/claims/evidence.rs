@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use super::book::{Book, Measured};
-use super::number::Number;
-use super::{guillard, kumar, restitution};
+use super::book::{Book, Claim, Measured};
+use super::number::{Found, Number};
+use super::{guillard, kumar, restitution, tank};
 use crate::analysis::{Analysis, analyse, text};
 use bitgrain_lab::campaign::folder::{Beside, CAMPAIGN, CampaignFolder};
 use bitgrain_lab::campaign::table::{CampaignTable, of_run};
@@ -123,9 +123,10 @@ impl Evidence {
             }
             let found = match &self.summary {
                 Some(summary) if claim.id.starts_with("guillard-") => {
-                    guillard::measure(claim, summary)
+                    of_run_in(claim, summary, &self.table)
                 }
-                _ => kumar::measure(claim, &self.analysis),
+                _ => tank::measure(claim, &self.table)
+                    .or_else(|| kumar::measure(claim, &self.analysis)),
             };
             if let Some(found) = found {
                 let found = match &part {
@@ -149,6 +150,15 @@ impl Evidence {
     }
 }
 
+/// The measurement of a claim of Guillard 2014 on a run, whose table is given too: of its experiment on a bar in a
+/// tank, of its simulations on a cylinder in a bed that flows.
+fn of_run_in(claim: &Claim, summary: &Summary, table: &CampaignTable) -> Option<Found> {
+    match summary.inputs.is_tank() {
+        true => tank::measure(claim, table),
+        false => guillard::measure(claim, summary),
+    }
+}
+
 /// Name of the folder that a file is in.
 fn name_of_folder(file: &Path) -> Result<String> {
     let full = std::path::absolute(file).map_err(|e| Error::read(file, &e))?;
@@ -162,8 +172,8 @@ pub fn record_direct(book: &mut Book) {
     book.record("kumar-restitution", Measured::new(DIRECT, "", found));
 }
 
-/// The book with the numbers that a run gives for claims about flowing beds: none of a sphere, which they do not
-/// concern.
+/// The book with the numbers that a run gives for claims about flowing beds and tanks: none of a sphere, which they do
+/// not concern.
 pub fn book_of_run(summary: &Summary) -> Book {
     let mut book = Book::shipped();
     for claim in &mut book.claim {
@@ -174,12 +184,15 @@ pub fn book_of_run(summary: &Summary) -> Book {
     if summary.inputs.intruder.shape == IntruderShape::Sphere {
         return book;
     }
+    let Ok(table) = CampaignTable::parse(&of_run(summary), &summary.scenario) else {
+        return book;
+    };
     let claims = book
         .claim
         .iter()
         .filter(|claim| claim.id.starts_with("guillard-"));
     let found = claims.filter_map(|claim| {
-        let number = guillard::measure(claim, summary)?.ok()?;
+        let number = of_run_in(claim, summary, &table)?.ok()?;
         let measured = Measured::new(&summary.scenario, "", Ok(number));
         Some((claim.id.clone(), measured))
     });

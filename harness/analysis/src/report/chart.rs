@@ -104,10 +104,25 @@ pub(super) fn along_travel(
         if let Some((from, _)) = window {
             chart.draw_series(dashes(from, &y))?;
         }
+        for half in half_turns(run).filter(|half| *half < x.hi) {
+            chart.draw_series(dashes(half, &y))?;
+        }
         let thick = curve.iter().map(|p| (p.x, p.average));
         chart.draw_series(LineSeries::new(thick, INK.stroke_width(9)))?;
         Ok(())
     }))
+}
+
+/// The travels of the ends of a bar at which half a turn ends; none of other intruders.
+fn half_turns(run: &DragSummary) -> impl Iterator<Item = f64> + use<> {
+    let half = run
+        .tank
+        .as_ref()
+        .map(|tank| 0.5 * run.distance / tank.turns);
+    let count = run.tank.as_ref().map_or(0, |tank| tank.half_turns.len());
+    let half = half.filter(|half| drawable(*half));
+    half.into_iter()
+        .flat_map(move |half| (1..=count).map(move |k| k as f64 * half))
 }
 
 /// Means of the drag with standard errors against Froude number, a marker shape for each of `beds`, hollow if the

@@ -1,6 +1,7 @@
 //! What a page draws besides the numbers of a summary.
 
 use super::course::FlowSeries;
+use super::tank_charts::TankSeries;
 use crate::report::BedPicture;
 use crate::report::FieldPicture;
 use crate::report::Film;
@@ -20,6 +21,8 @@ pub struct Drawings<'a> {
     pub flows: &'a [FlowPicture],
     /// Frames of the runs they name.
     pub films: &'a [Film],
+    /// Tables of tanks, in the order of the runs.
+    pub tanks: &'a [TankSeries],
     /// Flow series, in the order of the runs.
     pub courses: &'a [FlowSeries],
     /// Fields of the runs they name.

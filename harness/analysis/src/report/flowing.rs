@@ -64,6 +64,7 @@ fn shape(summary: &Summary) -> &'static str {
     match summary.inputs.intruder.shape {
         IntruderShape::Sphere => "sphere",
         IntruderShape::Cylinder => "cylinder",
+        IntruderShape::Bar => "bar",
     }
 }
 
@@ -229,6 +230,6 @@ fn force_figures(summary: &Summary, series: &[Vec<SeriesRow>]) -> String {
 }
 
 /// What this page has in addition.
-const STYLE: &str = "\nsvg.scale{width:22rem;max-width:100%;vertical-align:middle}\n\
+pub(super) const STYLE: &str = "\nsvg.scale{width:22rem;max-width:100%;vertical-align:middle}\n\
     \n.statements td{min-width:14rem;max-width:24rem}\n\
     .statements td:nth-child(2){min-width:6rem}\n";

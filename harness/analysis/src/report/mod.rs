@@ -30,6 +30,9 @@ mod scaling;
 mod scatter;
 mod sections;
 mod table;
+mod tank;
+mod tank_charts;
+mod tank_views;
 mod text;
 
 use bitgrain_sim::format::short;
@@ -43,6 +46,8 @@ pub use flowing::flowing_page;
 use page::{Top, assembled};
 pub use picture::{BedPicture, PictureGrain};
 use sections::{LEGEND, bed_figure, numbers, repeat, span};
+pub use tank::tank_page;
+pub use tank_charts::TankSeries;
 use text::{escape, plus_minus, to_error, typeset};
 
 use bitgrain_lab::series::SeriesRow;

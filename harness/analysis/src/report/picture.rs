@@ -22,8 +22,9 @@ pub struct BedPicture {
     pub grains: Vec<PictureGrain>,
     /// Centre and radius of the intruder.
     pub intruder: ([f64; 3], f64),
-    /// Whether it is as long as the box is wide, and looks alike at every y.
-    pub endless: bool,
+    /// Half of its length if it is a bar along y, endless for a cylinder, which is as long as the box is wide and looks
+    /// alike at every y; none of a sphere.
+    pub half_length: Option<f64>,
     /// Which of bed and intruder is to move along +x.
     pub moves: Moves,
 }
@@ -75,9 +76,10 @@ fn kinds(bed: &BedPicture, y: f64) -> [Vec<Cut>; 4] {
             .collect()
     };
     let [free, frozen, lid] = [Role::Free, Role::Base, Role::Lid].map(all);
-    let intruder = match bed.endless {
-        true => cuts(bed, centre[1], centre, radius),
-        false => cuts(bed, y, centre, radius),
+    let intruder = match bed.half_length {
+        Some(half) if (y - centre[1]).abs() <= half => cuts(bed, centre[1], centre, radius),
+        Some(_) => vec![],
+        None => cuts(bed, y, centre, radius),
     };
     [free, frozen, lid, intruder]
 }
@@ -177,7 +179,9 @@ pub(super) fn slice(bed: &BedPicture, unit: &str, index: usize) -> Option<String
         &intruder,
         &format!("fill=\"{INK}\" stroke=\"#fff\""),
     );
-    if let Some(cut) = intruder.first() {
+    // A bar turns: it has no direction in this plane.
+    let goes = bed.half_length.is_none_or(f64::is_infinite);
+    if let Some(cut) = intruder.first().filter(|_| goes) {
         let reach = scale.factor * cut.radius;
         match bed.moves {
             Moves::Intruder => arrow(&mut out, &scale, scale.x(cut.x), cut.z, reach + 34.0),
@@ -267,7 +271,7 @@ mod tests {
             surface: 6.0,
             grains: grains.iter().map(grain).collect(),
             intruder: ([5.0, 1.0, 3.0], 1.0),
-            endless: false,
+            half_length: None,
             moves: Moves::Intruder,
         }
     }

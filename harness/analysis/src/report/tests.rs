@@ -121,7 +121,7 @@ fn picture(x: f64) -> BedPicture {
         surface: x,
         grains: vec![grain(0.5), grain(1.5), grain(x)],
         intruder: ([5.0, 3.0, 4.0], 1.0),
-        endless: false,
+        half_length: None,
         moves: Moves::Intruder,
     }
 }

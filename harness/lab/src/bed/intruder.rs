@@ -9,6 +9,10 @@ pub(super) fn intruder(scenario: &CheckedScenario, plan: &BedPlan) -> Obstacle<f
     let radius = 0.5 * plan.diameter;
     match scenario.intruder.shape {
         IntruderShape::Cylinder => Obstacle::cylinder(plan.center, [0.0, 1.0, 0.0], radius),
+        IntruderShape::Bar => {
+            let half = 0.5 * scenario.intruder_length(plan.diameter);
+            Obstacle::finite_cylinder(plan.center, [0.0, 1.0, 0.0], radius, half)
+        }
         IntruderShape::Sphere => Obstacle {
             inverse_mass: scenario
                 .intruder

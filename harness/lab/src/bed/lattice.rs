@@ -34,11 +34,19 @@ impl Lattice {
         let least = scenario.bed.diameters[0];
         let shift = spacing.map(|s| 0.5 * (s - least));
         let domain = scenario.lattice_domain();
+        // A grain may be anywhere in its cell.
+        let across = (spacing[0] * spacing[0] + spacing[1] * spacing[1]).sqrt();
+        let tank = scenario.is_tank().then(|| 0.5 * (x - across));
+        let inside = |at: [f64; 3]| {
+            let off = [at[0] - 0.5 * x, at[1] - 0.5 * y];
+            tank.is_none_or(|most| off[0] * off[0] + off[1] * off[1] <= most * most)
+        };
         let clear = |at: [f64; 3]| {
-            round.is_none_or(|plan| {
-                let off = offset(domain, &intruder(scenario, plan), at);
-                length(off) > 0.5 * (plan.diameter + most) + length(shift)
-            })
+            inside(at)
+                && round.is_none_or(|plan| {
+                    let off = offset(domain, &intruder(scenario, plan), at);
+                    length(off) > 0.5 * (plan.diameter + most) + length(shift)
+                })
         };
         let mut sites = Vec::with_capacity(count);
         let mut layer = 0;

@@ -5,28 +5,33 @@ use super::groups::*;
 use super::intruder::intruder;
 use super::lattice::Lattice;
 use crate::scenario::{BedPlan, CheckedScenario, PouringOrder as Order};
-use bitgrain_kernel::{Domain, Error as KernelError, Group, Obstacle, Shape as Body};
+use bitgrain_kernel::{Domain, Error as KernelError, Group, Obstacle, Row, Shape as Body};
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::motion::Moves;
 use bitgrain_sim::observe;
 use bitgrain_sim::simulation::Simulation;
 use bitgrain_sim::spatial_order::spatial_order;
 
-/// Freezes the grains whose centres lie below the base's height, takes the floor away if the bed
-/// has none, and numbers all grains in spatial order.
+/// The group of a grain of a bed that has come to rest: frozen if its centre lies below the base's height, or in a tank
+/// as near to its wall.
+fn settled_group(scenario: &CheckedScenario, [x, y, z, _]: Row<f64>) -> u8 {
+    let radius = 0.5 * scenario.bed.size[0];
+    let off = [x - radius, y - radius];
+    let inner = radius - scenario.bed.base;
+    let at_wall = scenario.is_tank() && off[0] * off[0] + off[1] * off[1] > inner * inner;
+    match at_wall || z < scenario.bed.base {
+        true => BASE,
+        false => FREE,
+    }
+}
+
+/// Freezes the grains of the base, takes the floor away if the bed has none, and numbers all grains in spatial order.
 pub(super) fn freeze_base(
     old: &mut Simulation,
     scenario: &CheckedScenario,
 ) -> std::result::Result<Simulation, KernelError> {
-    let group = |k: usize| {
-        if old.position[k][2] < scenario.bed.base {
-            BASE
-        } else {
-            FREE
-        }
-    };
     let members = in_order(old)
-        .map(|k| Member::Old(k, group(k)))
+        .map(|k| Member::Old(k, settled_group(scenario, old.position[k])))
         .collect::<Vec<_>>();
     let mut obstacles: Vec<_> = old.obstacles.iter().copied().zip((0..).map(Some)).collect();
     if !scenario.bed.floor {
@@ -36,11 +41,16 @@ pub(super) fn freeze_base(
     assemble(old, &members, groups, obstacles)
 }
 
-/// Numbers all grains in spatial order.
-pub(super) fn renumbered(old: &mut Simulation) -> std::result::Result<Simulation, KernelError> {
-    let members: Vec<Member> = in_order(old)
-        .map(|k| Member::Old(k, old.group[k]))
-        .collect();
+/// Numbers all grains in spatial order; in a tank those that were poured last become the wall's where they touch it.
+pub(super) fn renumbered(
+    old: &mut Simulation,
+    scenario: &CheckedScenario,
+) -> std::result::Result<Simulation, KernelError> {
+    let group = |k: usize| match scenario.is_tank() {
+        true => settled_group(scenario, old.position[k]),
+        false => old.group[k],
+    };
+    let members: Vec<Member> = in_order(old).map(|k| Member::Old(k, group(k))).collect();
     let obstacles = old.obstacles.iter().copied().zip((0..).map(Some)).collect();
     let groups = old.groups.clone();
     assemble(old, &members, groups, obstacles)
@@ -64,7 +74,7 @@ pub(super) fn buried(
     let clear = |k: usize| {
         let x = lower.position[k];
         let off = observe::offset(&lower.domain, &body, [x[0], x[1], x[2]]);
-        observe::length(off) > body.reach() + x[3]
+        observe::length(off) > observe::girth(&body) + x[3]
     };
     let mut members: Vec<Member> = (0..lower.count())
         .filter(|&k| clear(k))
@@ -102,7 +112,8 @@ pub(super) fn dropped(
         -scenario.bed.diameters[1]
     };
     let lowest = floor - scenario.bed.diameters[1];
-    let domain = Domain::new([0.0, 0.0, lowest], [x, y, ceiling], [true, true, false])
+    let across = !scenario.is_tank();
+    let domain = Domain::new([0.0, 0.0, lowest], [x, y, ceiling], [across, across, false])
         .map_err(|f| refuse(f.to_string()))?;
     let gravity = [0.0, 0.0, -scenario.gravity];
     let mut obstacles = match scenario.bed.pouring {
@@ -110,7 +121,14 @@ pub(super) fn dropped(
         Order::InTurn => vec![],
     };
     // A bed without a floor is poured on one nevertheless: the base is frozen from it.
-    obstacles.push(Obstacle::plane([0.0; 3], [0.0, 0.0, 1.0]));
+    let up = [0.0, 0.0, 1.0];
+    obstacles.push(match scenario.is_tank() {
+        true => {
+            let middle = [0.5 * x, 0.5 * y, 0.5 * ceiling];
+            Obstacle::drum(middle, up, 0.5 * x, 0.5 * ceiling)
+        }
+        false => Obstacle::plane([0.0; 3], up),
+    });
     let base = match scenario.drag.moves {
         Moves::Intruder => Group::frozen(),
         Moves::Bed => Group::prescribed_velocity(),

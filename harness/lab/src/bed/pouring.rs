@@ -149,7 +149,8 @@ impl Pouring {
                     }
                 }
                 Phase::Fill => {
-                    self.sim = renumbered(&mut self.sim).map_err(|f| wrong(&self.sim, f))?;
+                    self.sim =
+                        renumbered(&mut self.sim, scenario).map_err(|f| wrong(&self.sim, f))?;
                     Phase::Quench
                 }
                 Phase::Quench => Phase::Rest,

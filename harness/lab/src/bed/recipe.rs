@@ -3,7 +3,9 @@
 use bitgrain_kernel::BITS_VERSION;
 use serde::{Deserialize, Serialize};
 
-use crate::scenario::{BedPlan, CheckedScenario, IntruderShape, LidPlan, PouringOrder, UnitSystem};
+use crate::scenario::{
+    BedPlan, CheckedScenario, Container, IntruderShape, LidPlan, PouringOrder, UnitSystem,
+};
 use bitgrain_sim::checkpoint::FORMAT;
 use bitgrain_sim::law::LawSpec;
 use bitgrain_sim::motion::Moves;
@@ -33,6 +35,9 @@ pub struct Recipe {
     /// Lengths along x and y and the height of the box.
     #[serde(rename = "box")]
     pub size: [f64; 3],
+    /// What held it at its sides.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub container: Container,
     /// Number of grains.
     pub grains: usize,
     /// Smallest and largest diameter, uniform between.
@@ -74,11 +79,14 @@ fn is_default<T: Default + PartialEq>(value: &T) -> bool {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RecipeIntruder {
-    /// A sphere, or a bar along y.
+    /// A sphere, an endless cylinder along y, or a bar along y.
     #[serde(default, skip_serializing_if = "is_default")]
     pub shape: IntruderShape,
     /// Diameter.
     pub diameter: f64,
+    /// Length of a bar.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub length: Option<f64>,
     /// Mass density of a sphere, as it enters the effective mass of its contacts.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub density: Option<f64>,
@@ -99,6 +107,7 @@ impl Recipe {
             gravity: scenario.gravity,
             dt: scenario.drag.dt,
             size: bed.size,
+            container: bed.container,
             grains: scenario.grain_count(plan.diameter),
             diameters: bed.diameters,
             density: bed.density,
@@ -112,6 +121,7 @@ impl Recipe {
             intruder: RecipeIntruder {
                 shape: scenario.intruder.shape,
                 diameter: plan.diameter,
+                length: scenario.intruder.length,
                 density: scenario.intruder.density,
                 center: plan.center,
             },

@@ -104,7 +104,7 @@ fn the_cylinder_comes_into_a_bed_at_rest() {
     bed.enter(Phase::Fill);
     let goal = fallen(&scenario, top);
     settle(&mut bed, &scenario, plan, &goal, stage, &mut ()).unwrap();
-    let mut whole = renumbered(&mut bed.sim).unwrap();
+    let mut whole = renumbered(&mut bed.sim, &scenario).unwrap();
     assert!(in_order(&whole).eq(0..count), "numbered in spatial order");
     bed.sim = whole.clone();
     bed.sim.law = scenario.quenching_law();

@@ -1,8 +1,10 @@
 //! The columns of a campaign's table: inputs, observables with their standard errors, digests.
 
+pub use super::column::{Cell, Column, Row, Status, Unit};
+use super::column::{mean, real, text, whole};
+use super::tank_columns::tanks;
 use crate::scenario::BedPlan;
-use crate::scenario::{CheckedScenario, DragPlan};
-use crate::summary::{DragRecord, DragSummary, Flow, Reach};
+use crate::summary::{DragSummary, Flow, Reach, Tank};
 use bitgrain_sim::block_averaging::Mean;
 use bitgrain_sim::format::round10;
 
@@ -11,81 +13,6 @@ pub const MOST_CONTACTS: usize = 12;
 
 /// What the columns of the drag over a diameter of travel begin with; the number of the diameter follows, from 1.
 pub const DRAG_BY_TRAVEL: &str = "drag_travel_";
-
-/// How a run ended.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Status {
-    /// It succeeded.
-    Done(Box<DragRecord>),
-    /// It failed, or its bed did, and why.
-    Failed(String),
-}
-
-/// One finished run of a campaign.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Row<'a> {
-    /// Its member.
-    pub member: &'a str,
-    /// The member's scenario.
-    pub scenario: &'a CheckedScenario,
-    /// The run.
-    pub plan: DragPlan,
-    /// How it ended.
-    pub status: &'a Status,
-}
-
-/// One cell; a missing value is empty in CSV and null in Parquet.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Cell {
-    /// Words.
-    Text(Option<String>),
-    /// A whole number.
-    Whole(Option<i64>),
-    /// A real number.
-    Real(Option<f64>),
-}
-
-/// A column: its name, what one of its numbers counts, and its cell in a row.
-pub struct Column {
-    /// Name in the table's head.
-    pub name: String,
-    /// Unit, in the campaign's scaling; `""` if there is none.
-    pub unit: Unit,
-    of: Box<dyn Fn(&Row<'_>) -> Cell>,
-}
-
-/// What the numbers of a column count.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Unit {
-    /// Nothing, or words.
-    None,
-    /// Lengths.
-    Length,
-    /// Times.
-    Time,
-    /// Speeds.
-    Speed,
-    /// Forces.
-    Force,
-    /// Radians.
-    Angle,
-}
-
-impl Column {
-    /// The cell of a row.
-    pub fn of(&self, row: &Row<'_>) -> Cell {
-        (self.of)(row)
-    }
-}
-
-impl Row<'_> {
-    fn record(&self) -> Option<&DragRecord> {
-        match self.status {
-            Status::Done(record) => Some(record),
-            Status::Failed(_) => None,
-        }
-    }
-}
 
 /// All columns of a table with these rows, in order: the last of them are as many as the rows have diameters of
 /// travel, and those of the reaches that a row was measured at.
@@ -99,58 +26,11 @@ pub fn columns(rows: &[Row<'_>]) -> Vec<Column> {
     around(&mut all);
     flow(&mut all);
     digests(&mut all);
+    tanks(&mut all, rows);
     pouring(&mut all, rows);
     reaches(&mut all, rows);
     travel(&mut all, rows);
     all
-}
-
-fn push(
-    all: &mut Vec<Column>,
-    name: impl Into<String>,
-    unit: Unit,
-    of: impl Fn(&Row<'_>) -> Cell + 'static,
-) {
-    all.push(Column {
-        name: name.into(),
-        unit,
-        of: Box::new(of),
-    });
-}
-
-fn text(all: &mut Vec<Column>, name: &str, of: impl Fn(&Row<'_>) -> Option<String> + 'static) {
-    push(all, name, Unit::None, move |row| Cell::Text(of(row)));
-}
-
-fn whole(all: &mut Vec<Column>, name: &str, of: impl Fn(&Row<'_>) -> Option<u64> + 'static) {
-    push(all, name, Unit::None, move |row| {
-        Cell::Whole(of(row).map(|n| n as i64))
-    });
-}
-
-fn real(
-    all: &mut Vec<Column>,
-    name: &str,
-    unit: Unit,
-    of: impl Fn(&Row<'_>) -> Option<f64> + 'static,
-) {
-    push(all, name, unit, move |row| {
-        Cell::Real(of(row).filter(|x| x.is_finite()))
-    });
-}
-
-/// A mean and its standard error.
-fn mean(
-    all: &mut Vec<Column>,
-    name: &str,
-    unit: Unit,
-    of: impl Fn(&DragRecord) -> Option<Mean> + Copy + 'static,
-) {
-    let with_error = format!("{name}_error");
-    real(all, name, unit, move |row| Some(of(row.record()?)?.mean));
-    real(all, &with_error, unit, move |row| {
-        Some(of(row.record()?)?.standard_error)
-    });
 }
 
 fn names(all: &mut Vec<Column>) {
@@ -325,21 +205,48 @@ fn around(all: &mut Vec<Column>) {
 }
 
 fn flow(all: &mut Vec<Column>) {
-    type Number = (&'static str, Unit, fn(&Flow) -> f64);
+    type Number = (
+        &'static str,
+        Unit,
+        fn(&Flow) -> f64,
+        fn(&Tank) -> Option<f64>,
+    );
+    // Beds in tanks have some of them too.
     let numbers: [Number; 9] = [
-        ("effective_depth", Unit::Length, |f| f.effective_depth),
-        ("pressure", Unit::None, |f| f.pressure),
-        ("buoyancy", Unit::Force, |f| f.buoyancy),
-        ("drag_coefficient", Unit::None, |f| f.drag_coefficient),
-        ("drag_coefficient_error", Unit::None, |f| {
-            f.drag_coefficient_error
-        }),
-        ("lift_over_buoyancy", Unit::None, |f| f.lift_over_buoyancy),
-        ("lift_over_buoyancy_error", Unit::None, |f| {
-            f.lift_over_buoyancy_error
-        }),
-        ("far_field", Unit::None, |f| f.far_field),
-        ("travel", Unit::None, |f| f.travel),
+        ("effective_depth", Unit::Length, |f| f.effective_depth, none),
+        ("pressure", Unit::None, |f| f.pressure, |t| Some(t.pressure)),
+        (
+            "buoyancy",
+            Unit::Force,
+            |f| f.buoyancy,
+            |t| Some(t.buoyancy),
+        ),
+        (
+            "drag_coefficient",
+            Unit::None,
+            |f| f.drag_coefficient,
+            |t| Some(t.drag_coefficient),
+        ),
+        (
+            "drag_coefficient_error",
+            Unit::None,
+            |f| f.drag_coefficient_error,
+            |t| Some(t.drag_coefficient_error),
+        ),
+        (
+            "lift_over_buoyancy",
+            Unit::None,
+            |f| f.lift_over_buoyancy,
+            |t| Some(t.lift_over_buoyancy),
+        ),
+        (
+            "lift_over_buoyancy_error",
+            Unit::None,
+            |f| f.lift_over_buoyancy_error,
+            |t| Some(t.lift_over_buoyancy_error),
+        ),
+        ("far_field", Unit::None, |f| f.far_field, none),
+        ("travel", Unit::None, |f| f.travel, none),
     ];
     text(all, "pressure_gradient", |row| {
         Some(
@@ -351,11 +258,19 @@ fn flow(all: &mut Vec<Column>) {
                 .to_string(),
         )
     });
-    for (name, unit, of) in numbers {
+    for (name, unit, of, of_tank) in numbers {
         real(all, name, unit, move |row| {
-            row.record()?.run.flow.as_ref().map(of)
+            let run = &row.record()?.run;
+            match &run.tank {
+                Some(tank) => of_tank(tank),
+                None => run.flow.as_ref().map(of),
+            }
         });
     }
+}
+
+fn none(_: &Tank) -> Option<f64> {
+    None
 }
 
 fn digests(all: &mut Vec<Column>) {

@@ -63,6 +63,9 @@ pub struct ParameterGrid {
     /// Diameter of the intruder.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub diameter: Option<OneOrMany>,
+    /// Length of a bar.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub length: Option<OneOrMany>,
     /// Depth of the intruder's centre below the expected surface.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub depth: Option<OneOrMany>,
@@ -104,6 +107,7 @@ impl ParameterGrid {
             ("gamma_n/kn^0.6", "e", "law.gamma_n", &self.damping),
             ("mu", "mu", "law.mu", &self.mu),
             ("diameter", "D", "intruder.diameter", &self.diameter),
+            ("length", "L", "intruder.length", &self.length),
             ("depth", "h", "intruder.depth", &self.depth),
             ("height", "z", "intruder.height", &self.height),
         ];

@@ -5,6 +5,7 @@
 //! every drag: inputs, observables, digest. [`tasks`] are the pieces of it that many processes do. [`written`] reads
 //! back what lies in a campaign's folder.
 
+mod column;
 pub mod columns;
 pub mod folder;
 pub mod forecast;
@@ -16,6 +17,7 @@ pub mod plan;
 pub mod rules;
 pub mod sweep;
 pub mod table;
+mod tank_columns;
 pub mod tasks;
 pub mod verify;
 pub mod written;
@@ -27,7 +29,7 @@ use bitgrain_sim::error::{Error, Result};
 use plan::Plan;
 
 /// Names and texts of the campaigns that ship with the program.
-pub const SHIPPED: [(&str, &str); 7] = [
+pub const SHIPPED: [(&str, &str); 8] = [
     (
         "kumar-small",
         include_str!("../../campaigns/kumar-small.toml"),
@@ -55,6 +57,10 @@ pub const SHIPPED: [(&str, &str); 7] = [
     (
         "kumar-2018",
         include_str!("../../campaigns/kumar-2018.toml"),
+    ),
+    (
+        "guillard-tanks",
+        include_str!("../../campaigns/guillard-tanks.toml"),
     ),
 ];
 

@@ -151,7 +151,9 @@ pub fn surveyed(
 ) -> Result<BedSummary> {
     let mut summary = bed::survey(&plan.name, &scenario.measures(), sim)?;
     summary.chain = note.link.clone();
-    summary.rig = scenario.flows().then(|| rig(scenario, plan, &summary, sim));
+    summary.rig = scenario
+        .has_rig()
+        .then(|| rig(scenario, plan, &summary, sim));
     Ok(summary)
 }
 

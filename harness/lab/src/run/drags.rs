@@ -19,6 +19,7 @@ use crate::progress::Progress;
 use crate::scenario::CheckedScenario;
 use crate::series::series_text;
 use crate::summary::{BedSummary, DragRecord, DragSummary};
+use crate::tank_tables;
 use bitgrain_sim::block_averaging::METHOD;
 use bitgrain_sim::checkpoint::{self, StageState};
 use bitgrain_sim::coarse_graining::intruder_outline;
@@ -350,6 +351,11 @@ pub fn results(
         tables.push(("flow.csv", flow::flow_text(&units, &gauge.rows)));
         tables.push(("profile.csv", gauge.profile.text()));
     }
+    if let (Some(gauge), Some(length)) = (&record.tank, scenario.intruder.length) {
+        tables.push(("bar.csv", tank_tables::bar_text(&units, &gauge.bar(length))));
+        let velocity = tank_tables::velocity_text(&units, &gauge.velocity());
+        tables.push(("velocity.csv", velocity));
+    }
     if let Some(gauge) = &dragging.fields {
         let hole = intruder_outline(sim);
         let scales = coarse_graining::text::Scales {
@@ -415,6 +421,17 @@ fn report(
             "{}: {found}: the bed slides along, and the drag depends on the box as much as on the intruder; make \
              bed.box wider",
             run.name
+        ));
+    }
+    if let Some(tank) = &run.tank {
+        progress.line(&format!(
+            "{}: drag/(rho g h D L) {:.2} +- {:.2}, lift {:.1} +- {:.1} buoyancies in the first half turn of {}",
+            run.name,
+            tank.drag_coefficient,
+            tank.drag_coefficient_error,
+            tank.lift_over_buoyancy,
+            tank.lift_over_buoyancy_error,
+            short(2.0 * tank.turns),
         ));
     }
     if let Some(flow) = &run.flow {

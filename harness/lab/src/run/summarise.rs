@@ -5,8 +5,9 @@ use bitgrain_kernel::PARTS;
 use crate::drag::{Dragging, Means};
 use crate::flow::FlowMeans;
 use crate::plug_flow::{self, PlugFlow};
-use crate::scenario::{BedPlan, CheckedScenario, DragPlan, IntruderShape};
-use crate::summary::{BedSummary, DragSummary, Flow, LARGE_OVERLAP, Reach, Rig};
+use crate::scenario::{BedPlan, CheckedScenario, DragPlan};
+use crate::summary::{BedSummary, DragSummary, Flow, LARGE_OVERLAP, Reach, Rig, Tank};
+use crate::tank::TankGauge;
 use crate::travel;
 use bitgrain_sim::block_averaging::Mean;
 use bitgrain_sim::coarse_graining::disturbed_zone::disturbance;
@@ -18,7 +19,7 @@ use bitgrain_sim::simulation::{Role, Simulation, hex};
 /// Layers next to base and lid that do not count as the bed's, in mean diameters.
 const EDGE: f64 = 2.0;
 
-/// The further numbers of a settled bed that flows.
+/// The further numbers of a settled bed that flows or is in a tank.
 pub(super) fn rig(
     scenario: &CheckedScenario,
     plan: &BedPlan,
@@ -39,10 +40,7 @@ pub(super) fn rig(
     let mut rig = Rig {
         seed: plan.seed,
         diameter: plan.diameter,
-        length: match scenario.intruder.shape {
-            IntruderShape::Cylinder => scenario.bed.size[1],
-            IntruderShape::Sphere => plan.diameter,
-        },
+        length: scenario.intruder_length(plan.diameter),
         pressure_gradient,
         lid_grains: lid.len(),
         lid_density,
@@ -126,6 +124,36 @@ fn flow(
     })
 }
 
+/// Forces on a bar over what they scale with, and by half turn (Guillard 2014, eqs. 2 and 3).
+fn tank(
+    scenario: &CheckedScenario,
+    plan: &DragPlan,
+    bed: &BedSummary,
+    means: &Means,
+    gauge: &TankGauge,
+) -> Option<Tank> {
+    let (rig, half_turn) = (bed.rig.as_ref()?, plan.half_turn?);
+    let pressure = rig.bulk_density * scenario.gravity * bed.depth;
+    let buoyancy = rig.bulk_density * scenario.gravity * scenario.intruder_volume(rig.diameter);
+    let scale = pressure * rig.diameter * rig.length;
+    Some(Tank {
+        diameter: scenario.bed.size[0],
+        length: rig.length,
+        turning_rate: scenario.turning_rate(plan.motion.speed),
+        turns: 0.5 * plan.distance / half_turn,
+        centrifugal: scenario.centrifugal(plan.motion.speed),
+        bulk_density: rig.bulk_density,
+        pressure,
+        buoyancy,
+        drag_coefficient: means.drag.mean / scale,
+        drag_coefficient_error: means.drag.standard_error / scale,
+        lift_over_buoyancy: means.lift.mean / buoyancy,
+        lift_over_buoyancy_error: means.lift.standard_error / buoyancy,
+        direct: gauge.direct(),
+        half_turns: gauge.half_turns(),
+    })
+}
+
 /// Normalised coordination number and its standard error, of an intruder this many grains wide (Kumar 2018,
 /// eq. 8); `None` if nothing touches it.
 fn kappa(bulk: Mean, own: Mean, diameter: f64) -> Option<(f64, f64)> {
@@ -149,10 +177,9 @@ pub(super) fn summarise(
 ) -> Result<DragSummary> {
     let wrong = |fault| Error::run(&plan.name, plan.steps(), fault);
     let digest = sim.digest().map_err(wrong)?;
-    let [x, y, _] = scenario.bed.size;
     let diameter = scenario.beds()[plan.bed].diameter;
     let weight = bed.packing_fraction * scenario.bed.density * scenario.gravity;
-    let above = weight * (x * y) * (bed.depth + 0.5 * diameter);
+    let above = weight * scenario.bed_area() * (bed.depth + 0.5 * diameter);
     let ratio = means.drag.mean / above;
     let around = means.around;
     let d = scenario.mean_diameter();
@@ -179,7 +206,7 @@ pub(super) fn summarise(
         distance: plan.distance,
         steps: plan.steps(),
         window_start: plan.discard,
-        window_end: plan.distance,
+        window_end: plan.window_end,
         window_steps: means.window_steps,
         drag: means.drag,
         lift: means.lift,
@@ -199,7 +226,7 @@ pub(super) fn summarise(
         drag_uncut_error: travel::uncut_error(series),
         drag_by_travel: travel::drag_by_travel(series, &plan.motion),
         plug_ratio: ratio,
-        plug: match scenario.flows() {
+        plug: match scenario.has_rig() {
             true => PlugFlow::Sound,
             false => plug_flow::judge(scenario.law.mu(), ratio, around.drift.map(|d| d.mean)),
         },
@@ -214,6 +241,11 @@ pub(super) fn summarise(
                 intruder_outline(sim),
             )
         }),
+        tank: dragging
+            .record
+            .tank
+            .as_ref()
+            .and_then(|gauge| tank(scenario, plan, bed, means, gauge)),
         overlap_max: dragging.record.deepest / d,
         large_overlaps: overlaps_beyond(sim, LARGE_OVERLAP * d),
         energy: dragging.record.energy.last().copied(),

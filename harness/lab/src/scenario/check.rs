@@ -166,10 +166,10 @@ impl Scenario {
         }
         match (i.shape, i.density) {
             // A file's density belongs to its sphere; whether it is one is checked below.
-            (IntruderShape::Cylinder, Some(_)) if self.bed.file.is_none() => {
+            (IntruderShape::Cylinder | IntruderShape::Bar, Some(_)) if self.bed.file.is_none() => {
                 return refuse(
                     "intruder.density",
-                    "is given, but a cylinder counts as an infinitely heavy wall; leave it out",
+                    "is given, but a cylinder or a bar counts as an infinitely heavy wall; leave it out",
                 );
             }
             (_, density) => density.map_or(Ok(()), |rho| positive("intruder.density", rho))?,
@@ -233,7 +233,7 @@ impl Scenario {
         };
         let along_y = match self.intruder.shape {
             IntruderShape::Sphere => (diameter, across),
-            IntruderShape::Cylinder => (0.0, most),
+            IntruderShape::Cylinder | IntruderShape::Bar => (0.0, most),
         };
         for (length, axis, (body, widest)) in [(x, "x", (diameter, across)), (y, "y", along_y)] {
             if length <= body {
@@ -369,16 +369,7 @@ impl Scenario {
         }
         for distance in &distances {
             positive("drag.distance", *distance)?;
-            if *distance > self.bed.size[0] && !self.drag.own_wake {
-                return refuse(
-                    "drag.distance",
-                    format!(
-                        "is {distance}, beyond one box length, {}: the intruder would meet its own \
-                         wake; if that is intended, set drag.own_wake = true",
-                        self.bed.size[0]
-                    ),
-                );
-            }
+            self.check_wake(*distance)?;
         }
         for run in self.plan_drags() {
             if run.motion.speed * self.drag.dt > least {
@@ -394,7 +385,7 @@ impl Scenario {
                     ),
                 );
             }
-            if !(run.discard >= 0.0 && run.discard < run.distance) {
+            if !(run.discard >= 0.0 && run.discard < run.window_end) {
                 let (key, given) = match self.drag.discard {
                     Some(_) => ("drag.discard", run.discard),
                     None => ("drag.distance", run.distance),
@@ -404,7 +395,7 @@ impl Scenario {
                     format!(
                         "is {given}: of a distance of {}, {} is discarded, and nothing is left to average; \
                          lengthen drag.distance or shorten drag.discard",
-                        run.distance, run.discard
+                        run.window_end, run.discard
                     ),
                 );
             }

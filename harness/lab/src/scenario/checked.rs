@@ -83,7 +83,8 @@ impl Scenario {
             [self.law, quenched(self.law), poured, quenched(poured)].map(|law| law.build());
         let [x, y, _] = self.bed.size;
         // Grains stand in layers as they are laid out: only the periods along x and y matter.
-        let lattice = Domain::new([0.0; 3], [x, y, 1.0], [true, true, false]);
+        let across = !self.is_tank();
+        let lattice = Domain::new([0.0; 3], [x, y, 1.0], [across, across, false]);
         let lattice = lattice.map_err(|e| ("bed.box".to_string(), e.to_string()))?;
         Ok(CheckedScenario {
             law: law.map_err(of_law)?,

@@ -66,9 +66,12 @@ pub struct Bed {
     /// BLAKE3 of that file's text, unpacked: another text under the same name is refused.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hash: Option<String>,
-    /// Lengths along x and y (both periodic) and the height that the settled bed may fill.
+    /// Lengths along x and y (both periodic, unless a tank stands in it) and the height that the settled bed may fill.
     #[serde(rename = "box")]
     pub size: [f64; 3],
+    /// What holds the bed at its sides.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub container: Container,
     /// Number of grains, the intruder not counted; or give `fill_height`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub grains: Option<usize>,
@@ -81,10 +84,11 @@ pub struct Bed {
     /// Mass density of the grains.
     #[serde(default = "one")]
     pub density: f64,
-    /// Grains that settle with their centres below this height are frozen; 0 for none.
+    /// Grains that settle with their centres below this height are frozen; 0 for none. In a tank those as near to its
+    /// wall are frozen too.
     #[serde(default = "kumar_base")]
     pub base: f64,
-    /// Whether a plane at z = 0 lies under the base.
+    /// Whether a plane at z = 0 lies under the base, or a tank has its floor there.
     #[serde(default = "yes")]
     pub floor: bool,
     /// How the grains are released.
@@ -103,6 +107,17 @@ pub struct Bed {
     /// cylinder, under a lid and if the bed moves.
     #[serde(rename = "halting", default, skip_serializing_if = "Option::is_none")]
     pub kinetic_damping: Option<bool>,
+}
+
+/// What holds a bed at its sides.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Container {
+    /// Nothing: the box repeats along x and y.
+    #[default]
+    Periodic,
+    /// A round tank about z, as wide as the box (Guillard 2014, section II A).
+    Tank,
 }
 
 /// One value or several.
@@ -173,11 +188,14 @@ pub enum PouringOrder {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Intruder {
-    /// A sphere, or a bar along y.
+    /// A sphere, an endless cylinder along y, or a bar in a tank.
     #[serde(default, skip_serializing_if = "is_default")]
     pub shape: IntruderShape,
     /// Diameter; several make several beds.
     pub diameter: OneOrMany,
+    /// Length of a bar.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub length: Option<f64>,
     /// Mass density of a sphere, as it enters the effective mass of its contacts; a cylinder counts
     /// as a wall and has none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -189,7 +207,7 @@ pub struct Intruder {
     /// in the settled bed is measured. Each depth gets its own bed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub depth: Option<OneOrMany>,
-    /// Speeds along x; or give `froude`.
+    /// Speeds along x, of a bar those of its ends; or give `froude`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub speed: Option<OneOrMany>,
     /// Froude numbers 2 V sqrt(2 D/g)/(D + d).
@@ -206,6 +224,9 @@ pub enum IntruderShape {
     Sphere,
     /// An endless round bar along y.
     Cylinder,
+    /// A round bar with two ends, which lies in the middle of a tank and turns about z against it (Guillard 2014,
+    /// section II A).
+    Bar,
 }
 
 /// A monolayer of heavy grains, a square lattice of the mean diameter, on top of the settled bed: free
@@ -250,13 +271,13 @@ pub struct Drag {
     /// Which of the two moves along x.
     #[serde(default, skip_serializing_if = "is_default")]
     pub moves: Moves,
-    /// Travel of the intruder through the bed: one for all speeds, or one for each.
+    /// Travel of the intruder through the bed, of a bar that of its ends: one for all speeds, or one for each.
     pub distance: OneOrMany,
-    /// Whether the travel may exceed one box length, after which the intruder is in its own wake.
+    /// Whether the travel may exceed one box length, of a bar half a turn, after which the intruder is in its own wake.
     #[serde(default, skip_serializing_if = "is_default")]
     pub own_wake: bool,
     /// Travel left out of the averages [default: the larger of D and a tenth of the distance; for a
-    /// cylinder 2 D].
+    /// cylinder 2 D; for the ends of a bar 4 D, which are 2 D for the middle of each half].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub discard: Option<f64>,
     /// Whether the contacts keep their histories as the drag begins; those of a bed from a file have

@@ -4,6 +4,7 @@ use std::path::Path;
 
 mod check;
 mod checked;
+mod extent;
 mod fields;
 mod guard;
 mod keys;
@@ -12,11 +13,12 @@ mod plan;
 mod refusal;
 mod rig;
 pub mod source;
+mod tank;
 
 pub use checked::{CheckedScenario, Refusal};
 pub use keys::{
-    Bed, Drag, FieldsConfig, Gradient, History, Intruder, IntruderShape, Lid, Measure, OneOrMany,
-    PouringOrder, Scenario, UnitSystem,
+    Bed, Container, Drag, FieldsConfig, Gradient, History, Intruder, IntruderShape, Lid, Measure,
+    OneOrMany, PouringOrder, Scenario, UnitSystem,
 };
 pub use plan::{BedPlan, DragPlan, LidPlan, PACKING_GUESS};
 pub use rig::{BULK_FRICTION, DRAG_COEFFICIENT};
@@ -27,7 +29,7 @@ use bitgrain_sim::error::{Error, Result};
 use keys::kumar_law;
 
 /// Names and texts of the scenarios that ship with the program.
-pub const SHIPPED: [(&str, &str); 9] = [
+pub const SHIPPED: [(&str, &str); 11] = [
     ("quick", include_str!("../../scenarios/quick.toml")),
     (
         "kumar-system-1",
@@ -60,6 +62,14 @@ pub const SHIPPED: [(&str, &str); 9] = [
     (
         "guillard-2014",
         include_str!("../../scenarios/guillard-2014.toml"),
+    ),
+    (
+        "guillard-tank-small",
+        include_str!("../../scenarios/guillard-tank-small.toml"),
+    ),
+    (
+        "guillard-tank",
+        include_str!("../../scenarios/guillard-tank.toml"),
     ),
 ];
 

@@ -72,6 +72,8 @@ pub struct DragPlan {
     pub distance: f64,
     /// Travel at which averaging begins.
     pub discard: f64,
+    /// Travel at which it ends: the distance, but for a bar half a turn at most.
+    pub window_end: f64,
     /// Tangential springs of the settled bed as it begins.
     pub history: History,
     /// Steps between rows of the force series.
@@ -82,6 +84,8 @@ pub struct DragPlan {
     pub energy: bool,
     /// Whether the flow of its bed is measured too.
     pub flows: bool,
+    /// Travel of the ends of a bar in half a turn; none of other intruders.
+    pub half_turn: Option<f64>,
     /// Distances from the intruder's surface within which the coordination number is measured too.
     pub reaches: Vec<f64>,
     /// Fields that are averaged during the drag.
@@ -168,18 +172,8 @@ impl Scenario {
 
     /// Whether the bed's flow is measured too: round a cylinder, under a lid, and if it moves.
     pub fn flows(&self) -> bool {
-        let sphere = self.intruder.shape == IntruderShape::Sphere;
-        !sphere || self.lid.is_some() || self.drag.moves == Moves::Bed
-    }
-
-    /// Volume of an intruder of this diameter in the box.
-    pub fn intruder_volume(&self, diameter: f64) -> f64 {
-        match self.intruder.shape {
-            IntruderShape::Sphere => bitgrain_sim::simulation::sphere_mass(diameter, 1.0),
-            IntruderShape::Cylinder => {
-                std::f64::consts::PI / 4.0 * diameter * diameter * self.bed.size[1]
-            }
-        }
+        let cylinder = self.intruder.shape == IntruderShape::Cylinder;
+        cylinder || self.lid.is_some() || self.drag.moves == Moves::Bed
     }
 
     /// Number of grains round an intruder of this diameter, given or from the fill height.
@@ -194,16 +188,14 @@ impl Scenario {
     /// How many grains fill the box to this height at the packing fraction that plans assume, but for
     /// the volume of an obstacle.
     pub(crate) fn filling(&self, height: f64, obstacle: f64) -> usize {
-        let [x, y, _] = self.bed.size;
-        ((x * y * height - obstacle) * PACKING_GUESS / self.mean_volume()) as usize
+        ((self.bed_area() * height - obstacle) * PACKING_GUESS / self.mean_volume()) as usize
     }
 
     /// Height of the free surface expected at a packing fraction of 0.6.
     pub fn expected_surface(&self, diameter: f64) -> f64 {
-        let [x, y, _] = self.bed.size;
         let grains = self.grain_count(diameter) as f64;
         let ball = self.intruder_volume(diameter);
-        (grains * self.mean_volume() / PACKING_GUESS + ball) / (x * y)
+        (grains * self.mean_volume() / PACKING_GUESS + ball) / self.bed_area()
     }
 
     /// Effective depth that a lid of this density adds: `(pi d/6)(rho_lid/rho)` (Guillard 2014,
@@ -374,10 +366,15 @@ impl Scenario {
                     dt: self.drag.dt,
                     grain_diameter: self.mean_diameter(),
                     window: [steps, steps],
+                    last: steps,
                 };
                 // For an endless drag, which is refused, nothing is counted step by step.
                 let sane = steps <= STEPS_MAX && (speed * self.drag.dt).is_normal();
+                let window_end = self.window_end(distance);
                 let motion = match sane {
+                    true if window_end < distance => motion
+                        .averaged_beyond(discard, steps)
+                        .averaged_up_to(window_end),
                     true => motion.averaged_beyond(discard, steps),
                     false => motion,
                 };
@@ -389,11 +386,13 @@ impl Scenario {
                     froude,
                     distance,
                     discard,
+                    window_end,
                     history: self.drag.history,
                     every: self.measure.every,
                     digest_every: self.measure.digest_every,
                     energy: self.measure.energy,
                     flows: self.flows(),
+                    half_turn: self.half_turn(),
                     reaches: self.measure.reaches.clone(),
                     fields: self.fields_sampling(speed),
                     snapshots: evenly(steps, self.measure.snapshots),
@@ -414,7 +413,9 @@ impl Scenario {
         let common = runs.iter().map(|run| 0.5 * run.distance);
         let common = common.fold(most, f64::min);
         let last = runs.len().saturating_sub(1);
-        for (k, run) in runs.iter_mut().enumerate() {
+        // A plane that stands cuts a bar that turns elsewhere at each step.
+        let runs = runs.iter_mut().filter(|run| run.half_turn.is_none());
+        for (k, run) in runs.enumerate() {
             let (steps, distance) = (run.steps() as f64, run.distance);
             let step = |travel: f64| (steps * (travel / distance).min(1.0)) as u64;
             run.panel = step(common).max(1);
@@ -428,10 +429,12 @@ impl Scenario {
     }
 
     /// Travel left out of the averages unless the scenario gives it: the larger of D and a tenth
-    /// of the distance; for a cylinder 2 D (Guillard 2014, section III A).
+    /// of the distance; for a cylinder 2 D (Guillard 2014, section III A), which the middle of each half of a bar
+    /// has gone when its ends have gone 4 D.
     fn default_discard(&self, diameter: f64, distance: f64) -> f64 {
         match self.intruder.shape {
             IntruderShape::Cylinder => STEADY * diameter,
+            IntruderShape::Bar => 2.0 * STEADY * diameter,
             IntruderShape::Sphere if 0.1 * distance > diameter => 0.1 * distance,
             IntruderShape::Sphere => diameter,
         }

@@ -38,6 +38,7 @@ impl Scenario {
     }
 
     pub(super) fn check_rig(&self) -> Check {
+        self.check_tank()?;
         let cylinder = self.intruder.shape == IntruderShape::Cylinder;
         if self.bed.file.is_some() {
             let other = [

@@ -4,7 +4,7 @@
 
 use bitgrain_kernel::PARTS;
 
-use super::record::{BedSummary, DragRecord, DragSummary, Flow, Rig, Summary};
+use super::record::{BedSummary, DragRecord, DragSummary, Flow, Rig, Summary, Tank};
 use crate::scenario::{BedPlan, CheckedScenario, DragPlan, Scenario};
 use bitgrain_sim::block_averaging::Mean;
 use bitgrain_sim::coarse_graining::load::{self, Load, POINTS};
@@ -167,7 +167,7 @@ fn check_bed(bed: &BedSummary, plans: &[BedPlan], inputs: &CheckedScenario, at: 
     }
     digest(format!("{at}.digest"), &bed.digest, false)?;
     digest(format!("{at}.chain"), &bed.chain, true)?;
-    match (&bed.rig, inputs.flows()) {
+    match (&bed.rig, inputs.has_rig()) {
         (Some(rig), true) => check_rig(rig, plan, &format!("{at}.rig")),
         (None, false) => Ok(()),
         (Some(_), false) => refuse(
@@ -209,7 +209,7 @@ fn check_run(
         ("depth", run.depth, bed.depth),
         ("distance", run.distance, plan.distance),
         ("window_start", run.window_start, plan.discard),
-        ("window_end", run.window_end, plan.distance),
+        ("window_end", run.window_end, plan.window_end),
     ] {
         same(key(name), given, planned)?;
     }
@@ -247,6 +247,7 @@ fn check_run(
     for (name, part) in &run.digest_parts {
         digest(key(&format!("digest_parts.{name}")), part, false)?;
     }
+    check_tank(run.tank.as_ref(), plan, inputs, &key("tank"))?;
     match &run.flow {
         Some(_) if !inputs.flows() => {
             refuse(key("flow"), "is there, but no bed of these inputs flows")
@@ -306,6 +307,46 @@ fn check_shares(shares: &[f64], key: String) -> Check {
         return refuse(key, problem);
     }
     Ok(())
+}
+
+/// Half turns beyond those of the distance, for the one that is cut by a step.
+const MORE: f64 = 1.0;
+
+fn check_tank(tank: Option<&Tank>, plan: &DragPlan, inputs: &CheckedScenario, at: &str) -> Check {
+    let (tank, half) = match (tank, plan.half_turn) {
+        (None, None) => return Ok(()),
+        (None, Some(_)) => return refuse(at, "is missing, and the bed is in a tank"),
+        (Some(_), None) => return refuse(at, "is there, but the inputs have no tank"),
+        (Some(tank), Some(half)) => (tank, half),
+    };
+    let (speed, length) = (plan.motion.speed, inputs.intruder.length.unwrap_or(0.0));
+    for (name, given, planned) in [
+        ("diameter", tank.diameter, inputs.bed.size[0]),
+        ("length", tank.length, length),
+        (
+            "turning_rate",
+            tank.turning_rate,
+            inputs.turning_rate(speed),
+        ),
+        ("turns", tank.turns, 0.5 * plan.distance / half),
+        ("centrifugal", tank.centrifugal, inputs.centrifugal(speed)),
+    ] {
+        same(format!("{at}.{name}"), given, planned)?;
+    }
+    if tank.half_turns.len() as f64 > plan.distance / half + MORE {
+        let problem = format!("holds {} of {} turns", tank.half_turns.len(), tank.turns);
+        return refuse(format!("{at}.half_turns"), problem);
+    }
+    let means = tank
+        .half_turns
+        .iter()
+        .flat_map(|half| [half.drag, half.lift]);
+    let errors = means.map(|mean| mean.standard_error);
+    let errors = errors.chain([tank.drag_coefficient_error, tank.lift_over_buoyancy_error]);
+    match errors.into_iter().any(|error| error < 0.0) {
+        true => refuse(at, "holds an error below zero, which no error is"),
+        false => Ok(()),
+    }
 }
 
 fn check_flow(flow: &Flow, at: &str) -> Check {

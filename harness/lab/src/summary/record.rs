@@ -2,6 +2,7 @@
 
 use crate::plug_flow::PlugFlow;
 use crate::scenario::CheckedScenario;
+use crate::tank::HalfTurn;
 use bitgrain_sim::block_averaging::Mean;
 use bitgrain_sim::coarse_graining::Load;
 use bitgrain_sim::energy_budget::EnergyRow;
@@ -66,12 +67,12 @@ pub struct BedSummary {
     /// The last link of its chain of digests.
     #[serde(default)]
     pub chain: String,
-    /// Of a bed that flows: its intruder, its lid and the pressure.
+    /// Of a bed that flows or is in a tank: its intruder, its lid and the pressure.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rig: Option<Rig>,
 }
 
-/// The further numbers of a bed that flows.
+/// The further numbers of a bed that flows or is in a tank.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rig {
@@ -79,7 +80,7 @@ pub struct Rig {
     pub seed: u64,
     /// Diameter D of the intruder.
     pub diameter: f64,
-    /// Length L of the cylinder, the box along y; of a sphere its diameter.
+    /// Length L of the cylinder, the box along y, or of the bar; of a sphere its diameter.
     pub length: f64,
     /// Whether the bed below the lid has weight.
     pub pressure_gradient: bool,
@@ -91,7 +92,7 @@ pub struct Rig {
     pub bulk_density: f64,
     /// Effective depth h + (pi d/6)(rho_lid/rho), without h if there is no pressure gradient.
     pub effective_depth: f64,
-    /// Weight above the height of the intruder's centre over the area of the box.
+    /// Weight above the height of the intruder's centre over the area of the bed.
     pub pressure: f64,
     /// Upward force on the resting intruder over its buoyancy: the part of the bed it carries, negative.
     pub reaction_over_buoyancy: f64,
@@ -106,7 +107,7 @@ pub struct DragSummary {
     pub bed: String,
     /// Froude number 2 V sqrt(2 D/g)/(D + d).
     pub froude: f64,
-    /// Speed of the intruder along x.
+    /// Speed of the intruder along x, of a bar that of its ends.
     pub speed: f64,
     /// Diameter of the intruder.
     pub diameter: f64,
@@ -122,11 +123,11 @@ pub struct DragSummary {
     pub window_end: f64,
     /// Steps averaged.
     pub window_steps: u64,
-    /// Force on the intruder against its motion.
+    /// Force on the intruder against its motion; on a bar by its torque (Guillard 2014, eq. 1).
     pub drag: Mean,
     /// Upward force on the intruder, without its weight.
     pub lift: Mean,
-    /// Force on the intruder along y.
+    /// Force on the intruder along y; on a bar along itself.
     pub side: Mean,
     /// Mean number of grains that touch the intruder.
     pub contacts: Mean,
@@ -191,6 +192,9 @@ pub struct DragSummary {
     /// How the bed flowed, and forces over what they scale with.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub flow: Option<Flow>,
+    /// What was measured of a bar in a tank.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tank: Option<Tank>,
     /// The last link of its chain of digests.
     #[serde(default)]
     pub chain: String,
@@ -286,6 +290,42 @@ pub struct Flow {
     /// speed relative to the far grains at the same height, over that of the motion.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub disturbance: Option<[f64; 2]>,
+}
+
+/// How a bar turned in a tank (Guillard 2014, section II). Forces are means of the window, which ends before the bar
+/// meets its own wake.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Tank {
+    /// Inner diameter of the tank.
+    pub diameter: f64,
+    /// Length L of the bar.
+    pub length: f64,
+    /// Rate Omega of the turning (radians over time).
+    pub turning_rate: f64,
+    /// Turns of the whole drag.
+    pub turns: f64,
+    /// Omega^2 R/g at the wall: the size of the forces that a turning tank has and one at rest lacks.
+    pub centrifugal: f64,
+    /// Bulk density rho = phi rho_g of the settled bed.
+    pub bulk_density: f64,
+    /// Pressure rho g h at the bar's axis.
+    pub pressure: f64,
+    /// rho g pi D^2 L/4.
+    pub buoyancy: f64,
+    /// C_d: drag over rho g h D L (eq. 2).
+    pub drag_coefficient: f64,
+    /// Its standard error.
+    pub drag_coefficient_error: f64,
+    /// Lift over buoyancy.
+    pub lift_over_buoyancy: f64,
+    /// Its standard error.
+    pub lift_over_buoyancy_error: f64,
+    /// Sum of the forces against the motion of each half, over the drag of eq. 1; none without a sample.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub direct: Option<f64>,
+    /// Drag and lift of each half turn, of the first from the window's beginning.
+    pub half_turns: Vec<HalfTurn>,
 }
 
 /// One drag with all that belongs to it: `summary.json` of its own folder.
