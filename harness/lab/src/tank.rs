@@ -349,7 +349,8 @@ mod tests {
         // Turned by any angle the numbers are the same.
         let (mut turned, mut seen) = loaded();
         let turn = |v: [f64; 3]| [0.6 * v[0] - 0.8 * v[1], 0.8 * v[0] + 0.6 * v[1], v[2]];
-        for row in turned.position.iter_mut().chain(&mut turned.velocity) {
+        let world = &mut *turned;
+        for row in world.position.iter_mut().chain(&mut world.velocity) {
             let [x, y, z] = turn(head(*row));
             *row = [x, y, z, row[3]];
         }

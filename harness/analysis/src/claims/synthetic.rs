@@ -187,6 +187,7 @@ fn run(
     let flow = flow(asked, inputs, bed, &rig);
     let (scale, buoyancy) = (rig.pressure * rig.diameter * rig.length, flow.buoyancy);
     DragSummary {
+        tank: None,
         name: name.into(),
         bed: bed.name.clone(),
         froude: 0.1,

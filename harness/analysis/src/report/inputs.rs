@@ -54,8 +54,9 @@ const GROUPS: [Group; 7] = [
             (
                 "box",
                 Kind::Length,
-                "size along x and y, both periodic, and the height that the bed may fill",
+                "size along x and y, periodic unless it is a tank, and the height that the bed may fill",
             ),
+            ("container", Kind::Bare, "what holds the bed at its sides"),
             ("grains", Kind::Bare, "how many, the intruder not counted"),
             (
                 "fill_height",
@@ -131,9 +132,10 @@ const GROUPS: [Group; 7] = [
             (
                 "shape",
                 Kind::Bare,
-                "a sphere, or a cylinder along y, as long as the box is wide",
+                "a sphere, a cylinder along y, as long as the box is wide, or a bar in a tank",
             ),
             ("diameter", Kind::Length, "D of the sphere"),
+            ("length", Kind::Length, "L of the bar"),
             (
                 "density",
                 Kind::Density,
@@ -344,7 +346,7 @@ fn body(table: &str, rows: &[(String, &Value)], units: &Units) -> String {
         let meaning = match (table, key.as_str()) {
             // A shape is written out if it is not a sphere.
             ("intruder", "diameter") if rows.iter().any(|row| row.0 == "shape") => {
-                "D of the cylinder"
+                "D of the cylinder or bar"
             }
             _ => meaning,
         };

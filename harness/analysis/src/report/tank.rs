@@ -226,3 +226,97 @@ fn table(summary: &Summary) -> String {
     }
     t.finish()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests;
+    use super::*;
+    use crate::report::TankSeries;
+    use bitgrain_lab::tank::HalfTurn;
+    use bitgrain_lab::tank_tables::{BarRow, SECTORS, VelocityRow};
+
+    fn tank(x: f64) -> Tank {
+        let mean = Mean {
+            mean: x,
+            standard_error: 0.1 * x,
+            ..Mean::default()
+        };
+        let half = HalfTurn {
+            drag: mean,
+            lift: mean,
+        };
+        Tank {
+            diameter: x,
+            length: x,
+            turning_rate: x,
+            turns: 1.0,
+            centrifugal: x,
+            bulk_density: x,
+            pressure: x,
+            buoyancy: x,
+            drag_coefficient: x,
+            drag_coefficient_error: x,
+            lift_over_buoyancy: x,
+            lift_over_buoyancy_error: x,
+            direct: Some(x),
+            half_turns: vec![half; 2],
+        }
+    }
+
+    /// The page of bars whose numbers are all `x`, with the numbers of its tables.
+    fn shown(x: f64) -> String {
+        let mut summary = tests::summary(x);
+        summary.inputs = bitgrain_lab::scenario::load("guillard-tank-small", &[]).unwrap();
+        for run in &mut summary.runs {
+            run.tank = Some(tank(x));
+        }
+        let bar = BarRow {
+            drag: Some(x),
+            ..BarRow::default()
+        };
+        let velocity = VelocityRow {
+            height: 0.5,
+            ahead: Some(x),
+            ..VelocityRow::default()
+        };
+        let series = TankSeries {
+            bar: vec![bar],
+            velocity: vec![velocity; SECTORS],
+        };
+        let tanks = vec![series; 2];
+        let drawings = Drawings {
+            tanks: &tanks,
+            ..Drawings::default()
+        };
+        tank_page(&summary, "name = 1", &drawings)
+    }
+
+    #[test]
+    fn a_page_has_what_was_measured_of_a_tank() {
+        let page = shown(2.5);
+        for title in [
+            "Drag and lift against travel",
+            "Half a turn and after",
+            "Velocity",
+            "Along the bar",
+        ] {
+            assert!(page.contains(&format!(">{title}</h2>")), "{title}");
+        }
+        assert!(page.contains("&Omega;<sup>2</sup> R/g = 2.5"));
+        assert!(page.contains("Drag, half turn 2") && !page.contains("half turn 3"));
+        // No two depths differ.
+        assert!(!page.contains("Against depth"));
+    }
+
+    #[test]
+    fn numbers_that_are_none_draw_nothing_wrong() {
+        for x in [0.0, f64::NAN, f64::INFINITY, -1.0] {
+            let page = shown(x);
+            let drawings = page
+                .split("<svg")
+                .skip(1)
+                .filter_map(|part| part.split("</svg>").next());
+            assert!(drawings.into_iter().all(|svg| !svg.contains("NaN")), "{x}");
+        }
+    }
+}

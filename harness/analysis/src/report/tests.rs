@@ -36,6 +36,7 @@ fn bed(x: f64) -> BedSummary {
 
 pub fn run(x: f64) -> DragSummary {
     DragSummary {
+        tank: None,
         name: "fr".into(),
         bed: "bed".into(),
         froude: x,
@@ -77,7 +78,7 @@ pub fn run(x: f64) -> DragSummary {
 }
 
 /// One bed and two drags, all of whose measured numbers are `x`.
-fn summary(x: f64) -> Summary {
+pub fn summary(x: f64) -> Summary {
     Summary {
         version: "1.2.3".into(),
         bits_version: 9,
