@@ -142,7 +142,7 @@ impl TankGauge {
                 continue;
             };
             let over = radius / half_length;
-            if over < RING[0] || over > RING[1] {
+            if !(RING[0]..=RING[1]).contains(&over) {
                 continue;
             }
             let layer = (sim.position[i][2] / self.layer).max(0.0) as usize;

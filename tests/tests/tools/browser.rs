@@ -105,7 +105,7 @@ fn bed_picture(name: &str, unit: f64) -> BedPicture {
         surface: 9.0 * unit,
         grains: sites(unit).into_iter().map(grain).collect(),
         intruder: ([10.0, 6.5, 4.0].map(|x| x * unit), unit),
-        endless: false,
+        half_length: None,
         moves: Moves::Intruder,
     }
 }

@@ -197,7 +197,8 @@ pub(super) fn along_bar(summary: &Summary, series: &[TankSeries]) -> String {
             drag_scale(run, tank) / tank.length,
             tank.buoyancy / tank.length,
         ];
-        let columns: [[fn(&BarRow) -> Option<f64>; 2]; 2] = [
+        type Column = fn(&BarRow) -> Option<f64>;
+        let columns: [[Column; 2]; 2] = [
             [|r| r.drag, |r| r.drag_after],
             [|r| r.lift, |r| r.lift_after],
         ];

@@ -36,7 +36,7 @@ impl Lattice {
         let domain = scenario.lattice_domain();
         // A grain may be anywhere in its cell.
         let across = (spacing[0] * spacing[0] + spacing[1] * spacing[1]).sqrt();
-        let tank = scenario.is_tank().then(|| 0.5 * (x - across));
+        let tank = scenario.is_tank().then_some(0.5 * (x - across));
         let inside = |at: [f64; 3]| {
             let off = [at[0] - 0.5 * x, at[1] - 0.5 * y];
             tank.is_none_or(|most| off[0] * off[0] + off[1] * off[1] <= most * most)
