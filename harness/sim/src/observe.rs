@@ -274,7 +274,9 @@ pub fn overlaps(sim: &mut Simulation) -> Vec<f64> {
             let x = sim.position[i as usize];
             Some(match body.shape {
                 // The nearest place may be on one of its ends.
-                Shape::FiniteCylinder { .. } => body.meet(0, &sim.domain, head(x), x[3]).overlap,
+                Shape::FiniteCylinder { .. } => {
+                    body.meet(0, &[], &sim.domain, head(x), x[3]).overlap
+                }
                 _ => x[3] + body.reach() - length(from_intruder(sim, i as usize)),
             })
         }
