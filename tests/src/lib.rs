@@ -2,10 +2,12 @@
 
 pub mod damage;
 pub mod drags;
+pub mod extended;
 pub mod fuzzing;
 pub mod gather;
 pub mod notices;
 pub mod processes;
+pub mod reference_scheme;
 pub mod tank;
 pub mod wee;
 
