@@ -12,9 +12,9 @@ pub mod ranks;
 
 pub use bitgrain_analysis::{analysis, claims, fit, present, remarks, report};
 pub use bitgrain_lab::{
-    against, bed, bisect, campaign, case, changes, compare, drag, flow, folder, forecast, frames,
-    json, manifest, near_field, parse_errors, plain, plug_flow, progress, recording, replay, rerun,
-    run, scenario, selftest, series, summary, verify,
+    against, bed, benchmark, bisect, campaign, case, changes, compare, drag, flow, folder,
+    forecast, frames, json, manifest, near_field, parse_errors, plain, plug_flow, progress,
+    recording, replay, rerun, run, scenario, selftest, series, summary, verify,
 };
 pub use bitgrain_sim::{
     block_averaging, body, chain, checkpoint, coarse_graining, coefficients, disk, energy_budget,

@@ -10,6 +10,7 @@
 //! * [`campaign`] runs a scenario over the values of its grids into one table;
 //! * [`verify`], [`bisect`], [`against`], [`rerun`] and [`replay`] do parts of it again and compare ([`compare`],
 //!   [`changes`]); [`case`](mod@case) is the smallest unit of work, [`selftest`](mod@selftest) tests the machine;
+//! * [`benchmark`]: cases that others published, beside theory and their points;
 //! * [`recording`]: named arrays of any program, by step, and where two programs part;
 //! * below them [`progress`], [`plain`] (text for a terminal), [`json`] and [`parse_errors`].
 
@@ -17,6 +18,7 @@
 
 pub mod against;
 pub mod bed;
+pub mod benchmark;
 pub mod bisect;
 pub mod campaign;
 pub mod case;

@@ -2,6 +2,7 @@
 
 mod analyse;
 mod bed;
+mod benchmark;
 mod channels;
 mod checks;
 mod ending;
@@ -34,8 +35,8 @@ use bitgrain_sim::disk::{is_folder, set_most};
 use bitgrain_sim::error::{Error, Result};
 use channels::{MAX_INPUT, heed_full_files, print, shown, stoppable};
 use help::{
-    ANALYSE_HELP, BED_HELP, BENCH_HELP, BISECT_HELP, CLAIMS_HELP, RECORD_HELP, REPLAY_HELP,
-    RUN_HELP, SELFTEST_HELP, SWEEP_HELP, VERIFY_HELP, grouped,
+    ANALYSE_HELP, BED_HELP, BENCH_HELP, BENCHMARK_HELP, BISECT_HELP, CLAIMS_HELP, RECORD_HELP,
+    REPLAY_HELP, RUN_HELP, SELFTEST_HELP, SWEEP_HELP, VERIFY_HELP, grouped,
 };
 
 /// Granular beds whose every run is reproducible to the last bit.
@@ -78,9 +79,12 @@ enum Command {
     /// List, show and remove the settled beds that runs reuse.
     #[command(subcommand, after_help = BED_HELP)]
     Bed(Bed),
-    /// Time steps of a settled bed on this machine.
+    /// Time steps of a settled bed on this machine (speed; for known results see `benchmark`).
     #[command(after_help = BENCH_HELP)]
     Bench(Bench),
+    /// Run a published benchmark of impacts and compare it with theory and the published points.
+    #[command(after_help = BENCHMARK_HELP)]
+    Benchmark(benchmark::Benchmark),
     /// Run the reference worlds on this machine and say whether it keeps the bit contract.
     #[command(after_help = SELFTEST_HELP)]
     Selftest,
@@ -224,6 +228,7 @@ fn run(command: Command, home: &Path, this: &Path, program: &str) -> Result<()> 
         }
         Command::Bed(bed) => run_bed(bed, home),
         Command::Bench(what) => run_bench(&what),
+        Command::Benchmark(what) => benchmark::run(what),
         Command::Selftest => selftest(|line| print(&format!("{line}\n"))),
         Command::Replay(case) => run_replay(case),
         Command::Verify(what) => checks::run_verify(what),

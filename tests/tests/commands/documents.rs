@@ -221,7 +221,7 @@ fn run_commands(lines: Vec<String>) {
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
 fn commands_of_every_help_run() {
-    let commands: [&[&str]; 19] = [
+    let commands: [&[&str]; 20] = [
         &["run"],
         &["sweep"],
         &["analyse"],
@@ -231,6 +231,7 @@ fn commands_of_every_help_run() {
         &["bed", "show"],
         &["bed", "remove"],
         &["bench"],
+        &["benchmark"],
         &["replay"],
         &["verify"],
         // What it records is compared next.
@@ -244,10 +245,10 @@ fn commands_of_every_help_run() {
         &["help", "run"],
     ];
     let mut lines = Vec::new();
-    for command in &commands[..17] {
+    for command in &commands[..18] {
         lines.extend(help_commands(command));
     }
-    for command in &commands[17..] {
+    for command in &commands[18..] {
         let help: Vec<&str> = if command.is_empty() {
             vec!["--help"]
         } else {

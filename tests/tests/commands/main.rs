@@ -8,6 +8,7 @@ use bitgrain_tests::{copied, made_run};
 mod against;
 mod api;
 mod asked;
+mod benchmark;
 mod bisect;
 mod campaigns;
 mod channels;

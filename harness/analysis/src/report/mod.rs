@@ -5,6 +5,7 @@
 
 mod arrow;
 mod before;
+mod benchmark;
 mod campaign;
 mod caption;
 mod chart;
@@ -35,6 +36,7 @@ mod tank_charts;
 mod tank_views;
 mod text;
 
+pub use benchmark::benchmark_page;
 use bitgrain_sim::format::short;
 pub use campaign::campaign_page;
 pub use course::FlowSeries;
