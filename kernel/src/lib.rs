@@ -69,6 +69,7 @@ extern crate std;
 ))]
 compile_error!("x87 arithmetic rounds twice, so its bits differ: build for a target with SSE2");
 
+pub mod blake3;
 pub mod conformance;
 pub mod contact;
 mod digest;
@@ -88,9 +89,9 @@ mod state;
 mod step;
 mod world;
 
+pub use digest::BITS_VERSION;
 pub use digest::record;
 pub use digest::state::{Digest, PARTS, digest};
-pub use digest::{BITS_VERSION, blake3};
 pub use edit::{NewGrains, insert, nudge, regroup, remove, take_out};
 pub use error::{ArithmeticDefect, Error};
 pub use forces::accumulate::{ContactForce, Partner};

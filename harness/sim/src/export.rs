@@ -5,6 +5,7 @@
 //! candidates for its next release since 2023.
 
 mod bodies;
+mod vtk;
 
 pub use bodies::vtk_bodies;
 
@@ -12,6 +13,7 @@ use bitgrain_kernel::{ContactForce, Obstacle, Partner, Shape};
 
 use crate::lammps::{Atom, DataFile, DumpFrame};
 use crate::simulation::{Role, Simulation, sphere_mass};
+use vtk::{push_reals, push_rows, push_vectors, push_whole, vtk_head};
 
 /// Type of the grains that move.
 pub const GRAIN_TYPE: u32 = 1;
@@ -206,33 +208,4 @@ fn ends(sim: &Simulation, contact: &ContactForce<f64>) -> [[f64; 3]; 2] {
 
 fn length(v: [f64; 3]) -> f64 {
     (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()
-}
-
-/// The longest title that the format allows is 256 characters with its line end.
-const TITLE: usize = 200;
-
-fn vtk_head(title: &str) -> String {
-    let printable = |c: char| if c.is_ascii_graphic() { c } else { ' ' };
-    let title: String = title.chars().map(printable).take(TITLE).collect();
-    format!("# vtk DataFile Version 3.0\n{title}\nASCII\nDATASET POLYDATA\n")
-}
-
-fn push_rows(out: &mut String, rows: impl Iterator<Item = [f64; 3]>) {
-    rows.for_each(|[x, y, z]| out.push_str(&format!("{x:?} {y:?} {z:?}\n")));
-}
-
-fn push_vectors(out: &mut String, name: &str, rows: impl Iterator<Item = [f64; 3]>) {
-    out.push_str(&format!("VECTORS {name} double\n"));
-    push_rows(out, rows);
-}
-
-fn push_reals(out: &mut String, name: &str, values: impl Iterator<Item = f64>) {
-    out.push_str(&format!("SCALARS {name} double 1\nLOOKUP_TABLE default\n"));
-    values.for_each(|x| out.push_str(&format!("{x:?}\n")));
-}
-
-/// `kind` is the format's name of the type: ids reach beyond signed 32 bits.
-fn push_whole(out: &mut String, name: &str, kind: &str, values: impl Iterator<Item = i64>) {
-    out.push_str(&format!("SCALARS {name} {kind} 1\nLOOKUP_TABLE default\n"));
-    values.for_each(|k| out.push_str(&format!("{k}\n")));
 }

@@ -58,6 +58,9 @@
 // A saved world of another layout, arithmetic or number type.
 #define BG_OTHER_VERSION 14
 
+// The world's triangles are not those that a mesh was made of.
+#define BG_OTHER_FACETS 15
+
 // The list of pairs is full; nothing was changed.
 #define BG_PAIR_LIST_FULL 20
 
@@ -161,6 +164,9 @@
 // `bg_obstacle.kind`: the inside of a round tank about `point` along `direction`, of half the length `half[0]`.
 #define BG_DRUM 6
 
+// `bg_obstacle.kind`: triangles, which `bg_add_mesh` adds.
+#define BG_MESH 7
+
 // `bg_departure.cause`: beyond a closed edge.
 #define BG_CAUSE_ESCAPED 1
 
@@ -235,13 +241,14 @@ typedef struct {
 typedef struct {
   // `sizeof(bg_obstacle)`.
   uint32_t size;
-  // `BG_SPHERE`, `BG_CYLINDER`, `BG_PLANE`, `BG_FINITE_CYLINDER`, `BG_CAPSULE`, `BG_BOX` or `BG_DRUM`.
+  // `BG_SPHERE`, `BG_CYLINDER`, `BG_PLANE`, `BG_FINITE_CYLINDER`, `BG_CAPSULE`, `BG_BOX`, `BG_DRUM` or
+  // `BG_MESH`.
   uint32_t kind;
   // Centre, or a point of the axis or of the wall (length).
   double point[3];
   // Of a bar, a tank or a wall, in its own axes, of any length but zero.
   double direction[3];
-  // Radius of a ball, bar or tank (length).
+  // Radius of a ball, bar or tank; of a mesh the distance of its farthest corner (length).
   double radius;
   // 1 / mass as it enters contacts; 0 is infinitely heavy.
   double inverse_mass;
@@ -309,6 +316,8 @@ typedef struct {
   uint32_t obstacles;
   // Groups, 256 at most.
   uint32_t groups;
+  // Triangles of all meshes together.
+  uint32_t facets;
 } bg_capacity;
 
 // A contact law.
@@ -495,6 +504,16 @@ int32_t bg_add_obstacle(bg_world *world,
                         const bg_obstacle *obstacle,
                         uint32_t *number);
 
+// Adds a mesh before the world is started, and sets `number` to its number: `facets` triangles of nine numbers each,
+// the corners from the point of the mesh in its own axes (length), in any order. They are copied; grains touch both
+// sides. `obstacle` says the rest, as for `bg_add_obstacle`. A world that was saved with meshes is loaded into one to
+// which the same ones were added in the same order.
+int32_t bg_add_mesh(bg_world *world,
+                    const bg_obstacle *obstacle,
+                    const double *corners,
+                    uint32_t facets,
+                    uint32_t *number);
+
 // Lets an obstacle turn at this angular velocity (radians / time, axes of the world) from the next step on.
 int32_t bg_turn(bg_world *world,
                 uint32_t number,
@@ -572,7 +591,8 @@ int32_t bg_load(bg_world *world,
                 size_t size);
 
 // Sets `out` to room for a bed of `grains` grains among `obstacles` obstacles: 8 pairs, 8 candidates, 2 obstacle
-// contacts and 2 cells for each grain and 64 more of each, and 8 groups. Nothing but the memory depends on it.
+// contacts and 2 cells for each grain and 64 more of each, 8 groups, and no triangles. Nothing but the memory
+// depends on it.
 int32_t bg_capacity_for_bed(uint32_t grains,
                             uint32_t obstacles,
                             bg_capacity *out);
@@ -653,7 +673,8 @@ int32_t bg_get_digest(bg_world *world, bg_digest *out);
 const char *bg_strerror(int32_t code);
 
 // Sets `out` to room for a bed of `grains` grains among `obstacles` obstacles: 8 pairs, 8 candidates, 2 obstacle
-// contacts and 2 cells for each grain and 64 more of each, and 8 groups. Nothing but the memory depends on it.
+// contacts and 2 cells for each grain and 64 more of each, 8 groups, and no triangles. Nothing but the memory
+// depends on it.
 int32_t bg_capacity_for_bed(uint32_t grains,
                             uint32_t obstacles,
                             bg_capacity *out);

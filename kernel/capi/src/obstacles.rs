@@ -36,10 +36,10 @@ pub extern "C" fn bg_add_obstacle(
     })
 }
 
-/// Adds a mesh before the world is started, and sets `number` to its number: `facets` triangles of nine numbers each, the
-/// corners from the point of the mesh in its own axes (length), in any order. They are copied; grains touch both sides.
-/// `obstacle` says the rest, as for `bg_add_obstacle`. A world that was saved with meshes is loaded into one to which the
-/// same ones were added in the same order.
+/// Adds a mesh before the world is started, and sets `number` to its number: `facets` triangles of nine numbers each,
+/// the corners from the point of the mesh in its own axes (length), in any order. They are copied; grains touch both
+/// sides. `obstacle` says the rest, as for `bg_add_obstacle`. A world that was saved with meshes is loaded into one to
+/// which the same ones were added in the same order.
 #[unsafe(no_mangle)]
 pub extern "C" fn bg_add_mesh(
     world: *mut bg_world,

@@ -16,7 +16,8 @@ fn code(done: Done) -> i32 {
 }
 
 /// Sets `out` to room for a bed of `grains` grains among `obstacles` obstacles: 8 pairs, 8 candidates, 2 obstacle
-/// contacts and 2 cells for each grain and 64 more of each, 8 groups, and no triangles. Nothing but the memory depends on it.
+/// contacts and 2 cells for each grain and 64 more of each, 8 groups, and no triangles. Nothing but the memory
+/// depends on it.
 #[unsafe(no_mangle)]
 pub extern "C" fn bg_capacity_for_bed(grains: u32, obstacles: u32, out: *mut bg_capacity) -> i32 {
     let room = Capacity::for_bed(grains as usize, obstacles as usize);

@@ -8,8 +8,8 @@ mod worlds;
 
 pub use worlds::{GRAINS, Room};
 
+use crate::blake3::Hasher;
 use crate::contact::{HertzHistory, HertzTsuji, Law};
-use crate::digest::blake3::Hasher;
 use crate::digest::state::digest;
 use crate::error::Error;
 use crate::math::real::Real;

@@ -23,7 +23,7 @@
 
 use core::fmt;
 
-use crate::digest::blake3::Hasher;
+use crate::blake3::Hasher;
 pub use crate::digest::element::Element;
 
 /// How a recording begins.

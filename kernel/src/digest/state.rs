@@ -3,7 +3,7 @@
 //! A digest reads the numbers' words, little-endian, by ascending id, so it is the same on machines
 //! of either byte order, and its parts say what differs when two runs differ.
 
-use crate::digest::blake3::Hasher;
+use crate::blake3::Hasher;
 use crate::math::real::Real;
 use crate::math::rows::get_or_default;
 use crate::math::vec3::{Vec3, head};

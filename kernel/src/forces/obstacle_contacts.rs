@@ -79,7 +79,11 @@ pub fn obstacle_forces<R: Real, L: Law<R>>(
         body.torque = [R::ZERO; 3];
     }
     if !touch.facets.is_empty() {
-        hand_on(grains, touch);
+        hand_on(
+            grains,
+            (touch.grain, touch.obstacle, touch.spring),
+            (touch.obstacles, touch.facets),
+        );
     }
     let facets = touch.facets;
     let listed = touch.grain.iter().zip(touch.obstacle.iter_mut());

@@ -291,7 +291,8 @@ impl<
     }
 
     /// Goes on from what [`save`](crate::save) wrote: box, time step, groups, obstacles, grains and histories are those
-    /// of the saved world; skins and triangles of meshes stay as they are. Bytes behind the saved world are not looked at.
+    /// of the saved world; skins and triangles of meshes stay as they are. Bytes behind the saved world are not looked
+    /// at.
     ///
     /// # Errors
     /// All is as it was: [`Error::BadSave`], [`Error::OtherVersion`], [`Error::GrainsFull`]; [`Error::BadStorage`] if

@@ -7,8 +7,8 @@ use super::layout::{
     OPEN, PLAIN, SPINS, TAKES_OUT, counts, name, obstacle, size, width,
 };
 use super::write::checksum;
+use crate::blake3::Hasher;
 use crate::digest::BITS_VERSION;
-use crate::digest::blake3::Hasher;
 use crate::error::Error;
 use crate::math::real::Real;
 use crate::math::rows::set;
@@ -221,8 +221,8 @@ impl<'b, R: Real> Saved<'b, R> {
         })
     }
 
-    /// The corners of the triangles of its meshes, in order (length): what a host makes its [`World::facets`] from, with
-    /// [`arrange`](crate::arrange) for each mesh by itself.
+    /// The corners of the triangles of its meshes, in order (length): what a host makes its [`World::facets`] from,
+    /// with [`arrange`](crate::arrange) for each mesh by itself.
     pub fn facets(&self) -> impl Iterator<Item = [Vec3<R>; 3]> + use<'b, R> {
         let mut at = self.part(5);
         (0..self.counts[5]).map(move |_| [(); 3].map(|()| at.vector()))

@@ -3,8 +3,8 @@
 use super::layout::{
     CURVED, DRAINS, FORMAT, FREE, INTEGRATES, MAGIC, OPEN, PLAIN, SPINS, TAKES_OUT, name, size,
 };
+use crate::blake3::Hasher;
 use crate::digest::BITS_VERSION;
-use crate::digest::blake3::Hasher;
 use crate::digest::state::digest;
 use crate::edit::settle::open;
 use crate::error::Error;
@@ -55,7 +55,8 @@ pub fn save_size<R: Real>(world: &World<'_, R>) -> usize {
 }
 
 /// Writes a world at rest to the beginning of `out`, and returns how many bytes that took. Going on from there, in a
-/// store of any capacity and with any skin, gives the bits of this world. The contact law is the host's own and not in it.
+/// store of any capacity and with any skin, gives the bits of this world. The contact law is the host's own and not
+/// in it.
 ///
 /// # Errors
 /// [`Error::NotStarted`], [`Error::GrainsLeaving`], [`Error::Edited`]; [`Error::BufferTooShort`], with nothing written.

@@ -15,7 +15,7 @@
 //! Nothing here depends on the order of triangles in a file: [`arrange`] puts them in one order, and each rule is
 //! one of distances, the order of corners deciding between equal ones.
 
-use crate::digest::blake3::Hasher;
+use crate::blake3::Hasher;
 use crate::math::real::{Real, larger, smaller};
 use crate::math::rows::{part, set, sort_by};
 use crate::math::vec3::{Vec3, add, dot, sub};
@@ -236,8 +236,8 @@ impl<'a, R: Real> Mesh<'a, R> {
         touches
     }
 
-    /// The share of a contact beside those that it meets at a crease: `1 / (1 + sum (1 / f - 1))` over what each of them
-    /// alone would leave, `f`, so that flat triangles that meet in a corner hold one contact together.
+    /// The share of a contact beside those that it meets at a crease: `1 / (1 + sum (1 / f - 1))` over what each of
+    /// them alone would leave, `f`, so that flat triangles that meet in a corner hold one contact together.
     fn share(self, own: &Candidate<'_, R>, place: Vec3<R>, radius: R) -> R {
         let (mut taken, mut is_all) = (R::ZERO, false);
         self.others(own.number, place, radius, &mut |rival| {

@@ -167,8 +167,8 @@ fn flat_triangles_roll_as_a_plane() {
     }
 }
 
-/// A bowl of flat faces, in which a sphere rolls over ridges and hollow creases: no energy comes or goes but by friction
-/// and damping.
+/// A bowl of flat faces, in which a sphere rolls over ridges and hollow creases: no energy comes or goes but by
+/// friction and damping.
 #[test]
 fn energy_closes_over_creases() {
     let corner = |x: i32, y: i32| {

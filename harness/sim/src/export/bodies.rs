@@ -3,7 +3,7 @@
 use bitgrain_kernel::vec3::{add, cross, scale};
 use bitgrain_kernel::{Obstacle, Shape, to_world};
 
-use super::{push_rows, push_vectors, push_whole, vtk_head};
+use super::vtk::{push_rows, push_vectors, push_whole, vtk_head};
 use crate::simulation::Simulation;
 
 /// Sides of what is round.

@@ -52,10 +52,10 @@ pub const BODIES: &[Mutant] = &[
         red: &["the_force_has_no_jump_over_a_crease"],
     },
     Mutant {
-        name: "an edge counts beside the face that ends in it",
+        name: "an edge counts for each of its triangles",
         file: "kernel/src/state/mesh.rs",
-        from: "                    Feature::Face => true,\n                    Feature::Edge(edge) if edge == [a, b] => other < number,",
-        to: "                    Feature::Face => false,\n                    Feature::Edge(edge) if edge == [a, b] => other < number,",
+        from: "Feature::Edge(edge) if edge == [a, b] => other < number,",
+        to: "Feature::Edge(edge) if edge == [a, b] => false,",
         target: "meshes",
         red: &["a_hollow_has_two_contacts_and_a_ridge_one"],
     },
