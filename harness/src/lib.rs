@@ -10,7 +10,7 @@ pub mod bench;
 pub mod cli;
 pub mod ranks;
 
-pub use bitgrain_analysis::{analysis, claims, fit, present, remarks, report};
+pub use bitgrain_analysis::{analysis, claims, fit, present, released, remarks, report};
 pub use bitgrain_lab::{
     against, bed, benchmark, bisect, campaign, case, changes, compare, drag, flow, folder,
     forecast, frames, json, manifest, near_field, parse_errors, plain, plug_flow, progress,

@@ -10,5 +10,6 @@ pub mod analysis;
 pub mod claims;
 pub mod fit;
 pub mod present;
+pub mod released;
 pub mod remarks;
 pub mod report;

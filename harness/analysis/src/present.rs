@@ -16,7 +16,7 @@ use bitgrain_lab::frames::{self, Frame, Slice};
 use bitgrain_lab::manifest::{FolderKind, Vouched};
 use bitgrain_lab::progress::Progress;
 use bitgrain_lab::run::{self, Setting};
-use bitgrain_lab::scenario::{CheckedScenario, DragPlan};
+use bitgrain_lab::scenario::{CheckedScenario, DragPlan, IntruderMotion};
 use bitgrain_lab::series::{SeriesRow, parse_series};
 use bitgrain_lab::summary::{BedSummary, DragSummary, Summary, read_folder};
 use bitgrain_lab::tank_tables::{BAR, VELOCITY};
@@ -30,7 +30,7 @@ use bitgrain_sim::files::packed_name;
 use bitgrain_sim::lammps::{Atom, parse_dump};
 use bitgrain_sim::motion::Moves;
 use bitgrain_sim::observe::{self, INTRUDER};
-use bitgrain_sim::simulation::Role;
+use bitgrain_sim::simulation::{Role, Simulation};
 use bitgrain_sim::table::Table;
 
 /// Writes the report of a run directory from the files in it: of what is done, if the run has not come to its
@@ -42,16 +42,10 @@ pub fn write_report(folder: &Folder<'_>) -> Result<()> {
     let vouched = &Vouched::open(folder.0, FolderKind::Run)?;
     let (_, whole) = read_folder(folder, vouched)?;
     let text = vouched.text(&folder.scenario())?;
-    let series = whole.runs.iter().map(|run| {
-        let path = folder.series(&run.name);
-        parse_series(&vouched.text(&path)?, &path.display().to_string())
-    });
-    let series: Vec<Vec<SeriesRow>> = series.collect::<Result<_>>()?;
-    let moves = whole.inputs.drag.moves;
-    let stills = whole
-        .beds
-        .iter()
-        .map(|bed| still(folder, vouched, bed, moves));
+    let series = series(folder, vouched, &whole)?;
+    let inputs = &whole.inputs;
+    let stills = whole.beds.iter();
+    let stills = stills.map(|bed| still(folder, vouched, bed, inputs));
     let stills: Vec<Still> = stills.collect::<Result<_>>()?;
     let packed = whole.inputs.measure.gzip;
     let planned = plans(&whole)?;
@@ -129,6 +123,9 @@ fn page(
         };
         return Ok(report::tank_page(whole, text, &drawings));
     }
+    if whole.inputs.intruder.motion != IntruderMotion::Dragged {
+        return released_page(folder, vouched, (whole, text), drawings);
+    }
     if whole.runs.iter().all(|run| run.flow.is_none()) {
         return Ok(report::page(whole, text, &drawings));
     }
@@ -166,6 +163,22 @@ pub fn run(
     .map(|done| done.expect("all drags were wanted").report)
 }
 
+/// The force series of the runs of a summary.
+///
+/// # Errors
+/// [`Error::Input`] if one of them is missing or not as it was written.
+pub fn series(
+    folder: &Folder<'_>,
+    vouched: &Vouched,
+    summary: &Summary,
+) -> Result<Vec<Vec<SeriesRow>>> {
+    let one = |run: &DragSummary| {
+        let path = folder.series(&run.name);
+        parse_series(&vouched.text(&path)?, &path.display().to_string())
+    };
+    summary.runs.iter().map(one).collect()
+}
+
 /// The drags of a summary with their plans.
 fn plans(whole: &Summary) -> Result<Vec<(&DragSummary, DragPlan)>> {
     let plans = whole.inputs.drags();
@@ -189,36 +202,82 @@ struct Still {
     lid: BTreeSet<u32>,
 }
 
-fn still(folder: &Folder<'_>, vouched: &Vouched, bed: &BedSummary, moves: Moves) -> Result<Still> {
+fn still(
+    folder: &Folder<'_>,
+    vouched: &Vouched,
+    bed: &BedSummary,
+    inputs: &CheckedScenario,
+) -> Result<Still> {
     let path = folder.bed(&bed.name);
     let sim = checkpoint::unpack(&vouched.read(&path)?, &path.display().to_string())?.0;
-    let body = &sim.obstacles[INTRUDER as usize];
-    let ([x, _, z], y) = (body.point, frames::plane(&sim));
-    let grain = |i: usize| PictureGrain {
-        position: [sim.position[i][0], sim.position[i][1], sim.position[i][2]],
-        radius: sim.position[i][3],
-        role: sim.role(i),
-    };
     let lid = (0..sim.count()).filter(|&i| sim.role(i) == Role::Lid);
     Ok(Still {
         hole: intruder_outline(&sim),
         lid: lid.map(|i| sim.id[i]).collect(),
         picture: BedPicture {
-            name: bed.name.clone(),
-            // The floor of the bed; the box goes on below it so that a leak is seen.
-            lo: [sim.domain.lo()[0], sim.domain.lo()[1], 0.0],
-            hi: sim.domain.hi(),
-            surface: bed.surface,
-            grains: (0..sim.count()).map(grain).collect(),
-            intruder: ([x, y, z], observe::girth(body)),
-            half_length: match body.shape {
-                Shape::Cylinder { .. } => Some(f64::INFINITY),
-                Shape::FiniteCylinder { half_length, .. } => Some(half_length),
-                _ => None,
-            },
-            moves,
+            moves: inputs.drag.moves,
+            arrow: !inputs.is_dropped(),
+            ..picture(&sim, &bed.name, bed.surface)
         },
     })
+}
+
+/// The page of runs whose intruders forces move.
+fn released_page(
+    folder: &Folder<'_>,
+    vouched: &Vouched,
+    (whole, text): (&Summary, &str),
+    drawings: Drawings<'_>,
+) -> Result<String> {
+    let ends = whole.runs.iter().map(|run| end(folder, vouched, run));
+    let ends: Vec<Option<BedPicture>> = ends.collect::<Result<_>>()?;
+    let ends: Vec<BedPicture> = ends.into_iter().flatten().collect();
+    let ends = &ends[..];
+    Ok(report::released_page(
+        whole,
+        text,
+        &Drawings { ends, ..drawings },
+    ))
+}
+
+/// The last state of a run whose intruder forces move, below the surface of its settled bed.
+fn end(folder: &Folder<'_>, vouched: &Vouched, run: &DragSummary) -> Result<Option<BedPicture>> {
+    let Some(released) = &run.released else {
+        return Ok(None);
+    };
+    let path = folder.checkpoint(&run.name, run.steps);
+    let sim = checkpoint::unpack(&vouched.read(&path)?, &path.display().to_string())?.0;
+    Ok(Some(BedPicture {
+        arrow: false,
+        ..picture(&sim, &run.name, released.surface)
+    }))
+}
+
+/// A state as a picture.
+fn picture(sim: &Simulation, name: &str, surface: f64) -> BedPicture {
+    let body = &sim.obstacles[INTRUDER as usize];
+    let ([x, _, z], y) = (body.point, frames::plane(sim));
+    let grain = |i: usize| PictureGrain {
+        position: [sim.position[i][0], sim.position[i][1], sim.position[i][2]],
+        radius: sim.position[i][3],
+        role: sim.role(i),
+    };
+    BedPicture {
+        name: name.to_owned(),
+        // The floor of the bed; the box goes on below it so that a leak is seen.
+        lo: [sim.domain.lo()[0], sim.domain.lo()[1], 0.0],
+        hi: sim.domain.hi(),
+        surface,
+        grains: (0..sim.count()).map(grain).collect(),
+        intruder: ([x, y, z], observe::girth(body)),
+        half_length: match body.shape {
+            Shape::Cylinder { .. } => Some(f64::INFINITY),
+            Shape::FiniteCylinder { half_length, .. } => Some(half_length),
+            _ => None,
+        },
+        moves: Moves::Intruder,
+        arrow: true,
+    }
 }
 
 /// The flow series and the profile of a run; empty ones for a run that has none.

@@ -2,7 +2,8 @@
 
 use crate::claims::{FAR_FIELD_LEAST, groups, same_depth};
 use bitgrain_lab::plug_flow::PlugFlow;
-use bitgrain_lab::summary::{BedSummary, DragSummary, Flow, LARGE_OVERLAP, Summary};
+use bitgrain_lab::scenario::IntruderMotion;
+use bitgrain_lab::summary::{BedSummary, DragSummary, Flow, LARGE_OVERLAP, Released, Summary};
 use bitgrain_sim::format::short;
 
 /// Packing fraction above which equal spheres are not a random packing (random close packing).
@@ -32,9 +33,14 @@ fn remark(title: impl Into<String>, words: String) -> Remark {
 
 /// All remarks on the numbers of a run.
 pub fn remarks(summary: &Summary) -> Vec<Remark> {
-    let runs = &summary.runs;
+    // What weakens a mean drag says nothing of intruders that forces move.
+    let held = summary.runs.iter().filter(|run| run.released.is_none());
+    let runs: &[DragSummary] = &held.cloned().collect::<Vec<_>>();
     let flows = runs.iter().any(|run| run.flow.is_some());
     let mut out: Vec<Remark> = part(summary).into_iter().collect();
+    out.extend(still_moving(summary));
+    out.extend(own_wake(summary));
+    out.extend(near_the_base(summary));
     out.extend(summary.beds.iter().filter_map(unrest));
     out.extend(slips(runs));
     out.extend(balance(runs));
@@ -70,6 +76,56 @@ fn part(summary: &Summary) -> Option<Remark> {
     (done < planned).then(|| {
         let words = format!("{done} of {planned} drags are done; everything here is about these.");
         remark("A part", words)
+    })
+}
+
+/// The runs of a summary for which something holds of an intruder that forces move.
+fn released(summary: &Summary, so: impl Fn(&DragSummary, &Released) -> bool) -> String {
+    names(&summary.runs, |run| {
+        run.released.as_ref().is_some_and(|known| so(run, known))
+    })
+}
+
+/// Spheres that were dropped and did not come to rest.
+fn still_moving(summary: &Summary) -> Option<Remark> {
+    let moving = released(summary, |_, known| known.rest.is_none());
+    (summary.inputs.is_dropped() && !moving.is_empty()).then(|| {
+        let words = format!(
+            "In {moving} the sphere still moved at the end: its depth is that of a moment. A longer `drag.duration` \
+             helps, unless it rolls on the surface."
+        );
+        remark("Not at rest", words)
+    })
+}
+
+/// Spheres that were pulled through the place where they began.
+fn own_wake(summary: &Summary) -> Option<Remark> {
+    let length = summary.inputs.bed.size[0];
+    let pulled = summary.inputs.intruder.force.is_some();
+    let far = released(summary, |run, _| run.distance > length - run.diameter);
+    (pulled && !far.is_empty()).then(|| {
+        let words = format!(
+            "In {far} the sphere went on beyond the length of the box, {}, through its own wake: its late speed is \
+             that in a disturbed bed. A shorter `drag.duration` or a longer `bed.box` helps.",
+            short(length)
+        );
+        remark("Own wake", words)
+    })
+}
+
+/// Spheres that came within a diameter of the base.
+fn near_the_base(summary: &Summary) -> Option<Remark> {
+    let base = summary.inputs.bed.base;
+    let deep = released(summary, |run, known| {
+        known.lowest - base < 1.5 * run.diameter
+    });
+    let moves_down = summary.inputs.intruder.motion != IntruderMotion::Pulled;
+    (moves_down && !deep.is_empty()).then(|| {
+        let words = format!(
+            "In {deep} the lowest point of the sphere came within a diameter of the base, which then carries a part of \
+             it. A deeper bed helps."
+        );
+        remark("Near the base", words)
     })
 }
 

@@ -1,14 +1,13 @@
-//! Dragging: the intruder moves at constant speed through a settled bed, or the bed past it, and the
+//! Dragging: the intruder moves at constant speed through a settled bed, or the bed past it, or it is set free; the
 //! force on it is summed at every step.
 //!
 //! A drag goes in stretches of steps, from one that something is due after to the next: a stretch leaves notes of its
 //! steps, which are read, and its last state, which is looked at.
 
 mod gauges;
+mod release;
 
-use bitgrain_kernel::{
-    ContactForce, Domain, Error as KernelError, Obstacle, Shape, check_arithmetic,
-};
+use bitgrain_kernel::{ContactForce, Domain, Obstacle, check_arithmetic};
 use serde::{Deserialize, Serialize};
 
 use crate::flow::FlowGauge;
@@ -16,6 +15,7 @@ use crate::near_field::{NearField, WithinMeans};
 use crate::progress::Stage;
 use crate::scenario::{DragPlan, History};
 use crate::series::SeriesRow;
+use crate::summary::Released;
 use crate::tank::{TankGauge, force_on_bar};
 use bitgrain_sim::chain::Chain;
 use bitgrain_sim::checkpoint::StageState;
@@ -28,10 +28,11 @@ use bitgrain_sim::motion::Moves;
 use bitgrain_sim::notes::{Note, Watch};
 use bitgrain_sim::observe::{self, INTRUDER};
 use bitgrain_sim::observer::Observer;
-use bitgrain_sim::simulation::{Role, Simulation};
+use bitgrain_sim::simulation::Simulation;
 
 use gauges::Gauges;
 pub use gauges::Means;
+use release::set_off;
 
 /// Steps between updates of the progress bar; no result depends on it.
 const SHOW: u64 = 200;
@@ -74,6 +75,9 @@ pub struct Dragging {
     pub record: DragSeries,
     gauges: Gauges,
     around: NearField,
+    /// What is known of an intruder that forces move.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    released: Option<Released>,
     audit: Option<Audit>,
     /// Sums of the fields, if they were asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -84,8 +88,8 @@ pub struct Dragging {
 }
 
 impl Dragging {
-    /// Sets the intruder of a settled bed in motion, or the bed, as `plan` says; `link` is the last one of
-    /// the bed's chain.
+    /// Sets the intruder of a settled bed in motion, or free, or the bed in motion, as `plan` says; `link` is the last
+    /// one of the bed's chain.
     ///
     /// The speed is taken on at once, with the contacts of the settled bed in place, or with empty
     /// histories and forces recomputed at rest, as the scenario says.
@@ -103,7 +107,7 @@ impl Dragging {
             sim.start().map_err(wrong)?;
         }
         let surface = observe::surface_height(sim, plan.motion.grain_diameter);
-        set_off(sim, plan.motion.moves, plan.motion.speed).map_err(wrong)?;
+        set_off(sim, plan, surface).map_err(wrong)?;
         let flow = plan
             .flows
             .then(|| FlowGauge::new(sim, &plan.motion, surface));
@@ -122,6 +126,7 @@ impl Dragging {
             },
             gauges: Gauges::default(),
             around: NearField::new(&plan.reaches),
+            released: release::begin(sim, plan, surface),
             audit: plan.energy.then(|| Audit::new(sim)),
             fields: plan
                 .fields
@@ -302,16 +307,24 @@ impl Dragging {
             .around
             .sample(sim, moves, plan.motion.grain_diameter, sums);
         let body = sim.obstacles[INTRUDER as usize];
+        let (moved, distance) = match &mut self.released {
+            Some(known) => {
+                let (row, travel) = release::follow(known, sim, plan, n);
+                (Some(row), travel)
+            }
+            None => (None, plan.motion.travel(n)),
+        };
         record.series.push(SeriesRow {
             step: n,
             time: n as f64 * sim.dt,
-            distance: plan.motion.travel(n),
+            distance,
             force: force_on_intruder(&body, moves),
             force_mean: std::mem::take(&mut self.gauges.since_row).mean(),
             torque: body.torque,
             contacts: sim.touch_count(INTRUDER),
             angle: sample.angle,
             coordination: sample.coordination,
+            body: moved,
         });
     }
 
@@ -353,6 +366,11 @@ impl Dragging {
         self.around.within()
     }
 
+    /// The way of an intruder that forces moved.
+    pub fn released(&self) -> Option<Released> {
+        self.released
+    }
+
     /// Means over the window of a finished drag.
     ///
     /// # Errors
@@ -381,32 +399,6 @@ pub fn drag(
     let mut dragging = Dragging::begin(sim, plan, "")?;
     dragging.go_on(sim, plan, &Stage::silent(), observer)?;
     Ok((dragging.means(plan, sim.dt)?, dragging.record))
-}
-
-/// Sets the intruder in motion, or base, lid and planes; all at once. A bar turns, its ends at this speed.
-fn set_off(sim: &mut Simulation, moves: Moves, speed: f64) -> std::result::Result<(), KernelError> {
-    let histories = sim.contact_histories();
-    if moves == Moves::Intruder {
-        let body = &mut sim.obstacles[INTRUDER as usize];
-        match body.shape {
-            Shape::FiniteCylinder { half_length, .. } => {
-                body.angular_velocity = [0.0, 0.0, speed / half_length];
-            }
-            _ => body.velocity = [speed, 0.0, 0.0],
-        }
-    } else {
-        for i in 0..sim.count() {
-            if sim.role(i) != Role::Free {
-                sim.velocity[i][0] = speed;
-            }
-        }
-        for body in &mut sim.obstacles[INTRUDER as usize + 1..] {
-            body.velocity = [speed, 0.0, 0.0];
-        }
-    }
-    // Resumed, so that the list of pairs takes the motion into account, and a speed that cannot be
-    // resolved is refused.
-    sim.resume(&histories)
 }
 
 /// Whether the force series has a row for step `n`.

@@ -329,6 +329,12 @@ fn runs(scenario: &CheckedScenario, speed: f64, out: &mut Lines) {
         out.text.push_str(line.trim_end());
         out.text.push('\n');
     }
+    if scenario.drags().iter().any(|run| run.release.is_timed()) {
+        out.text.push_str(
+            "V of a drop is that of a fall from its height, V of a pull sqrt(g d): a scale, as the sphere is not \
+             held at it.\n",
+        );
+    }
     out.text.push_str(
         "Depths are those expected at a packing fraction of 0.6, under a lid the effective depths; contacts are \
          those at V.\n",

@@ -1,7 +1,7 @@
 //! What is measured of the grains round an intruder, beside the force on it: where they touch it, how
 //! many contacts they have, and how much of the bed moves along.
 
-use bitgrain_kernel::{Domain, Obstacle};
+use bitgrain_kernel::{Domain, Motion, Obstacle};
 use serde::{Deserialize, Serialize};
 
 use bitgrain_sim::block_averaging::{BlockSums, Mean};
@@ -157,7 +157,9 @@ impl NearField {
         all_near.add(&near);
         let body = sim.obstacles[INTRUDER as usize];
         let speed = body.velocity[0];
-        if moves == Moves::Intruder && speed != 0.0 {
+        // What goes along is judged by a speed that no force changes.
+        let answers = matches!(body.motion, Motion::Free(free) if free.integrates[0]);
+        if moves == Moves::Intruder && !answers && speed != 0.0 {
             let (moving, drift) = going_along(sim, &body);
             self.moving.add(moving as f64);
             drift.into_iter().for_each(|v| self.drift.add(v / speed));

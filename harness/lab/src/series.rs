@@ -9,6 +9,18 @@ use bitgrain_sim::files::read_text;
 use bitgrain_sim::table::{Cell, Table, column, optional};
 use bitgrain_sim::units::Units;
 
+/// Where an intruder that forces move is at a step, and how it moves.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BodyRow {
+    /// Its centre; the periods of the box that it crossed count (length).
+    pub place: [f64; 3],
+    /// Velocity.
+    pub velocity: [f64; 3],
+    /// Angular velocity (radians / time).
+    pub spin: [f64; 3],
+}
+
 /// One row of a force series.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -17,7 +29,7 @@ pub struct SeriesRow {
     pub step: u64,
     /// Time since the drag began.
     pub time: f64,
-    /// Travel of the intruder.
+    /// Travel of the intruder: along x, and down if it is dropped.
     pub distance: f64,
     /// Drag, lift and side force at this step.
     pub force: [f64; 3],
@@ -31,9 +43,19 @@ pub struct SeriesRow {
     pub angle: Option<f64>,
     /// Mean number of contacts of the grains near the intruder at this step; none without grains.
     pub coordination: Option<f64>,
+    /// The intruder, if forces move it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub body: Option<BodyRow>,
 }
 
-/// A force series; torque and what is known of contacts may be left out.
+impl SeriesRow {
+    /// The intruder, to be read into.
+    fn body_mut(&mut self) -> &mut BodyRow {
+        self.body.get_or_insert_default()
+    }
+}
+
+/// A force series; torque, what is known of contacts, and an intruder that forces move may be left out.
 pub const SERIES: Table<SeriesRow> = Table(&[
     column("step", |r| Cell::Whole(&mut r.step)),
     column("time", |r| Cell::Real(&mut r.time)),
@@ -50,7 +72,29 @@ pub const SERIES: Table<SeriesRow> = Table(&[
     optional("contacts", |r| Cell::Count(&mut r.contacts)),
     optional("angle", |r| Cell::Optional(&mut r.angle)),
     optional("coordination", |r| Cell::Optional(&mut r.coordination)),
+    optional("x", |r| Cell::Real(&mut r.body_mut().place[0])),
+    optional("y", |r| Cell::Real(&mut r.body_mut().place[1])),
+    optional("z", |r| Cell::Real(&mut r.body_mut().place[2])),
+    optional("velocity_x", |r| Cell::Real(&mut r.body_mut().velocity[0])),
+    optional("velocity_y", |r| Cell::Real(&mut r.body_mut().velocity[1])),
+    optional("velocity_z", |r| Cell::Real(&mut r.body_mut().velocity[2])),
+    optional("spin_x", |r| Cell::Real(&mut r.body_mut().spin[0])),
+    optional("spin_y", |r| Cell::Real(&mut r.body_mut().spin[1])),
+    optional("spin_z", |r| Cell::Real(&mut r.body_mut().spin[2])),
 ]);
+
+/// The columns of an intruder that forces move.
+const BODY: [&str; 9] = [
+    "x",
+    "y",
+    "z",
+    "velocity_x",
+    "velocity_y",
+    "velocity_z",
+    "spin_x",
+    "spin_y",
+    "spin_z",
+];
 
 /// Which of the columns that may be left out a series file has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,6 +103,8 @@ pub struct Columns {
     pub torque: bool,
     /// The three about contacts.
     pub contacts: bool,
+    /// The nine about an intruder that forces move.
+    pub body: bool,
 }
 
 impl Columns {
@@ -66,13 +112,14 @@ impl Columns {
     pub const ALL: Self = Self {
         torque: true,
         contacts: true,
+        body: true,
     };
 }
 
 /// The text of a series file: a line of units, the column names, the rows. Torque and the three columns about
-/// contacts are there as `asked`.
+/// contacts, and those about an intruder that forces move, are there as `asked`.
 pub fn series_text(units: &Units, asked: Columns, rows: &[SeriesRow]) -> String {
-    let comment = format!(
+    let mut comment = format!(
         "units: time {}; distance {}; drag, lift, side {}; torque {}; angle rad",
         units.time, units.length, units.force, units.torque
     );
@@ -82,6 +129,14 @@ pub fn series_text(units: &Units, asked: Columns, rows: &[SeriesRow]) -> String 
     }
     if !asked.contacts {
         left_out.extend(["contacts", "angle", "coordination"]);
+    }
+    if asked.body {
+        comment += &format!(
+            "; x, y, z {}; velocity {}; spin rad/({})",
+            units.length, units.speed, units.time
+        );
+    } else {
+        left_out.extend(BODY);
     }
     SERIES.text_without(&left_out, &comment, rows)
 }
@@ -132,6 +187,11 @@ mod tests {
             contacts: 12,
             angle: Some(1.0 / 7.0),
             coordination: None,
+            body: Some(BodyRow {
+                place: [0.1, -2.0, 7.0],
+                velocity: [1e-9, 3.0, -0.5],
+                spin: [0.3, 0.2, 0.1],
+            }),
         };
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("series.csv");

@@ -4,6 +4,8 @@ use std::fmt::Write;
 use std::path::Path;
 
 use super::channels::shown;
+use bitgrain_analysis::present::series;
+use bitgrain_analysis::released;
 use bitgrain_analysis::remarks::remarks;
 use bitgrain_lab::folder::Folder;
 use bitgrain_lab::manifest::{FolderKind, Manifest, Vouched};
@@ -21,6 +23,10 @@ pub(super) fn describe(out: &Path, beds: &Path, executed: bool) -> Result<(Strin
     let folder = Folder(out);
     let (_, summary) = read_folder(&folder, &vouched)?;
     let mut text = drags(&summary);
+    text += &plain(&released::text(
+        &summary,
+        &series(&folder, &vouched, &summary)?,
+    ));
     for remark in remarks(&summary) {
         let words = remark.words.replace('`', "");
         let _ = writeln!(text, "before you believe it: {}. {words}", remark.title);
@@ -38,11 +44,15 @@ pub(super) fn describe(out: &Path, beds: &Path, executed: bool) -> Result<(Strin
     Ok((text, vouched.manifest))
 }
 
-/// A line for each run; of a flowing bed the lift too.
+/// A line for each drag at constant speed, none of which the intruder answers a force; of a flowing bed the lift too.
 fn drags(summary: &Summary) -> String {
     let force = &summary.units.force;
-    let flows = summary.runs.iter().any(|run| run.flow.is_some());
-    let width = summary.runs.iter().map(|run| run.name.len()).max();
+    let held = || summary.runs.iter().filter(|run| run.released.is_none());
+    if held().next().is_none() {
+        return String::new();
+    }
+    let flows = held().any(|run| run.flow.is_some());
+    let width = held().map(|run| run.name.len()).max();
     let width = width.unwrap_or(0).max(3);
     let mut text = format!(
         "{:<width$} {:>8} {:>22}",
@@ -54,8 +64,8 @@ fn drags(summary: &Summary) -> String {
         let _ = write!(text, " {:>22}", "lift (buoyancies)");
     }
     text.push('\n');
-    for run in &summary.runs {
-        let drag = plain(run.drag.mean, run.drag.standard_error);
+    for run in held() {
+        let drag = with_error(run.drag.mean, run.drag.standard_error);
         let _ = write!(
             text,
             "{:<width$} {:>8} {drag:>22}",
@@ -63,7 +73,7 @@ fn drags(summary: &Summary) -> String {
             short(run.froude)
         );
         if let Some(flow) = &run.flow {
-            let lift = plain(flow.lift_over_buoyancy, flow.lift_over_buoyancy_error);
+            let lift = with_error(flow.lift_over_buoyancy, flow.lift_over_buoyancy_error);
             let _ = write!(text, " {lift:>22}");
         }
         text.push('\n');
@@ -71,9 +81,13 @@ fn drags(summary: &Summary) -> String {
     text
 }
 
-/// A number to the second digit of its error, in characters that every terminal has.
-fn plain(value: f64, error: f64) -> String {
-    let text = number_with_error(value, error);
+/// A number to the second digit of its error.
+fn with_error(value: f64, error: f64) -> String {
+    plain(&number_with_error(value, error))
+}
+
+/// In characters that every terminal has.
+fn plain(text: &str) -> String {
     text.replace('\u{a0}', " ")
         .replace('\u{b1}', "+-")
         .replace('\u{2212}', "-")

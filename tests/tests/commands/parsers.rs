@@ -11,7 +11,7 @@ use bitgrain::lammps::{
 };
 use bitgrain::law::{HertzHistoryParameters, HertzTsujiParameters, LawSpec};
 use bitgrain::scenario;
-use bitgrain::series::{Columns, SeriesRow, read_series, series_text};
+use bitgrain::series::{BodyRow, Columns, SeriesRow, read_series, series_text};
 use bitgrain_tests::fuzzing::assert_same_bits;
 use proptest::num::f64::{NEGATIVE, NORMAL, POSITIVE, SUBNORMAL, ZERO};
 use proptest::prelude::*;
@@ -131,6 +131,11 @@ fn row() -> impl Strategy<Value = SeriesRow> {
         contacts: whole.1,
         angle: whole.2.0,
         coordination: whole.2.1,
+        body: Some(BodyRow {
+            place: vectors.2,
+            velocity: vectors.0,
+            spin: vectors.1,
+        }),
     })
 }
 

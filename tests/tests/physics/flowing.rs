@@ -76,7 +76,7 @@ fn the_first_steps_done_again_give_the_same_rows() {
     plan.motion = plan.motion.averaged_beyond(0.0, AGAIN);
     let (_, record) = drag(&mut bed, &plan, &mut ()).unwrap();
     assert_eq!(record.series.len(), 8);
-    let (units, measure) = (scenario.units(), scenario.measure.columns());
+    let (units, measure) = (scenario.units(), scenario.measure.columns(plan.release));
     let again = series_text(&units, measure, &record.series);
     assert!(
         text("bed-1-run-1.forces.csv.gz").starts_with(&again),

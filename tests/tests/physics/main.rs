@@ -30,6 +30,7 @@ mod peers;
 mod physics;
 mod quick;
 mod ranks;
+mod released;
 mod rig;
 mod silo;
 mod store;

@@ -107,6 +107,7 @@ fn bed_picture(name: &str, unit: f64) -> BedPicture {
         intruder: ([10.0, 6.5, 4.0].map(|x| x * unit), unit),
         half_length: None,
         moves: Moves::Intruder,
+        arrow: true,
     }
 }
 

@@ -84,7 +84,7 @@ impl Evidence {
 
     /// A run, by its summary and the text that this was read from.
     fn of_summary(text: &str, summary: Summary, path: &Path, plugs: bool) -> Result<Self> {
-        let table = of_run(&summary);
+        let table = of_run(&held(&summary));
         let table = CampaignTable::parse(&table, &path.display().to_string())?;
         Ok(Self {
             by: summary.scenario.clone(),
@@ -157,6 +157,13 @@ fn of_run_in(claim: &Claim, summary: &Summary, table: &CampaignTable) -> Option<
         true => tank::measure(claim, table),
         false => guillard::measure(claim, summary),
     }
+}
+
+/// The drags of a summary whose force is that of a speed: not those in which forces move the intruder.
+fn held(summary: &Summary) -> Summary {
+    let mut held = summary.clone();
+    held.runs.retain(|run| run.released.is_none());
+    held
 }
 
 /// Name of the folder that a file is in.

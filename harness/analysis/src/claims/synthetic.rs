@@ -225,6 +225,7 @@ fn run(
         plug_ratio: 0.5,
         plug: bitgrain_lab::plug_flow::PlugFlow::Sound,
         coordination_shares: vec![],
+        released: None,
         flow: Some(flow),
         overlap_max: 0.01,
         energy: None,

@@ -17,6 +17,8 @@ pub struct Drawings<'a> {
     pub series: &'a [Vec<SeriesRow>],
     /// Settled beds, in the order of the summary's.
     pub beds: &'a [BedPicture],
+    /// Last states of runs whose intruders forces move.
+    pub ends: &'a [BedPicture],
     /// Grains round the intruder of the runs they name.
     pub flows: &'a [FlowPicture],
     /// Frames of the runs they name.

@@ -27,6 +27,8 @@ pub struct BedPicture {
     pub half_length: Option<f64>,
     /// Which of bed and intruder is to move along +x.
     pub moves: Moves,
+    /// Whether an arrow shows that.
+    pub arrow: bool,
 }
 
 /// A grain to draw.
@@ -180,7 +182,7 @@ pub(super) fn slice(bed: &BedPicture, unit: &str, index: usize) -> Option<String
         &format!("fill=\"{INK}\" stroke=\"#fff\""),
     );
     // A bar turns: it has no direction in this plane.
-    let goes = bed.half_length.is_none_or(f64::is_infinite);
+    let goes = bed.arrow && bed.half_length.is_none_or(f64::is_infinite);
     if let Some(cut) = intruder.first().filter(|_| goes) {
         let reach = scale.factor * cut.radius;
         match bed.moves {
@@ -273,6 +275,7 @@ mod tests {
             intruder: ([5.0, 1.0, 3.0], 1.0),
             half_length: None,
             moves: Moves::Intruder,
+            arrow: true,
         }
     }
 

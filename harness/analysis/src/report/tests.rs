@@ -68,6 +68,7 @@ pub fn run(x: f64) -> DragSummary {
         plug_ratio: x,
         plug: bitgrain_lab::plug_flow::PlugFlow::Sound,
         coordination_shares: vec![],
+        released: None,
         flow: None,
         overlap_max: 0.01,
         energy: None,
@@ -124,6 +125,7 @@ fn picture(x: f64) -> BedPicture {
         intruder: ([5.0, 3.0, 4.0], 1.0),
         half_length: None,
         moves: Moves::Intruder,
+        arrow: true,
     }
 }
 

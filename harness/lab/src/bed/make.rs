@@ -116,7 +116,7 @@ pub(super) fn dropped(
     let domain = Domain::new([0.0, 0.0, lowest], [x, y, ceiling], [across, across, false])
         .map_err(|f| refuse(f.to_string()))?;
     let gravity = [0.0, 0.0, -scenario.gravity];
-    let mut obstacles = match scenario.bed.pouring {
+    let mut obstacles = match scenario.pouring_order() {
         Order::AtOnce => vec![intruder(scenario, plan)],
         Order::InTurn => vec![],
     };

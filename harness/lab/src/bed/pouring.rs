@@ -32,7 +32,7 @@ impl Pouring {
             PER_GRAIN * count as f64,
             &format!("{count} grains of {}", plan.name),
         )?;
-        let (first, beside) = match scenario.bed.pouring {
+        let (first, beside) = match scenario.pouring_order() {
             Order::AtOnce => (count, Some(plan)),
             Order::InTurn => (scenario.filling(lowest, 0.0).min(count), None),
         };
@@ -140,7 +140,7 @@ impl Pouring {
                 Phase::Fall => {
                     self.sim =
                         freeze_base(&mut self.sim, scenario).map_err(|f| wrong(&self.sim, f))?;
-                    if scenario.bed.pouring == Order::InTurn {
+                    if scenario.pouring_order() == Order::InTurn {
                         (self.sim, self.course.top) = buried(&mut self.sim, scenario, plan, count)
                             .map_err(|f| wrong(&self.sim, f))?;
                         Phase::Fill

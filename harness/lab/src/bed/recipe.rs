@@ -115,7 +115,7 @@ impl Recipe {
             floor: bed.floor,
             settled: bed.settled,
             kinetic_damping: bed.kinetic_damping,
-            order: bed.pouring,
+            order: scenario.pouring_order(),
             pouring_mu: bed.pouring_mu,
             moves: scenario.drag.moves,
             intruder: RecipeIntruder {

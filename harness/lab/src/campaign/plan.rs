@@ -7,7 +7,7 @@ use toml::{Table, Value};
 use super::keys::{Axis, Base, Campaign, ParameterGrid};
 use super::rules::{Rule, damping, followers};
 use crate::parse_errors::wrong_toml;
-use crate::scenario::{self, CheckedScenario, DragPlan, Scenario};
+use crate::scenario::{self, CheckedScenario, DragPlan, IntruderMotion, Scenario};
 use bitgrain_sim::disk;
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::files::read_text;
@@ -316,7 +316,13 @@ struct Maker<'a> {
 impl Maker<'_> {
     fn parse(&self, name: &str, sets: &[String]) -> Result<CheckedScenario> {
         let place = format!("{}: member `{name}`", self.place);
-        scenario::parse(self.base, &place, sets, self.folder)
+        let member = scenario::parse(self.base, &place, sets, self.folder)?;
+        if member.intruder.motion != IntruderMotion::Dragged {
+            let problem = "expected \"dragged\": a campaign's table is of drags at constant speed";
+            let place = format!("{place}: `intruder.motion`");
+            return Err(Error::input(place, problem));
+        }
+        Ok(member)
     }
 
     /// The scenario of one combination.

@@ -77,7 +77,7 @@ pub(super) fn drag_one(
     if let Err(error) = went {
         let text = series_text(
             &scenario.units(),
-            scenario.measure.columns(),
+            scenario.measure.columns(plan.release),
             &dragging.record.series,
         );
         // For inspection and bisection; the error to report is why the drag stopped.
@@ -338,7 +338,11 @@ pub fn results(
     let mut tables = vec![
         (
             "forces.csv",
-            series_text(&units, scenario.measure.columns(), &record.series),
+            series_text(
+                &units,
+                scenario.measure.columns(plan.release),
+                &record.series,
+            ),
         ),
         ("angles.csv", record.angles.text()),
         ("coordination.csv", record.coordination.text()),
@@ -403,6 +407,18 @@ fn report(
     seconds: f64,
     progress: &Progress,
 ) {
+    if let Some(known) = &run.released {
+        let units = scenario.units();
+        let [x, y, z] = known.end.map(short);
+        progress.line(&format!(
+            "{}: the intruder is at {x}, {y}, {z} {} and goes at {} {} along z ({how}, {seconds:.1} s)",
+            run.name,
+            units.length,
+            short(known.end_velocity[2]),
+            units.speed,
+        ));
+        return;
+    }
     progress.line(&format!(
         "{}: Fr {}, drag {} +- {} {} ({how}, {seconds:.1} s)",
         run.name,

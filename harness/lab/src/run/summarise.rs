@@ -5,7 +5,7 @@ use bitgrain_kernel::PARTS;
 use crate::drag::{Dragging, Means};
 use crate::flow::FlowMeans;
 use crate::plug_flow::{self, PlugFlow};
-use crate::scenario::{BedPlan, CheckedScenario, DragPlan};
+use crate::scenario::{BedPlan, CheckedScenario, DragPlan, Release};
 use crate::summary::{BedSummary, DragSummary, Flow, LARGE_OVERLAP, Reach, Rig, Tank};
 use crate::tank::TankGauge;
 use crate::travel;
@@ -167,6 +167,46 @@ fn kappa(bulk: Mean, own: Mean, diameter: f64) -> Option<(f64, f64)> {
     (kappa.is_finite() && relative.is_finite()).then_some((kappa, kappa * relative))
 }
 
+/// How fast and how far an intruder went: as planned, or as measured.
+struct Way {
+    speed: f64,
+    froude: f64,
+    /// Travel in all.
+    distance: f64,
+    /// Travel as averaging began and ended.
+    window: [f64; 2],
+}
+
+fn way(scenario: &CheckedScenario, plan: &DragPlan, diameter: f64, dragging: &Dragging) -> Way {
+    let planned = Way {
+        speed: plan.motion.speed,
+        froude: plan.froude,
+        distance: plan.distance,
+        window: [plan.discard, plan.window_end],
+    };
+    match (plan.release, dragging.released()) {
+        (Release::Dropped { .. }, Some(known)) => Way {
+            distance: known.begin[2] - known.end[2],
+            window: [0.0, known.begin[2] - known.end[2]],
+            ..planned
+        },
+        (Release::Pulled { .. }, Some(known)) => {
+            let window = [known.window_begin, known.end].map(|at| at[0] - known.begin[0]);
+            // From the last row before the window, at which it was seen.
+            let seen = (plan.motion.window[0] - 1) / plan.every * plan.every;
+            let time = (plan.steps() - seen) as f64 * plan.motion.dt;
+            let speed = (window[1] - window[0]) / time;
+            Way {
+                speed,
+                froude: scenario.froude(speed, diameter),
+                distance: window[1],
+                window,
+            }
+        }
+        _ => planned,
+    }
+}
+
 pub(super) fn summarise(
     scenario: &CheckedScenario,
     plan: &DragPlan,
@@ -196,17 +236,18 @@ pub(super) fn summarise(
         }
     });
     let series = &dragging.record.series;
+    let way = way(scenario, plan, diameter, dragging);
     Ok(DragSummary {
         name: plan.name.clone(),
         bed: bed.name.clone(),
-        froude: plan.froude,
-        speed: plan.motion.speed,
+        froude: way.froude,
+        speed: way.speed,
         diameter,
         depth: bed.depth,
-        distance: plan.distance,
+        distance: way.distance,
         steps: plan.steps(),
-        window_start: plan.discard,
-        window_end: plan.window_end,
+        window_start: way.window[0],
+        window_end: way.window[1],
         window_steps: means.window_steps,
         drag: means.drag,
         lift: means.lift,
@@ -224,7 +265,10 @@ pub(super) fn summarise(
         drift: around.drift,
         drag_uncut: means.drag_uncut,
         drag_uncut_error: travel::uncut_error(series),
-        drag_by_travel: travel::drag_by_travel(series, &plan.motion),
+        drag_by_travel: match plan.release.is_timed() {
+            true => Vec::new(),
+            false => travel::drag_by_travel(series, &plan.motion),
+        },
         plug_ratio: ratio,
         plug: match scenario.has_rig() {
             true => PlugFlow::Sound,
@@ -248,6 +292,7 @@ pub(super) fn summarise(
             .and_then(|gauge| tank(scenario, plan, bed, means, gauge)),
         overlap_max: dragging.record.deepest / d,
         large_overlaps: overlaps_beyond(sim, LARGE_OVERLAP * d),
+        released: dragging.released(),
         energy: dragging.record.energy.last().copied(),
         chain: dragging.chain.end().to_string(),
         digest: hex(&digest.whole),

@@ -178,28 +178,12 @@ impl Scenario {
             (Some(_), Some(_)) => {
                 return refuse("intruder.depth", "give height or depth, not both");
             }
-            (None, None) => return refuse("intruder.height", "give height or depth"),
-            _ => {}
-        }
-        match (&i.speed, &i.froude) {
-            (Some(_), Some(_)) => {
-                return refuse("intruder.speed", "give speed or froude, not both");
+            (None, None) if !self.is_dropped() => {
+                return refuse("intruder.height", "give height or depth");
             }
-            (None, None) => return refuse("intruder.speed", "give speed or froude"),
             _ => {}
         }
-        let key = if i.speed.is_some() {
-            "intruder.speed"
-        } else {
-            "intruder.froude"
-        };
-        let speeds = self.speeds(diameters[0]);
-        if speeds.is_empty() {
-            return refuse(key, "is empty; expected at least one value");
-        }
-        speeds
-            .iter()
-            .try_for_each(|&(v, froude)| positive(key, if i.speed.is_some() { v } else { froude }))
+        self.check_motion()
     }
 
     fn check_box(&self) -> Check {
@@ -287,6 +271,9 @@ impl Scenario {
                 ),
             );
         }
+        if self.is_dropped() {
+            return self.check_room_above(surface);
+        }
         let key = self.height_key();
         let heights = self.heights(diameter);
         if heights.is_empty() {
@@ -355,30 +342,22 @@ impl Scenario {
             );
         }
         self.check_damping()?;
-        let diameters = self.intruder.diameter.values();
-        let (speeds, distances) = (self.speeds(diameters[0]), self.drag.distance.values());
-        if distances.len() != 1 && distances.len() != speeds.len() {
-            return refuse(
-                "drag.distance",
-                format!(
-                    "has {} values for {} speeds; expected one, or one for each",
-                    distances.len(),
-                    speeds.len()
-                ),
-            );
-        }
-        for distance in &distances {
-            positive("drag.distance", *distance)?;
+        self.check_lengths()?;
+        for distance in &self.drag.distance.values() {
             self.check_wake(*distance)?;
         }
         for run in self.plan_drags() {
             if run.motion.speed * self.drag.dt > least {
                 return refuse("drag.dt", "lets the intruder jump over a grain in one step");
             }
+            let length = match run.release.is_timed() {
+                true => "drag.duration",
+                false => "drag.distance",
+            };
             // Before anything is counted step by step.
             if run.steps() > STEPS_MAX || !(run.motion.speed * self.drag.dt).is_normal() {
                 return refuse(
-                    "drag.distance",
+                    length,
                     format!(
                         "takes {:.0e} steps; expected at most {STEPS_MAX:.0e}",
                         run.steps() as f64
@@ -406,7 +385,7 @@ impl Scenario {
                 let key = if self.drag.discard.is_some() {
                     "drag.discard"
                 } else {
-                    "drag.distance"
+                    length
                 };
                 return refuse(
                     key,

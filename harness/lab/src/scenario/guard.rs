@@ -19,9 +19,9 @@ impl Scenario {
     pub fn fastest(&self) -> (f64, &'static str) {
         let mut fastest = (0.0, "the drag");
         for diameter in self.intruder.diameter.values() {
-            for (speed, _) in self.speeds(diameter) {
-                if speed > fastest.0 {
-                    fastest = (speed, "the drag");
+            for passage in self.passages(diameter) {
+                if passage.motion.speed > fastest.0 {
+                    fastest = (passage.motion.speed, passage.release.whose());
                 }
             }
             if self.bed.file.is_none() {

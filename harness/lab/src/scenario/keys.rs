@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
+use super::release::{IntruderMotion, Release};
 use crate::series::Columns;
 use bitgrain_sim::law::{HertzHistoryParameters, LawSpec};
 use bitgrain_sim::motion::Moves;
@@ -170,6 +171,16 @@ impl OneOrMany {
             OneOrMany::Many(xs) => xs.clone(),
         }
     }
+
+    /// Whether there are none.
+    pub fn is_none(&self) -> bool {
+        matches!(self, OneOrMany::Many(xs) if xs.is_empty())
+    }
+}
+
+/// The values of a list that may be left out.
+pub(super) fn values(list: &Option<OneOrMany>) -> Vec<f64> {
+    list.as_ref().map_or(vec![], OneOrMany::values)
 }
 
 /// How the grains of a poured bed are released.
@@ -196,8 +207,8 @@ pub struct Intruder {
     /// Length of a bar.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub length: Option<f64>,
-    /// Mass density of a sphere, as it enters the effective mass of its contacts; a cylinder counts
-    /// as a wall and has none.
+    /// Mass density of a sphere, as it enters the effective mass of its contacts, and its mass if forces move it; a
+    /// cylinder counts as a wall and has none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub density: Option<f64>,
     /// Height of its centre above z = 0; or give `depth`.
@@ -207,12 +218,27 @@ pub struct Intruder {
     /// in the settled bed is measured. Each depth gets its own bed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub depth: Option<OneOrMany>,
-    /// Speeds along x, of a bar those of its ends; or give `froude`.
+    /// Speeds along x, of a bar those of its ends; or give `froude`. Beside forces, for comparison.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub speed: Option<OneOrMany>,
     /// Froude numbers 2 V sqrt(2 D/g)/(D + d).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub froude: Option<OneOrMany>,
+    /// What moves it.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub motion: IntruderMotion,
+    /// Of one that is dropped: heights of its lowest point above the free surface.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drop_height: Option<OneOrMany>,
+    /// Of one that is pulled: forces along x.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub force: Option<OneOrMany>,
+    /// Whether one that is pulled is free along z too.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub rises: bool,
+    /// Whether one that is pulled or floats spins freely; one that is dropped does.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub spins: bool,
 }
 
 /// What an intruder is.
@@ -272,7 +298,11 @@ pub struct Drag {
     #[serde(default, skip_serializing_if = "is_default")]
     pub moves: Moves,
     /// Travel of the intruder through the bed, of a bar that of its ends: one for all speeds, or one for each.
+    #[serde(default = "none", skip_serializing_if = "OneOrMany::is_none")]
     pub distance: OneOrMany,
+    /// Time after which a drop or a pull ends: one for all, or one for each.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub duration: Option<OneOrMany>,
     /// Whether the travel may exceed one box length, of a bar half a turn, after which the intruder is in its own wake.
     #[serde(default, skip_serializing_if = "is_default")]
     pub own_wake: bool,
@@ -356,11 +386,12 @@ fn paper() -> [usize; 3] {
 }
 
 impl Measure {
-    /// Columns of the force series.
-    pub fn columns(&self) -> Columns {
+    /// Columns of the force series of a drag that is set going so.
+    pub fn columns(&self, release: Release) -> Columns {
         Columns {
             torque: self.torque,
             contacts: self.contacts,
+            body: release.is_free(),
         }
     }
 }
@@ -384,6 +415,9 @@ impl Default for Measure {
 
 fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
+}
+fn none() -> OneOrMany {
+    OneOrMany::Many(Vec::new())
 }
 fn one() -> f64 {
     1.0

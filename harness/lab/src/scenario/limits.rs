@@ -1,8 +1,9 @@
 //! How many of everything a scenario may ask for, looked at before anything is made of it; and what is asked of
 //! one that comes from a file of results.
 
+use super::keys::values;
 use super::refusal::{Check, refuse};
-use super::{IntruderShape, OneOrMany, Scenario};
+use super::{IntruderMotion, IntruderShape, OneOrMany, Scenario};
 
 /// Travel over D before a cylinder's steady state (Guillard 2014, section III A).
 pub(super) const STEADY: f64 = 2.0;
@@ -33,7 +34,7 @@ const IMPORTED: &str = "beds/imported/";
 
 /// How many values a key has that may be left out.
 fn count(key: &Option<OneOrMany>) -> usize {
-    key.as_ref().map_or(0, |values| values.values().len())
+    values(key).len()
 }
 
 impl Scenario {
@@ -58,6 +59,7 @@ impl Scenario {
         let (i, lid) = (&self.intruder, self.lid.as_ref());
         let places = [&i.height, &i.depth].map(count);
         let speeds = [&i.speed, &i.froude].map(count);
+        let timed = [&i.drop_height, &i.force].map(count);
         let lids = lid.map_or([0; 2], |lid| {
             [&lid.effective_depth, &lid.density].map(count)
         });
@@ -70,7 +72,10 @@ impl Scenario {
             ("intruder.froude", speeds[1]),
             ("lid.effective_depth", lids[0]),
             ("lid.density", lids[1]),
+            ("intruder.drop_height", timed[0]),
+            ("intruder.force", timed[1]),
             ("drag.distance", self.drag.distance.values().len()),
+            ("drag.duration", count(&self.drag.duration)),
         ];
         if let Some((key, n)) = lists.iter().find(|(_, n)| *n > VALUES_MAX) {
             return refuse(
@@ -78,12 +83,14 @@ impl Scenario {
                 format!("has {n} values; expected at most {VALUES_MAX}"),
             );
         }
+        let each = 1 + usize::from(i.motion == IntruderMotion::Floating);
         // A lid is given with and without a pressure gradient at most.
         let factors = [
             self.seeds.len().max(1),
             i.diameter.values().len(),
-            places[0] + places[1],
-            speeds[0] + speeds[1],
+            (places[0] + places[1]).max(1),
+            // One that floats is dragged twice at each speed.
+            each * (speeds[0] + speeds[1]) + timed[0] + timed[1],
             lid.map_or(1, |_| 2 * (lids[0] + lids[1])),
         ];
         let runs = factors

@@ -9,8 +9,10 @@ mod fields;
 mod guard;
 mod keys;
 mod limits;
+mod passages;
 mod plan;
 mod refusal;
+mod release;
 mod rig;
 pub mod source;
 mod tank;
@@ -21,6 +23,7 @@ pub use keys::{
     OneOrMany, PouringOrder, Scenario, UnitSystem,
 };
 pub use plan::{BedPlan, DragPlan, LidPlan, PACKING_GUESS};
+pub use release::{IntruderMotion, Release};
 pub use rig::{BULK_FRICTION, DRAG_COEFFICIENT};
 
 use crate::parse_errors::{teach, wrong_toml};
@@ -29,7 +32,7 @@ use bitgrain_sim::error::{Error, Result};
 use keys::kumar_law;
 
 /// Names and texts of the scenarios that ship with the program.
-pub const SHIPPED: [(&str, &str); 11] = [
+pub const SHIPPED: [(&str, &str); 14] = [
     ("quick", include_str!("../../scenarios/quick.toml")),
     (
         "kumar-system-1",
@@ -70,6 +73,18 @@ pub const SHIPPED: [(&str, &str); 11] = [
     (
         "guillard-tank",
         include_str!("../../scenarios/guillard-tank.toml"),
+    ),
+    (
+        "impact-quick",
+        include_str!("../../scenarios/impact-quick.toml"),
+    ),
+    (
+        "pull-quick",
+        include_str!("../../scenarios/pull-quick.toml"),
+    ),
+    (
+        "float-quick",
+        include_str!("../../scenarios/float-quick.toml"),
     ),
 ];
 

@@ -2,8 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::keys::values;
 use super::limits::STEADY;
-use super::{Gradient, History, IntruderShape, OneOrMany, Scenario, UnitSystem};
+use super::{Gradient, History, IntruderShape, Release, Scenario, UnitSystem};
 use bitgrain_sim::coarse_graining::Sampling;
 use bitgrain_sim::motion::{Motion, Moves};
 use bitgrain_sim::units::Units;
@@ -64,11 +65,16 @@ pub struct DragPlan {
     pub key: String,
     /// Place of its bed among the bed plans.
     pub bed: usize,
-    /// How intruder and bed move past each other, and over which steps means are taken.
+    /// How its intruder is set going.
+    pub release: Release,
+    /// Acceleration of gravity, along -z.
+    pub gravity: f64,
+    /// How intruder and bed move past each other, and over which steps means are taken. Of a drop or a pull the speed
+    /// is a scale only: that of a fall from its height, or sqrt(g d).
     pub motion: Motion,
     /// Froude number of the speed.
     pub froude: f64,
-    /// Travel.
+    /// Travel; of a drop or a pull what the speed would give.
     pub distance: f64,
     /// Travel at which averaging begins.
     pub discard: f64,
@@ -176,11 +182,19 @@ impl Scenario {
         cylinder || self.lid.is_some() || self.drag.moves == Moves::Bed
     }
 
+    /// Volume that an intruder of this diameter takes from the bed.
+    fn buried_volume(&self, diameter: f64) -> f64 {
+        match self.is_dropped() {
+            true => 0.0,
+            false => self.intruder_volume(diameter),
+        }
+    }
+
     /// Number of grains round an intruder of this diameter, given or from the fill height.
     pub fn grain_count(&self, diameter: f64) -> usize {
         match (self.bed.grains, self.bed.fill_height) {
             (Some(n), _) => n,
-            (None, Some(height)) => self.filling(height, self.intruder_volume(diameter)),
+            (None, Some(height)) => self.filling(height, self.buried_volume(diameter)),
             (None, None) => 0,
         }
     }
@@ -194,7 +208,7 @@ impl Scenario {
     /// Height of the free surface expected at a packing fraction of 0.6.
     pub fn expected_surface(&self, diameter: f64) -> f64 {
         let grains = self.grain_count(diameter) as f64;
-        let ball = self.intruder_volume(diameter);
+        let ball = self.buried_volume(diameter);
         (grains * self.mean_volume() / PACKING_GUESS + ball) / self.bed_area()
     }
 
@@ -221,6 +235,10 @@ impl Scenario {
 
     /// Heights of the centre of an intruder of this diameter.
     pub(super) fn heights(&self, diameter: f64) -> Vec<f64> {
+        if self.is_dropped() {
+            // Beside the box that the bed fills, until it is put over the settled bed.
+            return vec![self.bed.size[2] + 0.5 * diameter];
+        }
         match (&self.intruder.height, &self.intruder.depth) {
             (Some(heights), _) => heights.values(),
             (None, Some(depths)) => {
@@ -267,9 +285,8 @@ impl Scenario {
         let Some(lid) = &self.lid else {
             return vec![None];
         };
-        let list = |key: &Option<OneOrMany>| key.as_ref().map_or(vec![], OneOrMany::values);
-        let deep = list(&lid.effective_depth);
-        let dense = list(&lid.density);
+        let deep = values(&lid.effective_depth);
+        let dense = values(&lid.density);
         let asked = deep.iter().map(|&h| (Some(h), None));
         let asked = asked.chain(dense.iter().map(|&rho| (None, Some(rho))));
         let gradients: &[bool] = match lid.pressure_gradient {
@@ -342,51 +359,31 @@ impl Scenario {
         bare
     }
 
-    /// The drags to run, by bed and then speed.
+    /// The drags to run, by bed and then speed, force or height.
     pub(super) fn plan_drags(&self) -> Vec<DragPlan> {
-        let (beds, distances) = (self.plan_beds(), self.drag.distance.values());
-        let inputs = self.key_inputs();
+        let (beds, inputs) = (self.plan_beds(), self.key_inputs());
         let mut runs = Vec::new();
         for (bed, plan) in beds.iter().enumerate() {
-            let speeds = self.speeds(plan.diameter);
-            for (k, &(speed, froude)) in speeds.iter().enumerate() {
-                let distance = distances[if distances.len() == 1 { 0 } else { k }];
+            for (k, passage) in self.passages(plan.diameter).into_iter().enumerate() {
                 let run = format!("run-{}", k + 1);
                 let name = if beds.len() == 1 {
                     run
                 } else {
                     format!("{}-{run}", plan.name)
                 };
-                let default = self.default_discard(plan.diameter, distance);
-                let steps = (distance / (speed * self.drag.dt)).round() as u64;
-                let discard = self.drag.discard.unwrap_or(default);
-                let motion = Motion {
-                    moves: self.drag.moves,
-                    speed,
-                    dt: self.drag.dt,
-                    grain_diameter: self.mean_diameter(),
-                    window: [steps, steps],
-                    last: steps,
-                };
-                // For an endless drag, which is refused, nothing is counted step by step.
-                let sane = steps <= STEPS_MAX && (speed * self.drag.dt).is_normal();
-                let window_end = self.window_end(distance);
-                let motion = match sane {
-                    true if window_end < distance => motion
-                        .averaged_beyond(discard, steps)
-                        .averaged_up_to(window_end),
-                    true => motion.averaged_beyond(discard, steps),
-                    false => motion,
-                };
+                let (motion, release) = (passage.motion, passage.release);
+                let steps = motion.steps();
                 runs.push(DragPlan {
                     key: key_of(&name, &inputs),
                     name,
                     bed,
+                    release,
+                    gravity: self.gravity,
                     motion,
-                    froude,
-                    distance,
-                    discard,
-                    window_end,
+                    froude: passage.froude,
+                    distance: passage.distance,
+                    discard: passage.discard,
+                    window_end: passage.window_end,
                     history: self.drag.history,
                     every: self.measure.every,
                     digest_every: self.measure.digest_every,
@@ -394,7 +391,7 @@ impl Scenario {
                     flows: self.flows(),
                     half_turn: self.half_turn(),
                     reaches: self.measure.reaches.clone(),
-                    fields: self.fields_sampling(speed),
+                    fields: self.fields_sampling(motion.speed),
                     snapshots: evenly(steps, self.measure.snapshots),
                     checkpoints: evenly(steps, self.measure.checkpoints),
                     frames: Vec::new(),
@@ -413,9 +410,12 @@ impl Scenario {
         let common = runs.iter().map(|run| 0.5 * run.distance);
         let common = common.fold(most, f64::min);
         let last = runs.len().saturating_sub(1);
-        // A plane that stands cuts a bar that turns elsewhere at each step.
-        let runs = runs.iter_mut().filter(|run| run.half_turn.is_none());
-        for (k, run) in runs.enumerate() {
+        for (k, run) in runs.iter_mut().enumerate() {
+            // A plane that stands cuts a bar that turns elsewhere at each step, and one that is free to rise has the
+            // floor elsewhere.
+            if run.half_turn.is_some() || run.release.is_free() {
+                continue;
+            }
             let (steps, distance) = (run.steps() as f64, run.distance);
             let step = |travel: f64| (steps * (travel / distance).min(1.0)) as u64;
             run.panel = step(common).max(1);
@@ -431,7 +431,7 @@ impl Scenario {
     /// Travel left out of the averages unless the scenario gives it: the larger of D and a tenth
     /// of the distance; for a cylinder 2 D (Guillard 2014, section III A), which the middle of each half of a bar
     /// has gone when its ends have gone 4 D.
-    fn default_discard(&self, diameter: f64, distance: f64) -> f64 {
+    pub(super) fn default_discard(&self, diameter: f64, distance: f64) -> f64 {
         match self.intruder.shape {
             IntruderShape::Cylinder => STEADY * diameter,
             IntruderShape::Bar => 2.0 * STEADY * diameter,

@@ -21,7 +21,7 @@ const TILES: f64 = 1e-9;
 const HEADROOM: f64 = 3.0;
 
 /// How much higher than planned a poured bed may come out, over its height: loosely packed, at 0.585.
-const HIGHER: f64 = 0.03;
+pub(super) const HIGHER: f64 = 0.03;
 
 /// Least averaging window of a bed that flows, in mean diameters: three rows of the flow series.
 const WINDOW: f64 = 1.5;

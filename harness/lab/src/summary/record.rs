@@ -1,5 +1,6 @@
 //! Everything measured, as it is written.
 
+use super::released::Released;
 use crate::plug_flow::PlugFlow;
 use crate::scenario::CheckedScenario;
 use crate::tank::HalfTurn;
@@ -189,6 +190,10 @@ pub struct DragSummary {
     /// Where the energy of the drag went, if that was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub energy: Option<EnergyRow>,
+    /// The way of an intruder that forces moved. Its speed and distance are measured then: of a drop, the speed is that
+    /// of a fall from its height and the distance goes down; of a pull, the speed is the mean over the window.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub released: Option<Released>,
     /// How the bed flowed, and forces over what they scale with.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub flow: Option<Flow>,
