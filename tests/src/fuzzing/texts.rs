@@ -80,7 +80,11 @@ pub fn series(data: &[u8]) -> bool {
         sound |= !rows.is_empty();
     }
     if let Ok(rows) = parse_series(text, "fuzz") {
-        let again = series_text(&units(), Columns::ALL, &rows);
+        let columns = Columns {
+            body: rows.iter().any(|row| row.body.is_some()),
+            ..Columns::ALL
+        };
+        let again = series_text(&units(), columns, &rows);
         let again = parse_series(&again, "fuzz").expect("a force series reads back");
         assert_same_rows(&again, &rows);
         sound |= !rows.is_empty();

@@ -177,7 +177,7 @@ fn depths(summary: &Summary, drops: &[Drop], law: Option<&ForceLaw>) -> String {
         ],
         ranges: [Range::Ratios; 2],
         caption: "H is the height of the fall and the depth together. Circles: as measured, hollow if the sphere still \
-                  moved at the end. Crosses: by the force law below."
+                  moved at the end. Hourglasses: by the force law below."
             .to_owned(),
     };
     section(
