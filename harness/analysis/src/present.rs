@@ -3,11 +3,12 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use bitgrain_kernel::Shape;
+mod picture;
+
+use picture::picture;
 
 use crate::report::{
-    self, BedPicture, Drawings, FieldPicture, Film, FlowGrain, FlowPicture, FlowSeries,
-    PictureGrain, TankSeries,
+    self, BedPicture, Drawings, FieldPicture, Film, FlowGrain, FlowPicture, FlowSeries, TankSeries,
 };
 use bitgrain_lab::bed::library::BedCache;
 use bitgrain_lab::flow::{FLOW, PROFILE};
@@ -29,8 +30,7 @@ use bitgrain_sim::export::{FROZEN_TYPE, OBSTACLE_TYPE};
 use bitgrain_sim::files::packed_name;
 use bitgrain_sim::lammps::{Atom, parse_dump};
 use bitgrain_sim::motion::Moves;
-use bitgrain_sim::observe::{self, INTRUDER};
-use bitgrain_sim::simulation::{Role, Simulation};
+use bitgrain_sim::simulation::Role;
 use bitgrain_sim::table::Table;
 
 /// Writes the report of a run directory from the files in it: of what is done, if the run has not come to its
@@ -251,33 +251,6 @@ fn end(folder: &Folder<'_>, vouched: &Vouched, run: &DragSummary) -> Result<Opti
         arrow: false,
         ..picture(&sim, &run.name, released.surface)
     }))
-}
-
-/// A state as a picture.
-fn picture(sim: &Simulation, name: &str, surface: f64) -> BedPicture {
-    let body = &sim.obstacles[INTRUDER as usize];
-    let ([x, _, z], y) = (body.point, frames::plane(sim));
-    let grain = |i: usize| PictureGrain {
-        position: [sim.position[i][0], sim.position[i][1], sim.position[i][2]],
-        radius: sim.position[i][3],
-        role: sim.role(i),
-    };
-    BedPicture {
-        name: name.to_owned(),
-        // The floor of the bed; the box goes on below it so that a leak is seen.
-        lo: [sim.domain.lo()[0], sim.domain.lo()[1], 0.0],
-        hi: sim.domain.hi(),
-        surface,
-        grains: (0..sim.count()).map(grain).collect(),
-        intruder: ([x, y, z], observe::girth(body)),
-        half_length: match body.shape {
-            Shape::Cylinder { .. } => Some(f64::INFINITY),
-            Shape::FiniteCylinder { half_length, .. } => Some(half_length),
-            _ => None,
-        },
-        moves: Moves::Intruder,
-        arrow: true,
-    }
 }
 
 /// The flow series and the profile of a run; empty ones for a run that has none.

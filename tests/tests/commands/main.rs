@@ -31,6 +31,7 @@ mod packed;
 mod parsers;
 mod recorder;
 mod recordings;
+mod releases;
 mod resume;
 mod safety;
 mod saved;

@@ -143,6 +143,7 @@ mod tests {
             intruder: ([5.0, 5.0, 4.0], 1.0),
             half_length: Some(3.0),
             moves: Moves::Intruder,
+            arrow: true,
         };
         let svg = from_above(&bed, "d", 0).unwrap();
         // Two grains and the wall.

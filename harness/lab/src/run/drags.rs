@@ -9,12 +9,12 @@ use super::performance::{StagePerformance, timed};
 use super::saving::{SaveEvery, Saver};
 use super::summarise::summarise;
 use super::task::DragTask;
+use super::told;
 use crate::drag::Dragging;
 use crate::flow;
 use crate::folder::Folder;
 use crate::json::json_text;
 use crate::manifest::Ledger;
-use crate::plug_flow::{self, PlugFlow};
 use crate::progress::Progress;
 use crate::scenario::CheckedScenario;
 use crate::series::series_text;
@@ -27,7 +27,6 @@ use bitgrain_sim::disk::{self, Kind};
 use bitgrain_sim::energy_budget::energy_text;
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::files::{bits, packed_name, text_file};
-use bitgrain_sim::format::short;
 use bitgrain_sim::observer::Observer;
 use bitgrain_sim::simulation::Simulation;
 use bitgrain_sim::{coarse_graining, export, lammps};
@@ -103,7 +102,7 @@ pub(super) fn drag_one(
     ledger.remove(&folder.partial_series(&plan.name))?;
     ledger.finish_stage(&plan.name, &summary.chain)?;
     files.saver.clear();
-    report(scenario, &summary, how, performance.seconds, progress);
+    told::report(scenario, &summary, how, performance.seconds, progress);
     Ok((summary, performance))
 }
 
@@ -397,69 +396,5 @@ pub fn record(
         standard_error_method: METHOD.into(),
         bed: bed.clone(),
         run: run.clone(),
-    }
-}
-
-fn report(
-    scenario: &CheckedScenario,
-    run: &DragSummary,
-    how: &str,
-    seconds: f64,
-    progress: &Progress,
-) {
-    if let Some(known) = &run.released {
-        let units = scenario.units();
-        let [x, y, z] = known.end.map(short);
-        progress.line(&format!(
-            "{}: the intruder is at {x}, {y}, {z} {} and goes at {} {} along z ({how}, {seconds:.1} s)",
-            run.name,
-            units.length,
-            short(known.end_velocity[2]),
-            units.speed,
-        ));
-        return;
-    }
-    progress.line(&format!(
-        "{}: Fr {}, drag {} +- {} {} ({how}, {seconds:.1} s)",
-        run.name,
-        short(run.froude),
-        short(run.drag.mean),
-        short(run.drag.standard_error),
-        scenario.units().force,
-    ));
-    if run.plug == PlugFlow::Slides {
-        let found = plug_flow::found(
-            scenario.law.mu(),
-            run.plug_ratio,
-            run.drift.map(|drift| drift.mean),
-        );
-        progress.line(&format!(
-            "{}: {found}: the bed slides along, and the drag depends on the box as much as on the intruder; make \
-             bed.box wider",
-            run.name
-        ));
-    }
-    if let Some(tank) = &run.tank {
-        progress.line(&format!(
-            "{}: drag/(rho g h D L) {:.2} +- {:.2}, lift {:.1} +- {:.1} buoyancies in the first half turn of {}",
-            run.name,
-            tank.drag_coefficient,
-            tank.drag_coefficient_error,
-            tank.lift_over_buoyancy,
-            tank.lift_over_buoyancy_error,
-            short(2.0 * tank.turns),
-        ));
-    }
-    if let Some(flow) = &run.flow {
-        progress.line(&format!(
-            "{}: drag/(rho g h D L) {:.2} +- {:.2}, lift {:.1} +- {:.1} buoyancies, far bed at {:.3} of \
-             the speed",
-            run.name,
-            flow.drag_coefficient,
-            flow.drag_coefficient_error,
-            flow.lift_over_buoyancy,
-            flow.lift_over_buoyancy_error,
-            flow.far_field
-        ));
     }
 }

@@ -11,6 +11,7 @@ mod saving;
 mod setting;
 mod summarise;
 mod task;
+mod told;
 
 use crate::json::json_text;
 pub use beds::{begin_bed, data_file, surveyed};
