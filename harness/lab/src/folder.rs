@@ -258,7 +258,7 @@ impl Folder<'_> {
         self.of_run(run, "latest.safetensors")
     }
 
-    /// A snapshot of a drag: `kind` is `grains` or `contacts`. The number keeps files in order and
+    /// A snapshot of a drag: `kind` is `grains`, `contacts` or `bodies`. The number keeps files in order and
     /// makes one animation of them in OVITO and ParaView.
     pub fn snapshot(&self, run: &str, kind: &str, step: u64, ending: &str) -> PathBuf {
         self.of_run(run, &format!("snapshots/{kind}.{step:012}.{ending}"))

@@ -110,7 +110,16 @@ fn call(bytes: &mut Bytes, world: *mut bg_world) -> bool {
             };
             bg_add_group(world, &group, &mut number)
         }
-        1 => bg_add_obstacle(world, &obstacle(bytes), &mut number),
+        1 => {
+            let body = obstacle(bytes);
+            if body.kind != BG_MESH {
+                bg_add_obstacle(world, &body, &mut number);
+                return false;
+            }
+            let corners: Vec<f64> = (0..27).map(|_| bytes.between(-2.0, 2.0)).collect();
+            let count = bytes.below(4) as u32;
+            bg_add_mesh(world, &body, corners.as_ptr(), count, &mut number)
+        }
         2 | 3 => {
             let grains: Vec<bg_grain> = (0..bytes.below(4)).map(|_| grain(bytes)).collect();
             bg_insert(world, grains.as_ptr(), grains.len())
@@ -153,15 +162,6 @@ fn call(bytes: &mut Bytes, world: *mut bg_world) -> bool {
             let (force, torque) = (bytes.vector(), bytes.vector());
             let body = u32::from(bytes.byte() % 4);
             bg_push(world, body, force.as_ptr(), torque.as_ptr())
-        }
-        18 => {
-            let corners: Vec<f64> = (0..27).map(|_| bytes.between(-2.0, 2.0)).collect();
-            let body = bg_obstacle {
-                kind: BG_MESH,
-                ..obstacle(bytes)
-            };
-            let count = bytes.below(4) as u32;
-            bg_add_mesh(world, &body, corners.as_ptr(), count, &mut number)
         }
         12 => pass(bytes, world),
         13 => nulls(world),

@@ -37,7 +37,8 @@ pub(super) fn reserve<R: Real>(
 /// Room for everything that these grains and obstacles can list.
 pub(super) fn reserve_all<R: Real>(lent: &mut Lent<R>) {
     let n = lent.position.len();
-    let touches = n * lent.obstacles.len();
+    let surfaces = lent.obstacles.iter().map(|body| body.shape.surfaces());
+    let touches = n * surfaces.map(|count| count as usize).sum::<usize>();
     reserve(lent, n * n / 2, n * n / 2, touches);
 }
 

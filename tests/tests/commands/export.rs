@@ -5,13 +5,14 @@ use std::str::FromStr;
 
 use bitgrain::bed::import;
 use bitgrain::bench::read_bed;
-use bitgrain::export::{atoms, frame, vtk_contacts, vtk_grains};
+use bitgrain::case::{BodyShape, ObstacleSpec};
+use bitgrain::export::{atoms, frame, vtk_bodies, vtk_contacts, vtk_grains};
 use bitgrain::lammps::{DataFile, data_text, dump_text, parse_atoms, parse_data};
 use bitgrain::scenario;
 use bitgrain::simulation::{Simulation, sphere_mass};
 use bitgrain_kernel::{ContactForce, Domain, Obstacle, Partner};
 use bitgrain_tests::fuzzing::assert_same_bits;
-use bitgrain_tests::{golden, golden_case, small_from_file};
+use bitgrain_tests::{GLASS, ball, golden, golden_case, open_case, small_from_file};
 
 /// The reference codes' bed with an intruder across the periodic edge and a floor, 40 steps on, and the
 /// contacts of the last.
@@ -237,5 +238,81 @@ fn vtk_contacts_are_as_long_as_the_contact() {
     assert!(
         n > 200 && beyond > 20 && pushes > 0,
         "{n} {beyond} {pushes}"
+    );
+}
+
+/// Each corner of each body lies on its surface, wherever it is turned to, and no polygon is left without a body.
+#[test]
+fn vtk_bodies_lie_on_their_surfaces() {
+    let turned = Some([0.8, 0.0, 0.6, 0.0]);
+    let long = |shape, length, half_length| ObstacleSpec {
+        shape,
+        length,
+        half_length,
+        orientation: turned,
+        ..ObstacleSpec::cylinder([1.0, 2.0, 3.0], [1.0, 2.0, -1.0], 1.5)
+    };
+    let bodies = vec![
+        ObstacleSpec::plane([0.0; 3], [0.0, 0.0, 1.0]),
+        ObstacleSpec::sphere([4.0, 0.0, 9.0], 2.0),
+        long(BodyShape::Cylinder, Some(4.0), None),
+        long(BodyShape::Capsule, None, Some(1.0)),
+        ObstacleSpec {
+            center: Some([50.0; 3]),
+            ..long(BodyShape::Drum, Some(4.0), None)
+        },
+        ObstacleSpec {
+            shape: BodyShape::Box,
+            diameter: None,
+            half: Some([0.5, 1.0, 2.0]),
+            orientation: turned,
+            ..ObstacleSpec::sphere([0.0, 0.0, 20.0], 1.0)
+        },
+        ObstacleSpec {
+            orientation: turned,
+            ..ObstacleSpec::mesh(vec![[[0.0; 3], [1.0, 0.0, 0.5], [0.0, 1.0, 0.0]]])
+        },
+    ];
+    let far = ball(1, [50.0; 3], [0.0; 3]);
+    let sim = open_case(GLASS, 1e-4, vec![far], bodies).start("bodies", |_| {});
+    let sim = sim.expect("a sound case");
+    let text = vtk_bodies(&sim, "bodies");
+    let head = |name: &str| -> Vec<usize> {
+        let line = text
+            .lines()
+            .find(|line| line.starts_with(name))
+            .expect(name);
+        line.split(' ')
+            .filter_map(|word| word.parse().ok())
+            .collect()
+    };
+    let (corners, polygons) = (head("POINTS")[0], head("POLYGONS")[0]);
+    let points: Vec<f64> = after(&text, &format!("POINTS {corners} double"), 3 * corners);
+    let numbers: Vec<usize> = after(&text, "SCALARS obstacle int 1", polygons);
+    let rows = text
+        .lines()
+        .skip_while(|line| !line.starts_with("POLYGONS"))
+        .skip(1);
+    let mut met = [0; 7];
+    for (row, number) in rows.zip(&numbers) {
+        let body = &sim.obstacles[*number];
+        for corner in row.split(' ').skip(1) {
+            let at: usize = corner.parse().expect("a number");
+            let place = std::array::from_fn(|a| points[3 * at + a]);
+            let distance = (0..body.shape.surfaces())
+                .map(|surface| {
+                    body.meet(surface, &sim.facets, &sim.domain, place, 0.0)
+                        .overlap
+                        .abs()
+                })
+                .fold(f64::INFINITY, f64::min);
+            // Roundings of coordinates up to fifty.
+            assert!(distance < 1e-12, "body {number}: {distance:e}");
+            met[*number] += 1;
+        }
+    }
+    assert!(
+        met[0] == 0 && met[1..].iter().all(|count| *count > 2),
+        "{met:?}"
     );
 }

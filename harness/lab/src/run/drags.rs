@@ -214,11 +214,11 @@ impl DragTask<'_> {
         self.plan.frames.binary_search(&step).is_ok()
     }
 
-    /// The files of a snapshot.
-    fn snapshot(&self, step: u64) -> [std::path::PathBuf; 3] {
+    /// The files of a snapshot: grains twice, contacts, and the bodies of a tank.
+    fn snapshot(&self, step: u64) -> Vec<std::path::PathBuf> {
         let path = |kind, ending| self.folder.snapshot(&self.plan.name, kind, step, ending);
         let dump = path("grains", "dump");
-        [
+        let mut files = vec![
             if self.scenario.measure.gzip {
                 packed_name(&dump)
             } else {
@@ -226,11 +226,15 @@ impl DragTask<'_> {
             },
             path("grains", "vtk"),
             path("contacts", "vtk"),
-        ]
+        ];
+        if self.plan.half_turn.is_some() {
+            files.push(path("bodies", "vtk"));
+        }
+        files
     }
 
-    /// A state as a LAMMPS dump for OVITO, and as two VTK files, grains and contacts, for ParaView: paths
-    /// and bytes.
+    /// A state as a LAMMPS dump for OVITO, and as VTK files, grains, contacts and the bodies of a tank, for ParaView:
+    /// paths and bytes.
     ///
     /// # Errors
     /// [`Error::Write`] if packing fails.
@@ -239,7 +243,7 @@ impl DragTask<'_> {
         step: u64,
         sim: &Simulation,
         contacts: &[ContactForce<f64>],
-    ) -> Result<[(std::path::PathBuf, Vec<u8>); 3]> {
+    ) -> Result<Vec<(std::path::PathBuf, Vec<u8>)>> {
         let (folder, run) = (self.folder, &self.plan.name[..]);
         let (mut frame, forces) = export::frame(sim);
         frame.step = step;
@@ -247,10 +251,16 @@ impl DragTask<'_> {
         let dump = folder.snapshot(run, "grains", step, "dump");
         let text = lammps::dump_text(&frame, Some(&forces));
         let dump = text_file(&dump, &text, self.scenario.measure.gzip)?;
-        let [_, grains, lines] = self.snapshot(step);
-        let contacts = export::vtk_contacts(sim, contacts, &title).into_bytes();
-        let points = export::vtk_grains(sim, &title).into_bytes();
-        Ok([dump, (grains, points), (lines, contacts)])
+        let contacts = export::vtk_contacts(sim, contacts, &title);
+        let texts = [
+            export::vtk_grains(sim, &title),
+            contacts,
+            export::vtk_bodies(sim, &title),
+        ];
+        // The dump comes first, and only a tank has bodies to show.
+        let others = self.snapshot(step).into_iter().skip(1).zip(texts);
+        let others = others.map(|(path, text)| (path, text.into_bytes()));
+        Ok([dump].into_iter().chain(others).collect())
     }
 }
 

@@ -95,7 +95,8 @@ pub struct Part<R> {
 impl<R: Real> Part<R> {
     /// A part without grains, with room for all pairs of so many, of a world with this clock.
     pub fn new(grains: usize, obstacles: &[Obstacle<R>], clock: &Clock<R>) -> Self {
-        let (pairs, contacts) = (grains * grains / 2, grains * obstacles.len());
+        let surfaces = obstacles.iter().map(|body| body.shape.surfaces() as usize);
+        let (pairs, contacts) = (grains * grains / 2, grains * surfaces.sum::<usize>());
         let stretches = grains / 8 + 1;
         Self {
             home: Vec::new(),

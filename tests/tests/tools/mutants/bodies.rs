@@ -70,8 +70,8 @@ pub const BODIES: &[Mutant] = &[
     Mutant {
         name: "a contact that passes to the next triangle begins anew",
         file: "kernel/src/forces/mesh_histories.rs",
-        from: "set(touch.spring, t, spring);",
-        to: "set(touch.spring, t, spring.map(|x| x * R::ZERO));",
+        from: "set(springs, t, spring);",
+        to: "set(springs, t, spring.map(|x| x * R::ZERO));",
         target: "oracle",
         red: &["the_step_equals_its_definition_hertz_tsuji"],
     },
