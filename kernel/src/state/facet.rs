@@ -50,6 +50,7 @@ pub(crate) fn is_before<R: Real>(a: &Vec3<R>, b: &Vec3<R>) -> bool {
 impl<R: Real> Facet<R> {
     /// The triangle with these corners (length, in the axes of its obstacle), in any order.
     #[must_use]
+    #[inline(never)]
     pub fn new(corners: [[R; 3]; 3]) -> Self {
         // There is one zero.
         let [mut a, mut b, mut c] = corners.map(|corner| corner.map(|x| x + R::ZERO));
@@ -115,6 +116,7 @@ impl<R: Real> Facet<R> {
     }
 
     /// Its place that is nearest to `place`, in the axes of the obstacle.
+    #[inline(never)]
     pub(crate) fn nearest(&self, place: Vec3<R>) -> Near<R> {
         let [a, b, c] = self.corners;
         if self.is_over(place) {
@@ -138,6 +140,7 @@ impl<R: Real> Facet<R> {
 }
 
 /// The place of an edge that is nearest.
+#[inline(never)]
 fn to_edge<R: Real>(from: Vec3<R>, to: Vec3<R>, place: Vec3<R>) -> Near<R> {
     let (along, apart) = (sub(to, from), sub(place, from));
     let (way, length) = (dot(apart, along), dot(along, along));
@@ -158,6 +161,7 @@ fn to_edge<R: Real>(from: Vec3<R>, to: Vec3<R>, place: Vec3<R>) -> Near<R> {
 }
 
 /// Distance of a place from what two triangles share: an edge or a corner. None if they share nothing.
+#[inline(never)]
 pub(crate) fn to_shared<R: Real>(one: &Facet<R>, other: &Facet<R>, place: Vec3<R>) -> Option<R> {
     let [a, b, c] = one.corners;
     let mut least = None;

@@ -132,6 +132,7 @@ impl<'a, R: Real> Mesh<'a, R> {
     }
 
     /// The first half of the hash of all corners: what tells meshes apart.
+    #[inline(never)]
     pub(crate) fn name(self) -> u64 {
         let mut hasher = Hasher::new();
         for x in self.0.iter().flat_map(|facet| facet.corners).flatten() {
@@ -148,6 +149,7 @@ impl<'a, R: Real> Mesh<'a, R> {
         self.within(0, self.0.len(), (place, far), found);
     }
 
+    #[inline(never)]
     fn within(
         self,
         begin: usize,
@@ -204,6 +206,7 @@ impl<'a, R: Real> Mesh<'a, R> {
     }
 
     /// Calls `found` with the other triangles that are nearer than `radius`.
+    #[inline(never)]
     fn others(
         self,
         number: u32,
@@ -226,6 +229,7 @@ impl<'a, R: Real> Mesh<'a, R> {
     }
 
     /// Whether the nearest place of a triangle is nearest among all places around it.
+    #[inline(never)]
     fn touches(self, own: &Candidate<'_, R>, place: Vec3<R>, radius: R) -> bool {
         let mut touches = own.near.distance < radius;
         if touches && own.near.feature != Feature::Face {
@@ -238,6 +242,7 @@ impl<'a, R: Real> Mesh<'a, R> {
 
     /// The share of a contact beside those that it meets at a crease: `1 / (1 + sum (1 / f - 1))` over what each of
     /// them alone would leave, `f`, so that flat triangles that meet in a corner hold one contact together.
+    #[inline(never)]
     fn share(self, own: &Candidate<'_, R>, place: Vec3<R>, radius: R) -> R {
         let (mut taken, mut is_all) = (R::ZERO, false);
         self.others(own.number, place, radius, &mut |rival| {
@@ -265,6 +270,7 @@ impl<'a, R: Real> Mesh<'a, R> {
 /// triangle; or is the same place of that one, whose number is lower.
 ///
 /// Faces come before edges, edges before corners, whatever the rounding of distances: one of all always remains.
+#[inline(never)]
 fn gives_way<R: Real>(own: &Candidate<'_, R>, rival: &Candidate<'_, R>) -> bool {
     let (number, other, facet) = (own.number, rival.number, rival.facet);
     let is_nearer = rival.near.distance < own.near.distance;
@@ -293,6 +299,7 @@ fn gives_way<R: Real>(own: &Candidate<'_, R>, rival: &Candidate<'_, R>) -> bool 
 }
 
 /// What a second contact leaves of the force of the first, where the planes across them meet in a crease: see above.
+#[inline(never)]
 fn left_by<R: Real>([near, rival]: [&Near<R>; 2], radius: R, is_first: bool) -> R {
     // One less the cosine of the angle between the normals, also of nearly equal ones.
     let apart = sub(near.normal, rival.normal);

@@ -392,6 +392,6 @@ fn firmware_in_c_gives_the_same_bits() {
     let row: Vec<&str> = sizes.lines().nth(1).unwrap().split_whitespace().collect();
     let (flash, memory): (u32, u32) = (row[0].parse().unwrap(), row[2].parse().unwrap());
     // Compilers of other versions differ by some hundreds of bytes.
-    assert!((92_000..108_000).contains(&flash), "{flash} bytes of code");
+    assert!((104_000..122_000).contains(&flash), "{flash} bytes of code");
     assert_eq!(memory, 3360, "the block of one grain");
 }
