@@ -127,3 +127,52 @@ def test_a_saved_world_keeps_its_bodies():
 def test_what_cannot_be_is_refused(call):
     with pytest.raises((bitgrain.InputError, bitgrain.BadObstacle)):
         call(open_world())
+
+
+def square():
+    a, b, c, d = [-3, -3, 0], [3, -3, 0], [3, 3, 0], [-3, 3, 0]
+    return [[a, b, c], [a, c, d]]
+
+
+def over_a_square():
+    """A grain that falls by a tenth and rolls over the edge of both triangles."""
+    w = bitgrain.World(box=None, gravity=(0, 0, -1), dt=1e-4, law=tsuji())
+    w.add([[0.1, 0, 0.6]], 0.5, 1.0, velocities=[[-0.2, 0.1, 0]])
+    return w
+
+
+def test_a_mesh_carries_a_grain_as_a_plane():
+    ends = []
+    for add in (lambda w: w.plane(normal=(0, 0, 1)), lambda w: w.mesh(square())):
+        w = over_a_square()
+        add(w)
+        w.step(20000)
+        ends.append((w.positions.copy(), w.forces.copy()))
+    (x, f), (y, g) = ends
+    assert f[0, 2] > 0
+    assert np.allclose(x, y, atol=1e-11) and np.allclose(f, g, atol=1e-8)
+
+
+def test_a_saved_world_keeps_its_mesh(tmp_path):
+    path = tmp_path / "square.stl"
+    facets = "".join(
+        "facet normal 0 0 1\nouter loop\n"
+        + "".join("vertex {} {} {}\n".format(*corner) for corner in facet)
+        + "endloop\nendfacet\n"
+        for facet in square()
+    )
+    path.write_text("solid square\n" + facets + "endsolid square\n")
+    w = over_a_square()
+    mesh = w.mesh(path, velocity=(0, 0, 0.5))
+    assert mesh.shape == "mesh"
+    w.step(5000)
+    other = bitgrain.World.load(w.save())
+    w.step(5000)
+    other.step(5000)
+    assert w.digest == other.digest
+
+
+@pytest.mark.parametrize("triangles", [[], [[0, 0, 0]], [[[0, 0, float("nan")]] * 3], "no-such-file.stl"])
+def test_what_is_no_mesh_is_refused(triangles):
+    with pytest.raises(bitgrain.InputError):
+        open_world().mesh(triangles)

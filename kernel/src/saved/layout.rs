@@ -7,11 +7,14 @@ use crate::math::real::Real;
 pub(crate) const FORMAT: u32 = 2;
 pub(crate) const PLAIN: u32 = 1;
 pub(crate) const MAGIC: [u32; 2] = [u32::from_le_bytes(*b"bitg"), u32::from_le_bytes(*b"rain")];
-/// Words before the numbers of the head, of which the last three are flags and the step. [`FORMAT`] has one more count.
+/// Words before the numbers of the head, of which the last three are flags and the step.
+const COUNTS: usize = 16;
+
+/// The same of a layout: [`FORMAT`] has one more count.
 pub(crate) fn counts(format: u32) -> usize {
     match format {
-        PLAIN => 16,
-        _ => 17,
+        PLAIN => COUNTS,
+        _ => COUNTS + 1,
     }
 }
 /// Numbers of the head, of a group, an obstacle, a grain and a history, and words beside them.
