@@ -1,8 +1,9 @@
 //! Meshes of triangles: which triangles hold a contact, how a contact goes over edges, and that nothing depends on how
 //! a file cuts a surface into triangles.
 
+use bitgrain_kernel::contact::HertzHistory;
 use bitgrain_kernel::vec3::{add, dot, scale, sub};
-use bitgrain_kernel::{Domain, Facet, Obstacle, arrange};
+use bitgrain_kernel::{Domain, Facet, Group, Obstacle, Store, arrange, start, step};
 use proptest::prelude::*;
 
 use crate::common::cases::cases;
@@ -186,6 +187,44 @@ fn flat_triangles_are_a_plane() {
                 assert!((overlap - DEPTH).abs() < 1e-15 && (normal[2] - 1.0).abs() < 1e-15);
             }
         }
+    }
+}
+
+/// A grain that lies on flat triangles and slides from one to the next feels what it feels on a plane: its spring goes
+/// along.
+#[test]
+fn springs_go_along_over_flat_triangles() {
+    let law = HertzHistory {
+        kn: 2e5,
+        kt: 2.45e5,
+        gamma_n: 100.0,
+        gamma_t: 100.0,
+        mu: 0.5,
+    };
+    let (facets, body) = crease(0.0);
+    let facets: &'static [Facet<f64>] = facets.leak();
+    let plane = Obstacle::plane([0.0; 3], [0.0, 0.0, 1.0]);
+    let [flat, mesh] = [plane, body].map(|body| {
+        let mut store = Store::<f64, 1, 4, 64, 1>::new(Domain::open(), 1e-4, 0.1);
+        store.set_facets(facets);
+        let free = store.add_group(Group::free([0.0, 0.0, -1.0])).unwrap();
+        store.add_obstacle(body).unwrap();
+        store
+            .add_grain(1, free, [-0.05, -0.2, 0.49976], 0.5, 0.5236)
+            .unwrap();
+        let mut world = store.world();
+        world.grains.velocity[0][..2].copy_from_slice(&[0.4, 0.3]);
+        start(&mut world, &law).unwrap();
+        for _ in 0..6000 {
+            step(&mut world, &law).unwrap();
+        }
+        let g = &world.grains;
+        [g.position[0], g.velocity[0], g.spin[0], g.force[0]]
+    });
+    assert!(flat[0][0] > 0.05, "it crosses the edges");
+    for (one, other) in flat.iter().flatten().zip(mesh.iter().flatten()) {
+        // Roundings of 6,000 steps.
+        assert!((one - other).abs() < 1e-10, "{flat:?} {mesh:?}");
     }
 }
 
