@@ -133,22 +133,17 @@ fn arrays(sim: &mut Simulation, note: &StageState) -> Vec<Array> {
         ("velocity", rows(&sim.velocity)),
     ];
     let corners = corners(&sim.facets);
-    if !corners.is_empty() {
-        let bytes = reals(corners.as_flattened().as_flattened());
-        let place = all.partition_point(|(other, _)| *other < FACETS);
-        all.insert(
-            place,
-            (FACETS, (Dtype::F64, vec![corners.len(), 3, 3], bytes)),
-        );
-    }
-    for (name, bytes) in [(FIELDS, &note.fields[..]), (FRAMES, note.frames.as_bytes())] {
-        if !bytes.is_empty() {
+    let facets = reals(corners.as_flattened().as_flattened());
+    let text = |bytes: &[u8]| (Dtype::U8, vec![bytes.len()], bytes.to_vec());
+    for (name, array) in [
+        (FACETS, (Dtype::F64, vec![corners.len(), 3, 3], facets)),
+        (FIELDS, text(&note.fields)),
+        (FRAMES, text(note.frames.as_bytes())),
+    ] {
+        if !array.2.is_empty() {
             // They go by name.
             let place = all.partition_point(|(other, _)| *other < name);
-            all.insert(
-                place,
-                (name, (Dtype::U8, vec![bytes.len()], bytes.to_vec())),
-            );
+            all.insert(place, (name, array));
         }
     }
     all

@@ -78,8 +78,9 @@ pub fn add_mesh(
     let facets = Arc::make_mut(&mut world.facets);
     let first = facets.len();
     facets.extend(triangles.iter().copied().map(Facet::new));
-    arrange(&mut facets[first..]);
-    Obstacle::mesh(center, facets, first as u32..facets.len() as u32)
+    let own = &mut facets[first..];
+    arrange(own);
+    Obstacle::mesh(center, own, first as u32)
 }
 
 /// The corners of all triangles of a world, one row each.

@@ -53,32 +53,20 @@ pub extern "C" fn bg_add_mesh(
         put(number, 0)?;
         let count = facets as usize;
         let length = count.checked_mul(9).ok_or(fault(BG_BAD_ARGUMENT))?;
-        let corners = lent(corners, length)?.as_chunks::<9>().0;
-        let sound = corners.iter().flatten().all(|x| x.is_finite());
+        let corners = lent(corners, length)?;
+        let sound = corners.iter().all(|x| x.is_finite());
         if of.kind != BG_MESH || !sound || count == 0 || count > FACETS_MAX {
             return Err(fault(BG_BAD_ARGUMENT));
         }
         let (free, used) = (&mut *parts.facets.0, &mut *parts.facets.1);
         let room = free.get_mut(..count).ok_or(fault(BG_TOO_SMALL))?;
-        for (facet, [a, b, c, d, e, f, g, h, i]) in room.iter_mut().zip(corners) {
-            *facet = Facet::new([[*a, *b, *c], [*d, *e, *f], [*g, *h, *i]]);
+        let triangles = corners.as_chunks::<3>().0.as_chunks::<3>().0;
+        for (facet, corners) in room.iter_mut().zip(triangles) {
+            *facet = Facet::new(*corners);
         }
         arrange(room);
-        let made = Obstacle::mesh(of.point, room, 0..facets);
-        let shape = match made.shape {
-            Shape::Mesh {
-                count, reach, name, ..
-            } => Shape::Mesh {
-                first: *used as u32,
-                count,
-                reach,
-                name,
-            },
-            other => other,
-        };
-        let added = parts
-            .store
-            .add_obstacle(moving(&of, Obstacle { shape, ..made }))?;
+        let made = Obstacle::mesh(of.point, room, *used as u32);
+        let added = parts.store.add_obstacle(moving(&of, made))?;
         *used += u64::from(facets);
         put(number, added)
     })

@@ -31,7 +31,9 @@ pub(crate) fn hand_on<R: Real>(
         let (grain, k) = run;
         if let Some(body) = obstacles.get(k as usize).filter(|body| body.is_mesh()) {
             let own = words.get(begin..end).unwrap_or_default();
-            for (t, word) in (begin..).zip(own) {
+            // Without an old contact there is nothing to hand on.
+            let has_any = own.iter().any(|word| word & TOUCHING != 0);
+            for (t, word) in (begin..).zip(own).filter(|_| has_any) {
                 if word & TOUCHING == 0
                     && let Some(from) = source(grains, (body, facets), own, grain, *word)
                 {

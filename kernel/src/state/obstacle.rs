@@ -127,17 +127,15 @@ impl<R: Real> Obstacle<R> {
         Self::new(shape, center)
     }
 
-    /// A resting, infinitely heavy mesh: the triangles of these numbers among those of the world, which
-    /// [`arrange`](crate::arrange) has put in order by themselves.
-    pub fn mesh(center: Vec3<R>, facets: &[Facet<R>], numbers: core::ops::Range<u32>) -> Self {
-        let (first, count) = (numbers.start, numbers.end.saturating_sub(numbers.start));
-        let mesh = Mesh::of(facets, first, count);
-        let (reach, name) = (mesh.reach(), mesh.name());
+    /// A resting, infinitely heavy mesh of these triangles, which [`arrange`](crate::arrange) has put in order; among
+    /// those of the world they are the ones from number `first` on.
+    pub fn mesh(center: Vec3<R>, own: &[Facet<R>], first: u32) -> Self {
+        let mesh = Mesh(own);
         let shape = Shape::Mesh {
             first,
-            count,
-            reach,
-            name,
+            count: u32::try_from(own.len()).unwrap_or(u32::MAX),
+            reach: mesh.reach(),
+            name: mesh.name(),
         };
         Self::new(shape, center)
     }

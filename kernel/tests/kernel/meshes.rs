@@ -14,7 +14,7 @@ type V = [f64; 3];
 fn mesh(triangles: impl IntoIterator<Item = [V; 3]>) -> (Vec<Facet<f64>>, Obstacle<f64>) {
     let mut facets: Vec<_> = triangles.into_iter().map(Facet::new).collect();
     arrange(&mut facets);
-    let body = Obstacle::mesh([0.0; 3], &facets, 0..facets.len() as u32);
+    let body = Obstacle::mesh([0.0; 3], &facets, 0);
     (facets, body)
 }
 
@@ -210,7 +210,13 @@ fn springs_go_along_over_flat_triangles() {
         let free = store.add_group(Group::free([0.0, 0.0, -1.0])).unwrap();
         store.add_obstacle(body).unwrap();
         store
-            .add_grain(1, free, [-0.05, -0.2, 0.49976], 0.5, 0.5236)
+            .add_grain(
+                1,
+                free,
+                [-0.05, -0.2, 0.49976],
+                0.5,
+                std::f64::consts::FRAC_PI_6,
+            )
             .unwrap();
         let mut world = store.world();
         world.grains.velocity[0][..2].copy_from_slice(&[0.4, 0.3]);

@@ -218,7 +218,10 @@ pub(super) fn lent<R: Real>(bytes: &mut Bytes) -> Lent<R> {
     }
     if bytes.below(2) == 0 {
         lent.facets = Arc::new(facets(bytes));
-        let body = Obstacle::mesh(vector(bytes), &lent.facets, word(bytes)..word(bytes));
+        // As often as not some of the triangles, or none.
+        let (from, to) = (word(bytes) as usize, word(bytes) as usize);
+        let own = lent.facets.get(from..to).unwrap_or(&lent.facets);
+        let body = Obstacle::mesh(vector(bytes), own, from as u32);
         let orientation = [0; 4].map(|_| number(bytes));
         lent.obstacles.push(Obstacle {
             orientation,

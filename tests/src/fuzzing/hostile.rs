@@ -13,8 +13,8 @@ use bitgrain_kernel::phases::{
     is_draining, measure, no_fetch, obstacle_forces, seal, sum_on_obstacles,
 };
 use bitgrain_kernel::{
-    Domain, Obstacle, Real, Row, Store, check_arithmetic, digest, resume, start, start_watched,
-    step, step_watched,
+    Domain, Obstacle, Real, Row, Shape, Store, check_arithmetic, digest, resume, start,
+    start_watched, step, step_watched,
 };
 
 use super::bytes::Bytes;
@@ -271,7 +271,15 @@ pub(super) fn plain<R: Real>(bytes: &mut Bytes) -> bool {
     let body = obstacle::<R>(bytes);
     let checked = body.check(&domain, word(bytes));
     let all = facets(bytes);
-    let mesh = Obstacle::mesh(vector(bytes), &all, 0..word(bytes));
+    let mesh = Obstacle::new(
+        Shape::Mesh {
+            first: word(bytes),
+            count: word(bytes),
+            reach: number(bytes),
+            name: u64::from(word(bytes)),
+        },
+        vector(bytes),
+    );
     for body in [body, mesh] {
         body.meet(word(bytes), &all, &domain, vector(bytes), number(bytes));
     }

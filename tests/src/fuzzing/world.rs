@@ -306,9 +306,8 @@ fn bed<R: Real>(bytes: &mut Bytes) -> (Lent<R>, f64) {
             })
             .collect();
         arrange(&mut facets);
-        let numbers = 0..facets.len() as u32;
         lent.obstacles
-            .push(Obstacle::mesh(place.map(R::from_f64), &facets, numbers));
+            .push(Obstacle::mesh(place.map(R::from_f64), &facets, 0));
         lent.facets = Arc::new(facets);
     }
     lent.cell_start = vec![9; 2 + bytes.below(60)];

@@ -140,6 +140,16 @@ pub fn friction_of_depths(factor: f64, diameter: f64, ratio: f64) -> f64 {
     UEHARA * ratio.sqrt() * root * root / factor
 }
 
+/// Density of the sphere over the bulk density of the first bed; NaN if either is unknown.
+pub fn density_ratio(summary: &Summary) -> f64 {
+    let packing = summary
+        .beds
+        .first()
+        .map_or(f64::NAN, |bed| bed.packing_fraction);
+    let bulk = packing * summary.inputs.bed.density;
+    summary.inputs.intruder.density.unwrap_or(f64::NAN) / bulk
+}
+
 /// The law of the force that stops spheres, `F = k z + (m/d_1) v^2`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ForceLaw {

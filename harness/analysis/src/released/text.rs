@@ -64,12 +64,7 @@ fn impacts(summary: &Summary, drops: &[Drop], mass: f64, out: &mut String) {
     line(out, &format!("depth = A H^p: {}", found(power)));
     let root = impact::depth_cube_root(drops);
     if let Ok(fit) = &root {
-        let bulk = summary
-            .beds
-            .first()
-            .map_or(f64::NAN, |bed| bed.packing_fraction);
-        let bulk = bulk * summary.inputs.bed.density;
-        let ratio = summary.inputs.intruder.density.unwrap_or(f64::NAN) / bulk;
+        let ratio = impact::density_ratio(summary);
         let mu = impact::friction_of_depths(fit.parameters[0].value, drops[0].diameter, ratio);
         line(
             out,

@@ -204,6 +204,20 @@ fn bed_figures(summary: &Summary, pictures: &[BedPicture], first: &[usize]) -> S
 
 /// Drag and lift against travel, side by side, for every run.
 fn force_figures(summary: &Summary, series: &[Vec<SeriesRow>]) -> String {
+    let figures = force_grid(summary, series, "drag", &|run| depth_text(summary, run));
+    format!(
+        "<section>\n<h2>Drag and lift against travel</h2>\n<p class=\"legend\">{}</p>\n{figures}</section>\n",
+        super::LEGEND.replacen("drag, mean", "force, mean", 1)
+    )
+}
+
+/// Charts of drag and lift for every run, with what the drag is called and what else is said of a run.
+pub(super) fn force_grid(
+    summary: &Summary,
+    series: &[Vec<SeriesRow>],
+    drag: &str,
+    more: &dyn Fn(&DragSummary) -> String,
+) -> String {
     let (units, runs) = (&summary.units, &summary.runs);
     let force = escape(&typeset(&units.force));
     let mut figures = String::new();
@@ -216,17 +230,13 @@ fn force_figures(summary: &Summary, series: &[Vec<SeriesRow>]) -> String {
                 "<figure>{chart}<figcaption><b>{}, {}</b>{}. Mean of the window {}&nbsp;{force}.\
                  </figcaption></figure>\n",
                 escape(&run.name),
-                if lift { "lift" } else { "drag" },
-                depth_text(summary, run),
+                if lift { "lift" } else { drag },
+                more(run),
                 super::plus_minus(mean),
             ));
         }
     }
-    format!(
-        "<section>\n<h2>Drag and lift against travel</h2>\n<p class=\"legend\">{}</p>\n\
-         <div class=\"grid\">\n{figures}</div>\n</section>\n",
-        super::LEGEND.replacen("drag, mean", "force, mean", 1)
-    )
+    format!("<div class=\"grid\">\n{figures}</div>\n")
 }
 
 /// What this page has in addition.

@@ -1,7 +1,7 @@
 //! The page of bars that turn in tanks.
 
 use super::drawings::Drawings;
-use super::flowing::STYLE;
+use super::flowing::{STYLE, force_grid};
 use super::page::{Top, assembled};
 use super::picture::BedPicture;
 use super::sections::{LEGEND, bed_figure, numbers, repeat, span};
@@ -9,7 +9,7 @@ use super::table::Table;
 use super::tank_charts::{along_bar, comparison, half_turns, tanks, velocities};
 use super::tank_views::from_above;
 use super::text::{escape, exact, plus_minus, typeset};
-use super::{before, chart, claims, inputs, player, rig_table};
+use super::{before, claims, inputs, player, rig_table};
 use crate::claims::evidence;
 use bitgrain_lab::series::SeriesRow;
 use bitgrain_lab::summary::{DragSummary, Summary, Tank};
@@ -99,27 +99,13 @@ fn lead(summary: &Summary) -> String {
 
 /// Drag and lift against travel, side by side, for every run.
 fn force_figures(summary: &Summary, series: &[Vec<SeriesRow>]) -> String {
-    let (units, runs) = (&summary.units, &summary.runs);
-    let force = escape(&typeset(&units.force));
-    let mut figures = String::new();
-    for (k, run) in runs.iter().enumerate() {
-        let rows = series.get(k).map_or(&[][..], |s| s.as_slice());
-        for (lift, mean) in [(false, run.drag), (true, run.lift)] {
-            let chart = chart::along_travel(run, rows, units, 2 * runs.len(), lift);
-            let chart = chart.unwrap_or_else(|| "<p class=\"none\">No series.</p>".to_owned());
-            figures.push_str(&format!(
-                "<figure>{chart}<figcaption><b>{}, {}</b>. Mean of the window {}&nbsp;{force}.</figcaption></figure>\n",
-                escape(&run.name),
-                if lift { "lift" } else { "drag by the torque, 4&nbsp;M/L" },
-                plus_minus(mean),
-            ));
-        }
-    }
+    let drag = "drag by the torque, 4&nbsp;M/L";
+    let figures = force_grid(summary, series, drag, &|_| String::new());
     format!(
         "<section>\n<h2>Drag and lift against travel</h2>\n<p>Travel is that of the ends of the bar. Dashed: the \
          beginning of the averaging window, and the end of each half turn, from the first of which on the bar goes \
          through its own wake (Guillard 2014, Fig. 2).</p>\n<p class=\"legend\">{}</p>\n\
-         <div class=\"grid\">\n{figures}</div>\n</section>\n",
+         {figures}</section>\n",
         LEGEND.replacen("drag, mean", "force, mean", 1)
     )
 }

@@ -387,8 +387,8 @@ mod rows_of_nine {
         from: D,
     ) -> Result<Option<Vec<Triangle>>, D::Error> {
         let rows = Vec::<[f64; 9]>::deserialize(from)?;
-        let corners = |[a, b, c, d, e, f, g, h, i]: [f64; 9]| [[a, b, c], [d, e, f], [g, h, i]];
-        Ok(Some(rows.into_iter().map(corners).collect()))
+        let corners = rows.as_flattened().as_chunks::<3>().0;
+        Ok(Some(corners.as_chunks::<3>().0.to_vec()))
     }
 }
 

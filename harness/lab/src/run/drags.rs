@@ -214,6 +214,11 @@ impl DragTask<'_> {
         self.plan.frames.binary_search(&step).is_ok()
     }
 
+    /// Whether a snapshot shows bodies: bar and tank.
+    fn has_bodies(&self) -> bool {
+        self.plan.half_turn.is_some()
+    }
+
     /// The files of a snapshot: grains twice, contacts, and the bodies of a tank.
     fn snapshot(&self, step: u64) -> Vec<std::path::PathBuf> {
         let path = |kind, ending| self.folder.snapshot(&self.plan.name, kind, step, ending);
@@ -227,7 +232,7 @@ impl DragTask<'_> {
             path("grains", "vtk"),
             path("contacts", "vtk"),
         ];
-        if self.plan.half_turn.is_some() {
+        if self.has_bodies() {
             files.push(path("bodies", "vtk"));
         }
         files
@@ -251,13 +256,14 @@ impl DragTask<'_> {
         let dump = folder.snapshot(run, "grains", step, "dump");
         let text = lammps::dump_text(&frame, Some(&forces));
         let dump = text_file(&dump, &text, self.scenario.measure.gzip)?;
-        let contacts = export::vtk_contacts(sim, contacts, &title);
-        let texts = [
+        let mut texts = vec![
             export::vtk_grains(sim, &title),
-            contacts,
-            export::vtk_bodies(sim, &title),
+            export::vtk_contacts(sim, contacts, &title),
         ];
-        // The dump comes first, and only a tank has bodies to show.
+        if self.has_bodies() {
+            texts.push(export::vtk_bodies(sim, &title));
+        }
+        // The dump comes first.
         let others = self.snapshot(step).into_iter().skip(1).zip(texts);
         let others = others.map(|(path, text)| (path, text.into_bytes()));
         Ok([dump].into_iter().chain(others).collect())

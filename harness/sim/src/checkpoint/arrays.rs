@@ -6,7 +6,7 @@ use bitgrain_kernel::ContactHistory;
 use safetensors::tensor::{Dtype, SafeTensors};
 
 use super::head::{FACETS, FIELDS, FRAMES, Head, StageState};
-use crate::mesh::{Triangle, restored};
+use crate::mesh::restored;
 use crate::simulation::Simulation;
 
 /// The arrays of a file.
@@ -56,12 +56,9 @@ impl Arrays<'_> {
         );
         sim.obstacles = head.obstacles.clone();
         if self.file.names().contains(&FACETS) {
-            let corners = self.reals::<9>(FACETS)?;
-            let corners: Vec<Triangle> = corners
-                .iter()
-                .map(|[a, b, c, d, e, f, g, h, i]| [[*a, *b, *c], [*d, *e, *f], [*g, *h, *i]])
-                .collect();
-            sim.facets = Arc::new(restored(&corners, &sim.obstacles));
+            let corners = self.reals::<3>(FACETS)?;
+            let triangles = corners.as_chunks::<3>().0;
+            sim.facets = Arc::new(restored(triangles, &sim.obstacles));
         }
         sim.id = id.into_iter().map(u32::from_le_bytes).collect();
         sim.group = group.into_iter().map(|[g]| g).collect();

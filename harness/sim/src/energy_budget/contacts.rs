@@ -22,12 +22,12 @@ impl Elastic {
 
     /// Normal force of the spring alone: `K_n sqrt(R delta) delta` by either law.
     pub fn normal_force(&self, at: &ElasticContact) -> f64 {
-        self.0.kn * at.contact_radius * at.overlap * at.share
+        self.0.kn * at.contact_radius * at.overlap
     }
 
     /// Its energy: `(2/5) K_n sqrt(R) delta^(5/2)`.
     pub fn normal_energy(&self, at: &ElasticContact) -> f64 {
-        0.4 * self.0.kn * at.contact_radius * (at.overlap * at.overlap) * at.share
+        0.4 * self.0.kn * at.contact_radius * (at.overlap * at.overlap)
     }
 
     /// Whether a damper of this contact counts as friction, since it is held to the cap with its spring: a part in
@@ -40,7 +40,7 @@ impl Elastic {
 
     /// Stiffness of the tangential spring: `K_t sqrt(R delta)` by either law.
     pub fn stiffness(&self, at: &ElasticContact) -> f64 {
-        self.0.kt * at.contact_radius * at.share
+        self.0.kt * at.contact_radius
     }
 }
 
@@ -56,7 +56,7 @@ pub(super) struct ElasticContact {
     /// Unit vector from the partner to the grain.
     pub normal: Vec3<f64>,
     pub overlap: f64,
-    /// `sqrt(R delta)`.
+    /// `sqrt(R delta)`, and of that the share of the law's force that counts.
     contact_radius: f64,
     radii: [f64; 2],
     radius_effective: f64,
@@ -115,6 +115,7 @@ impl ElasticContact {
         } else {
             radius * curvature / (radius + curvature)
         };
+        let share = met.map_or(1.0, |met| met.share);
         let arm = |radius: f64| radius - elastic.0.short * overlap;
         Self {
             i,
@@ -123,10 +124,10 @@ impl ElasticContact {
             met,
             normal,
             overlap,
-            contact_radius: (radius_effective * overlap).sqrt(),
+            contact_radius: (radius_effective * overlap).sqrt() * share,
             radii: [radius, other],
             radius_effective,
-            share: met.map_or(1.0, |met| met.share),
+            share,
             arms: [arm(radius), arm(other)],
         }
     }

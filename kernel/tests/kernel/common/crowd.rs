@@ -189,7 +189,7 @@ fn add_bodies(store: &mut Crowd, seed: &[f64], units: &Units) {
             velocity: [0.0, 0.0, -scale.sqrt()],
             angular_velocity: [0.1, -0.2, 0.4].map(|w| w / scale.sqrt()),
             orientation: [0.96, 0.0, 0.0, 0.28],
-            ..Obstacle::mesh([2.6 * scale, 3.2 * scale, top + 0.6 * scale], facets, 0..18)
+            ..Obstacle::mesh([2.6 * scale, 3.2 * scale, top + 0.6 * scale], facets, 0)
         },
     ] {
         store.add_obstacle(obstacle).unwrap();

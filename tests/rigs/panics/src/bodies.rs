@@ -1,7 +1,5 @@
 //! Rigid bodies.
 
-use core::ops::Range;
-
 use bitgrain_kernel::vec3::Vec3;
 use bitgrain_kernel::{
     Domain, Error as KernelError, Facet, FreeMotion, Meeting, Obstacle, Orientation, Real, Shape,
@@ -25,7 +23,7 @@ pub struct Bodies<R: Real> {
     contact_motion: fn(&Obstacle<R>, &Meeting<R>, R) -> (Vec3<R>, Vec3<R>),
     own: fn(&Obstacle<R>) -> (Option<Vec3<R>>, bool),
     meet: fn(&Obstacle<R>, u32, &[Facet<R>], &Domain<R>, Vec3<R>, R) -> Meeting<R>,
-    mesh: fn(Vec3<R>, &[Facet<R>], Range<u32>) -> Obstacle<R>,
+    mesh: fn(Vec3<R>, &[Facet<R>], u32) -> Obstacle<R>,
     facet: fn([Vec3<R>; 3]) -> (Facet<R>, [Vec3<R>; 3]),
     arrange: fn(&mut [Facet<R>]),
     shape: fn(&Shape<R>) -> (u32, R, Option<R>, Option<Vec3<R>>),

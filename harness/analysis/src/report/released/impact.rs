@@ -8,7 +8,8 @@ use super::curves::{Chart, Named, section};
 use crate::fit::Fit;
 use crate::released::FreeRun;
 use crate::released::impact::{
-    Drop, ForceLaw, UEHARA, depth_cube_root, depth_power, drops, force_law, friction_of_depths,
+    Drop, ForceLaw, UEHARA, density_ratio, depth_cube_root, depth_power, drops, force_law,
+    friction_of_depths,
 };
 use bitgrain_lab::series::SeriesRow;
 use bitgrain_lab::summary::Summary;
@@ -153,12 +154,7 @@ fn depths(summary: &Summary, drops: &[Drop], law: Option<&ForceLaw>) -> String {
     if let Ok(fit) = &root {
         let a = fit.parameters[0].value;
         lines.push(line(&|x| a * libm::cbrt(x), true));
-        let bulk = summary
-            .beds
-            .first()
-            .map_or(f64::NAN, |bed| bed.packing_fraction);
-        let bulk = bulk * summary.inputs.bed.density;
-        let ratio = summary.inputs.intruder.density.unwrap_or(f64::NAN) / bulk;
+        let ratio = density_ratio(summary);
         let diameter = drops.first().map_or(f64::NAN, |drop| drop.diameter);
         words += &format!(
             "With the power held at one third, A = {} (thick line). Uehara et al. (2003) find \
