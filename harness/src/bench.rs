@@ -151,7 +151,7 @@ pub fn tiled(one: &Simulation, tiles: usize) -> Result<Simulation> {
     let sorted: Vec<Grain> = order.into_iter().enumerate().map(grain).collect();
     let groups = one.groups.clone();
     Ok(Simulation::new(
-        one.law,
+        one.law.clone(),
         domain,
         one.dt,
         groups,

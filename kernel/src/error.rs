@@ -73,6 +73,11 @@ pub enum Error {
         /// The obstacle.
         obstacle: u32,
     },
+    /// A group or an obstacle is of a material that the law does not know.
+    UnknownMaterial {
+        /// The number of the material.
+        material: u8,
+    },
     /// The lent bytes are too few for a saved world; nothing was written.
     BufferTooShort {
         /// Bytes that would have been enough.
@@ -228,6 +233,7 @@ impl Error {
             Self::BadSave => 13,
             Self::OtherVersion => 14,
             Self::OtherFacets { .. } => 15,
+            Self::UnknownMaterial { .. } => 16,
             Self::PairListFull { .. } => 20,
             Self::OuterListFull { .. } => 21,
             Self::ObstacleContactsFull { .. } => 22,
@@ -320,6 +326,9 @@ impl fmt::Display for Error {
                 f,
                 "the world's triangles are not those that obstacle {obstacle} was made of: give it the same ones again"
             ),
+            Error::UnknownMaterial { material } => {
+                write!(f, "the law knows no material of number {material}")
+            }
             Error::BufferTooShort { needed } => write!(f, "a saved world takes {needed} bytes"),
             Error::GrainsFull { needed } => write!(f, "there is no room for {needed} grains"),
             Error::PairListFull { needed } => full(f, "pair", needed),

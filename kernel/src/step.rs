@@ -134,6 +134,7 @@ pub fn start_watched<R: Real, L: Law<R>>(
     law: &L,
     watch: impl FnMut(ContactForce<R>),
 ) -> Result<(), Error> {
+    check_materials(world, law)?;
     prepare(world, false, true)?;
     world.grains.force.fill([R::ZERO; 4]);
     for torque in world.grains.torque.iter_mut() {
@@ -141,6 +142,20 @@ pub fn start_watched<R: Real, L: Law<R>>(
     }
     push_and_sum(world, law, R::ZERO, watch)?;
     come_to_rest(world)
+}
+
+/// Checks that the law knows the materials of all groups and obstacles; one that tells none apart is not asked.
+fn check_materials<R: Real, L: Law<R>>(world: &World<'_, R>, law: &L) -> Result<(), Error> {
+    if !L::KNOWS_MATERIALS {
+        return Ok(());
+    }
+    let groups = world.grains.groups.iter().map(|group| group.material);
+    let obstacles = world.obstacles.iter().map(|body| body.material);
+    let unknown = |material: &u8| usize::from(*material) >= law.materials();
+    match groups.chain(obstacles).find(unknown) {
+        None => Ok(()),
+        Some(material) => Err(Error::UnknownMaterial { material }),
+    }
 }
 
 /// Checks a world, makes its pair list and puts back the histories of its touching contacts; the

@@ -66,7 +66,7 @@ pub fn pack(sim: &mut Simulation, note: &StageState) -> Result<Vec<u8>> {
         bits_version: BITS_VERSION,
         step,
         dt: sim.dt,
-        law: sim.law,
+        law: sim.law.clone(),
         domain: sim.domain,
         groups: sim.groups.clone(),
         obstacles: sim.obstacles.clone(),

@@ -123,7 +123,7 @@ impl Simulation {
         mut external: impl FnMut(&GrainState<f64>) -> Push,
     ) -> Result<(), KernelError> {
         self.grow_while_full(|sim| {
-            let (law, registers) = (sim.law, sim.stepping.registers);
+            let (law, registers) = (sim.law.clone(), sim.stepping.registers);
             law.with(Pushed {
                 world: sim.world(),
                 external: &mut external,

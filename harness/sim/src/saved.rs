@@ -6,15 +6,22 @@ use std::sync::Arc;
 use bitgrain_kernel::contact::{HertzHistory, HertzTsuji};
 use bitgrain_kernel::{Error as KernelError, Saved, save, save_size};
 
-use crate::law::AnyLaw;
+use crate::law::{AnyLaw, MATERIALS_MAX, Pairs, from_laws, in_order};
 use crate::mesh::{Triangle, restored};
 use crate::simulation::Simulation;
 
 /// How the bytes begin: a name and the format.
 const MAGIC: &[u8; 8] = b"bglw\x01\0\0\0";
 
-/// Bytes of the law: the beginning, the number of its kind, five numbers.
-const LAW: usize = 8 + 4 + 5 * 8;
+/// Bytes of a law of one material: the beginning, the number of its kind, five numbers.
+const LAW: usize = HEAD + NUMBERS;
+const HEAD: usize = 8 + 4;
+const NUMBERS: usize = 5 * 8;
+
+/// Bytes of a law of several: the beginning, the number of its kind, that of the materials, five numbers for each pair.
+fn table_size(materials: u8) -> usize {
+    HEAD + 4 + NUMBERS * in_order(materials).count()
+}
 
 /// Bytes of a hash.
 const HASH: usize = 32;
@@ -22,6 +29,8 @@ const HASH: usize = 32;
 /// Numbers of the kinds.
 const HISTORY: u32 = 1;
 const TSUJI: u32 = 2;
+const HISTORY_PAIRS: u32 = 3;
+const TSUJI_PAIRS: u32 = 4;
 
 impl Simulation {
     /// A simulation at rest as bytes. [`Simulation::load`] goes on from there with the same bits, on any machine.
@@ -29,11 +38,12 @@ impl Simulation {
     /// # Errors
     /// [`KernelError::NotStarted`], [`KernelError::GrainsLeaving`], [`KernelError::Edited`].
     pub fn save(&mut self) -> Result<Vec<u8>, KernelError> {
-        let mut bytes = law_bytes(self.law).to_vec();
+        let mut bytes = law_bytes(&self.law);
         bytes.extend_from_slice(blake3::hash(&bytes).as_bytes());
+        let head = bytes.len();
         let mut world = self.world();
-        bytes.resize(LAW + HASH + save_size(&world), 0);
-        save(&mut world, &mut bytes[LAW + HASH..])?;
+        bytes.resize(head + save_size(&world), 0);
+        save(&mut world, &mut bytes[head..])?;
         Ok(bytes)
     }
 
@@ -44,7 +54,8 @@ impl Simulation {
     /// [`KernelError::BadSave`] of bytes that are not as they were written; [`KernelError::OtherVersion`]; of forged
     /// bytes whatever is wrong with the world in them.
     pub fn load(bytes: &[u8]) -> Result<Self, KernelError> {
-        let (law, rest) = bytes.split_at_checked(LAW).ok_or(KernelError::BadSave)?;
+        let size = law_size(bytes).ok_or(KernelError::BadSave)?;
+        let (law, rest) = bytes.split_at_checked(size).ok_or(KernelError::BadSave)?;
         let (hash, rest) = rest.split_at_checked(HASH).ok_or(KernelError::BadSave)?;
         if blake3::hash(law).as_bytes() != hash {
             return Err(KernelError::BadSave);
@@ -67,48 +78,110 @@ impl Simulation {
     }
 }
 
-fn law_bytes(law: AnyLaw) -> [u8; LAW] {
-    let (kind, numbers) = match law {
-        AnyLaw::HertzHistory(l) => (HISTORY, [l.kn, l.kt, l.gamma_n, l.gamma_t, l.mu]),
-        AnyLaw::HertzTsuji(l) => (TSUJI, [l.kn, l.kt, l.cn, l.ct, l.mu]),
+fn law_bytes(law: &AnyLaw) -> Vec<u8> {
+    let (kind, materials, laws) = match law {
+        AnyLaw::HertzHistory(law) => (HISTORY, None, vec![history(law)]),
+        AnyLaw::HertzTsuji(law) => (TSUJI, None, vec![tsuji(law)]),
+        AnyLaw::HertzHistoryPairs(laws) => (HISTORY_PAIRS, Some(laws.count()), each(laws, history)),
+        AnyLaw::HertzTsujiPairs(laws) => (TSUJI_PAIRS, Some(laws.count()), each(laws, tsuji)),
     };
-    let mut bytes = [0; LAW];
-    bytes[..8].copy_from_slice(MAGIC);
-    bytes[8..12].copy_from_slice(&kind.to_le_bytes());
-    for (to, number) in bytes[12..].as_chunks_mut().0.iter_mut().zip(numbers) {
-        *to = number.to_le_bytes();
-    }
+    let mut bytes = MAGIC.to_vec();
+    bytes.extend(u32::to_le_bytes(kind));
+    bytes.extend(
+        materials
+            .map(|count| u32::from(count).to_le_bytes())
+            .iter()
+            .flatten(),
+    );
+    bytes.extend(
+        laws.iter()
+            .flatten()
+            .flat_map(|number| number.to_le_bytes()),
+    );
     bytes
+}
+
+fn history(l: &HertzHistory<f64>) -> [f64; 5] {
+    [l.kn, l.kt, l.gamma_n, l.gamma_t, l.mu]
+}
+
+fn tsuji(l: &HertzTsuji<f64>) -> [f64; 5] {
+    [l.kn, l.kt, l.cn, l.ct, l.mu]
+}
+
+/// The numbers of each pair.
+fn each<L: Copy>(laws: &Pairs<L>, numbers: fn(&L) -> [f64; 5]) -> Vec<[f64; 5]> {
+    in_order(laws.count())
+        .map(|pair| numbers(laws.of(pair)))
+        .collect()
+}
+
+/// A word behind the name of the format.
+fn word(bytes: &[u8], at: usize) -> Option<u32> {
+    let word = bytes.get(at..)?.first_chunk()?;
+    Some(u32::from_le_bytes(*word))
+}
+
+/// The number of materials of a law of several.
+fn materials(bytes: &[u8]) -> Option<u8> {
+    let count = u8::try_from(word(bytes, HEAD)?).ok()?;
+    (1..=MATERIALS_MAX)
+        .contains(&usize::from(count))
+        .then_some(count)
+}
+
+/// Bytes of the law that these begin with.
+fn law_size(bytes: &[u8]) -> Option<usize> {
+    match word(bytes, MAGIC.len())? {
+        HISTORY_PAIRS | TSUJI_PAIRS => Some(table_size(materials(bytes)?)),
+        _ => Some(LAW),
+    }
 }
 
 /// The law in its bytes.
 fn law_in(bytes: &[u8]) -> Result<AnyLaw, KernelError> {
-    let numbers = bytes[12..].as_chunks().0;
-    let [kn, kt, gamma_n, gamma_t, mu] = *numbers else {
-        return Err(KernelError::BadSave);
-    };
-    let numbers = [kn, kt, gamma_n, gamma_t, mu].map(f64::from_le_bytes);
-    if numbers[0] <= 0.0 || !numbers.iter().all(|x| *x >= 0.0 && x.is_finite()) {
-        return Err(KernelError::BadSave);
+    if !bytes.starts_with(MAGIC) {
+        return Err(KernelError::OtherVersion);
     }
-    let [kn, kt, gamma_n, gamma_t, mu] = numbers;
-    let kind = bytes[8..]
-        .first_chunk()
-        .map(|kind| u32::from_le_bytes(*kind));
-    match (bytes.starts_with(MAGIC), kind) {
-        (false, _) => Err(KernelError::OtherVersion),
-        (true, Some(HISTORY)) => Ok(AnyLaw::HertzHistory(HertzHistory {
-            kn,
-            kt,
-            gamma_n,
-            gamma_t,
-            mu,
-        })),
-        (true, Some(TSUJI)) => {
-            let (cn, ct) = (gamma_n, gamma_t);
-            Ok(AnyLaw::HertzTsuji(HertzTsuji { kn, kt, cn, ct, mu }))
+    known_law(bytes).ok_or(KernelError::BadSave)
+}
+
+fn known_law(bytes: &[u8]) -> Option<AnyLaw> {
+    let kind = word(bytes, MAGIC.len())?;
+    let is_table = matches!(kind, HISTORY_PAIRS | TSUJI_PAIRS);
+    let numbers = bytes.get(if is_table { HEAD + 4 } else { HEAD }..)?;
+    let numbers: Vec<f64> = numbers
+        .as_chunks()
+        .0
+        .iter()
+        .copied()
+        .map(f64::from_le_bytes)
+        .collect();
+    let laws = numbers.as_chunks::<5>().0;
+    let sound = |law: &[f64; 5]| law[0] > 0.0 && law.iter().all(|x| *x >= 0.0 && x.is_finite());
+    if !laws.iter().all(sound) {
+        return None;
+    }
+    let history = |[kn, kt, gamma_n, gamma_t, mu]: [f64; 5]| HertzHistory {
+        kn,
+        kt,
+        gamma_n,
+        gamma_t,
+        mu,
+    };
+    let tsuji = |[kn, kt, cn, ct, mu]: [f64; 5]| HertzTsuji { kn, kt, cn, ct, mu };
+    match kind {
+        HISTORY => Some(AnyLaw::HertzHistory(history(*laws.first()?))),
+        TSUJI => Some(AnyLaw::HertzTsuji(tsuji(*laws.first()?))),
+        HISTORY_PAIRS => {
+            let laws: Vec<_> = laws.iter().copied().map(history).collect();
+            from_laws(materials(bytes)?, &laws).map(AnyLaw::HertzHistoryPairs)
         }
-        (true, _) => Err(KernelError::BadSave),
+        TSUJI_PAIRS => {
+            let laws: Vec<_> = laws.iter().copied().map(tsuji).collect();
+            from_laws(materials(bytes)?, &laws).map(AnyLaw::HertzTsujiPairs)
+        }
+        _ => None,
     }
 }
 
@@ -168,8 +241,8 @@ mod tests {
             let bytes = sim.save().unwrap();
             let mut again = Simulation::load(&bytes).unwrap();
             assert_eq!(
-                (again.law, again.policy, again.dt),
-                (sim.law, sim.policy, sim.dt)
+                (&again.law, again.policy, again.dt),
+                (&sim.law, sim.policy, sim.dt)
             );
             assert_eq!(again.save().unwrap(), bytes);
             for _ in 0..3 {
@@ -183,7 +256,7 @@ mod tests {
 
     #[test]
     fn changed_and_cut_bytes_are_refused() {
-        let bytes = heap(laws()[0]).save().unwrap();
+        let bytes = heap(laws()[0].clone()).save().unwrap();
         for at in 0..bytes.len() {
             let mut changed = bytes.clone();
             changed[at] ^= 1 << (at % 8);
@@ -197,7 +270,7 @@ mod tests {
 
     #[test]
     fn laws_of_another_kind_or_format_or_without_sense_are_refused() {
-        let bytes = heap(laws()[1]).save().unwrap();
+        let bytes = heap(laws()[1].clone()).save().unwrap();
         let with = |at: usize, byte: u8| {
             let mut changed = bytes.clone();
             changed[at] = byte;
@@ -215,7 +288,7 @@ mod tests {
 
     #[test]
     fn what_has_not_started_is_not_saved() {
-        let mut sim = Simulation::new(laws()[0], Domain::open(), 1e-3, vec![], &[], vec![]);
+        let mut sim = Simulation::new(laws()[0].clone(), Domain::open(), 1e-3, vec![], &[], vec![]);
         assert_eq!(sim.save(), Err(KernelError::NotStarted));
     }
 }

@@ -5,10 +5,11 @@ pub use crate::law::AnyLaw;
 
 use std::ops::{Deref, DerefMut};
 
+use bitgrain_kernel::contact::Materials;
 use bitgrain_kernel::vec3::head;
 use bitgrain_kernel::{
     Clock, ContactForce, ContactHistory, Digest, Domain, Error as KernelError, Group, Obstacle,
-    TOUCHING, World, check_arithmetic, obstacle_of,
+    Partner, TOUCHING, World, check_arithmetic, obstacle_of,
 };
 
 use crate::crowd::deep_pair;
@@ -234,6 +235,19 @@ impl Simulation {
         self.shown(true, &mut watch)
     }
 
+    /// Materials of a grain, by its place, and of its partner in a contact.
+    pub(crate) fn materials_of(&self, i: usize, partner: Partner) -> Materials {
+        let of_grain = |place: usize| {
+            let group = self.groups.get(usize::from(self.group[place]));
+            group.map_or(0, |group| group.material)
+        };
+        let other = match partner {
+            Partner::Grain(j) => of_grain(j as usize),
+            Partner::Obstacle(k) => self.obstacles[k as usize].material,
+        };
+        [of_grain(i), other]
+    }
+
     /// A start or a step, with more room as often as a list proves full.
     fn shown(
         &mut self,
@@ -241,7 +255,7 @@ impl Simulation {
         watch: &mut dyn FnMut(ContactForce<f64>),
     ) -> Result<(), KernelError> {
         self.grow_while_full(|sim| {
-            let law = sim.law;
+            let law = sim.law.clone();
             law.with(Watched {
                 world: sim.world(),
                 watch: &mut *watch,
@@ -286,7 +300,7 @@ impl Simulation {
     fn go_to(&mut self, step: u64, notes: Option<&mut Taken>) -> Result<(), KernelError> {
         let world = (&mut self.owned, &mut self.parts);
         self.stepping
-            .steps(world, self.law, (threads(), step), notes)
+            .steps(world, &self.law, (threads(), step), notes)
     }
 
     /// [`Simulation::steps`] with a note of every step that was finished, also if one fails: faster than to look at the
@@ -395,7 +409,7 @@ impl Clone for Simulation {
         let shown = self.parts.show(&mut owned);
         shown.expect("memory for the contacts");
         Self {
-            law: self.law,
+            law: self.law.clone(),
             stepping: self.stepping.clone(),
             owned,
             parts: Parts::default(),

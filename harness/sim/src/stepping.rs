@@ -84,7 +84,7 @@ impl Stepping {
     pub(crate) fn steps(
         &mut self,
         (home, parts): (&mut OwnedWorld<f64>, &mut Parts),
-        law: AnyLaw,
+        law: &AnyLaw,
         (threads, last): (usize, u64),
         notes: Option<&mut Taken>,
     ) -> Fallible<()> {
@@ -101,7 +101,7 @@ impl Stepping {
         }
         if self.count > 1 && home.clock.has_begun() {
             let settings = Settings {
-                law,
+                law: law.clone(),
                 registers: self.registers,
                 tunes: self.tunes,
                 ranks: self.ranks.clone(),
@@ -125,7 +125,7 @@ impl Stepping {
     fn whole(
         &mut self,
         home: &mut OwnedWorld<f64>,
-        law: AnyLaw,
+        law: &AnyLaw,
         last: u64,
         notes: Option<&mut Taken>,
     ) -> Fallible<()> {

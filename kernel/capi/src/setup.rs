@@ -214,6 +214,7 @@ pub extern "C" fn bg_add_group(
             spins: group.spins != 0,
             infinite_mass: group.infinite_mass != 0,
             gravity: group.gravity,
+            material: 0,
         })?;
         put(number, u32::from(added))
     })

@@ -7,13 +7,14 @@
 //! a pair that does not touch is evaluated too and gives +0.0, which changes no sum.
 
 use crate::contact::law::{
-    Law, NormalForce, NormalState, TangentialState, surface_spin, tangential_state,
+    Law, Materials, NormalForce, NormalState, TangentialState, slide, surface_spin,
 };
 use crate::math::real::{Real, smaller};
 use crate::math::rows::Row;
 use crate::math::rows::{copy, get_or_default, less, min, part, part_mut, prefix};
 use crate::math::vec3::{Vec3, add, cross, dot, either, head, scale};
 use crate::state::domain::Domain;
+use crate::state::grains::{Group, material_of};
 
 /// Pairs of a block: enough that filling and emptying it costs little, few enough for the nearest
 /// cache; fewer if the stack is small. A multiple of [`STRIDE`].
@@ -40,6 +41,8 @@ pub(crate) struct Bodies<'a, R> {
     pub velocity: &'a [Row<R>],
     /// Spins and inverse contact masses.
     pub spin: &'a [Row<R>],
+    /// Groups of the grains, and all groups.
+    pub group: (&'a [u8], &'a [Group<R>]),
 }
 
 /// The columns of a block.
@@ -56,6 +59,8 @@ pub(crate) struct Block<R> {
     /// Velocity likewise.
     relative: Rows<R>,
     radius: [Column<R>; 2],
+    /// Zeros if the law tells none apart.
+    material: [[u8; BLOCK]; 2],
     /// Spins and inverse contact masses.
     spin: [Rows<R>; 2],
     normal: Columns<R>,
@@ -106,6 +111,7 @@ impl<R: Real> Block<R> {
             apart: rows,
             relative: rows,
             radius: [column; 2],
+            material: [[0; BLOCK]; 2],
             spin: [rows; 2],
             normal: columns,
             overlap: column,
@@ -145,9 +151,9 @@ impl<R: Real> Block<R> {
         BLOCK - min(self.count, BLOCK)
     }
 
-    /// Takes up the rows of these pairs, as many as there is room for, and their springs.
+    /// Takes up the rows of these pairs, as many as there is room for, and their springs: what the law `L` needs.
     #[inline(always)]
-    pub fn fill(
+    pub fn fill<L: Law<R>>(
         &mut self,
         bodies: Bodies<'_, R>,
         lower: &[u32],
@@ -190,6 +196,13 @@ impl<R: Real> Block<R> {
             filled = k + 1;
         }
         self.count = filled;
+        if L::KNOWS_MATERIALS {
+            for (column, places) in self.material.iter_mut().zip([lower, partner]) {
+                for (to, place) in part_mut(column, begin, end).iter_mut().zip(places) {
+                    *to = material_of(bodies.group, *place as usize);
+                }
+            }
+        }
         for (column, spring) in self.spring.iter_mut().zip(spring) {
             copy(part_mut(column, begin, begin + spring.len()), spring);
         }
@@ -228,6 +241,7 @@ impl<R: Real> Block<R> {
                 radius_j: rj,
                 radius_effective: (ri * rj) / (ri + rj),
                 mass_effective: R::ONE / (self.spin[0][k][3] + self.spin[1][k][3]),
+                materials: self.materials_of(k),
             });
             self.speed[k] = speed;
             self.normal_force.force[k] = normal_force.force;
@@ -251,10 +265,10 @@ impl<R: Real> Block<R> {
             let normal = taken(&self.normal, k);
             let velocity = head(self.relative[k]);
             let spring = taken(&self.spring, k);
-            let state = tangential_state(normal, velocity, self.speed[k], turn, spring, dt);
-            put(&mut self.sliding, k, state.velocity);
-            put(&mut self.spring, k, state.spring);
-            self.length2[k] = state.length2;
+            let slide = slide(normal, velocity, self.speed[k], turn, spring, dt);
+            put(&mut self.sliding, k, slide.velocity);
+            put(&mut self.spring, k, slide.spring);
+            self.length2[k] = slide.length2;
         }
     }
 
@@ -272,6 +286,7 @@ impl<R: Real> Block<R> {
                 velocity: taken(&self.sliding, k),
                 spring: taken(&self.spring, k),
                 length2: self.length2[k],
+                materials: self.materials_of(k),
             };
             let tangential_force = law.tangential_force(&normal_force, &state);
             put(&mut self.tangential, k, tangential_force.force);
@@ -293,6 +308,11 @@ impl<R: Real> Block<R> {
             self.force[k] = [force[0], force[1], force[2], R::ZERO];
             self.couple[k] = [couple[0], couple[1], couple[2], R::ZERO];
         }
+    }
+
+    #[inline(always)]
+    fn materials_of(&self, k: usize) -> Materials {
+        [self.material[0][k], self.material[1][k]]
     }
 
     /// The places of the grains of each pair.

@@ -16,9 +16,9 @@ use crate::math::vec3::{add, dot, scale};
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct HertzTsuji<R> {
-    /// `(4/3) Y` with `Y = E / (2 (1 - nu^2))` (pressure): `k_n = kn sqrt(R delta)`.
+    /// `(4/3) Y`, of two bodies of one material with `Y = E / (2 (1 - nu^2))` (pressure): `k_n = kn sqrt(R delta)`.
     pub kn: R,
-    /// `8 G` with `G = E / (4 (2 - nu) (1 + nu))` (pressure): `k_t = kt sqrt(R delta)`.
+    /// `8 G`, likewise with `G = E / (4 (2 - nu) (1 + nu))` (pressure): `k_t = kt sqrt(R delta)`.
     pub kt: R,
     /// `-2 sqrt(5/6) beta sqrt(2 Y)`: `gamma_n = cn sqrt(m sqrt(R delta))`.
     pub cn: R,
@@ -37,6 +37,25 @@ impl<R: Real> HertzTsuji<R> {
     pub fn new(young: f64, poisson: f64, restitution: f64, mu: f64) -> Self {
         let y = young / (2.0 * (1.0 - poisson * poisson));
         let g = young / (4.0 * (2.0 - poisson) * (1.0 + poisson));
+        Self::of_moduli(y, g, restitution, mu)
+    }
+
+    /// Of two materials, each with its Young's modulus and Poisson's ratio: `1/Y` is the sum of `(1 - nu^2) / E` of
+    /// both, and `1/G` that of `2 (2 - nu) (1 + nu) / E`. Two alike give [`HertzTsuji::new`], to the bit. The numbers
+    /// and their ranges are as there.
+    pub fn between([a, b]: [[f64; 2]; 2], restitution: f64, mu: f64) -> Self {
+        if a == b {
+            return Self::new(a[0], a[1], restitution, mu);
+        }
+        let compliance = |[young, poisson]: [f64; 2]| (1.0 - poisson * poisson) / young;
+        let shear = |[young, poisson]: [f64; 2]| 2.0 * (2.0 - poisson) * (1.0 + poisson) / young;
+        let y = 1.0 / (compliance(a) + compliance(b));
+        let g = 1.0 / (shear(a) + shear(b));
+        Self::of_moduli(y, g, restitution, mu)
+    }
+
+    /// From the effective moduli `Y` and `G` (pressure).
+    fn of_moduli(y: f64, g: f64, restitution: f64, mu: f64) -> Self {
         let ln_e = libm::log(restitution);
         let beta = ln_e / libm::sqrt(ln_e * ln_e + core::f64::consts::PI * core::f64::consts::PI);
         let c = -2.0 * libm::sqrt(5.0 / 6.0) * beta;

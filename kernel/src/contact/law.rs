@@ -9,6 +9,9 @@
 use crate::math::real::Real;
 use crate::math::vec3::{Vec3, add, cross, dot, scale, sub};
 
+/// Numbers of the materials of two bodies, as their groups and obstacles have them.
+pub type Materials = [u8; 2];
+
 /// How two bodies touch. `i` is the grain that is pushed, `j` its partner.
 #[derive(Clone, Copy, Debug)]
 pub struct Contact<R> {
@@ -24,6 +27,8 @@ pub struct Contact<R> {
     pub radius_effective: R,
     /// Effective mass `1 / (1/m_i + 1/m_j)`; the other's mass if one is infinitely heavy.
     pub mass_effective: R,
+    /// Materials of the grain and its partner.
+    pub materials: Materials,
     /// Velocity of the grain's centre less the partner's.
     pub velocity: Vec3<R>,
     /// Spin of the grain (radians per time).
@@ -62,6 +67,8 @@ pub struct NormalState<R> {
     pub radius_effective: R,
     /// Effective mass.
     pub mass_effective: R,
+    /// Materials of the grain and its partner; zeros for a law that tells none apart.
+    pub materials: Materials,
 }
 
 /// The normal force of a contact, and what its tangential part needs to know of it.
@@ -88,6 +95,8 @@ pub struct TangentialState<R> {
     pub spring: Vec3<R>,
     /// Square of its length before the projection.
     pub length2: R,
+    /// Materials of the grain and its partner; zeros for a law that tells none apart.
+    pub materials: Materials,
 }
 
 /// The tangential force of a contact.
@@ -101,6 +110,14 @@ pub struct TangentialForce<R> {
 
 /// A contact law. If `overlap <= 0` its results are unspecified and the caller discards them.
 pub trait Law<R: Real>: Copy + Send + Sync {
+    /// Whether it tells materials apart. If not, a step does not look them up.
+    const KNOWS_MATERIALS: bool = false;
+
+    /// How many materials it knows, numbered from 0; a world that has others is not started.
+    fn materials(&self) -> usize {
+        if Self::KNOWS_MATERIALS { 256 } else { 1 }
+    }
+
     /// Along the normal.
     fn normal_force(&self, contact: &NormalState<R>) -> NormalForce<R>;
 
@@ -127,6 +144,7 @@ pub fn react<R: Real, L: Law<R>>(law: &L, c: &Contact<R>, spring: Vec3<R>, dt: R
         radius_j: c.radius_j,
         radius_effective: c.radius_effective,
         mass_effective: c.mass_effective,
+        materials: c.materials,
     });
     let turn = surface_spin(
         c.spin_i,
@@ -134,7 +152,13 @@ pub fn react<R: Real, L: Law<R>>(law: &L, c: &Contact<R>, spring: Vec3<R>, dt: R
         c.spin_j,
         normal_force.lever_arm_j,
     );
-    let state = tangential_state(c.normal, c.velocity, speed, turn, spring, dt);
+    let slide = slide(c.normal, c.velocity, speed, turn, spring, dt);
+    let state = TangentialState {
+        velocity: slide.velocity,
+        spring: slide.spring,
+        length2: slide.length2,
+        materials: c.materials,
+    };
     let tangential_force = law.tangential_force(&normal_force, &state);
     Reaction {
         normal: normal_force.force,
@@ -156,21 +180,28 @@ pub(crate) fn surface_spin<R: Real>(
     add(scale(spin_i, lever_arm_i), scale(spin_j, lever_arm_j))
 }
 
+/// How two surfaces slide over each other, with the spring as it is then; see [`TangentialState`].
+pub(crate) struct Slide<R> {
+    pub velocity: Vec3<R>,
+    pub spring: Vec3<R>,
+    pub length2: R,
+}
+
 /// The sliding `v_t = (v - n v_n) + n x turn`, and the spring `s + v_t dt` projected by
 /// `s - n (s . n)`.
 #[inline(always)]
-pub(crate) fn tangential_state<R: Real>(
+pub(crate) fn slide<R: Real>(
     normal: Vec3<R>,
     velocity: Vec3<R>,
     speed: R,
     turn: Vec3<R>,
     spring: Vec3<R>,
     dt: R,
-) -> TangentialState<R> {
+) -> Slide<R> {
     let along = sub(velocity, scale(normal, speed));
     let velocity = add(along, cross(normal, turn));
     let grown = add(spring, scale(velocity, dt));
-    TangentialState {
+    Slide {
         velocity,
         spring: sub(grown, scale(normal, dot(grown, normal))),
         length2: dot(grown, grown),
@@ -210,6 +241,7 @@ mod tests {
                 radius_j,
                 radius_effective: radius_i * radius_j / (radius_i + radius_j),
                 mass_effective,
+                materials: [0; 2],
                 velocity,
                 spin_i,
                 spin_j,
@@ -258,6 +290,7 @@ mod tests {
             velocity: scale(c.velocity, -1.0),
             radius_i: c.radius_j,
             radius_j: c.radius_i,
+            materials: [c.materials[1], c.materials[0]],
             spin_i: c.spin_j,
             spin_j: c.spin_i,
             ..*c

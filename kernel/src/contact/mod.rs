@@ -4,9 +4,12 @@ pub(crate) mod block;
 mod hertz_history;
 mod hertz_tsuji;
 pub(crate) mod law;
+mod pair_laws;
 
 pub use hertz_history::HertzHistory;
 pub use hertz_tsuji::HertzTsuji;
 pub use law::{
-    Contact, Law, NormalForce, NormalState, Reaction, TangentialForce, TangentialState, react,
+    Contact, Law, Materials, NormalForce, NormalState, Reaction, TangentialForce, TangentialState,
+    react,
 };
+pub use pair_laws::PairLaws;

@@ -142,10 +142,11 @@ pub(crate) fn whole<R: Real>(world: &World<'_, R>, grains: Sealed) -> u64 {
         rest.flags(group.integrates);
         rest.flags([group.spins, group.infinite_mass, false]);
         rest.vector(group.gravity);
+        rest.word(u64::from(group.material));
     }
     for body in world.obstacles.iter() {
         let (kind, direction, sizes) = body.shape.written();
-        rest.word(u64::from(kind) | u64::from(body.curved) << 32);
+        rest.word(u64::from(kind) | u64::from(body.curved) << 32 | u64::from(body.material) << 40);
         rest.vector(direction);
         rest.vector(sizes);
         if let Shape::Mesh { .. } = body.shape {

@@ -162,11 +162,12 @@ pub fn accumulate<R: Real, L: Law<R>>(
             position: grains.position,
             velocity: grains.velocity,
             spin: grains.spin,
+            group: (grains.group, grains.groups),
         };
         let begin = next;
         block.clear();
         while let Some(piece) = next.take(stretches, block.room()) {
-            take(&mut block, bodies, pairs, piece.start, piece.end);
+            take::<R, L>(&mut block, bodies, pairs, piece.start, piece.end);
         }
         if let Some(fetch) = &fetch {
             for j in pairs.partner.iter().skip(next.entry(stretches)).take(BLOCK) {
@@ -246,7 +247,7 @@ fn show<R: Real>(block: &Block<R>, watch: &mut impl FnMut(ContactForce<R>)) {
 
 /// Fills a block up with the pairs from `from` to `to`.
 #[inline(always)]
-fn take<R: Real>(
+fn take<R: Real, L: Law<R>>(
     block: &mut Block<R>,
     bodies: Bodies<'_, R>,
     pairs: &PairRange<'_, R>,
@@ -255,7 +256,7 @@ fn take<R: Real>(
 ) {
     let (lower, partner) = (part(pairs.lower, from, to), part(pairs.partner, from, to));
     let [x, y, z] = &pairs.spring;
-    block.fill(
+    block.fill::<L>(
         bodies,
         lower,
         partner,

@@ -12,6 +12,7 @@ use crate::math::rows::{add_at, get_or_default, row, set, sub_at};
 use crate::math::vec3::{Vec3, add, cross, head, scale, sub};
 use crate::neighbors::pair_list::{PLACE, TOUCHING, obstacle_of, surface_of};
 use crate::state::facet::Facet;
+use crate::state::grains::material_of;
 use crate::state::obstacle::{Meeting, Obstacle};
 
 /// Storage of the obstacle contacts: the list and the obstacles' own sums.
@@ -171,6 +172,7 @@ fn obstacle_contact<R: Real>(
         radius_j: body.ball_radius(),
         radius_effective: if flat { x[3] } else { curved },
         mass_effective: R::ONE / (w[3] + body.inverse_mass),
+        materials: [material_of((grains.group, grains.groups), i), body.material],
         velocity: sub(head(v), own),
         spin_i: head(w),
         spin_j: spin,

@@ -48,6 +48,10 @@ pub(crate) const FREE: u32 = 1 << 9;
 pub(crate) const SPINS: u32 = 1 << 10;
 pub(crate) const INTEGRATES: u32 = 12;
 
+/// Where the material begins in the flags of a group and of an obstacle; its bits were zero before there were several.
+pub(crate) const GROUP_MATERIAL: u32 = 8;
+pub(crate) const MATERIAL: u32 = 16;
+
 /// Words and numbers of an obstacle.
 pub(crate) fn obstacle(format: u32) -> (usize, usize) {
     match format {

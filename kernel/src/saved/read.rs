@@ -3,8 +3,8 @@
 use core::marker::PhantomData;
 
 use super::layout::{
-    CURVED, DRAINS, FORMAT, FREE, GRAIN, GROUP, HASHES, HEAD, HISTORY, INTEGRATES, KIND, MAGIC,
-    OPEN, PLAIN, SPINS, TAKES_OUT, counts, name, obstacle, size, width,
+    CURVED, DRAINS, FORMAT, FREE, GRAIN, GROUP, GROUP_MATERIAL, HASHES, HEAD, HISTORY, INTEGRATES,
+    KIND, MAGIC, MATERIAL, OPEN, PLAIN, SPINS, TAKES_OUT, counts, name, obstacle, size, width,
 };
 use super::write::checksum;
 use crate::blake3::Hasher;
@@ -185,6 +185,7 @@ impl<'b, R: Real> Saved<'b, R> {
                 spins: flags & 8 != 0,
                 infinite_mass: flags & 16 != 0,
                 gravity: at.vector(),
+                material: (flags >> GROUP_MATERIAL) as u8,
             }
         })
     }
@@ -215,6 +216,7 @@ impl<'b, R: Real> Saved<'b, R> {
                 orientation: at.row(),
                 angular_velocity: at.vector(),
                 curved: flags & CURVED != 0,
+                material: (flags >> MATERIAL) as u8,
                 motion: motion(flags, [(); 4].map(|()| at.vector())),
                 ..plain
             }

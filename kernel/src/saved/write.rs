@@ -1,7 +1,8 @@
 //! Writing.
 
 use super::layout::{
-    CURVED, DRAINS, FORMAT, FREE, INTEGRATES, MAGIC, OPEN, PLAIN, SPINS, TAKES_OUT, name, size,
+    CURVED, DRAINS, FORMAT, FREE, GROUP_MATERIAL, INTEGRATES, MAGIC, MATERIAL, OPEN, PLAIN, SPINS,
+    TAKES_OUT, name, size,
 };
 use crate::blake3::Hasher;
 use crate::digest::BITS_VERSION;
@@ -222,7 +223,8 @@ impl<'a> Writer<'a> {
 
     fn group<R: Real>(&mut self, group: &Group<R>) {
         let more = u32::from(group.spins) << 3 | u32::from(group.infinite_mass) << 4;
-        self.word(bits(group.integrates) | more);
+        let material = u32::from(group.material) << GROUP_MATERIAL;
+        self.word(bits(group.integrates) | more | material);
         self.numbers(&group.gravity);
     }
 
@@ -242,7 +244,7 @@ impl<'a> Writer<'a> {
                     | bits(free.integrates) << INTEGRATES
             }
         };
-        self.word(kind | flags);
+        self.word(kind | flags | u32::from(body.material) << MATERIAL);
         self.images(&body.image);
         self.numbers(&direction);
         self.number(sizes[0]);

@@ -18,6 +18,25 @@ pub struct Group<R> {
     pub infinite_mass: bool,
     /// Acceleration of gravity on these grains (length / time^2).
     pub gravity: [R; 3],
+    /// Number of their material, for a law that tells materials apart.
+    #[cfg_attr(
+        feature = "serde",
+        serde(default, skip_serializing_if = "is_first_material")
+    )]
+    pub material: u8,
+}
+
+/// Whether a material is the first one, as it is wherever there is one only: what files then need not say.
+#[cfg(feature = "serde")]
+pub(crate) fn is_first_material(material: &u8) -> bool {
+    *material == 0
+}
+
+/// The material of the grain at a place: that of its group, by number and among these groups.
+#[inline(always)]
+pub(crate) fn material_of<R: Real>((group, groups): (&[u8], &[Group<R>]), place: usize) -> u8 {
+    let group = groups.get(usize::from(get_or_default(group, place)));
+    group.map_or(0, |group| group.material)
 }
 
 impl<R: Real> Group<R> {
@@ -28,7 +47,14 @@ impl<R: Real> Group<R> {
             spins: true,
             infinite_mass: false,
             gravity,
+            material: 0,
         }
+    }
+
+    /// The same group of another material.
+    #[must_use]
+    pub fn of_material(self, material: u8) -> Self {
+        Self { material, ..self }
     }
 
     /// Grains that never move and are infinitely heavy in a contact.
@@ -38,6 +64,7 @@ impl<R: Real> Group<R> {
             spins: false,
             infinite_mass: true,
             gravity: [R::ZERO; 3],
+            material: 0,
         }
     }
 
@@ -56,6 +83,7 @@ impl<R: Real> Group<R> {
             spins: true,
             infinite_mass: false,
             gravity,
+            material: 0,
         }
     }
 }

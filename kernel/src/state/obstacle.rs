@@ -6,6 +6,8 @@ use crate::math::real::{Real, smaller};
 use crate::math::vec3::{Vec3, add, cross, dot, length_bound, scale, sub};
 use crate::state::domain::Domain;
 use crate::state::facet::Facet;
+#[cfg(feature = "serde")]
+use crate::state::grains::is_first_material;
 use crate::state::mesh::{FACETS_MAX, Mesh};
 use crate::state::motion::Motion;
 use crate::state::shape::{Nearest, Shape, divide};
@@ -34,6 +36,12 @@ pub struct Obstacle<R> {
     /// is twice the radius of a bar, its negative inside a drum, and the radius of a half ball. If not, only that of
     /// a ball counts, and other surfaces are flat.
     pub curved: bool,
+    /// Number of its material, for a law that tells materials apart.
+    #[cfg_attr(
+        feature = "serde",
+        serde(default, skip_serializing_if = "is_first_material")
+    )]
+    pub material: u8,
     /// What moves it.
     pub motion: Motion<R>,
     /// Sum of the contact forces of the grains on it, by ascending grain id.
@@ -70,6 +78,7 @@ impl<R: Real> Obstacle<R> {
             angular_velocity: [R::ZERO; 3],
             inverse_mass: R::ZERO,
             curved: false,
+            material: 0,
             motion: Motion::Prescribed,
             force: [R::ZERO; 3],
             torque: [R::ZERO; 3],

@@ -8,7 +8,9 @@ use crate::common::cases::cases;
 use crate::common::crowd::{DENSE, PER_GRAIN, Packing, REDUCED, SI, Units, crowd, history, tsuji};
 use crate::common::slow_bodies::{drift, kick, meet, out, own_offset};
 use crate::common::slow_mesh;
-use bitgrain_kernel::contact::{Contact, Law, react};
+use bitgrain_kernel::contact::{
+    Contact, HertzHistory, HertzTsuji, Law, Materials, PairLaws, react,
+};
 use bitgrain_kernel::vec3::{self, head};
 use bitgrain_kernel::{
     ContactHistory, Domain, Facet, Group, Obstacle, Row, Shape, World, obstacle_of, start, step,
@@ -29,7 +31,8 @@ const LOOSE: Packing = Packing {
 
 /// A world that is stepped the obvious way.
 struct Slow<L> {
-    law: L,
+    /// The law of each two materials.
+    laws: fn(Materials) -> L,
     domain: Domain<f64>,
     dt: f64,
     group: Vec<Group<f64>>,
@@ -47,10 +50,10 @@ struct Slow<L> {
 
 impl<L: Law<f64>> Slow<L> {
     /// What a world holds now, without histories.
-    fn of(world: &World<'_, f64>, law: L) -> Self {
+    fn of(world: &World<'_, f64>, laws: fn(Materials) -> L) -> Self {
         let g = &world.grains;
         Self {
-            law,
+            laws,
             domain: *world.domain,
             dt: world.dt,
             group: g.group.iter().map(|&k| g.groups[k as usize]).collect(),
@@ -110,7 +113,8 @@ impl<L: Law<f64>> Slow<L> {
                     continue;
                 };
                 let spring = self.pairs.get(&(i, j)).copied().unwrap_or([0.0; 3]);
-                let r = react(&self.law, &contact, spring, dt);
+                let law = (self.laws)([self.group[i].material, self.group[j].material]);
+                let r = react(&law, &contact, spring, dt);
                 self.pairs.insert((i, j), r.spring);
                 let push = vec3::add(vec3::scale(contact.normal, r.normal), r.tangential);
                 let couple = vec3::cross(contact.normal, r.tangential);
@@ -155,7 +159,8 @@ impl<L: Law<f64>> Slow<L> {
             return;
         };
         let spring = self.touches.get(&key).copied().unwrap_or([0.0; 3]);
-        let mut r = react(&self.law, &contact, spring, dt);
+        let law = (self.laws)([self.group[i].material, self.obstacles[at.0].material]);
+        let mut r = react(&law, &contact, spring, dt);
         r.normal *= share;
         r.tangential = vec3::scale(r.tangential, share);
         self.touches.insert(key, r.spring);
@@ -190,6 +195,7 @@ impl<L: Law<f64>> Slow<L> {
             radius_j: rj,
             radius_effective: (ri * rj) / (ri + rj),
             mass_effective: 1.0 / (self.inverse_mass(i) + self.inverse_mass(j)),
+            materials: [0; 2],
             velocity: vec3::sub(head(s.velocity[i]), head(s.velocity[j])),
             spin_i: head(s.spin[i]),
             spin_j: head(s.spin[j]),
@@ -232,6 +238,7 @@ impl<L: Law<f64>> Slow<L> {
                 radius
             },
             mass_effective: 1.0 / (self.inverse_mass(i) + body.inverse_mass),
+            materials: [0; 2],
             velocity: vec3::sub(head(s.velocity[i]), surface),
             spin_i: head(s.spin[i]),
             spin_j: spin,
@@ -336,10 +343,10 @@ fn words_of(bond: &ContactHistory<f64>) -> (u8, usize, (usize, u32), [u64; 3]) {
     }
 }
 
-fn follow(
+fn follow<L: Law<f64>>(
     seed: &[f64],
     packing: &Packing,
-    law: impl Law<f64>,
+    (law, laws): (impl Law<f64>, fn(Materials) -> L),
     units: &Units,
     skin: f64,
 ) -> Result<(), TestCaseError> {
@@ -347,7 +354,7 @@ fn follow(
     let mut fast = store.world();
     // Too deep from the start: not a world to step.
     prop_assume!(start(&mut fast, &law).is_ok());
-    let mut slow = Slow::of(&fast, law);
+    let mut slow = Slow::of(&fast, laws);
     slow.forces(0.0);
     same(&fast, &slow, 0)?;
     let mut contacts = [0, 0];
@@ -379,9 +386,11 @@ proptest! {
         seed in prop::collection::vec(0.0..1.0f64, PER_GRAIN * 64),
         packing in prop::sample::select(vec![LOOSE, DENSE]),
         skin in 0.0..0.6f64,
-        mu in prop::sample::select(vec![0.0, 0.3, 0.9]),
+        mu in prop::sample::select(vec![0, 1, 2]),
     ) {
-        follow(&seed, &packing, history(mu), &REDUCED, skin)?;
+        let laws: [fn(Materials) -> _; 3] = [|_| history(0.0), |_| history(0.3), |_| history(0.9)];
+        let laws = laws[mu];
+        follow(&seed, &packing, (laws([0; 2]), laws), &REDUCED, skin)?;
     }
 
     #[test]
@@ -390,6 +399,48 @@ proptest! {
         packing in prop::sample::select(vec![LOOSE, DENSE]),
         skin in 0.0..0.6f64,
     ) {
-        follow(&seed, &packing, tsuji(), &SI, skin)?;
+        follow(&seed, &packing, (tsuji(), |_| tsuji()), &SI, skin)?;
     }
+
+    #[test]
+    fn the_step_equals_its_definition_of_several_materials(
+        seed in prop::collection::vec(0.0..1.0f64, PER_GRAIN * 64),
+        packing in prop::sample::select(vec![LOOSE, DENSE]),
+        skin in 0.0..0.6f64,
+        is_history in any::<bool>(),
+    ) {
+        match is_history {
+            true => follow(&seed, &packing, (table(own_history), own_history), &REDUCED, skin)?,
+            false => follow(&seed, &packing, (table(own_tsuji), own_tsuji), &SI, skin)?,
+        }
+    }
+}
+
+/// A table of the laws of three materials; a fourth has no room in it.
+fn table<L: Law<f64>>(law: fn(Materials) -> L) -> PairLaws<L, 3> {
+    let mut table = PairLaws::new(3, law([0; 2])).unwrap();
+    for (a, b) in [(0, 1), (0, 2), (1, 1), (2, 1), (2, 2)] {
+        table.set([a, b], law([a, b])).unwrap();
+    }
+    table
+}
+
+/// Numbers that tell every two materials from all others, in either order.
+fn own_history([a, b]: Materials) -> HertzHistory<f64> {
+    let [sum, product] = [a + b, a * b].map(f64::from);
+    let law = history(0.2 + 0.1 * sum);
+    HertzHistory {
+        kn: law.kn * (1.0 + 0.2 * sum + 0.05 * product),
+        gamma_t: law.gamma_t / (1.0 + product),
+        ..law
+    }
+}
+
+fn own_tsuji([a, b]: Materials) -> HertzTsuji<f64> {
+    let of = |m: u8| [5e6 * (1.0 + 0.5 * f64::from(m)), 0.45 - 0.1 * f64::from(m)];
+    HertzTsuji::between(
+        [of(a), of(b)],
+        0.6 - 0.1 * f64::from(a * b),
+        0.2 + 0.1 * f64::from(a + b),
+    )
 }

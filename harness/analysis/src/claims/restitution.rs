@@ -59,6 +59,7 @@ fn collided(speed: f64) -> f64 {
             radius_j: 0.0,
             radius_effective: r,
             mass_effective: m,
+            materials: [0; 2],
         };
         f = law.normal_force(&squeeze).force;
         v += 0.5 * dt * f / m;

@@ -25,7 +25,7 @@ pub(super) fn assemble(
     obstacles: Vec<(Obstacle<f64>, Option<u32>)>,
 ) -> Result<Simulation, KernelError> {
     let histories = old.contact_histories();
-    let mut new = Simulation::new(old.law, old.domain, old.dt, groups, &[], vec![]);
+    let mut new = Simulation::new(old.law.clone(), old.domain, old.dt, groups, &[], vec![]);
     new.set_step_count(old.step_count());
     let mut place = vec![None; old.count()];
     for (k, member) in members.iter().enumerate() {

@@ -112,7 +112,7 @@ fn the_cylinder_comes_into_a_bed_at_rest() {
         bed.enter(phase);
         let goal = rest(&scenario, plan, phase == Phase::Quench);
         settle(&mut bed, &scenario, plan, &goal, stage, &mut ()).unwrap();
-        bed.sim.law = whole.law;
+        bed.sim.law = whole.law.clone();
     }
     whole = bed.sim;
     let mut poured = pour(&scenario, plan, stage).unwrap();

@@ -1,6 +1,7 @@
 //! Checks of a case before it starts: its parts one by one, each with its key.
 
 use super::keys::{Case, GrainSpec};
+use super::law::check_law;
 use super::motion::MotionSpec;
 use super::numbers::{Check, finite, positive};
 use super::obstacle::ObstacleSpec;
@@ -19,7 +20,9 @@ pub(super) fn check(case: &Case) -> Check {
     }
     finite("gravity", &case.gravity)?;
     for (k, g) in case.grains.iter().enumerate() {
-        check_grain(g, &format!("grains[{k}]"))?;
+        let place = format!("grains[{k}]");
+        check_grain(g, &place)?;
+        check_material(case, g.material.as_deref(), &place)?;
     }
     let mut ids: Vec<u32> = case.grains.iter().map(|g| g.id).collect();
     ids.sort_unstable();
@@ -28,12 +31,17 @@ pub(super) fn check(case: &Case) -> Check {
         return Err(("grains".into(), problem));
     }
     for (k, o) in case.obstacles.iter().enumerate() {
-        check_obstacle(o, case.gravity, &format!("obstacles[{k}]"))?;
+        let place = format!("obstacles[{k}]");
+        check_obstacle(o, case.gravity, &place)?;
+        check_material(case, o.material.as_deref(), &place)?;
     }
-    let sizes = case.grains.iter().map(|g| (0.5 * g.diameter, g.density));
-    case.law
-        .check_time_step(case.dt, sizes)
-        .map_err(|p| ("dt".to_string(), p))
+    check_law(case)
+}
+
+fn check_material(case: &Case, name: Option<&str>, place: &str) -> Check {
+    let material = case.law.material(name);
+    material.map_err(|problem| (format!("{place}.material"), problem))?;
+    Ok(())
 }
 
 fn check_grain(g: &GrainSpec, place: &str) -> Check {

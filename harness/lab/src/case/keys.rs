@@ -1,7 +1,6 @@
 //! What the file of a case says.
 
-use crate::case::{MotionSpec, ObstacleSpec};
-use bitgrain_sim::law::LawSpec;
+use crate::case::{CaseLaw, MotionSpec, ObstacleSpec};
 use serde::{Deserialize, Serialize};
 
 /// A case as its file spells it.
@@ -9,7 +8,7 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields)]
 pub struct Case {
     /// Contact law.
-    pub law: LawSpec,
+    pub law: CaseLaw,
     /// The box; open space if it is missing.
     #[serde(rename = "box", default, skip_serializing_if = "Option::is_none")]
     pub bounds: Option<BoxSpec>,
@@ -38,7 +37,7 @@ pub struct BoxSpec {
 }
 
 /// A grain.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GrainSpec {
     /// Name, from 1.
@@ -58,4 +57,7 @@ pub struct GrainSpec {
     /// How it moves.
     #[serde(default)]
     pub motion: MotionSpec,
+    /// Name of its material, if the law has several.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub material: Option<String>,
 }

@@ -10,11 +10,13 @@ use bitgrain_sim::simulation::{Grain, Simulation};
 
 mod check;
 mod keys;
+mod law;
 mod motion;
 mod numbers;
 mod obstacle;
 
 pub use keys::{BoxSpec, Case, GrainSpec};
+pub use law::CaseLaw;
 pub use motion::MotionSpec;
 pub use obstacle::{BodyMotion, BodyShape, ObstacleSpec};
 
@@ -49,6 +51,9 @@ fn checked(case: Case, name: &str) -> Result<Case> {
     Ok(case)
 }
 
+/// The ways in which grains of a case move: the groups of each material.
+const MOTIONS: u8 = 5;
+
 impl Case {
     /// The case as a simulation that has evaluated its forces at step 0.
     ///
@@ -73,20 +78,24 @@ impl Case {
                 Error::input(format!("{name}: `box`"), problem)
             })?,
         };
+        let unknown =
+            |place: String, problem| Error::input(format!("{name}: `{place}.material`"), problem);
         let mut grains = Vec::with_capacity(self.grains.len());
-        for g in &self.grains {
+        for (at, g) in self.grains.iter().enumerate() {
             let mut position = g.position;
             domain.wrap(&mut position, &mut [0; 3]);
-            let (group, velocity) = match g.motion {
+            let (motion, velocity) = match g.motion {
                 MotionSpec::Free => (0, g.velocity),
                 MotionSpec::Frozen => (1, g.velocity),
                 MotionSpec::Carried(v) => (2, v),
                 MotionSpec::Weightless => (3, g.velocity),
                 MotionSpec::Lid([x, y]) => (4, [x, y, g.velocity[2]]),
             };
+            let material = self.law.material(g.material.as_deref());
+            let material = material.map_err(|problem| unknown(format!("grains[{at}]"), problem))?;
             grains.push(Grain {
                 id: g.id,
-                group,
+                group: MOTIONS * material + motion,
                 diameter: g.diameter,
                 density: g.density,
                 position,
@@ -95,13 +104,17 @@ impl Case {
             });
         }
         grains.sort_by_key(|g| g.id);
-        let groups = vec![
+        let motions: [_; MOTIONS as usize] = [
             Group::free(self.gravity),
             Group::frozen(),
             Group::prescribed_velocity(),
             Group::free([0.0; 3]),
             Group::free_along_z(self.gravity),
         ];
+        let materials = 0..self.law.materials();
+        let groups =
+            materials.flat_map(|material| motions.map(|group| group.of_material(material)));
+        let groups = groups.collect();
         let mut sim = Simulation::new(law, domain, self.dt, groups, &grains, Vec::new());
         for (k, body) in self.obstacles.iter().enumerate() {
             let body = body.build(self.gravity, &mut sim);
@@ -109,6 +122,9 @@ impl Case {
                 Error::input(format!("{name}: `obstacles[{k}].{key}`"), problem)
             })?;
             domain.wrap(&mut body.point, &mut [0; 3]);
+            let material = self.law.material(self.obstacles[k].material.as_deref());
+            body.material =
+                material.map_err(|problem| unknown(format!("obstacles[{k}]"), problem))?;
             sim.obstacles.push(body);
         }
         sim.start_watched(watch).map_err(|fault| {

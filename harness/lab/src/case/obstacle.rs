@@ -126,6 +126,9 @@ pub struct ObstacleSpec {
     /// Whether the curvature of a surface that is no ball's counts in the effective radius.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub curved: bool,
+    /// Name of its material, if the law has several.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub material: Option<String>,
 }
 
 fn number<'de, D: serde::Deserializer<'de>>(from: D) -> Result<Option<f64>, D::Error> {
@@ -157,6 +160,7 @@ impl ObstacleSpec {
             applied_force: None,
             applied_torque: None,
             curved: false,
+            material: None,
         }
     }
 

@@ -118,22 +118,22 @@ impl CheckedScenario {
 
     /// The contact law as it is computed.
     pub fn contact_law(&self) -> AnyLaw {
-        self.law
+        self.law.clone()
     }
 
     /// The law under which the last motion of a bed under a lid is damped out.
     pub fn quenching_law(&self) -> AnyLaw {
-        self.quenching
+        self.quenching.clone()
     }
 
     /// The law under which a bed is poured: the contact law with the friction of the pouring.
     pub fn pouring_law(&self) -> AnyLaw {
-        self.pouring
+        self.pouring.clone()
     }
 
     /// The law under which the last motion of a poured bed is damped out, with the friction of the pouring, too.
     pub fn pouring_quenching_law(&self) -> AnyLaw {
-        self.pouring_quenching
+        self.pouring_quenching.clone()
     }
 
     /// The box across which distances are taken as grains are laid out.

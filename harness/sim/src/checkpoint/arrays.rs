@@ -47,7 +47,7 @@ impl Arrays<'_> {
         let id = self.words::<4>("id", Dtype::U32)?;
         let group: Vec<[u8; 1]> = self.words("group", Dtype::U8)?;
         let mut sim = Simulation::new(
-            head.law,
+            head.law.clone(),
             head.domain,
             head.dt,
             head.groups.clone(),

@@ -21,6 +21,8 @@ struct Body {
     angular_velocity: [f64; 3],
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     curved: bool,
+    #[serde(default, skip_serializing_if = "is_first")]
+    material: u8,
     #[serde(default = "prescribed", skip_serializing_if = "is_prescribed")]
     motion: Motion<f64>,
 }
@@ -35,6 +37,10 @@ fn is_upright(orientation: &[f64; 4]) -> bool {
 
 fn is_zero(spin: &[f64; 3]) -> bool {
     *spin == [0.0; 3]
+}
+
+fn is_first(material: &u8) -> bool {
+    *material == 0
 }
 
 fn prescribed() -> Motion<f64> {

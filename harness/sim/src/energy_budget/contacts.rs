@@ -1,48 +1,15 @@
 //! Touching contacts as the audit sees them: where two bodies meet, how they move over each other, and
 //! what their springs store.
 
-use bitgrain_kernel::contact::{Contact, Law, Reaction, react};
+use bitgrain_kernel::contact::{Contact, Law, Materials, Reaction, react};
 use bitgrain_kernel::vec3::{Vec3, add, cross, dot, head, scale, sub};
 use bitgrain_kernel::{
     ContactForce, ContactHistory, Meeting, Obstacle, Partner, Row, Shape, obstacle_of, surface_of,
 };
 
-use crate::law::{AnyLaw, Springs, Sprung, WithLaw};
+use crate::law::{Springs, Sprung, WithLaw};
 use crate::observe::length;
 use crate::simulation::Simulation;
-
-/// What a law's springs store, and the levers of its tangential force.
-#[derive(Clone, Copy)]
-pub(super) struct Elastic(Springs);
-
-impl Elastic {
-    pub fn of(law: &AnyLaw) -> Self {
-        Self(law.springs())
-    }
-
-    /// Normal force of the spring alone: `K_n sqrt(R delta) delta` by either law.
-    pub fn normal_force(&self, at: &ElasticContact) -> f64 {
-        self.0.kn * at.contact_radius * at.overlap
-    }
-
-    /// Its energy: `(2/5) K_n sqrt(R) delta^(5/2)`.
-    pub fn normal_energy(&self, at: &ElasticContact) -> f64 {
-        0.4 * self.0.kn * at.contact_radius * (at.overlap * at.overlap)
-    }
-
-    /// Whether a damper of this contact counts as friction, since it is held to the cap with its spring: a part in
-    /// 1e9 allows for the rounding of the capped force.
-    pub fn damper_slides(&self, normal: f64, tangential: Vec3<f64>) -> bool {
-        self.0
-            .joint_cap
-            .is_some_and(|mu| length(tangential) >= mu * normal.abs() * (1.0 - 1e-9))
-    }
-
-    /// Stiffness of the tangential spring: `K_t sqrt(R delta)` by either law.
-    pub fn stiffness(&self, at: &ElasticContact) -> f64 {
-        self.0.kt * at.contact_radius
-    }
-}
 
 /// Where a grain and its partner meet.
 #[derive(Clone, Copy)]
@@ -64,6 +31,9 @@ pub(super) struct ElasticContact {
     share: f64,
     /// Levers of the tangential force about the grain and its partner.
     arms: [f64; 2],
+    materials: Materials,
+    /// What its springs store.
+    springs: Springs,
 }
 
 /// Velocities and spins of all grains at one time, and the obstacles with theirs.
@@ -84,11 +54,7 @@ impl ElasticContact {
     }
 
     /// A contact, from where its bodies are now.
-    fn new(
-        sim: &Simulation,
-        elastic: &Elastic,
-        (i, partner, surface): (u32, Partner, u32),
-    ) -> Self {
+    fn new(sim: &Simulation, (i, partner, surface): (u32, Partner, u32)) -> Self {
         let i = i as usize;
         let (place, radius) = (head(sim.position[i]), sim.position[i][3]);
         // Where they meet; the partner's radius as a lever, and as it curves.
@@ -116,7 +82,9 @@ impl ElasticContact {
             radius * curvature / (radius + curvature)
         };
         let share = met.map_or(1.0, |met| met.share);
-        let arm = |radius: f64| radius - elastic.0.short * overlap;
+        let materials = sim.materials_of(i, partner);
+        let springs = sim.law.springs(materials);
+        let arm = |radius: f64| radius - springs.short * overlap;
         Self {
             i,
             partner,
@@ -129,16 +97,18 @@ impl ElasticContact {
             radius_effective,
             share,
             arms: [arm(radius), arm(other)],
+            materials,
+            springs,
         }
     }
 
     /// A contact as a step showed it, after the step.
-    pub fn pushed(sim: &Simulation, elastic: &Elastic, p: &ContactForce<f64>) -> Self {
-        Self::new(sim, elastic, (p.i, p.partner, p.surface))
+    pub fn pushed(sim: &Simulation, p: &ContactForce<f64>) -> Self {
+        Self::new(sim, (p.i, p.partner, p.surface))
     }
 
     /// A contact of the list.
-    pub fn listed(sim: &Simulation, elastic: &Elastic, history: &ContactHistory<f64>) -> Self {
+    pub fn listed(sim: &Simulation, history: &ContactHistory<f64>) -> Self {
         let who = match *history {
             ContactHistory::Pair { i, j, .. } => (i, Partner::Grain(j), 0),
             ContactHistory::Obstacle { i, obstacle, .. } => {
@@ -146,7 +116,30 @@ impl ElasticContact {
                 (i, on, surface_of(obstacle))
             }
         };
-        Self::new(sim, elastic, who)
+        Self::new(sim, who)
+    }
+
+    /// Normal force of the spring alone: `K_n sqrt(R delta) delta` by either law.
+    pub fn normal_force(&self) -> f64 {
+        self.springs.kn * self.contact_radius * self.overlap
+    }
+
+    /// Its energy: `(2/5) K_n sqrt(R) delta^(5/2)`.
+    pub fn normal_energy(&self) -> f64 {
+        0.4 * self.springs.kn * self.contact_radius * (self.overlap * self.overlap)
+    }
+
+    /// Whether a damper of this contact counts as friction, since it is held to the cap with its spring: a part in
+    /// 1e9 allows for the rounding of the capped force.
+    pub fn damper_slides(&self, normal: f64, tangential: Vec3<f64>) -> bool {
+        self.springs
+            .joint_cap
+            .is_some_and(|mu| length(tangential) >= mu * normal.abs() * (1.0 - 1e-9))
+    }
+
+    /// Stiffness of the tangential spring: `K_t sqrt(R delta)` by either law.
+    pub fn stiffness(&self) -> f64 {
+        self.springs.kt * self.contact_radius
     }
 
     /// Velocity and spin with which the partner enters the contact.
@@ -209,6 +202,7 @@ impl ElasticContact {
             radius_j: self.radii[1],
             radius_effective: self.radius_effective,
             mass_effective: 1.0 / (sim.spin[self.i][3] + inverse_mass),
+            materials: self.materials,
             velocity,
             spin_i: head(sim.spin[self.i]),
             spin_j: self.of_partner(motion).1,

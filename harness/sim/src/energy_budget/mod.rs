@@ -35,7 +35,7 @@ use bitgrain_kernel::{ContactForce, ContactHistory, Error as KernelError, Partne
 use serde::{Deserialize, Serialize};
 
 use crate::simulation::Simulation;
-use contacts::{Elastic, ElasticContact, Velocities, spring_of};
+use contacts::{ElasticContact, Velocities, spring_of};
 pub use table::{ENERGY, EnergyRow, energy_text};
 
 /// Energies of a state.
@@ -108,7 +108,6 @@ impl Audit {
     /// The contact forces of the state are computed from the law with the velocities of the full step, which
     /// is first order in dt for the damping in the first half step alone.
     pub fn new(sim: &mut Simulation) -> Self {
-        let elastic = Elastic::of(&sim.law);
         let histories = sim.contact_histories();
         let mut audit = Self {
             steps: 0,
@@ -126,11 +125,11 @@ impl Audit {
         let mut energies = of_grains(sim);
         let mut powers = carried(sim);
         for history in &histories {
-            let at = ElasticContact::listed(sim, &elastic, history);
+            let at = ElasticContact::listed(sim, history);
             let spring = spring_of(history);
             let r = at.forces(sim, &motion, spring);
-            powers.add_contact(sim, &elastic, &at, (r.normal, r.tangential), spring);
-            energies.add_contact(&elastic, &at, spring);
+            powers.add_contact(sim, &at, (r.normal, r.tangential), spring);
+            energies.add_contact(&at, spring);
         }
         (audit.start, audit.now, audit.powers) = (energies, energies, powers);
         audit.gross = energies.kinetic + energies.normal + energies.tangential;
@@ -154,7 +153,6 @@ impl Audit {
         sim: &mut Simulation,
         mut watch: impl FnMut(ContactForce<f64>),
     ) -> Result<(), KernelError> {
-        let elastic = Elastic::of(&sim.law);
         let (velocity, spin) = half_step(sim);
         let obstacles: Vec<_> = sim
             .obstacles
@@ -166,7 +164,7 @@ impl Audit {
             spin: &spin,
             obstacles: &obstacles,
         };
-        let held = held(sim, &elastic, &half);
+        let held = held(sim, &half);
         // A step shows obstacle contacts before pairs, the list holds pairs before obstacle contacts.
         let (mut pairs, mut touches) = (Vec::new(), Vec::new());
         sim.step_watched(|p| {
@@ -183,7 +181,7 @@ impl Audit {
         let mut powers = carried(sim);
         let mut held = held.iter().peekable();
         for (p, history) in pairs.iter().chain(&touches).zip(&histories) {
-            let at = ElasticContact::pushed(sim, &elastic, p);
+            let at = ElasticContact::pushed(sim, p);
             let spring = spring_of(history);
             while let Some(gone) = held.next_if(|h| h.at.key() < at.key()) {
                 self.part(gone);
@@ -191,10 +189,10 @@ impl Audit {
             let before = held.next_if(|h| h.at.key() == at.key());
             let (_, sliding) = at.speeds(&half);
             let advance = scale(sliding, sim.dt);
-            self.hold_on(before, &at, (elastic.stiffness(&at), spring), advance);
+            self.hold_on(before, &at, (at.stiffness(), spring), advance);
             let forces = (p.normal_force, p.tangential_force);
-            powers.add_contact(sim, &elastic, &at, forces, spring);
-            now.add_contact(&elastic, &at, spring);
+            powers.add_contact(sim, &at, forces, spring);
+            now.add_contact(&at, spring);
         }
         held.for_each(|gone| self.part(gone));
         self.book(now, powers, sim.dt);
@@ -300,16 +298,15 @@ impl Flows {
     fn add_contact(
         &mut self,
         sim: &Simulation,
-        elastic: &Elastic,
         at: &ElasticContact,
         (normal, tangential): (f64, [f64; 3]),
         spring: [f64; 3],
     ) {
         let motion = full_step(sim);
         let (speed, sliding) = at.speeds(&motion);
-        self.normal_damping -= (normal - elastic.normal_force(at)) * speed;
-        let damped = add(tangential, scale(spring, elastic.stiffness(at)));
-        if elastic.damper_slides(normal, tangential) {
+        self.normal_damping -= (normal - at.normal_force()) * speed;
+        let damped = add(tangential, scale(spring, at.stiffness()));
+        if at.damper_slides(normal, tangential) {
             self.sliding -= dot(damped, sliding);
         } else {
             self.tangential_damping -= dot(damped, sliding);
@@ -322,9 +319,9 @@ impl Flows {
 }
 
 impl Energies {
-    fn add_contact(&mut self, elastic: &Elastic, at: &ElasticContact, spring: [f64; 3]) {
-        self.normal += elastic.normal_energy(at);
-        self.tangential += 0.5 * elastic.stiffness(at) * dot(spring, spring);
+    fn add_contact(&mut self, at: &ElasticContact, spring: [f64; 3]) {
+        self.normal += at.normal_energy();
+        self.tangential += 0.5 * at.stiffness() * dot(spring, spring);
     }
 }
 
@@ -358,14 +355,14 @@ fn half_step(sim: &Simulation) -> (Vec<Row<f64>>, Vec<Row<f64>>) {
 }
 
 /// The touching contacts with what their springs hold.
-fn held(sim: &mut Simulation, elastic: &Elastic, motion: &Velocities) -> Vec<Held> {
+fn held(sim: &mut Simulation, motion: &Velocities) -> Vec<Held> {
     let histories = sim.contact_histories();
     let hold = |history: &ContactHistory<f64>| {
-        let at = ElasticContact::listed(sim, elastic, history);
+        let at = ElasticContact::listed(sim, history);
         let (_, sliding) = at.speeds(motion);
         Held {
             spring: spring_of(history),
-            stiffness: elastic.stiffness(&at),
+            stiffness: at.stiffness(),
             advance: scale(sliding, sim.dt),
             at,
         }

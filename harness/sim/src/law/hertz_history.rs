@@ -1,6 +1,6 @@
 //! Kumar 2018, eqs. 1 and 2, as files give it.
 
-use bitgrain_kernel::contact::HertzHistory;
+use bitgrain_kernel::contact::{HertzHistory, Materials};
 use serde::{Deserialize, Serialize};
 
 use super::parameters::{LawParameters, Springs, Sprung, Wrong, not_negative, positive};
@@ -92,7 +92,7 @@ impl LawParameters for HertzHistoryParameters {
 }
 
 impl Sprung for HertzHistory<f64> {
-    fn springs(&self) -> Springs {
+    fn springs(&self, _: Materials) -> Springs {
         Springs {
             kn: self.kn,
             kt: self.kt,

@@ -1,6 +1,6 @@
 //! Guillard 2014, eq. A1 and Table I, as files give it.
 
-use bitgrain_kernel::contact::HertzTsuji;
+use bitgrain_kernel::contact::{HertzTsuji, Materials};
 use serde::{Deserialize, Serialize};
 
 use super::parameters::{LawParameters, Springs, Sprung, Wrong, not_negative, positive};
@@ -19,6 +19,48 @@ pub struct HertzTsujiParameters {
     pub mu: f64,
 }
 
+/// How a material yields.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Elasticity {
+    /// Young's modulus (pressure), positive.
+    pub young: f64,
+    /// Poisson's ratio, above -1 and at most 0.5.
+    pub poisson: f64,
+}
+
+impl Elasticity {
+    /// Shear modulus and Poisson's ratio.
+    pub fn moduli(&self) -> (f64, f64) {
+        (self.young / (2.0 * (1.0 + self.poisson)), self.poisson)
+    }
+
+    pub(super) fn check(&self) -> Result<(), Wrong> {
+        let Self { young, poisson } = *self;
+        positive("young", young)?;
+        if !(poisson > -1.0 && poisson <= 0.5) {
+            let problem = format!("is {poisson}; expected above -1 and at most 0.5");
+            return Err(("poisson", problem));
+        }
+        Ok(())
+    }
+}
+
+/// The law of two materials.
+pub(super) fn between(
+    materials: [Elasticity; 2],
+    restitution: f64,
+    mu: f64,
+) -> Result<HertzTsuji<f64>, Wrong> {
+    not_negative("mu", mu)?;
+    if !(restitution > 0.0 && restitution <= 1.0) {
+        let problem = format!("is {restitution}; expected above 0 and at most 1");
+        return Err(("restitution", problem));
+    }
+    let numbers = materials.map(|of| [of.young, of.poisson]);
+    Ok(HertzTsuji::between(numbers, restitution, mu))
+}
+
 impl HertzTsujiParameters {
     /// The law as it is computed.
     ///
@@ -31,17 +73,9 @@ impl HertzTsujiParameters {
             restitution,
             mu,
         } = *self;
-        positive("young", young)?;
-        not_negative("mu", mu)?;
-        if !(poisson > -1.0 && poisson <= 0.5) {
-            let problem = format!("is {poisson}; expected above -1 and at most 0.5");
-            return Err(("poisson", problem));
-        }
-        if !(restitution > 0.0 && restitution <= 1.0) {
-            let problem = format!("is {restitution}; expected above 0 and at most 1");
-            return Err(("restitution", problem));
-        }
-        Ok(HertzTsuji::new(young, poisson, restitution, mu))
+        let elasticity = Elasticity { young, poisson };
+        elasticity.check()?;
+        between([elasticity; 2], restitution, mu)
     }
 
     /// Restitution 0.1 if the law has more: the same fraction of critical damping at every overlap.
@@ -61,7 +95,8 @@ impl HertzTsujiParameters {
 
 impl LawParameters for HertzTsujiParameters {
     fn moduli(&self) -> (f64, f64) {
-        (self.young / (2.0 * (1.0 + self.poisson)), self.poisson)
+        let Self { young, poisson, .. } = *self;
+        Elasticity { young, poisson }.moduli()
     }
 
     fn mu(&self) -> f64 {
@@ -74,7 +109,7 @@ impl LawParameters for HertzTsujiParameters {
 }
 
 impl Sprung for HertzTsuji<f64> {
-    fn springs(&self) -> Springs {
+    fn springs(&self, _: Materials) -> Springs {
         Springs {
             kn: self.kn,
             kt: self.kt,

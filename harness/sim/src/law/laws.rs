@@ -1,11 +1,14 @@
 //! All contact laws: a new one is added here.
 
-use bitgrain_kernel::contact::{HertzHistory, HertzTsuji, Law};
+use std::sync::Arc;
+
+use bitgrain_kernel::contact::{HertzHistory, HertzTsuji, Law, Materials};
 use serde::{Deserialize, Serialize};
 
 use super::hertz_history::HertzHistoryParameters;
 use super::hertz_tsuji::HertzTsujiParameters;
 use super::parameters::{LawParameters, Springs, Sprung, Wrong};
+use super::table::{Pairs, spelled};
 
 /// A contact law with the parameters its paper gives.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -18,13 +21,19 @@ pub enum LawSpec {
 }
 
 /// A contact law with the numbers that it computes with.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum AnyLaw {
     /// Kumar 2018, eqs. 1 and 2.
     HertzHistory(HertzHistory<f64>),
     /// Guillard 2014, eq. A1.
     HertzTsuji(HertzTsuji<f64>),
+    /// The first with other numbers for each pair of materials.
+    #[serde(with = "spelled")]
+    HertzHistoryPairs(Arc<Pairs<HertzHistory<f64>>>),
+    /// The second likewise.
+    #[serde(with = "spelled")]
+    HertzTsujiPairs(Arc<Pairs<HertzTsuji<f64>>>),
 }
 
 /// Something to do with a law, whichever it is: it is compiled for each.
@@ -103,7 +112,7 @@ impl LawSpec {
     /// Normal stiffness as a pressure: `F_n = K_n sqrt(R delta) delta`; NaN if [`LawSpec::build`]
     /// refuses the law.
     pub fn normal_stiffness(&self) -> f64 {
-        self.build().map_or(f64::NAN, |law| law.springs().kn)
+        self.build().map_or(f64::NAN, |law| law.springs([0; 2]).kn)
     }
 }
 
@@ -114,18 +123,20 @@ impl AnyLaw {
         match self {
             AnyLaw::HertzHistory(law) => what.run(law),
             AnyLaw::HertzTsuji(law) => what.run(law),
+            AnyLaw::HertzHistoryPairs(laws) => what.run(&**laws),
+            AnyLaw::HertzTsujiPairs(laws) => what.run(&**laws),
         }
     }
 
-    /// The springs of its contacts.
-    pub fn springs(&self) -> Springs {
-        struct Of;
-        impl WithLaw for Of {
+    /// The springs of contacts between two materials.
+    pub fn springs(&self, materials: Materials) -> Springs {
+        struct Between(Materials);
+        impl WithLaw for Between {
             type Output = Springs;
             fn run<L: Law<f64> + Sprung>(self, law: &L) -> Springs {
-                law.springs()
+                law.springs(self.0)
             }
         }
-        self.with(Of)
+        self.with(Between(materials))
     }
 }

@@ -6,10 +6,16 @@ mod hertz_history;
 mod hertz_tsuji;
 pub mod laws;
 mod parameters;
+mod table;
 mod time_step;
 
 pub use hertz_history::HertzHistoryParameters;
-pub use hertz_tsuji::HertzTsujiParameters;
+pub use hertz_tsuji::{Elasticity, HertzTsujiParameters};
 pub use laws::{AnyLaw, LawSpec, WithLaw};
 pub use parameters::{LawParameters, Springs, Sprung, Wrong};
-pub use time_step::{CONTACT_FRACTION_MAX, RAYLEIGH_FRACTION_MAX};
+pub use table::{
+    HertzHistoryPair, HertzHistoryTable, HertzTsujiPair, HertzTsujiTable, LawTable, MATERIALS_MAX,
+    NoNumbers, Pairs, WrongKey,
+};
+pub(crate) use table::{from_laws, in_order};
+pub use time_step::{CONTACT_FRACTION_MAX, RAYLEIGH_FRACTION_MAX, check_rayleigh, rayleigh_time};

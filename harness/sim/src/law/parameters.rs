@@ -1,5 +1,7 @@
 //! What the harness must know of a contact law beside its forces.
 
+use bitgrain_kernel::contact::{Materials, PairLaws};
+
 /// The key that is wrong, and what was expected of it.
 pub type Wrong = (&'static str, String);
 
@@ -35,8 +37,14 @@ pub struct Springs {
 
 /// A law whose springs are Hertz': as the energy budget assumes.
 pub trait Sprung {
-    /// Its springs.
-    fn springs(&self) -> Springs;
+    /// Its springs between two materials.
+    fn springs(&self, materials: Materials) -> Springs;
+}
+
+impl<L: Copy + Sprung, const N: usize> Sprung for PairLaws<L, N> {
+    fn springs(&self, materials: Materials) -> Springs {
+        self.of(materials).springs(materials)
+    }
 }
 
 pub(super) fn positive(key: &'static str, value: f64) -> Result<(), Wrong> {

@@ -64,9 +64,7 @@ impl LawSpec {
     /// Rayleigh time of a grain: `pi r sqrt(rho / G) / (0.1631 nu + 0.8766)`, with the shear modulus
     /// and Poisson's ratio of the material.
     pub fn rayleigh_time(&self, radius: f64, density: f64) -> f64 {
-        let (shear, poisson) = self.parameters().moduli();
-        let wave = 0.1631 * poisson + 0.8766;
-        std::f64::consts::PI * radius * (density / shear).sqrt() / wave
+        rayleigh_time(self.parameters().moduli(), radius, density)
     }
 
     /// Refuses a time step that is not positive or beyond [`RAYLEIGH_FRACTION_MAX`] of the shortest
@@ -79,22 +77,38 @@ impl LawSpec {
         dt: f64,
         sizes: impl Iterator<Item = (f64, f64)>,
     ) -> Result<(), String> {
-        if !(dt > 0.0 && dt.is_finite()) {
-            return Err(format!("is {dt}; expected a positive time"));
-        }
-        let shortest = sizes
-            .map(|(radius, density)| self.rayleigh_time(radius, density))
-            .fold(f64::INFINITY, |a, b| if b < a { b } else { a });
-        let limit = RAYLEIGH_FRACTION_MAX * shortest;
-        if dt > limit {
-            return Err(format!(
-                "is {dt}, {:.3} of the Rayleigh time; expected at most {RAYLEIGH_FRACTION_MAX} \
-                 of it, {limit:.3e}: shorten it or soften the grains",
-                dt / shortest
-            ));
-        }
-        Ok(())
+        check_rayleigh(
+            dt,
+            sizes.map(|(radius, density)| self.rayleigh_time(radius, density)),
+        )
     }
+}
+
+/// Rayleigh time of a grain of a material with this shear modulus and Poisson's ratio.
+pub fn rayleigh_time((shear, poisson): (f64, f64), radius: f64, density: f64) -> f64 {
+    let wave = 0.1631 * poisson + 0.8766;
+    std::f64::consts::PI * radius * (density / shear).sqrt() / wave
+}
+
+/// Refuses a time step that is not positive or beyond [`RAYLEIGH_FRACTION_MAX`] of the shortest of these Rayleigh
+/// times.
+///
+/// # Errors
+/// What is wrong and the longest step that would do.
+pub fn check_rayleigh(dt: f64, times: impl Iterator<Item = f64>) -> Result<(), String> {
+    if !(dt > 0.0 && dt.is_finite()) {
+        return Err(format!("is {dt}; expected a positive time"));
+    }
+    let shortest = times.fold(f64::INFINITY, |a, b| if b < a { b } else { a });
+    let limit = RAYLEIGH_FRACTION_MAX * shortest;
+    if dt > limit {
+        return Err(format!(
+            "is {dt}, {:.3} of the Rayleigh time; expected at most {RAYLEIGH_FRACTION_MAX} \
+             of it, {limit:.3e}: shorten it or soften the grains",
+            dt / shortest
+        ));
+    }
+    Ok(())
 }
 
 #[cfg(test)]

@@ -70,7 +70,7 @@ impl Crew {
     }
 
     /// Sends all parts off, before a step or before a search; then [`Crew::work`] brings them to their end.
-    pub fn depart(&self, errand: Errand, searches: bool) {
+    pub fn depart(&self, errand: &Errand, searches: bool) {
         self.ended.store(0, Ordering::SeqCst);
         for (part, seat) in self.parts().iter_mut().zip(&self.seats) {
             part.depart(errand, searches);

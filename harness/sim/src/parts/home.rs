@@ -58,14 +58,14 @@ impl Parts {
         self.counted = [0; 2];
         let mut post = None;
         if let Some(ranks) = &settings.ranks {
-            let (elsewhere, staying) = Elsewhere::share_out(ranks, settings.law, seeds);
+            let (elsewhere, staying) = Elsewhere::share_out(ranks, &settings.law, seeds);
             post = Some(elsewhere.post());
             self.elsewhere = Some(elsewhere);
             seeds = staying;
         }
-        let errand = Errand::none(settings.law);
+        let errand = Errand::none(&settings.law);
         let numbered = seeds.into_iter().enumerate();
-        let parts = numbered.map(|(number, seed)| seed.grow(number, count, errand));
+        let parts = numbered.map(|(number, seed)| seed.grow(number, count, &errand));
         self.crew = Some(Arc::new(Crew::new(parts.collect(), 0, count, post)));
     }
 

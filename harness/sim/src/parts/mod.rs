@@ -150,7 +150,7 @@ impl Parts {
             let crew = Arc::clone(self.crew.as_ref().expect("it was entered"));
             let departure = Departure {
                 errand: Errand {
-                    law: settings.law,
+                    law: settings.law.clone(),
                     last,
                     registers: settings.registers,
                     tunes: settings.tunes,

@@ -25,7 +25,7 @@ use crate::pass::{Drift, Fallible, Forces, Renew, Search};
 use crate::skin::Skin;
 
 /// What the parts are to do.
-#[derive(Clone, Copy, Serialize, Deserialize)]
+#[derive(Clone, Serialize, Deserialize)]
 pub(super) struct Errand {
     /// The contact law.
     pub law: AnyLaw,
@@ -43,9 +43,9 @@ pub(super) struct Errand {
 
 impl Errand {
     /// None, until a part is sent off.
-    pub fn none(law: AnyLaw) -> Self {
+    pub fn none(law: &AnyLaw) -> Self {
         Self {
-            law,
+            law: law.clone(),
             last: 0,
             registers: Isa::Plain,
             tunes: false,
@@ -129,8 +129,8 @@ impl Part {
     }
 
     /// Makes it ready for an errand: before the drift of a step, or, cut anew, before a search.
-    pub fn depart(&mut self, errand: Errand, searches: bool) {
-        self.errand = errand;
+    pub fn depart(&mut self, errand: &Errand, searches: bool) {
+        self.errand = errand.clone();
         self.leg = if searches { Leg::Measure } else { Leg::Drift };
         self.end = None;
         self.find_watched();
@@ -155,7 +155,7 @@ impl Part {
 
     /// Goes a leg; its last letter must be answered.
     pub fn advance(&mut self, exchange: &Exchange<Letter>) {
-        let law = self.errand.law;
+        let law = self.errand.law.clone();
         law.with(Advance {
             part: self,
             exchange,

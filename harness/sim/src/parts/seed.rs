@@ -58,7 +58,7 @@ impl Seed {
     }
 
     /// The part of this number of so many.
-    pub fn grow(mut self, number: usize, parts: usize, errand: Errand) -> Part {
+    pub fn grow(mut self, number: usize, parts: usize, errand: &Errand) -> Part {
         let mut world = OwnedWorld {
             skin: self.skins[0],
             outer_skin: self.skins[1],
@@ -74,7 +74,7 @@ impl Seed {
         // What is too short grows later, or says that it cannot.
         let _ = world.reserve(3 * n + 64, 4 * n + 64, n / 8 + 64);
         let ghosts = Ghosts::none(number, self.places, parts);
-        let mut part = Part::new(number, world, ghosts, errand);
+        let mut part = Part::new(number, world, ghosts, errand.clone());
         part.histories = self.histories;
         part
     }

@@ -59,7 +59,7 @@ impl Departure {
             part.world.policy = self.policy;
             [part.world.skin, part.world.outer_skin] = self.skins;
         }
-        crew.depart(self.errand, self.searches);
+        crew.depart(&self.errand, self.searches);
     }
 }
 
@@ -74,7 +74,7 @@ pub(super) struct Elsewhere {
 
 impl Elsewhere {
     /// Shares so many parts out among ranks, and sends those of others there. Returns what stays.
-    pub fn share_out(ranks: &Arc<Ranks>, law: AnyLaw, mut seeds: Vec<Seed>) -> (Self, Vec<Seed>) {
+    pub fn share_out(ranks: &Arc<Ranks>, law: &AnyLaw, mut seeds: Vec<Seed>) -> (Self, Vec<Seed>) {
         let (count, used) = (seeds.len(), ranks.count().min(seeds.len()));
         let firsts: Vec<usize> = (0..=used).map(|rank| rank * count / used).collect();
         let name = ranks.name();
@@ -85,7 +85,7 @@ impl Elsewhere {
         // One after the other: all orders together are as large as the world.
         for rank in (1..used).rev() {
             let theirs = seeds.split_off(firsts[rank]);
-            let order = packed(&Order::Enter(name, firsts.clone(), law, theirs));
+            let order = packed(&Order::Enter(name, firsts.clone(), law.clone(), theirs));
             ranks.order(vec![(rank, order)]);
         }
         let elsewhere = Self {
@@ -187,7 +187,7 @@ pub fn serve(ranks: &Arc<Ranks>) {
         let order = postcard::from_bytes::<Order>(&order).expect("ranks are of one build");
         match order {
             Order::Enter(name, firsts, law, seeds) => {
-                all.push(Served::enter(ranks, (name, firsts), law, seeds));
+                all.push(Served::enter(ranks, (name, firsts), &law, seeds));
             }
             Order::Go(name, departure) => {
                 if let Some(served) = all.iter().find(|served| served.name == name) {
@@ -214,13 +214,13 @@ impl Served {
     fn enter(
         ranks: &Arc<Ranks>,
         (name, firsts): (u32, Vec<usize>),
-        law: AnyLaw,
+        law: &AnyLaw,
         seeds: Vec<Seed>,
     ) -> Self {
         let count = firsts[firsts.len() - 1];
         let first = firsts[ranks.rank()];
         let numbered = (first..).zip(seeds);
-        let parts = numbered.map(|(number, seed)| seed.grow(number, count, Errand::none(law)));
+        let parts = numbered.map(|(number, seed)| seed.grow(number, count, &Errand::none(law)));
         let parts: Vec<Part> = parts.collect();
         let pool = (parts.len() > 1).then(|| {
             let pool = ThreadPoolBuilder::new().num_threads(parts.len()).build();

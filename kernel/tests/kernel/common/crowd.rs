@@ -124,24 +124,24 @@ pub fn crowd(seed: &[f64], packing: &Packing, units: &Units, skin: f64) -> Box<C
     store
 }
 
-/// The five groups, the last without weight, and a floor, a ball with its own mass, a bar, a box that turns, and a
+/// The five groups, the last without weight, of three materials that only a law of several tells apart, and a floor, a ball with its own mass, a bar, a box that turns, and a
 /// capsule and a short bar that move freely, and an uneven mesh that turns, which come down on the crowd.
 fn add_bodies(store: &mut Crowd, seed: &[f64], units: &Units) {
     let scale = units.length;
     let down = |g: f64| [0.0, 0.0, -g * units.gravity];
     for group in [
         Group::free(down(1.0)),
-        Group::frozen(),
+        Group::frozen().of_material(1),
         Group::prescribed_velocity(),
-        Group::free_along_z(down(2.0)),
-        Group::free([0.0; 3]),
+        Group::free_along_z(down(2.0)).of_material(2),
+        Group::free([0.0; 3]).of_material(1),
     ] {
         store.add_group(group).unwrap();
     }
     let facets: &'static [Facet<f64>] = uneven(scale).leak();
     store.set_facets(facets);
     let top = 1.05 * (seed.len() / (16 * PER_GRAIN)) as f64 * scale + 2.2 * scale;
-    for obstacle in [
+    let bodies = [
         Obstacle::plane([0.0; 3], [0.0, 0.0, 1.0]),
         Obstacle {
             velocity: [0.5 * scale.sqrt(), 0.0, -1.5 * scale.sqrt()],
@@ -191,8 +191,10 @@ fn add_bodies(store: &mut Crowd, seed: &[f64], units: &Units) {
             orientation: [0.96, 0.0, 0.0, 0.28],
             ..Obstacle::mesh([2.6 * scale, 3.2 * scale, top + 0.6 * scale], facets, 0)
         },
-    ] {
-        store.add_obstacle(obstacle).unwrap();
+    ];
+    for (k, body) in bodies.into_iter().enumerate() {
+        let material = (k % 3) as u8;
+        store.add_obstacle(Obstacle { material, ..body }).unwrap();
     }
 }
 

@@ -124,6 +124,7 @@ impl Collision {
             velocity,
             spin: [0.0, 0.0, spin],
             motion: MotionSpec::Free,
+            material: None,
         };
         let down = [self.tangential, -self.approach, 0.0];
         let density = self.material.density;
@@ -139,7 +140,8 @@ impl Collision {
         Case {
             law: self
                 .material
-                .law(self.stiffness_ratio, self.restitution, self.mu),
+                .law(self.stiffness_ratio, self.restitution, self.mu)
+                .into(),
             bounds: None,
             gravity: [0.0; 3],
             dt,

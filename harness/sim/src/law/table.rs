@@ -1,0 +1,295 @@
+//! Laws with other numbers for each pair of materials, as files give them: names, the elasticity of each material, and
+//! what belongs to a pair.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+use bitgrain_kernel::contact::{Materials, PairLaws};
+use serde::{Deserialize, Serialize};
+
+use super::hertz_history::HertzHistoryParameters;
+use super::hertz_tsuji::{Elasticity, between};
+use super::laws::AnyLaw;
+use super::parameters::{LawParameters, Wrong};
+
+/// Most materials of a world.
+pub const MATERIALS_MAX: usize = 8;
+
+/// The laws of all pairs of materials.
+pub type Pairs<L> = PairLaws<L, MATERIALS_MAX>;
+
+/// A key that is wrong, such as `pairs[1].mu`, and what was expected of it.
+pub type WrongKey = (String, String);
+
+/// A contact law with the numbers of several materials.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum LawTable {
+    /// Kumar 2018, eqs. 1 and 2: all five numbers belong to pairs.
+    HertzHistory(HertzHistoryTable),
+    /// Guillard 2014, eq. A1: each material has an elasticity, each pair a restitution and a friction.
+    HertzTsuji(HertzTsujiTable),
+}
+
+/// Keys of `kind = "hertz_history"` with several materials.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HertzHistoryTable {
+    /// Names of the materials, which have no numbers of their own; those of the pairs if it is left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub materials: Option<BTreeMap<String, NoNumbers>>,
+    /// The pairs that can meet.
+    pub pairs: Vec<HertzHistoryPair>,
+}
+
+/// A material whose numbers all belong to pairs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NoNumbers {}
+
+/// Two materials that can meet.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HertzHistoryPair {
+    /// Their names; twice the same for grains of one material.
+    pub between: [String; 2],
+    /// As [`HertzHistoryParameters::kn`].
+    pub kn: f64,
+    /// As [`HertzHistoryParameters::kt`].
+    pub kt: f64,
+    /// As [`HertzHistoryParameters::gamma_n`].
+    pub gamma_n: f64,
+    /// As [`HertzHistoryParameters::gamma_t`].
+    pub gamma_t: f64,
+    /// Friction coefficient.
+    pub mu: f64,
+}
+
+/// Keys of `kind = "hertz_tsuji"` with several materials.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HertzTsujiTable {
+    /// The elasticity of each material, by name.
+    pub materials: BTreeMap<String, Elasticity>,
+    /// The pairs that can meet.
+    pub pairs: Vec<HertzTsujiPair>,
+}
+
+/// Two materials that can meet.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HertzTsujiPair {
+    /// Their names; twice the same for grains of one material.
+    pub between: [String; 2],
+    /// Coefficient of restitution, above 0 and at most 1.
+    pub restitution: f64,
+    /// Friction coefficient, zero or more.
+    pub mu: f64,
+}
+
+impl HertzHistoryPair {
+    fn parameters(&self) -> HertzHistoryParameters {
+        HertzHistoryParameters {
+            kn: self.kn,
+            kt: self.kt,
+            gamma_n: self.gamma_n,
+            gamma_t: self.gamma_t,
+            mu: self.mu,
+        }
+    }
+}
+
+impl LawTable {
+    /// Names of the materials, by number: in the order of the alphabet.
+    pub fn names(&self) -> Vec<&str> {
+        match self {
+            Self::HertzHistory(table) => match &table.materials {
+                Some(materials) => materials.keys().map(String::as_str).collect(),
+                None => {
+                    let named: BTreeSet<&str> = self
+                        .between()
+                        .into_iter()
+                        .flat_map(|pair| pair.iter().map(String::as_str))
+                        .collect();
+                    named.into_iter().collect()
+                }
+            },
+            Self::HertzTsuji(table) => table.materials.keys().map(String::as_str).collect(),
+        }
+    }
+
+    /// The number of a material.
+    pub fn number(&self, name: &str) -> Option<u8> {
+        let place = self.names().iter().position(|known| *known == name)?;
+        u8::try_from(place).ok()
+    }
+
+    /// The pairs that have numbers, by the names of their materials.
+    fn between(&self) -> Vec<&[String; 2]> {
+        match self {
+            Self::HertzHistory(table) => table.pairs.iter().map(|pair| &pair.between).collect(),
+            Self::HertzTsuji(table) => table.pairs.iter().map(|pair| &pair.between).collect(),
+        }
+    }
+
+    /// The pairs that have numbers, by the numbers of their materials; names that do not exist are left out.
+    pub fn pairs(&self) -> Vec<Materials> {
+        let numbers = |[a, b]: &[String; 2]| Some([self.number(a)?, self.number(b)?]);
+        self.between().into_iter().filter_map(numbers).collect()
+    }
+
+    /// Whether the pair has numbers.
+    pub fn has(&self, [a, b]: Materials) -> bool {
+        let pairs = self.pairs();
+        pairs.contains(&[a, b]) || pairs.contains(&[b, a])
+    }
+
+    /// Shear modulus and Poisson's ratio of a material, for the speed of waves in it; where all numbers belong to pairs,
+    /// those of the stiffest pair that it is in.
+    pub fn moduli(&self, material: u8) -> Option<(f64, f64)> {
+        let names = self.names();
+        let name = *names.get(usize::from(material))?;
+        match self {
+            Self::HertzHistory(table) => {
+                let own = |pair: &&HertzHistoryPair| pair.between.iter().any(|of| of == name);
+                let moduli = table
+                    .pairs
+                    .iter()
+                    .filter(own)
+                    .map(|pair| pair.parameters().moduli());
+                moduli.max_by(|a, b| a.0.total_cmp(&b.0))
+            }
+            Self::HertzTsuji(table) => table.materials.get(name).map(Elasticity::moduli),
+        }
+    }
+
+    /// The law as it is computed.
+    ///
+    /// # Errors
+    /// The key and what was expected of it.
+    pub fn build(&self) -> Result<AnyLaw, WrongKey> {
+        let count = self.check_names()?;
+        match self {
+            Self::HertzHistory(table) => {
+                let laws = table.pairs.iter().map(|pair| pair.parameters().build());
+                Ok(AnyLaw::HertzHistoryPairs(self.filled(count, laws)?))
+            }
+            Self::HertzTsuji(table) => {
+                for (name, elasticity) in &table.materials {
+                    elasticity
+                        .check()
+                        .map_err(|(key, problem)| (format!("materials.{name}.{key}"), problem))?;
+                }
+                let laws = table.pairs.iter().map(|pair| {
+                    let [a, b] = [0, 1].map(|k| table.materials[&pair.between[k]]);
+                    between([a, b], pair.restitution, pair.mu)
+                });
+                Ok(AnyLaw::HertzTsujiPairs(self.filled(count, laws)?))
+            }
+        }
+    }
+
+    /// How many materials there are, if their number and the names of all pairs make sense.
+    fn check_names(&self) -> Result<u8, WrongKey> {
+        let names = self.names();
+        let count = u8::try_from(names.len()).unwrap_or(u8::MAX);
+        if !(1..=MATERIALS_MAX).contains(&names.len()) {
+            let problem = format!(
+                "has {} materials; expected 1 to {MATERIALS_MAX}",
+                names.len()
+            );
+            return Err(("materials".into(), problem));
+        }
+        let pairs = self.between();
+        if pairs.is_empty() {
+            let problem = "is empty; expected the numbers of each two materials that can meet";
+            return Err(("pairs".into(), problem.into()));
+        }
+        for (k, pair) in pairs.iter().enumerate() {
+            let at = format!("pairs[{k}].between");
+            if let Some(unknown) = pair.iter().find(|name| !names.contains(&name.as_str())) {
+                let known = names.join(", ");
+                let problem = format!("names \"{unknown}\", which is not in `materials`: {known}");
+                return Err((at, problem));
+            }
+            let [a, b] = pair;
+            let is_same = |other: &&&[String; 2]| {
+                let [c, d] = other;
+                (a, b) == (c, d) || (a, b) == (d, c)
+            };
+            if pairs[..k].iter().any(|other| is_same(&other)) {
+                let problem = format!("names \"{a}\" and \"{b}\" a second time; leave one out");
+                return Err((at, problem));
+            }
+        }
+        Ok(count)
+    }
+
+    /// The table of laws in the order of the pairs; pairs without numbers, which cannot meet, have those of the first.
+    fn filled<L: Copy>(
+        &self,
+        count: u8,
+        laws: impl Iterator<Item = Result<L, Wrong>>,
+    ) -> Result<Arc<Pairs<L>>, WrongKey> {
+        let mut table: Option<Pairs<L>> = None;
+        for (k, (law, pair)) in laws.zip(self.pairs()).enumerate() {
+            let law = law.map_err(|(key, problem)| (format!("pairs[{k}].{key}"), problem))?;
+            let mut filled = match table {
+                Some(table) => table,
+                None => {
+                    Pairs::new(count, law).expect("at most as many materials as it has room for")
+                }
+            };
+            filled
+                .set(pair, law)
+                .expect("names of materials that exist");
+            table = Some(filled);
+        }
+        Ok(Arc::new(table.expect("one pair at least")))
+    }
+}
+
+/// A table of laws as a checkpoint spells it: how many materials, and the law of each pair by its two numbers.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Spelled<L> {
+    materials: u8,
+    laws: Vec<L>,
+}
+
+/// The pairs of so many materials in the order in which files have them.
+pub(crate) fn in_order(materials: u8) -> impl Iterator<Item = Materials> {
+    (0..materials).flat_map(move |a| (a..materials).map(move |b| [a, b]))
+}
+
+/// A table from its laws in that order.
+pub(crate) fn from_laws<L: Copy>(materials: u8, laws: &[L]) -> Option<Arc<Pairs<L>>> {
+    let mut table = Pairs::new(materials, *laws.first()?)?;
+    let mut next = laws.iter();
+    for pair in in_order(materials) {
+        table.set(pair, *next.next()?)?;
+    }
+    next.next().is_none().then(|| Arc::new(table))
+}
+
+/// How a table of laws is written within another value.
+pub(super) mod spelled {
+    use super::{Arc, Pairs, Spelled, from_laws, in_order};
+    use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
+
+    pub fn serialize<L: Copy + Serialize, S: Serializer>(
+        table: &Arc<Pairs<L>>,
+        to: S,
+    ) -> Result<S::Ok, S::Error> {
+        let materials = table.count();
+        let laws = in_order(materials).map(|pair| *table.of(pair)).collect();
+        Spelled { materials, laws }.serialize(to)
+    }
+
+    pub fn deserialize<'de, L: Copy + Deserialize<'de>, D: Deserializer<'de>>(
+        from: D,
+    ) -> Result<Arc<Pairs<L>>, D::Error> {
+        let Spelled { materials, laws } = Spelled::deserialize(from)?;
+        from_laws(materials, &laws).ok_or_else(|| D::Error::custom("not one law for each pair"))
+    }
+}
