@@ -1,11 +1,13 @@
-//! Whole steps of settled beds: sizes from 3,200 to a million grains, one thread and two, both laws.
+//! Whole steps of settled beds: sizes from 3,200 to a million grains, one thread and two, both laws, several materials.
 //! `cargo bench -p bitgrain`; a part of it with `cargo bench -p bitgrain -- "3200"`.
 
 use std::hint::black_box;
 use std::path::Path;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use bitgrain::bench::{read_bed, tiled};
+use bitgrain::law::Pairs;
 use bitgrain::simulation::{AnyLaw, Simulation};
 use bitgrain::threads::on_threads;
 use bitgrain_kernel::contact::HertzTsuji;
@@ -49,19 +51,41 @@ fn sizes(c: &mut Criterion) {
     group.finish();
 }
 
-fn other_law(c: &mut Criterion) {
-    // About as stiff as the other.
-    let law = AnyLaw::HertzTsuji(HertzTsuji::new(2e5, 0.3, 0.6, 0.5));
-    let mut sim = bed(7, Some(law));
-    let mut group = c.benchmark_group("step, hertz_tsuji, per grain");
+/// The other law, and both with the numbers of one material and of three.
+fn laws(c: &mut Criterion) {
+    let mut group = c.benchmark_group("step, 1 thread, per grain");
     group.sample_size(10);
-    group.throughput(Throughput::Elements(sim.count() as u64));
-    let name = BenchmarkId::new("1 thread(s)", sim.count());
-    group.bench_function(name, |b| {
-        b.iter_custom(|calls| stepped(&mut sim, 1, calls));
-    });
+    // About as stiff as the bed's.
+    let tsuji = HertzTsuji::new(2e5, 0.3, 0.6, 0.5);
+    let AnyLaw::HertzHistory(history) = bed(1, None).law else {
+        panic!("the golden bed is of hertz_history");
+    };
+    let laws = [
+        ("hertz_history", AnyLaw::HertzHistory(history)),
+        (
+            "hertz_history, 3 materials",
+            AnyLaw::HertzHistoryPairs(table(history)),
+        ),
+        ("hertz_tsuji", AnyLaw::HertzTsuji(tsuji)),
+        (
+            "hertz_tsuji, 3 materials",
+            AnyLaw::HertzTsujiPairs(table(tsuji)),
+        ),
+    ];
+    for (name, law) in laws {
+        let mut sim = bed(7, Some(law));
+        group.throughput(Throughput::Elements(sim.count() as u64));
+        group.bench_function(BenchmarkId::new(name, sim.count()), |b| {
+            b.iter_custom(|calls| stepped(&mut sim, 1, calls));
+        });
+    }
     group.finish();
 }
 
-criterion_group!(benches, sizes, other_law);
+/// Three materials with the same numbers, so that the bed is the same.
+fn table<L: Copy>(law: L) -> Arc<Pairs<L>> {
+    Arc::new(Pairs::new(3, law).expect("room for three"))
+}
+
+criterion_group!(benches, sizes, laws);
 criterion_main!(benches);
