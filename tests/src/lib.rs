@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use bitgrain::campaign::table::CampaignTable;
-use bitgrain::case::{self, Case, GrainSpec, MotionSpec, ObstacleSpec};
+use bitgrain::case::{self, Case, CaseLaw, GrainSpec, MotionSpec, ObstacleSpec};
 use bitgrain::checkpoint;
 use bitgrain::law::{HertzHistoryParameters, LawSpec};
 use bitgrain::observer::Observer;
@@ -131,13 +131,13 @@ pub fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
 
 /// A case in open space, without gravity.
 pub fn open_case(
-    law: LawSpec,
+    law: impl Into<CaseLaw>,
     dt: f64,
     grains: Vec<GrainSpec>,
     obstacles: Vec<ObstacleSpec>,
 ) -> Case {
     Case {
-        law,
+        law: law.into(),
         bounds: None,
         gravity: [0.0; 3],
         dt,
@@ -160,7 +160,7 @@ pub fn golden_case(name: &str) -> Case {
     let (file, law) = name.split_once(':').unwrap_or((name, ""));
     let mut case = case::read(&golden("cases").join(file)).expect("a sound case");
     if law == "hertz_history" {
-        case.law = GLASS;
+        case.law = GLASS.into();
     }
     case
 }
@@ -175,6 +175,7 @@ pub fn ball(id: u32, position: [f64; 3], velocity: [f64; 3]) -> GrainSpec {
         velocity,
         spin: [0.0; 3],
         motion: MotionSpec::Free,
+        material: None,
     }
 }
 

@@ -182,6 +182,7 @@ impl World {
         let short = match self.law {
             AnyLaw::HertzHistory(_) => ZERO,
             AnyLaw::HertzTsuji(_) => overlap * 0.5.into(),
+            _ => panic!("the reference is of one material"),
         };
         let surface = |sphere: &Sphere, side: Extended| {
             let arm = times(normal, side * (sphere.radius - short));
@@ -196,6 +197,7 @@ impl World {
         let (force, friction, spring) = match self.law {
             AnyLaw::HertzHistory(_) => self.history(&touch, sliding, spring, is_new),
             AnyLaw::HertzTsuji(_) => self.tsuji(&touch, sliding, spring),
+            _ => panic!("the reference is of one material"),
         };
         let whole = plus(times(normal, force), friction);
         let turn = outer(normal, friction);

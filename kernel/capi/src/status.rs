@@ -38,6 +38,8 @@ pub const BG_BAD_SAVE: i32 = 13;
 pub const BG_OTHER_VERSION: i32 = 14;
 /// The world's triangles are not those that a mesh was made of.
 pub const BG_OTHER_FACETS: i32 = 15;
+/// A group or an obstacle is of a material that the law does not know.
+pub const BG_UNKNOWN_MATERIAL: i32 = 16;
 /// The list of pairs is full; nothing was changed.
 pub const BG_PAIR_LIST_FULL: i32 = 20;
 /// The list of candidates is full; nothing was changed.
@@ -124,6 +126,7 @@ impl From<Error> for bg_fault {
             | Error::ObstacleNotFinite { obstacle }
             | Error::ObstacleTooFast { obstacle } => (obstacle, 0, 0),
             Error::GravityTooWeak { group } => (u32::from(group), 0, 0),
+            Error::UnknownMaterial { material } => (u32::from(material), 0, 0),
             Error::OverlapTooDeep { i, j } => (i, j, 0),
             Error::ObstacleTooDeep { id, obstacle } => (id, obstacle, 0),
             Error::NoGrain { place } => (place, 0, 0),

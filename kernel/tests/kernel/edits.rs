@@ -150,6 +150,7 @@ fn every_edit_is_found<R: Real>() {
         world.obstacles[1].shape = Shape::Sphere { radius: R::ONE }
     });
     found::<R>("a mass", |world| world.obstacles[1].inverse_mass = R::ONE);
+    found::<R>("a material", |world| world.obstacles[1].material = 1);
     found::<R>("two obstacles", |world| world.obstacles.swap(0, 1));
     found::<R>("the time step", |world| world.dt = R::from_f64(1.1e-3));
     // All at once, in a way that a plain sum or an exclusive or would not see.

@@ -203,6 +203,7 @@ fn errors_have_their_numbers() {
         (13, Error::BadSave),
         (14, Error::OtherVersion),
         (15, Error::OtherFacets { obstacle }),
+        (16, Error::UnknownMaterial { material: 0 }),
         (20, Error::PairListFull { needed }),
         (21, Error::OuterListFull { needed }),
         (22, Error::ObstacleContactsFull { needed }),

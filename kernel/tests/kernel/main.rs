@@ -20,6 +20,7 @@ mod fixed_worlds;
 mod heavy;
 mod hosts;
 mod images;
+mod materials;
 mod meshes;
 mod oracle;
 mod parts;

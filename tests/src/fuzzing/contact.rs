@@ -101,11 +101,12 @@ fn contact_case(bytes: &mut Bytes) -> Case {
             velocity: drawn(speed, moves),
             spin: drawn(speed / diameter, [spins; 3]),
             motion,
+            material: None,
         }
     };
     let grains = vec![grain(1, sizes[0], first), grain(7, sizes[1], second)];
     Case {
-        law,
+        law: law.into(),
         bounds,
         gravity: [0.0, 0.0, -bytes.zero_or_scale(-3.0, 2.0)],
         dt,

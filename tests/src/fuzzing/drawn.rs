@@ -75,6 +75,8 @@ pub(super) fn group<R: Real>(bytes: &mut Bytes) -> Group<R> {
         spins,
         infinite_mass: heavy,
         gravity: vector(bytes),
+        // From 0 to 3, of which a law of three knows all but one.
+        material: u8::from(spins) + 2 * u8::from(heavy),
     }
 }
 

@@ -3,7 +3,7 @@
 
 use bitgrain_kernel::blake3::Hasher;
 use bitgrain_kernel::conformance::Line;
-use bitgrain_kernel::contact::{Contact, HertzHistory, HertzTsuji, Law, react};
+use bitgrain_kernel::contact::{Contact, HertzHistory, HertzTsuji, Law, PairLaws, react};
 use bitgrain_kernel::parts::{
     GONE, is_search_due, listed_springs, renumber, restore, search_and_list, take_in, take_lists,
 };
@@ -290,6 +290,7 @@ pub(super) fn plain<R: Real>(bytes: &mut Bytes) -> bool {
         radius_j: number(bytes),
         radius_effective: number(bytes),
         mass_effective: number(bytes),
+        materials: [0; 2].map(|_| bytes.byte()),
         velocity: vector(bytes),
         spin_i: vector(bytes),
         spin_j: vector(bytes),
@@ -305,6 +306,13 @@ pub(super) fn plain<R: Real>(bytes: &mut Bytes) -> bool {
     let tsuji = HertzTsuji::new(number(bytes), number(bytes), number(bytes), number(bytes));
     react(&history, &contact, vector(bytes), number(bytes));
     react(&tsuji, &contact, vector(bytes), number(bytes));
+    let mut table = PairLaws::<_, 3>::new(3, history).expect("room for three");
+    let pair = [0; 2].map(|_| bytes.byte());
+    assert_eq!(
+        table.set(pair, history).is_some(),
+        pair.iter().all(|of| *of < 3)
+    );
+    react(&table, &contact, vector(bytes), number(bytes));
     let mut hasher = Hasher::new();
     (0..bytes.byte()).for_each(|_| hasher.word(word(bytes)));
     let step = u64::from_le_bytes([0; 8].map(|_| bytes.byte()));
@@ -319,7 +327,10 @@ pub(super) fn plain<R: Real>(bytes: &mut Bytes) -> bool {
     if let Err(fault) = checked {
         assert!(!fault.to_string().is_empty());
     }
-    stored(bytes, domain, &history)
+    match bytes.below(2) {
+        0 => stored(bytes, domain, &table),
+        _ => stored(bytes, domain, &history),
+    }
 }
 
 /// A store that is filled and stepped in any order.

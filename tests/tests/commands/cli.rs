@@ -193,6 +193,27 @@ const CASE: &str = r#"{
   ]
 }"#;
 
+/// A case of two materials.
+const MATERIALS: &str = r#"{
+  "law": {
+    "kind": "hertz_tsuji",
+    "materials": {"glass": {"young": 4e5, "poisson": 0.25}, "steel": {"young": 4e6, "poisson": 0.3}},
+    "pairs": [
+      {"between": ["glass", "glass"], "restitution": 0.8, "mu": 0.3},
+      {"between": ["steel", "steel"], "restitution": 0.8, "mu": 0.3},
+      {"between": ["glass", "steel"], "restitution": 0.6, "mu": 0.2}
+    ]
+  },
+  "dt": 2e-4,
+  "obstacles": [
+    {"shape": "plane", "point": [0, 0, 0], "normal": [0, 0, 1], "material": "steel"}
+  ],
+  "grains": [
+    {"id": 1, "diameter": 1, "density": 1, "position": [0, 0, 0.6], "material": "glass"},
+    {"id": 2, "diameter": 1, "density": 1, "position": [0, 2, 0.6], "material": "glass"}
+  ]
+}"#;
+
 #[test]
 fn wrong_cases_are_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -219,11 +240,27 @@ fn wrong_cases_are_refused() {
             "\"motion\": \"frozen\", \"velocity\": [1, 0, 0]",
         ),
         ("\"frozen\"}\n  ]\n}", "\"frozen\"}"),
+        ("\"motion\": \"frozen\"", "\"material\": \"glass\""),
     ];
+    let edits = edits.map(|edit| (CASE, edit));
+    let several = [
+        ("\"glass\"}", "\"sand\"}"),
+        (", \"material\": \"glass\"", ""),
+        ("\"mu\": 0.2", "\"mu\": -0.2"),
+        ("\"mu\": 0.2", "\"mu\": 0.2, \"kn\": 1"),
+        ("\"poisson\": 0.3", "\"poisson\": 0.6"),
+        ("[\"glass\", \"steel\"]", "[\"glass\", \"steal\"]"),
+        ("[\"glass\", \"steel\"]", "[\"steel\", \"steel\"]"),
+        ("[\"steel\", \"steel\"]", "[\"steel\", \"glass\"]"),
+        ("\"dt\": 2e-4", "\"dt\": 2e-3"),
+        ("\"materials\"", "\"material\""),
+    ];
+    let several = several.map(|edit| (MATERIALS, edit));
+    let edits: Vec<_> = edits.into_iter().chain(several).collect();
     let mut text = String::new();
-    for (from, to) in edits {
-        assert!(CASE.contains(from), "{from}");
-        std::fs::write(&file, CASE.replacen(from, to, 1)).unwrap();
+    for (case, (from, to)) in edits.iter().copied() {
+        assert!(case.contains(from), "{from}");
+        std::fs::write(&file, case.replacen(from, to, 1)).unwrap();
         text.push_str(&format!("# {}\n", to.replace('\n', " ")));
         text.push_str(&told(
             folder.path(),

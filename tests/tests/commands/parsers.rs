@@ -3,13 +3,16 @@
 use std::io::Write;
 use std::path::Path;
 
-use bitgrain::case::{self, BoxSpec, Case, GrainSpec, MotionSpec, ObstacleSpec};
+use bitgrain::case::{self, BoxSpec, Case, CaseLaw, GrainSpec, MotionSpec, ObstacleSpec};
 use bitgrain::flow::{FLOW, FlowRow, flow_text};
 use bitgrain::lammps::{
     Atom, DataFile, DumpFrame, data_text, dump_text, parse_atoms, parse_data, parse_dump,
     read_atoms,
 };
-use bitgrain::law::{HertzHistoryParameters, HertzTsujiParameters, LawSpec};
+use bitgrain::law::{
+    Elasticity, HertzHistoryPair, HertzHistoryParameters, HertzHistoryTable, HertzTsujiPair,
+    HertzTsujiParameters, HertzTsujiTable, LawSpec, LawTable,
+};
 use bitgrain::scenario;
 use bitgrain::series::{BodyRow, Columns, SeriesRow, read_series, series_text};
 use bitgrain_tests::fuzzing::assert_same_bits;
@@ -183,6 +186,7 @@ fn grain() -> impl Strategy<Value = GrainSpec> {
             velocity,
             spin,
             motion,
+            material: None,
         }
     })
 }
@@ -239,6 +243,51 @@ fn obstacle() -> impl Strategy<Value = ObstacleSpec> {
     })
 }
 
+/// A law with the numbers of one material, or of two.
+fn case_law() -> impl Strategy<Value = CaseLaw> {
+    let pairs = || {
+        [["glass", "glass"], ["steel", "glass"], ["steel", "steel"]]
+            .map(|pair| pair.map(str::to_owned))
+    };
+    (law(), law(), any::<bool>()).prop_map(move |(one, two, several)| match (one, two) {
+        (LawSpec::HertzTsuji(a), LawSpec::HertzTsuji(b)) if several => {
+            let elasticity = |of: HertzTsujiParameters| Elasticity {
+                young: of.young,
+                poisson: of.poisson,
+            };
+            let table = HertzTsujiTable {
+                materials: [("glass", a), ("steel", b)]
+                    .map(|(name, of)| (name.into(), elasticity(of)))
+                    .into(),
+                pairs: pairs()
+                    .map(|between| HertzTsujiPair {
+                        between,
+                        restitution: b.restitution,
+                        mu: a.mu,
+                    })
+                    .into(),
+            };
+            LawTable::HertzTsuji(table).into()
+        }
+        (LawSpec::HertzHistory(a), _) if several => {
+            let pair = |between| HertzHistoryPair {
+                between,
+                kn: a.kn,
+                kt: a.kt,
+                gamma_n: a.gamma_n,
+                gamma_t: a.gamma_t,
+                mu: a.mu,
+            };
+            let table = HertzHistoryTable {
+                materials: None,
+                pairs: pairs().map(pair).into(),
+            };
+            LawTable::HertzHistory(table).into()
+        }
+        _ => one.into(),
+    })
+}
+
 fn any_case() -> impl Strategy<Value = Case> {
     let bodies = (
         prop::collection::vec(grain(), 1..6),
@@ -247,9 +296,18 @@ fn any_case() -> impl Strategy<Value = Case> {
     let bounds = prop::option::of((vector(), vector(), any::<[bool; 3]>()));
     // Below a fifth of the Rayleigh time of the smallest, lightest grain in the stiffest law.
     let dt = 1e-300..1e-9f64;
-    (law(), bounds, vector(), dt, bodies).prop_map(|(law, bounds, gravity, dt, bodies)| {
-        let (mut grains, obstacles) = bodies;
+    (case_law(), bounds, vector(), dt, bodies).prop_map(|(law, bounds, gravity, dt, bodies)| {
+        let (mut grains, mut obstacles) = bodies;
         (1..).zip(&mut grains).for_each(|(id, grain)| grain.id = id);
+        if let CaseLaw::Pairs(_) = law {
+            let mut names = ["glass", "steel"].into_iter().cycle().map(str::to_owned);
+            grains
+                .iter_mut()
+                .for_each(|grain| grain.material = names.next());
+            obstacles
+                .iter_mut()
+                .for_each(|body| body.material = names.next());
+        }
         Case {
             law,
             bounds: bounds.map(|(lo, hi, periodic)| BoxSpec { lo, hi, periodic }),

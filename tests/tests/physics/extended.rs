@@ -81,7 +81,7 @@ fn reference(case: &Case, sim: &Simulation) -> World {
         loads: vec![([ZERO; 3], [ZERO; 3]); spheres.len()],
         spheres,
         pairs,
-        law: sim.law,
+        law: sim.law.clone(),
         gravity: vector(case.gravity),
         dt: case.dt.into(),
     }
@@ -165,7 +165,13 @@ fn oblique_impacts_of_spinning_grains() {
     let apart = two.position.iter().map(|x| x * x).sum::<f64>().sqrt();
     assert!(apart > 0.95, "they do not touch at first");
     for mu in [0.1, 0.9] {
-        check("oblique impact", mu, &[one, two], &[], [0.0; 3]);
+        check(
+            "oblique impact",
+            mu,
+            &[one.clone(), two.clone()],
+            &[],
+            [0.0; 3],
+        );
     }
 }
 
@@ -177,7 +183,7 @@ fn a_ball_on_a_plane() {
         check(
             "ball on a plane",
             mu,
-            &[grain],
+            &[grain.clone()],
             &[floor()],
             [0.1, 0.0, -1.0],
         );
@@ -197,7 +203,8 @@ fn a_ball_against_a_ball_that_moves_as_prescribed() {
             angular_velocity: Some([0.0, 0.7, 0.2]),
             ..ObstacleSpec::sphere([0.0; 3], 2.05)
         };
-        check("ball against a ball", 0.4, &[grain], &[intruder], [0.0; 3]);
+        let grains = [grain.clone()];
+        check("ball against a ball", 0.4, &grains, &[intruder], [0.0; 3]);
     }
 }
 

@@ -309,7 +309,8 @@ fn squeezed() -> Case {
         gamma_n: 792.0,
         gamma_t: 792.0,
         mu: 0.1,
-    });
+    })
+    .into();
     case.grains[0].position = [3.8, 2.0, 0.499];
     let down = ObstacleSpec {
         velocity: [0.0, 0.0, -2.0],

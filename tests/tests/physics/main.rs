@@ -20,6 +20,7 @@ mod incline;
 mod knobs;
 mod kumar;
 mod lammps;
+mod materials;
 mod matrix;
 mod medium;
 mod meshes;

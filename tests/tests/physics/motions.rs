@@ -3,7 +3,7 @@
 
 use bitgrain::case::{BodyShape, BoxSpec, Case, GrainSpec, MotionSpec};
 use bitgrain::law::{HertzHistoryParameters, HertzTsujiParameters, LawSpec};
-use bitgrain::simulation::{AnyLaw, Simulation, sphere_mass};
+use bitgrain::simulation::{Simulation, sphere_mass};
 use bitgrain_tests::{GLASS, floor, golden, number, numbers, open_case, output, told};
 use serde_json::Value;
 
@@ -30,6 +30,7 @@ fn grain(id: u32, density: f64, position: [f64; 3], motion: MotionSpec) -> Grain
         velocity: [0.0; 3],
         spin: [0.0; 3],
         motion,
+        material: None,
     }
 }
 
@@ -72,10 +73,7 @@ fn a_lid_at_rest_presses_with_its_weight() {
             // What is above pushes down by the lid's weight, the floor pushes up by all.
             is(sim.force[0][2] + weight, carries);
             // Overlaps by F = K sqrt(R) delta^(3/2), with R = d/4 of two grains and d/2 on a plane.
-            let kn = match sim.law {
-                AnyLaw::HertzHistory(law) => law.kn,
-                AnyLaw::HertzTsuji(law) => law.kn,
-            };
+            let kn = sim.law.springs([0; 2]).kn;
             let overlap = |force: f64, radius: f64| (force / (kn * radius.sqrt())).powf(2.0 / 3.0);
             let (lower, upper) = (sim.position[0][2], sim.position[1][2]);
             is(0.5 * D - lower, overlap(carries, 0.5 * D));

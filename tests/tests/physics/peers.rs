@@ -32,6 +32,7 @@ pub(crate) fn grain(
         velocity: if rests { [0.0; 3] } else { triple(row, 4) },
         spin: if rests { [0.0; 3] } else { triple(row, 7) },
         motion,
+        material: None,
     }
 }
 
@@ -309,7 +310,7 @@ fn lammps_bed_of_200() {
         grain(id, row[1], 1.0, &row[2..], motion)
     });
     let case = Case {
-        law: history_law(&file["params"]),
+        law: history_law(&file["params"]).into(),
         bounds: Some(BoxSpec {
             lo: [0.0, 0.0, -0.5],
             hi: [5.5, 5.5, 30.0],

@@ -45,9 +45,11 @@ fn store_of<const PAIRS: usize, const BODIES: usize>(
 
 fn follow<const PAIRS: usize, const BODIES: usize>(name: &str, sim: &Simulation, skin: f64) {
     let mut store = store_of::<PAIRS, BODIES>(sim, skin);
-    match sim.law {
-        AnyLaw::HertzHistory(law) => steps(name, &mut store, &law),
-        AnyLaw::HertzTsuji(law) => steps(name, &mut store, &law),
+    match &sim.law {
+        AnyLaw::HertzHistory(law) => steps(name, &mut store, law),
+        AnyLaw::HertzTsuji(law) => steps(name, &mut store, law),
+        AnyLaw::HertzHistoryPairs(laws) => steps(name, &mut store, &**laws),
+        AnyLaw::HertzTsujiPairs(laws) => steps(name, &mut store, &**laws),
     }
 }
 
@@ -68,11 +70,12 @@ fn steps<const PAIRS: usize, const BODIES: usize>(
     }
 }
 
-const CASES: [&str; 4] = [
+const CASES: [&str; 5] = [
     "collapse.json",
     "lid.json",
     "rig.json",
     "rig.json:hertz_history",
+    "materials.json",
 ];
 
 /// Whether the lists are nearly full or nearly empty.

@@ -24,6 +24,7 @@ __all__ = [
     "BadContactHistory",
     "BadSave",
     "OtherFacets",
+    "UnknownMaterial",
     "OtherVersion",
     "PairListFull",
     "OuterListFull",
@@ -156,6 +157,12 @@ class OtherFacets(KernelError):
     """The triangles of a world are not those that a mesh was made of."""
 
     obstacle: int
+
+
+class UnknownMaterial(KernelError):
+    """A group or an obstacle is of a material that the law does not know."""
+
+    material: int
 
 
 class PairListFull(KernelError):

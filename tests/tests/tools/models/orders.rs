@@ -45,7 +45,7 @@ fn sums(helpers: usize) -> Vec<u64> {
     let crew = Arc::new(Crew::new(parts, 0, 3, None));
     for _ in 0..2 {
         let errand = Errand::of(3);
-        crew.depart(errand, false);
+        crew.depart(&errand, false);
         let others = (1..=helpers).map(|first| {
             let crew = Arc::clone(&crew);
             thread::spawn(move || crew.help(first % 3))
@@ -83,7 +83,7 @@ fn a_panic_reaches_the_thread_that_waits() {
                     fatal: Some((1, leg)),
                     ..Errand::of(3)
                 };
-                crew.depart(errand, false);
+                crew.depart(&errand, false);
                 let helper = Arc::clone(&crew);
                 let helper = thread::spawn(move || helper.help(1));
                 let worked = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {

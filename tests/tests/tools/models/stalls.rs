@@ -38,7 +38,7 @@ fn go(parts: usize, helpers: usize, errand: Errand) -> Arc<Crew> {
     let crew = Arc::new(Crew::new(crew, 0, parts, None));
     thread::scope(|scope| {
         for _ in 0..2 {
-            crew.depart(errand, false);
+            crew.depart(&errand, false);
             for helper in 1..=helpers {
                 let crew = &crew;
                 scope.spawn(move || {

@@ -65,8 +65,8 @@ impl Part {
         }
     }
 
-    pub fn depart(&mut self, errand: Errand, _: bool) {
-        (self.errand, self.leg, self.end) = (errand, 0, None);
+    pub fn depart(&mut self, errand: &Errand, _: bool) {
+        (self.errand, self.leg, self.end) = (*errand, 0, None);
     }
 
     pub fn end(&self) -> Option<()> {
