@@ -4,15 +4,19 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::channels::{print, shown};
+use super::channels::{print, processors, shown, stoppable};
 use bitgrain_analysis::report::benchmark_page;
-use bitgrain_lab::benchmark::{self, Check, Test};
+use bitgrain_lab::benchmark::{self, Check, Performance, Test};
 use bitgrain_sim::disk::{is_folder, is_partial, list, make_folder, write_whole};
 use bitgrain_sim::error::{Error, Result};
+use bitgrain_sim::threads::on_threads;
 
 /// The names of summary and page.
 const SUMMARY: &str = "summary.json";
 const PAGE: &str = "report.html";
+
+/// Times, which are no result.
+const PERFORMANCE: &str = "performance.json";
 
 /// What `bitgrain benchmark` takes.
 #[derive(Args)]
@@ -22,6 +26,26 @@ pub(super) struct Benchmark {
     /// Folder for tables, summary and page [default: out/NAME].
     #[arg(long, value_name = "FOLDER", requires = "name")]
     out: Option<PathBuf>,
+    /// Of dosta-impact: a file of the benchmark with radius, x, y and z of each grain [default: a bed is poured].
+    #[arg(
+        long,
+        value_name = "FILE",
+        requires = "name",
+        conflicts_with = "grains"
+    )]
+    start: Option<PathBuf>,
+    /// Of dosta-impact: how many grains are poured [default: 25000].
+    #[arg(long, value_name = "COUNT", requires = "name")]
+    grains: Option<u32>,
+    /// Of dosta-impact: the time at which it ends, in s [default: 0.1].
+    #[arg(long, value_name = "SECONDS", requires = "name")]
+    until: Option<f64>,
+    /// Threads [default: one for each processor].
+    #[arg(long, requires = "name", value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
+    /// Print lines if standard error is not a terminal: each minute of dosta-impact.
+    #[arg(short, long, requires = "name")]
+    verbose: bool,
 }
 
 /// Runs a benchmark, or lists them.
@@ -32,9 +56,20 @@ pub(super) fn run(what: Benchmark) -> Result<()> {
     };
     let folder = what.out.unwrap_or_else(|| Path::new("out").join(&name));
     check_folder(&folder)?;
-    let done = benchmark::run(&name)?;
+    let (threads, progress) = (processors(what.threads), stoppable(what.verbose));
+    let request = benchmark::Request {
+        name: &name,
+        start: what.start.as_deref(),
+        grains: what.grains,
+        until: what.until,
+        threads,
+        progress: &progress,
+    };
+    let done = on_threads(threads, || benchmark::run(&request))??;
     write(&done, &folder)?;
     let lines: String = done.tests.iter().map(line).collect();
+    let times = done.performance.iter().map(time);
+    let lines = lines + &times.collect::<String>();
     print(&format!("{lines}report: {}\n", shown(&folder.join(PAGE))))?;
     let failed: Vec<&Check> = done.checks().filter(|check| !check.holds).collect();
     let Some(first) = failed.first() else {
@@ -56,7 +91,8 @@ pub(super) fn run(what: Benchmark) -> Result<()> {
 /// Refuses a folder with files that no benchmark writes: its summary and page would be overwritten.
 fn check_folder(folder: &Path) -> Result<()> {
     let is_table = |name: &str| name.starts_with("test-") && name.ends_with(".csv");
-    let ours = |name: &str| is_table(name) || [SUMMARY, PAGE].contains(&name) || is_partial(name);
+    let whole = [SUMMARY, PAGE, PERFORMANCE];
+    let ours = |name: &str| is_table(name) || whole.contains(&name) || is_partial(name);
     let held = if is_folder(folder) {
         list(folder)?
     } else {
@@ -83,6 +119,11 @@ fn write(done: &benchmark::Benchmark, folder: &Path) -> Result<()> {
     let mut files: Vec<(String, String)> = tables.collect();
     files.push((SUMMARY.into(), summary + "\n"));
     files.push((PAGE.into(), benchmark_page(done)));
+    if !done.performance.is_empty() {
+        let text = serde_json::to_string_pretty(&done.performance);
+        let text = text.map_err(|e| Error::Output(e.into()))?;
+        files.push((PERFORMANCE.into(), text + "\n"));
+    }
     make_folder(folder)?;
     for (name, text) in files {
         write_whole(&folder.join(name), text.as_bytes())?;
@@ -90,15 +131,28 @@ fn write(done: &benchmark::Benchmark, folder: &Path) -> Result<()> {
     Ok(())
 }
 
+/// Time to solution.
+fn time(part: &Performance) -> String {
+    let rate = 1e-6 * part.grains as f64 * part.steps as f64 / part.seconds;
+    format!(
+        "{}: {:.0} s on {} thread(s), {rate:.1} million grain-steps/s\n",
+        part.stage, part.seconds, part.threads
+    )
+}
+
 /// What came of a test.
 fn line(test: &Test) -> String {
     let held = test.checks.iter().filter(|check| check.holds).count();
     let worst = test.checks.iter().map(|check| check.deviation);
     let worst = worst.fold(0.0, |a: f64, b| if b <= a { a } else { b });
-    format!(
+    let line = format!(
         "test {}: {held} of {} checks hold, largest deviation {worst:.1e}: {}\n",
         test.number,
         test.checks.len(),
         test.title
-    )
+    );
+    match test.outcome.is_empty() {
+        true => line,
+        false => format!("{line}  {}\n", test.outcome),
+    }
 }

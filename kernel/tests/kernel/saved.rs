@@ -62,12 +62,21 @@ fn a_saved_world_in_fixed_point_goes_on() {
 
 #[test]
 fn open_space_and_every_shape_are_saved() {
+    every_shape_is_saved(0);
+    every_shape_is_saved(7);
+}
+
+/// Of this material.
+fn every_shape_is_saved(material: u8) {
     let mut store = Store::<f64, 2, 4, 4, 3>::new(Domain::open(), 1e-3, 0.1);
     store
-        .add_group(Group::free_along_z([0.0, 0.0, -1.0]))
+        .add_group(Group::free_along_z([0.0, 0.0, -1.0]).of_material(material))
         .unwrap();
     for body in [
-        Obstacle::sphere([0.0; 3], 1.0),
+        Obstacle {
+            material,
+            ..Obstacle::sphere([0.0; 3], 1.0)
+        },
         Obstacle::cylinder([5.0, 0.0, 0.0], [0.0, 1.0, 0.0], 0.5),
         Obstacle::plane([0.0, 0.0, -3.0], [0.0, 0.0, 1.0]),
     ] {

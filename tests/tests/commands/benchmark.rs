@@ -111,6 +111,90 @@ fn chung_and_ooi_hold() {
     assert!(!page.contains("NaN") && !page.contains("<b>no</b>"));
 }
 
+/// A small bed, for a while before the ball meets it: it falls as theory says, the same bytes on one thread and two, and
+/// from a file of the places too.
+#[test]
+fn a_ball_falls_on_a_bed() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |more: &[&str], out: &str| {
+        let args = [
+            &[
+                "benchmark",
+                "dosta-impact",
+                "--until",
+                "0.005",
+                "--out",
+                out,
+            ],
+            more,
+        ]
+        .concat();
+        let text = printed(PROGRAM, folder.path(), &args, 0);
+        (text, results(&folder.path().join(out)))
+    };
+    let (text, files) = run(&["--grains", "400", "--threads", "1"], "one");
+    assert_eq!(text.matches("2 of 2 checks hold").count(), 2, "{text}");
+    assert_eq!(text.matches("g = 9.8: ").count(), 2, "{text}");
+    let (_, again) = run(&["--grains", "400", "--threads", "2"], "two");
+    assert_eq!(differing(&files, &again), ["performance.json"]);
+    let table = |files: &std::collections::BTreeMap<String, Vec<u8>>, k: usize| {
+        String::from_utf8(files[&format!("test-{k}.csv")].clone()).unwrap()
+    };
+    for (k, g) in [(1, 9.81), (2, 9.8)] {
+        let text = table(&files, k);
+        let (time, z, v) = (
+            column(&text, "time"),
+            column(&text, "z"),
+            column(&text, "vz"),
+        );
+        // One row each millisecond.
+        assert_eq!(time.len(), 6);
+        for ((t, z), v) in time.iter().zip(&z).zip(&v) {
+            assert!(
+                (z - (0.06 - 5.0 * t - 0.5 * g * t * t)).abs() < 1e-12,
+                "{t}"
+            );
+            assert!((v - (-5.0 - g * t)).abs() < 1e-11, "{t}");
+        }
+    }
+    let start = "Radius[m] PosX[m] PosY[m] PosZ[m]\n0.001 0 0 -0.0892\n5 0.01 0.01 0 0 0.06\n";
+    std::fs::write(folder.path().join("start.txt"), start).unwrap();
+    let (_, from_file) = run(&["--start", "start.txt"], "three");
+    assert_eq!(
+        table(&from_file, 1),
+        table(&files, 1),
+        "the ball is still in the air"
+    );
+    let page = std::str::from_utf8(&from_file["report.html"]).unwrap();
+    assert!(page.contains("grains as in start.txt"));
+
+    // One layer does not stop it, and bodies do not push each other.
+    let through = [
+        "benchmark",
+        "dosta-impact",
+        "--start",
+        "start.txt",
+        "--out",
+        "four",
+    ];
+    let refused = printed(PROGRAM, folder.path(), &through, 2);
+    assert!(refused.contains("take a deeper bed"), "{refused}");
+    for (wrong, said) in [
+        (vec!["dosta-impact", "--grains", "0"], "--grains: is 0"),
+        (vec!["dosta-impact", "--until", "-1"], "--until: is -1"),
+        (vec!["dosta-impact", "--start", "none.txt"], "none.txt"),
+        (
+            vec!["chung-ooi", "--until", "1"],
+            "--until: is no option of chung-ooi",
+        ),
+    ] {
+        let args = [vec!["benchmark"], wrong, vec!["--out", "five"]].concat();
+        let refused = printed(PROGRAM, folder.path(), &args, 2);
+        assert!(refused.contains(said), "{refused}");
+    }
+    assert!(!folder.path().join("five").exists());
+}
+
 #[test]
 fn a_benchmark_is_asked_for_by_name() {
     let here = Path::new(".");
@@ -119,7 +203,7 @@ fn a_benchmark_is_asked_for_by_name() {
     let refused = printed(PROGRAM, here, &["benchmark", "chung-oui"], 2);
     assert_eq!(
         refused,
-        "bitgrain: chung-oui: is no benchmark; there are: chung-ooi\n"
+        "bitgrain: chung-oui: is no benchmark; there are: chung-ooi, dosta-impact\n"
     );
     printed(PROGRAM, here, &["benchmark", "--out", "nowhere"], 2);
     // A folder of something else is left alone.

@@ -6,6 +6,7 @@
 
 mod bodies;
 mod list;
+mod materials;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -13,6 +14,7 @@ use std::process::{Command, Output};
 
 use bodies::BODIES;
 use list::{MUTANTS, Mutant, SIM, UNIT};
+use materials::MATERIALS;
 
 /// A workspace with what the manifests take from their own, built fast: a little
 /// optimisation, as the tests step whole worlds, and no debug information.
@@ -154,7 +156,7 @@ impl Copy {
 
 /// All mutants.
 fn all() -> impl Iterator<Item = &'static Mutant> {
-    MUTANTS.iter().chain(BODIES)
+    MUTANTS.iter().chain(BODIES).chain(MATERIALS)
 }
 
 /// Found in seconds: a change that removes a mutant's text.

@@ -74,6 +74,9 @@ fn section(test: &Test) -> String {
         escape(test.title),
         escape(&test.setup)
     );
+    if !test.outcome.is_empty() {
+        out.push_str(&format!("<p>{}.</p>\n", escape(&test.outcome)));
+    }
     out.push_str(&legend(&test.charts));
     out.push_str("<div class=\"grid\">\n");
     out.extend(test.charts.iter().map(figure));

@@ -17,6 +17,24 @@ pub struct Benchmark {
     pub remarks: Vec<(&'static str, &'static str)>,
     /// Its tests.
     pub tests: Vec<Test>,
+    /// How long its parts took on this machine; no result.
+    #[serde(skip)]
+    pub performance: Vec<Performance>,
+}
+
+/// Time to solution of a part of a benchmark.
+#[derive(Clone, Debug, Serialize)]
+pub struct Performance {
+    /// What was computed.
+    pub stage: String,
+    /// Grains.
+    pub grains: usize,
+    /// Steps.
+    pub steps: u64,
+    /// Threads.
+    pub threads: usize,
+    /// Wall-clock time (s).
+    pub seconds: f64,
 }
 
 impl Benchmark {
@@ -35,6 +53,8 @@ pub struct Test {
     pub title: &'static str,
     /// Its bodies and parameters, with units.
     pub setup: String,
+    /// What came of it, in words; empty if the checks say all.
+    pub outcome: String,
     /// Its table as a CSV file.
     #[serde(skip)]
     pub table: String,
@@ -54,6 +74,7 @@ impl Test {
             number,
             title,
             setup: setup.into(),
+            outcome: String::new(),
             table: String::new(),
             charts: Vec::new(),
             checks: Vec::new(),

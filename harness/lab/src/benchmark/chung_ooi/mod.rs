@@ -61,5 +61,6 @@ pub(super) fn run() -> Result<Benchmark> {
         published: published.source,
         remarks: REMARKS.to_vec(),
         tests,
+        performance: Vec::new(),
     })
 }

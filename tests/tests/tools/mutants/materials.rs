@@ -1,0 +1,46 @@
+//! Mutants of materials.
+
+use super::list::Mutant;
+
+pub const MATERIALS: &[Mutant] = &[
+    Mutant {
+        name: "all grains are of one material",
+        file: "kernel/src/state/grains.rs",
+        from: "group.map_or(0, |group| group.material)",
+        to: "group.map_or(0, |_| 0)",
+        target: "oracle",
+        red: &["the_step_equals_its_definition_of_several_materials"],
+    },
+    Mutant {
+        name: "an obstacle is of the grain's material",
+        file: "kernel/src/forces/obstacle_contacts.rs",
+        from: "            body.material,\n",
+        to: "            material_of((grains.group, grains.groups), i),\n",
+        target: "oracle",
+        red: &["the_step_equals_its_definition_of_several_materials"],
+    },
+    Mutant {
+        name: "a pair has the law of its first material",
+        file: "kernel/src/contact/pair_laws.rs",
+        from: "[place(a)][place(b)]",
+        to: "[place(a)][place([a, b][0])]",
+        target: "materials",
+        red: &["a_table_holds_each_pair_in_either_order"],
+    },
+    Mutant {
+        name: "sliding is of another pair than pressing",
+        file: "kernel/src/contact/block.rs",
+        from: "                length2: self.length2[k],\n                materials: self.materials_of(k),",
+        to: "                length2: self.length2[k],\n                materials: [0; 2],",
+        target: "oracle",
+        red: &["the_step_equals_its_definition_of_several_materials"],
+    },
+    Mutant {
+        name: "a saved group forgets its material",
+        file: "kernel/src/saved/write.rs",
+        from: "u32::from(group.material) << GROUP_MATERIAL;",
+        to: "u32::from(group.material & 0) << GROUP_MATERIAL;",
+        target: "saved",
+        red: &["open_space_and_every_shape_are_saved"],
+    },
+];
