@@ -326,6 +326,7 @@ fn save_state(out: &Path, difference: &Difference, progress: &Progress) -> Resul
         contacts: false,
         energy: false,
         digests: true,
+        vtk: None,
     };
     let nothing = &mut std::io::sink();
     replay_run(&folder, &stretch, &what, progress, nothing)?;

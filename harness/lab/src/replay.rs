@@ -11,8 +11,11 @@ use crate::folder::Folder;
 use crate::progress::Progress;
 use crate::rerun::RunArchive;
 use bitgrain_sim::checkpoint;
+use bitgrain_sim::disk::{is_folder, list, make_folder, write_whole};
 use bitgrain_sim::energy_budget::{Audit, EnergyRow};
 use bitgrain_sim::error::{Error, Result};
+use bitgrain_sim::export;
+use bitgrain_sim::files::bits;
 use bitgrain_sim::observer::Observer;
 use bitgrain_sim::simulation::{Simulation, hex};
 
@@ -29,6 +32,9 @@ pub struct Replay {
     pub energy: bool,
     /// Whether to print digests alone, part by part.
     pub digests: bool,
+    /// A folder for each sample as files for ParaView: `grains.STEP.vtk` and `bodies.STEP.vtk`, and with `contacts` also
+    /// `contacts.STEP.vtk`.
+    pub vtk: Option<PathBuf>,
 }
 
 /// Which stretch of a run to replay.
@@ -114,6 +120,7 @@ pub struct ContactState {
 /// A refused case, a damaged checkpoint, a run that failed (what was sampled before has been written), or `out`.
 pub fn replay(path: &Path, what: &Replay, out: &mut impl Write) -> Result<()> {
     let name = path.display().to_string();
+    what.vtk.as_deref().map_or(Ok(()), make_vtk_folder)?;
     let mut seen = Vec::new();
     let saved = path.extension().is_some_and(|end| end == "safetensors");
     let mut sim = match saved {
@@ -163,6 +170,7 @@ pub fn replay_run(
     out: &mut impl Write,
 ) -> Result<()> {
     let past = RunArchive::open(folder)?;
+    what.vtk.as_deref().map_or(Ok(()), make_vtk_folder)?;
     let part = past.part(&stretch.stage)?;
     let past_all = || Error::input(&stretch.stage, "does not have so many steps");
     let to = stretch.from.checked_add(what.steps).ok_or_else(past_all)?;
@@ -234,6 +242,43 @@ impl<W: Write> Observer for StatePrinter<'_, W> {
     }
 }
 
+/// Makes a folder for files of ParaView; one that holds other files is refused.
+fn make_vtk_folder(folder: &Path) -> Result<()> {
+    let held = match is_folder(folder) {
+        true => list(folder)?,
+        false => Vec::new(),
+    };
+    match held.iter().find(|(name, _)| !name.ends_with(".vtk")) {
+        None => make_folder(folder),
+        Some((other, _)) => {
+            let problem = format!("holds {other}, which is no VTK file; choose another folder");
+            Err(Error::input(folder.display().to_string(), problem))
+        }
+    }
+}
+
+/// A state for ParaView.
+fn write_vtk(
+    folder: &Path,
+    step: u64,
+    sim: &Simulation,
+    contacts: Option<&[ContactForce<f64>]>,
+) -> Result<()> {
+    let title = format!("step {step}; {}", bits());
+    let contacts = contacts.map(|contacts| export::vtk_contacts(sim, contacts, &title));
+    let files = [
+        ("grains", Some(export::vtk_grains(sim, &title))),
+        ("bodies", Some(export::vtk_bodies(sim, &title))),
+        ("contacts", contacts),
+    ];
+    for (what, text) in files {
+        if let Some(text) = text {
+            write_whole(&folder.join(format!("{what}.{step}.vtk")), text.as_bytes())?;
+        }
+    }
+    Ok(())
+}
+
 fn write_line(value: &impl Serialize, out: &mut impl Write) -> Result<()> {
     let mut line = serde_json::to_vec(value).map_err(|e| Error::Output(e.into()))?;
     line.push(b'\n');
@@ -247,6 +292,9 @@ fn write_sample(
     (seen, energy): (&[ContactForce<f64>], Option<EnergyRow>),
     out: &mut impl Write,
 ) -> Result<()> {
+    if let Some(folder) = &what.vtk {
+        write_vtk(folder, step, sim, what.contacts.then_some(seen))?;
+    }
     let digest = sim.digest();
     let digest = digest.map_err(|fault| Error::run("a replay", step, fault))?;
     if what.digests {

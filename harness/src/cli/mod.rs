@@ -160,6 +160,10 @@ struct Case {
     /// List the contacts of each sample.
     #[arg(long)]
     contacts: bool,
+    /// Write each sample into this folder for ParaView too: grains.STEP.vtk, bodies.STEP.vtk and, with --contacts,
+    /// contacts.STEP.vtk.
+    #[arg(long, value_name = "FOLDER")]
+    vtk: Option<PathBuf>,
     /// Account for the energy: in each sample the energy, and since step 0 the work done, what was
     /// dissipated, and the residual.
     #[arg(long, conflicts_with_all = ["stage", "digests"])]
@@ -247,6 +251,7 @@ fn run_replay(case: Case) -> Result<()> {
         contacts: case.contacts,
         digests: case.digests,
         energy: case.energy,
+        vtk: case.vtk,
     };
     let out = &mut BufWriter::new(std::io::stdout().lock());
     match (is_folder(&case.case), case.stage) {

@@ -136,7 +136,7 @@ fn a_ball_falls_on_a_bed() {
     assert_eq!(text.matches("2 of 2 checks hold").count(), 2, "{text}");
     assert_eq!(text.matches("g = 9.8: ").count(), 2, "{text}");
     let (_, again) = run(&["--grains", "400", "--threads", "2"], "two");
-    assert_eq!(differing(&files, &again), ["performance.json"]);
+    assert!(differing(&files, &again).is_empty());
     let table = |files: &std::collections::BTreeMap<String, Vec<u8>>, k: usize| {
         String::from_utf8(files[&format!("test-{k}.csv")].clone()).unwrap()
     };
@@ -157,7 +157,7 @@ fn a_ball_falls_on_a_bed() {
             assert!((v - (-5.0 - g * t)).abs() < 1e-11, "{t}");
         }
     }
-    let start = "Radius[m] PosX[m] PosY[m] PosZ[m]\n0.001 0 0 -0.0892\n5 0.01 0.01 0 0 0.06\n";
+    let start = "Radius[m] PosX[m] PosY[m] PosZ[m]\n0.001 0.04 0.02 -0.0892\n5 0.01 0.01 0 0 0.06\n";
     std::fs::write(folder.path().join("start.txt"), start).unwrap();
     let (_, from_file) = run(&["--start", "start.txt"], "three");
     assert_eq!(
@@ -181,7 +181,7 @@ fn a_ball_falls_on_a_bed() {
     assert!(refused.contains("take a deeper bed"), "{refused}");
     for (wrong, said) in [
         (vec!["dosta-impact", "--grains", "0"], "--grains: is 0"),
-        (vec!["dosta-impact", "--until", "-1"], "--until: is -1"),
+        (vec!["dosta-impact", "--until", "0"], "--until: is 0"),
         (vec!["dosta-impact", "--start", "none.txt"], "none.txt"),
         (
             vec!["chung-ooi", "--until", "1"],

@@ -9,12 +9,13 @@ use bitgrain_tests::{golden, printed};
 use crate::PROGRAM;
 
 /// Goldens that the book's measurements come from.
-const GOLDENS: [&str; 9] = [
+const GOLDENS: [&str; 10] = [
     "guillard-small/summary.json",
     "guillard-medium/summary.json.gz",
     "guillard-axis/summary.json.gz",
     "guillard-wake/summary.json.gz",
     "guillard-tank-small/summary.json.gz",
+    "guillard-tanks/results.csv.gz",
     "kumar-small/results.csv.gz",
     "kumar-middle/results.csv.gz",
     "kumar-table-1/results.csv.gz",

@@ -12,7 +12,11 @@ use bitgrain::scenario;
 use bitgrain::simulation::{Simulation, sphere_mass};
 use bitgrain_kernel::{ContactForce, Domain, Obstacle, Partner};
 use bitgrain_tests::fuzzing::assert_same_bits;
-use bitgrain_tests::{GLASS, ball, golden, golden_case, open_case, small_from_file};
+use bitgrain_tests::{
+    GLASS, ball, golden, golden_case, open_case, printed, results, small_from_file,
+};
+
+use crate::PROGRAM;
 
 /// The reference codes' bed with an intruder across the periodic edge and a floor, 40 steps on, and the
 /// contacts of the last.
@@ -239,6 +243,44 @@ fn vtk_contacts_are_as_long_as_the_contact() {
         n > 200 && beyond > 20 && pushes > 0,
         "{n} {beyond} {pushes}"
     );
+}
+
+/// `replay --vtk` writes each sample, and leaves a folder of something else alone.
+#[test]
+fn a_replay_is_written_for_paraview() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = golden("cases/rig.json");
+    let case = case.to_str().unwrap();
+    let replay = |out: &str, code: i32| {
+        let args = [
+            "replay",
+            case,
+            "--steps",
+            "200",
+            "--every",
+            "100",
+            "--contacts",
+            "--vtk",
+            out,
+        ];
+        printed(PROGRAM, folder.path(), &args, code)
+    };
+    assert_eq!(replay("out", 0).lines().count(), 3);
+    let files = results(&folder.path().join("out"));
+    let names: Vec<String> = ["bodies", "contacts", "grains"]
+        .iter()
+        .flat_map(|what| ["0", "100", "200"].map(|step| format!("{what}.{step}.vtk")))
+        .collect();
+    assert_eq!(files.keys().cloned().collect::<Vec<_>>(), names);
+    let text = |name: &str| String::from_utf8(files[name].clone()).unwrap();
+    assert!(text("grains.100.vtk").contains("POINTS 54 double"));
+    assert!(text("contacts.200.vtk").contains("SCALARS overlap double 1"));
+    // The same names again are written anew.
+    replay("out", 0);
+    assert_eq!(results(&folder.path().join("out")), files);
+    std::fs::write(folder.path().join("case.json"), "{}").unwrap();
+    let refused = replay(".", 2);
+    assert!(refused.contains("holds case.json"), "{refused}");
 }
 
 /// Each corner of each body lies on its surface, wherever it is turned to, and no polygon is left without a body.

@@ -31,10 +31,13 @@ impl<'de> Deserialize<'de> for CaseLaw {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
         let law = serde_json::Value::deserialize(from)?;
         let read = match law.get("pairs").or(law.get("materials")) {
-            Some(_) => serde_json::from_value(law).map(Self::Pairs),
-            None => serde_json::from_value(law).map(Self::One),
+            Some(_) => serde_path_to_error::deserialize(law).map(Self::Pairs),
+            None => serde_path_to_error::deserialize(law).map(Self::One),
         };
-        read.map_err(D::Error::custom)
+        read.map_err(|wrong| match wrong.path().to_string().as_str() {
+            "." => D::Error::custom(wrong.inner()),
+            key => D::Error::custom(format!("{key}: {}", wrong.inner())),
+        })
     }
 }
 

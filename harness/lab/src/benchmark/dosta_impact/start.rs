@@ -32,26 +32,31 @@ struct Stage {
     dt: f64,
     /// Most steps.
     most: u64,
-    /// Kinetic energy per grain, over its weight times its diameter, at which it ends.
-    rest: f64,
 }
 
-/// Soft grains fall, then become as stiff as they are. Grains that roll on each other come to rest slowly, and are
-/// stopped.
-const STAGES: [Stage; 2] = [
+/// Kinetic energy per grain, over its weight times its diameter, at which a stage ends. Grains that roll on each other
+/// come to rest slowly; what is left, some mm/s, is stopped.
+const REST: f64 = 1e-3;
+
+/// Soft grains fall, then become as stiff as they are, in two leaps, each of which lifts them a little.
+const STAGES: [Stage; 3] = [
     Stage {
         name: "pour",
         softened: 0.01,
         dt: 5e-6,
         most: 200_000,
-        rest: 1e-3,
+    },
+    Stage {
+        name: "stiffen",
+        softened: 0.1,
+        dt: 1.5e-6,
+        most: 200_000,
     },
     Stage {
         name: "harden",
         softened: 1.0,
         dt: 5e-7,
         most: 400_000,
-        rest: 1e-4,
     },
 ];
 
@@ -123,7 +128,7 @@ fn settled(places: &[[f64; 3]], stage: &Stage, request: &Request) -> Result<Vec<
     sim.start().map_err(|fault| Error::run(name, 0, fault))?;
     let shown = request.progress.stage(name, stage.most);
     let weight = 9.81 * sim.velocity.iter().map(|v| v[3]).sum::<f64>();
-    let rest = stage.rest * weight * DIAMETER;
+    let rest = REST * weight * DIAMETER;
     while sim.step_count() < stage.most {
         sim.steps(LOOK)
             .map_err(|fault| Error::run(name, sim.step_count() + 1, fault))?;
