@@ -84,7 +84,7 @@ fn laws(c: &mut Criterion) {
 
 /// Three materials with the same numbers, so that the bed is the same.
 fn table<L: Copy>(law: L) -> Arc<Pairs<L>> {
-    Arc::new(Pairs::new(3, law).expect("room for three"))
+    Arc::new(Pairs::new(3, vec![law; 6]).expect("six pairs"))
 }
 
 criterion_group!(benches, sizes, laws);

@@ -3,10 +3,10 @@
 
 use std::sync::Arc;
 
-use bitgrain_kernel::contact::{HertzHistory, HertzTsuji};
+use bitgrain_kernel::contact::{HertzHistory, HertzTsuji, PairLaws};
 use bitgrain_kernel::{Error as KernelError, Saved, save, save_size};
 
-use crate::law::{AnyLaw, MATERIALS_MAX, Pairs, from_laws, in_order};
+use crate::law::{AnyLaw, MATERIALS_MAX, Pairs};
 use crate::mesh::{Triangle, restored};
 use crate::simulation::Simulation;
 
@@ -20,7 +20,7 @@ const NUMBERS: usize = 5 * 8;
 
 /// Bytes of a law of several: the beginning, the number of its kind, that of the materials, five numbers for each pair.
 fn table_size(materials: u8) -> usize {
-    HEAD + 4 + NUMBERS * in_order(materials).count()
+    HEAD + 4 + NUMBERS * PairLaws::<()>::pairs(materials).count()
 }
 
 /// Bytes of a hash.
@@ -82,8 +82,10 @@ fn law_bytes(law: &AnyLaw) -> Vec<u8> {
     let (kind, materials, laws) = match law {
         AnyLaw::HertzHistory(law) => (HISTORY, None, vec![history(law)]),
         AnyLaw::HertzTsuji(law) => (TSUJI, None, vec![tsuji(law)]),
-        AnyLaw::HertzHistoryPairs(laws) => (HISTORY_PAIRS, Some(laws.count()), each(laws, history)),
-        AnyLaw::HertzTsujiPairs(laws) => (TSUJI_PAIRS, Some(laws.count()), each(laws, tsuji)),
+        AnyLaw::HertzHistoryPairs(laws) => {
+            (HISTORY_PAIRS, Some(laws.materials()), each(laws, history))
+        }
+        AnyLaw::HertzTsujiPairs(laws) => (TSUJI_PAIRS, Some(laws.materials()), each(laws, tsuji)),
     };
     let mut bytes = MAGIC.to_vec();
     bytes.extend(u32::to_le_bytes(kind));
@@ -111,9 +113,7 @@ fn tsuji(l: &HertzTsuji<f64>) -> [f64; 5] {
 
 /// The numbers of each pair.
 fn each<L: Copy>(laws: &Pairs<L>, numbers: fn(&L) -> [f64; 5]) -> Vec<[f64; 5]> {
-    in_order(laws.count())
-        .map(|pair| numbers(laws.of(pair)))
-        .collect()
+    laws.laws().iter().map(numbers).collect()
 }
 
 /// A word behind the name of the format.
@@ -174,12 +174,13 @@ fn known_law(bytes: &[u8]) -> Option<AnyLaw> {
         HISTORY => Some(AnyLaw::HertzHistory(history(*laws.first()?))),
         TSUJI => Some(AnyLaw::HertzTsuji(tsuji(*laws.first()?))),
         HISTORY_PAIRS => {
-            let laws: Vec<_> = laws.iter().copied().map(history).collect();
-            from_laws(materials(bytes)?, &laws).map(AnyLaw::HertzHistoryPairs)
+            let laws = laws.iter().copied().map(history).collect();
+            Pairs::new(materials(bytes)?, laws)
+                .map(|laws| AnyLaw::HertzHistoryPairs(Arc::new(laws)))
         }
         TSUJI_PAIRS => {
-            let laws: Vec<_> = laws.iter().copied().map(tsuji).collect();
-            from_laws(materials(bytes)?, &laws).map(AnyLaw::HertzTsujiPairs)
+            let laws = laws.iter().copied().map(tsuji).collect();
+            Pairs::new(materials(bytes)?, laws).map(|laws| AnyLaw::HertzTsujiPairs(Arc::new(laws)))
         }
         _ => None,
     }

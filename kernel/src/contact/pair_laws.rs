@@ -3,58 +3,54 @@
 use super::law::{Law, Materials, NormalForce, NormalState, TangentialForce, TangentialState};
 use crate::math::real::Real;
 
-/// One law for each pair of at most `N` materials, all of one kind: `PairLaws<HertzTsuji<f64>, 3>` is Guillard's law
-/// with other numbers between grains of glass, between grains of steel, and between one of each and a wooden wall.
+/// One law for each pair of materials, all of one kind: `PairLaws<HertzTsuji<f64>>` is Guillard's law with other numbers
+/// between grains of glass, between grains of steel, and between one of each and a wooden wall.
 ///
 /// A contact is evaluated by the law of its pair, and by nothing else of the others.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PairLaws<L, const N: usize> {
-    /// Both halves of a symmetric table.
-    laws: [[L; N]; N],
+pub struct PairLaws<'a, L> {
+    laws: &'a [L],
+    /// That of material 0 with itself: for pairs that there are not.
+    first: L,
     materials: u8,
 }
 
-impl<L: Copy, const N: usize> PairLaws<L, N> {
-    /// So many materials, at least 1 and at most `N`, with this law for every pair; `None` of another number.
-    pub fn new(materials: u8, law: L) -> Option<Self> {
-        (1..=N).contains(&usize::from(materials)).then_some(Self {
-            laws: [[law; N]; N],
+impl<'a, L: Copy> PairLaws<'a, L> {
+    /// The laws of so many materials, numbered from 0, pair by pair as [`PairLaws::pairs`] gives them; `None` if there
+    /// are not so many laws, or no materials.
+    pub fn new(materials: u8, laws: &'a [L]) -> Option<Self> {
+        let first = *laws.first()?;
+        let fits = materials > 0 && laws.len() == place([materials, materials], materials) as usize;
+        fits.then_some(Self {
+            laws,
+            first,
             materials,
         })
     }
 
-    /// How many materials there are, numbered from 0.
-    pub fn count(&self) -> u8 {
-        self.materials
+    /// The pairs of so many materials in order: (0, 0), (0, 1), to the last one, then (1, 1) and so on.
+    pub fn pairs(materials: u8) -> impl Iterator<Item = Materials> {
+        (0..materials).flat_map(move |a| (a..materials).map(move |b| [a, b]))
     }
 
-    /// Sets the law of a pair, in either order; `None` if there is no such pair.
-    pub fn set(&mut self, [a, b]: Materials, law: L) -> Option<()> {
-        let known = a < self.materials && b < self.materials;
-        for (row, column) in [(a, b), (b, a)] {
-            let row = self.laws.get_mut(usize::from(row)).filter(|_| known)?;
-            *row.get_mut(usize::from(column))? = law;
-        }
-        Some(())
-    }
-
-    /// The law of a pair. A material beyond the last that there is room for counts as that one.
+    /// The law of a pair, in either order; of materials that there are not, one of the others.
     #[inline(always)]
-    pub fn of(&self, [a, b]: Materials) -> &L {
-        // A table of which the rows have at least one entry: so that no place is beyond it.
-        let last = const {
-            assert!(N > 0 && N <= 256, "from 1 to 256 materials");
-            N - 1
-        };
-        let place = |material: u8| {
-            let material = usize::from(material);
-            if material < last { material } else { last }
-        };
-        &self.laws[place(a)][place(b)]
+    pub fn of(&self, pair: Materials) -> &L {
+        let place = place(pair, self.materials);
+        self.laws.get(place as usize).unwrap_or(&self.first)
     }
 }
 
-impl<R: Real, L: Law<R>, const N: usize> Law<R> for PairLaws<L, N> {
+/// The number of a pair among those of so many materials.
+#[inline(always)]
+fn place([a, b]: Materials, materials: u8) -> u32 {
+    let [a, b, count] = [a, b, materials].map(u32::from);
+    let (low, high) = if a < b { (a, b) } else { (b, a) };
+    // Rows of the lower material, each shorter by one.
+    low.wrapping_mul((count + count).wrapping_sub(low + 1)) / 2 + high
+}
+
+impl<R: Real, L: Law<R>> Law<R> for PairLaws<'_, L> {
     const KNOWS_MATERIALS: bool = true;
 
     fn materials(&self) -> usize {

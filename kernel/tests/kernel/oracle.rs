@@ -410,19 +410,23 @@ proptest! {
         is_history in any::<bool>(),
     ) {
         match is_history {
-            true => follow(&seed, &packing, (table(own_history), own_history), &REDUCED, skin)?,
-            false => follow(&seed, &packing, (table(own_tsuji), own_tsuji), &SI, skin)?,
+            true => {
+                let laws = table(own_history);
+                let table = PairLaws::new(3, &laws).unwrap();
+                follow(&seed, &packing, (table, own_history), &REDUCED, skin)?;
+            }
+            false => {
+                let laws = table(own_tsuji);
+                let table = PairLaws::new(3, &laws).unwrap();
+                follow(&seed, &packing, (table, own_tsuji), &SI, skin)?;
+            }
         }
     }
 }
 
-/// A table of the laws of three materials; a fourth has no room in it.
-fn table<L: Law<f64>>(law: fn(Materials) -> L) -> PairLaws<L, 3> {
-    let mut table = PairLaws::new(3, law([0; 2])).unwrap();
-    for (a, b) in [(0, 1), (0, 2), (1, 1), (2, 1), (2, 2)] {
-        table.set([a, b], law([a, b])).unwrap();
-    }
-    table
+/// The laws of three materials, in the order of a table.
+fn table<L: Copy>(law: fn(Materials) -> L) -> Vec<L> {
+    PairLaws::<L>::pairs(3).map(law).collect()
 }
 
 /// Numbers that tell every two materials from all others, in either order.

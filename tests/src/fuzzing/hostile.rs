@@ -306,12 +306,10 @@ pub(super) fn plain<R: Real>(bytes: &mut Bytes) -> bool {
     let tsuji = HertzTsuji::new(number(bytes), number(bytes), number(bytes), number(bytes));
     react(&history, &contact, vector(bytes), number(bytes));
     react(&tsuji, &contact, vector(bytes), number(bytes));
-    let mut table = PairLaws::<_, 3>::new(3, history).expect("room for three");
-    let pair = [0; 2].map(|_| bytes.byte());
-    assert_eq!(
-        table.set(pair, history).is_some(),
-        pair.iter().all(|of| *of < 3)
-    );
+    let laws = [history; 6];
+    let count = bytes.byte();
+    assert_eq!(PairLaws::new(count, &laws).is_some(), count == 3);
+    let table = PairLaws::new(3, &laws).expect("six pairs");
     react(&table, &contact, vector(bytes), number(bytes));
     let mut hasher = Hasher::new();
     (0..bytes.byte()).for_each(|_| hasher.word(word(bytes)));

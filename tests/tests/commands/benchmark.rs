@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use bitgrain_tests::{differing, number, printed, results};
+use bitgrain_tests::{differing, golden, number, printed, results};
 use serde_json::Value;
 
 use crate::PROGRAM;
@@ -157,7 +157,8 @@ fn a_ball_falls_on_a_bed() {
             assert!((v - (-5.0 - g * t)).abs() < 1e-11, "{t}");
         }
     }
-    let start = "Radius[m] PosX[m] PosY[m] PosZ[m]\n0.001 0.04 0.02 -0.0892\n5 0.01 0.01 0 0 0.06\n";
+    let start =
+        "Radius[m] PosX[m] PosY[m] PosZ[m]\n0.001 0.04 0.02 -0.0892\n5 0.01 0.01 0 0 0.06\n";
     std::fs::write(folder.path().join("start.txt"), start).unwrap();
     let (_, from_file) = run(&["--start", "start.txt"], "three");
     assert_eq!(
@@ -166,7 +167,7 @@ fn a_ball_falls_on_a_bed() {
         "the ball is still in the air"
     );
     let page = std::str::from_utf8(&from_file["report.html"]).unwrap();
-    assert!(page.contains("grains as in start.txt"));
+    assert!(page.contains("as in start.txt"));
 
     // One layer does not stop it, and bodies do not push each other.
     let through = [
@@ -193,6 +194,25 @@ fn a_ball_falls_on_a_bed() {
         assert!(refused.contains(said), "{refused}");
     }
     assert!(!folder.path().join("five").exists());
+}
+
+/// At its full size, poured and hit at both values of g, it gives the golden ways of the ball.
+#[test]
+#[ignore = "10 billion grain-steps: `.ci/run impact`, eight minutes on two cores"]
+fn the_ball_goes_its_golden_way() {
+    let folder = tempfile::tempdir().unwrap();
+    printed(
+        PROGRAM,
+        folder.path(),
+        &["benchmark", "dosta-impact", "--out", "out"],
+        0,
+    );
+    let files = results(&folder.path().join("out"));
+    for name in ["test-1.csv", "test-2.csv"] {
+        let own = String::from_utf8(files[name].clone()).unwrap();
+        let theirs = std::fs::read_to_string(golden("dosta-impact").join(name)).unwrap();
+        assert_eq!(own, theirs, "{name}");
+    }
 }
 
 #[test]

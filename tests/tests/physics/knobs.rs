@@ -184,8 +184,8 @@ fn cuts_into_parts_change_nothing() {
         match &sim.law {
             AnyLaw::HertzHistory(law) => cut(&sim, law, name),
             AnyLaw::HertzTsuji(law) => cut(&sim, law, name),
-            AnyLaw::HertzHistoryPairs(laws) => cut(&sim, &**laws, name),
-            AnyLaw::HertzTsujiPairs(laws) => cut(&sim, &**laws, name),
+            AnyLaw::HertzHistoryPairs(laws) => cut(&sim, &laws.lend(), name),
+            AnyLaw::HertzTsujiPairs(laws) => cut(&sim, &laws.lend(), name),
         }
     }
 }

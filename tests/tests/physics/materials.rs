@@ -155,7 +155,7 @@ fn lammps_pair_coefficients() {
                 spring = scaled(plane, long / left);
             }
             let advance = if step == 0 { 0.0 } else { dt };
-            let ours = react(&*laws, &contact, spring, advance);
+            let ours = react(&laws.lend(), &contact, spring, advance);
             spring = ours.spring;
             touching += 1;
             let force = add(scaled(contact.normal, ours.normal), ours.tangential);

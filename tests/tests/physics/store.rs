@@ -48,8 +48,8 @@ fn follow<const PAIRS: usize, const BODIES: usize>(name: &str, sim: &Simulation,
     match &sim.law {
         AnyLaw::HertzHistory(law) => steps(name, &mut store, law),
         AnyLaw::HertzTsuji(law) => steps(name, &mut store, law),
-        AnyLaw::HertzHistoryPairs(laws) => steps(name, &mut store, &**laws),
-        AnyLaw::HertzTsujiPairs(laws) => steps(name, &mut store, &**laws),
+        AnyLaw::HertzHistoryPairs(laws) => steps(name, &mut store, &laws.lend()),
+        AnyLaw::HertzTsujiPairs(laws) => steps(name, &mut store, &laws.lend()),
     }
 }
 

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::hertz_history::HertzHistoryParameters;
 use super::hertz_tsuji::HertzTsujiParameters;
 use super::parameters::{LawParameters, Springs, Sprung, Wrong};
-use super::table::{Pairs, spelled};
+use super::table::Pairs;
 
 /// A contact law with the parameters its paper gives.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -29,10 +29,8 @@ pub enum AnyLaw {
     /// Guillard 2014, eq. A1.
     HertzTsuji(HertzTsuji<f64>),
     /// The first with other numbers for each pair of materials.
-    #[serde(with = "spelled")]
     HertzHistoryPairs(Arc<Pairs<HertzHistory<f64>>>),
     /// The second likewise.
-    #[serde(with = "spelled")]
     HertzTsujiPairs(Arc<Pairs<HertzTsuji<f64>>>),
 }
 
@@ -123,8 +121,8 @@ impl AnyLaw {
         match self {
             AnyLaw::HertzHistory(law) => what.run(law),
             AnyLaw::HertzTsuji(law) => what.run(law),
-            AnyLaw::HertzHistoryPairs(laws) => what.run(&**laws),
-            AnyLaw::HertzTsujiPairs(laws) => what.run(&**laws),
+            AnyLaw::HertzHistoryPairs(laws) => what.run(&laws.lend()),
+            AnyLaw::HertzTsujiPairs(laws) => what.run(&laws.lend()),
         }
     }
 

@@ -17,5 +17,4 @@ pub use table::{
     HertzHistoryPair, HertzHistoryTable, HertzTsujiPair, HertzTsujiTable, LawTable, MATERIALS_MAX,
     NoNumbers, Pairs, WrongKey,
 };
-pub(crate) use table::{from_laws, in_order};
 pub use time_step::{CONTACT_FRACTION_MAX, RAYLEIGH_FRACTION_MAX, check_rayleigh, rayleigh_time};

@@ -41,7 +41,7 @@ pub trait Sprung {
     fn springs(&self, materials: Materials) -> Springs;
 }
 
-impl<L: Copy + Sprung, const N: usize> Sprung for PairLaws<L, N> {
+impl<L: Copy + Sprung> Sprung for PairLaws<'_, L> {
     fn springs(&self, materials: Materials) -> Springs {
         self.of(materials).springs(materials)
     }

@@ -13,10 +13,60 @@ use super::laws::AnyLaw;
 use super::parameters::{LawParameters, Wrong};
 
 /// Most materials of a world.
-pub const MATERIALS_MAX: usize = 8;
+pub const MATERIALS_MAX: usize = 32;
 
-/// The laws of all pairs of materials.
-pub type Pairs<L> = PairLaws<L, MATERIALS_MAX>;
+/// The laws of all pairs of so many materials, in the order of [`PairLaws::pairs`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(
+    try_from = "Spelled<L>",
+    bound(deserialize = "L: Copy + Deserialize<'de>")
+)]
+pub struct Pairs<L> {
+    materials: u8,
+    laws: Vec<L>,
+}
+
+/// The same as a file spells it.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Spelled<L> {
+    materials: u8,
+    laws: Vec<L>,
+}
+
+impl<L: Copy> TryFrom<Spelled<L>> for Pairs<L> {
+    type Error = &'static str;
+
+    fn try_from(Spelled { materials, laws }: Spelled<L>) -> Result<Self, &'static str> {
+        Self::new(materials, laws).ok_or("not one law for each pair of materials")
+    }
+}
+
+impl<L: Copy> Pairs<L> {
+    /// So many materials with these laws; `None` if there is not one for each pair.
+    pub fn new(materials: u8, laws: Vec<L>) -> Option<Self> {
+        PairLaws::new(materials, &laws)?;
+        Some(Self { materials, laws })
+    }
+
+    /// How many materials.
+    pub fn materials(&self) -> u8 {
+        self.materials
+    }
+
+    /// The law of each pair, in order.
+    pub fn laws(&self) -> &[L] {
+        &self.laws
+    }
+
+    /// The law that contacts are evaluated by.
+    ///
+    /// # Panics
+    /// Never: it was checked as it was made.
+    pub fn lend(&self) -> PairLaws<'_, L> {
+        PairLaws::new(self.materials, &self.laws).expect("one law for each pair")
+    }
+}
 
 /// A key that is wrong, such as `pairs[1].mu`, and what was expected of it.
 pub type WrongKey = (String, String);
@@ -225,71 +275,21 @@ impl LawTable {
         Ok(count)
     }
 
-    /// The table of laws in the order of the pairs; pairs without numbers, which cannot meet, have those of the first.
+    /// The table of these laws, which come in the order of the file; pairs without numbers, which cannot meet, have those
+    /// of its first.
     fn filled<L: Copy>(
         &self,
         count: u8,
         laws: impl Iterator<Item = Result<L, Wrong>>,
     ) -> Result<Arc<Pairs<L>>, WrongKey> {
-        let mut table: Option<Pairs<L>> = None;
-        for (k, (law, pair)) in laws.zip(self.pairs()).enumerate() {
-            let law = law.map_err(|(key, problem)| (format!("pairs[{k}].{key}"), problem))?;
-            let mut filled = match table {
-                Some(table) => table,
-                None => {
-                    Pairs::new(count, law).expect("at most as many materials as it has room for")
-                }
-            };
-            filled
-                .set(pair, law)
-                .expect("names of materials that exist");
-            table = Some(filled);
+        let mut given = Vec::new();
+        for (k, law) in laws.enumerate() {
+            given.push(law.map_err(|(key, problem)| (format!("pairs[{k}].{key}"), problem))?);
         }
-        Ok(Arc::new(table.expect("one pair at least")))
-    }
-}
-
-/// A table of laws as a checkpoint spells it: how many materials, and the law of each pair by its two numbers.
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Spelled<L> {
-    materials: u8,
-    laws: Vec<L>,
-}
-
-/// The pairs of so many materials in the order in which files have them.
-pub(crate) fn in_order(materials: u8) -> impl Iterator<Item = Materials> {
-    (0..materials).flat_map(move |a| (a..materials).map(move |b| [a, b]))
-}
-
-/// A table from its laws in that order.
-pub(crate) fn from_laws<L: Copy>(materials: u8, laws: &[L]) -> Option<Arc<Pairs<L>>> {
-    let mut table = Pairs::new(materials, *laws.first()?)?;
-    let mut next = laws.iter();
-    for pair in in_order(materials) {
-        table.set(pair, *next.next()?)?;
-    }
-    next.next().is_none().then(|| Arc::new(table))
-}
-
-/// How a table of laws is written within another value.
-pub(super) mod spelled {
-    use super::{Arc, Pairs, Spelled, from_laws, in_order};
-    use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
-
-    pub fn serialize<L: Copy + Serialize, S: Serializer>(
-        table: &Arc<Pairs<L>>,
-        to: S,
-    ) -> Result<S::Ok, S::Error> {
-        let materials = table.count();
-        let laws = in_order(materials).map(|pair| *table.of(pair)).collect();
-        Spelled { materials, laws }.serialize(to)
-    }
-
-    pub fn deserialize<'de, L: Copy + Deserialize<'de>, D: Deserializer<'de>>(
-        from: D,
-    ) -> Result<Arc<Pairs<L>>, D::Error> {
-        let Spelled { materials, laws } = Spelled::deserialize(from)?;
-        from_laws(materials, &laws).ok_or_else(|| D::Error::custom("not one law for each pair"))
+        let pairs = self.pairs();
+        let place = |[a, b]: Materials| pairs.iter().position(|p| *p == [a, b] || *p == [b, a]);
+        let all = PairLaws::<L>::pairs(count).map(|pair| given[place(pair).unwrap_or(0)]);
+        let table = Pairs::new(count, all.collect());
+        Ok(Arc::new(table.expect("one law for each pair")))
     }
 }

@@ -7,7 +7,7 @@ use bitgrain_sim::simulation::{Simulation, hex};
 use bitgrain_sim::table::{Cell, Table, column};
 
 use super::start::{grains, ordered};
-use super::{ABOVE, BALL, DT, FLOOR, HALF, M1_NUMBER, STEEL, STEEL_NUMBER, VELOCITY, law};
+use super::{ABOVE, BALL, DT, FLOOR, HALF, M1_NUMBER, STEEL, STEEL_NUMBER, STEPS, VELOCITY, law};
 use crate::benchmark::Request;
 use crate::benchmark::result::{Chart, Check, Curve, Performance, Source, Test};
 
@@ -113,7 +113,7 @@ impl Course {
         let name = format!("g = {gravity}");
         let mut sim = world(places, gravity)?;
         sim.start().map_err(|fault| Error::run(&name, 0, fault))?;
-        let steps = |time: f64| (time / DT).round() as u64;
+        let steps = |time: f64| (time * STEPS).round() as u64;
         let (row, glance, last) = (steps(ROW), steps(GLANCE), steps(until));
         let stage = request.progress.stage(&name, last);
         let (mut rows, mut met) = (vec![Row::of(&sim)], None);
@@ -161,12 +161,13 @@ impl Course {
     }
 
     /// What is told of it.
-    pub fn test(&self, number: u32) -> Test {
+    pub fn test(&self, number: u32, from: &str) -> Test {
         let g = self.gravity;
         let setup = format!(
-            "A steel ball of 20 mm falls at 5 m/s on {} grains of 2 mm that rest in a steel box of 98 by 60 mm; g = {g} \
-             m/s^2, dt = {DT} s.",
-            self.grains
+            "A steel ball of 20 mm falls at 5 m/s on {} grains of 2 mm, {from}, that rest in a steel box of 98 by 60 \
+             mm; g = {g} m/s^2, dt = {} µs.",
+            self.grains,
+            short(1e6 * DT)
         );
         let title = "A steel ball hits a bed";
         let mut test = Test::new(number, title, &setup);
@@ -245,7 +246,7 @@ impl Row {
         let ball = &sim.obstacles[BALL_NUMBER];
         let ([x, y, z], [u, v, w]) = (ball.point, ball.velocity);
         Self {
-            time: sim.step_count() as f64 * DT,
+            time: sim.step_count() as f64 / STEPS,
             height: z,
             speed: w,
             place: [x, y],
