@@ -1,5 +1,6 @@
 //! Grains from arrays, and their groups.
 
+use bitgrain::law::material_number;
 use bitgrain::simulation::Grain;
 use bitgrain_kernel::{Cause, Departure, Group as Motion};
 use numpy::PyArray1;
@@ -210,7 +211,7 @@ impl Arrays {
 /// `InputError` for a group of another world or an unknown kind.
 pub fn group_number(group: Option<&Bound<'_, PyAny>>, shared: &Shared) -> PyResult<u8> {
     let Some(group) = group else {
-        return kind_number(Kind::Free, shared);
+        return kind_number(Kind::Free, None, shared);
     };
     if let Ok(handle) = group.cast::<Group>() {
         let handle = handle.get();
@@ -225,24 +226,39 @@ pub fn group_number(group: Option<&Bound<'_, PyAny>>, shared: &Shared) -> PyResu
     let word: String = group
         .extract()
         .map_err(|_| unknown(&format!("{group:?}")))?;
-    kind_number(kind_of(&word)?, shared)
+    kind_number(kind_of(&word)?, None, shared)
 }
 
-/// The number of a world's group of a kind under the world's gravity. A world that was saved in C may lack it, and then
-/// gets it.
+/// The number of a world's group of a kind and a material under the world's gravity. A world that lacks it gets it.
 ///
 /// # Errors
-/// `InputError` if there are as many groups as are possible; `Busy`.
-pub fn kind_number(kind: Kind, shared: &Shared) -> PyResult<u8> {
-    let found = read(shared)?.group_of(kind);
+/// `InputError` if there are as many groups as are possible, or of a material as [`material`]; `Busy`.
+pub fn kind_number(kind: Kind, name: Option<&str>, shared: &Shared) -> PyResult<u8> {
+    let material = material(name, shared)?;
+    let found = read(shared)?.group_of(kind, material);
     match found {
         Some(number) => Ok(number),
         None => {
             let mut core = write(shared)?;
-            let group = kind.group(core.gravity);
+            let group = kind.group(core.gravity, material);
             added_group(group, &mut core)
         }
     }
+}
+
+/// The number of a world's material.
+///
+/// # Errors
+/// `InputError` for a name that is none of its materials, or without one if it has several; `Busy`.
+pub fn material(name: Option<&str>, shared: &Shared) -> PyResult<u8> {
+    let number = material_number(&read(shared)?.materials, name);
+    number.map_err(|problem| match name {
+        None => input(
+            "material",
+            format!("{problem}; of grains, pass group=world.group(kind, material=...)"),
+        ),
+        Some(_) => input("material", problem),
+    })
 }
 
 /// Adds a group to a world and returns its number.

@@ -1,9 +1,12 @@
 //! The contact laws.
 
+use bitgrain::case::CaseLaw;
+use bitgrain::json::parse;
 use bitgrain::law::{AnyLaw, HertzHistoryParameters, HertzTsujiParameters};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
-use crate::errors::input;
+use crate::errors::{input, laboratory};
 
 /// Contacts with Hertz' normal force, a damper and a tangential spring, after Kumar 2018, eqs. 1 and 2; `hertz_history`
 /// of scenarios.
@@ -161,20 +164,31 @@ impl HertzTsuji {
     }
 }
 
-/// The law that a Python object stands for.
+/// The law that a Python object stands for, and the names of its materials if it has several.
 ///
 /// # Errors
 /// `InputError` if it is none.
-pub fn law(value: &Bound<'_, PyAny>) -> PyResult<AnyLaw> {
+pub fn law(value: &Bound<'_, PyAny>) -> PyResult<(AnyLaw, Vec<String>)> {
     let wrong = |(key, problem): (&str, String)| input(key, problem);
     if let Ok(law) = value.cast::<HertzHistory>() {
-        return Ok(AnyLaw::HertzHistory(law.get().0.build().map_err(wrong)?));
+        let law = law.get().0.build().map_err(wrong)?;
+        return Ok((AnyLaw::HertzHistory(law), Vec::new()));
     }
     if let Ok(law) = value.cast::<HertzTsuji>() {
-        return Ok(AnyLaw::HertzTsuji(law.get().0.build().map_err(wrong)?));
+        let law = law.get().0.build().map_err(wrong)?;
+        return Ok((AnyLaw::HertzTsuji(law), Vec::new()));
+    }
+    if let Ok(table) = value.cast::<PyDict>() {
+        let json = value.py().import("json")?;
+        let text: String = json.call_method1("dumps", (table,))?.extract()?;
+        let law: CaseLaw = parse(&text, "law").map_err(|wrong| laboratory(&wrong))?;
+        let built = law.build();
+        let built = built.map_err(|(key, problem)| input(&format!("law.{key}"), problem))?;
+        let names = law.names().into_iter().map(str::to_owned).collect();
+        return Ok((built, names));
     }
     let problem = format!(
-        "is {}; expected HertzHistory(...) or HertzTsuji(...)",
+        "is {}; expected HertzHistory(...), HertzTsuji(...), or a dict as the `law` of a case file",
         value.repr()?
     );
     Err(input("law", problem))

@@ -35,14 +35,15 @@ pub const KINDS: [(Kind, &str); 4] = [
 ];
 
 impl Kind {
-    /// The group of this kind under a gravity.
-    pub fn group(self, gravity: [f64; 3]) -> Group<f64> {
-        match self {
+    /// The group of this kind under a gravity, of a material.
+    pub fn group(self, gravity: [f64; 3], material: u8) -> Group<f64> {
+        let group = match self {
             Self::Free => Group::free(gravity),
             Self::Frozen => Group::frozen(),
             Self::Carried => Group::prescribed_velocity(),
             Self::Lid => Group::free_along_z(gravity),
-        }
+        };
+        group.of_material(material)
     }
 }
 
@@ -73,6 +74,8 @@ pub struct Core {
     pub threads: usize,
     /// The next id that no grain has had.
     pub next_id: u32,
+    /// Names of the materials; none if there is one only.
+    pub materials: Vec<String>,
     /// The grains that left in the steps of the last call.
     pub lost: Vec<Departure<f64>>,
     /// Steps that the means are over.
@@ -82,20 +85,34 @@ pub struct Core {
 
 impl Core {
     /// A world of this simulation without grains or obstacles, with one group of each kind.
-    pub fn new(mut sim: Simulation, gravity: [f64; 3], threads: usize) -> Self {
-        sim.groups = KINDS.iter().map(|(kind, _)| kind.group(gravity)).collect();
-        Self::of(sim, gravity, threads)
+    pub fn new(
+        mut sim: Simulation,
+        gravity: [f64; 3],
+        threads: usize,
+        materials: Vec<String>,
+    ) -> Self {
+        let kinds = KINDS.iter().map(|(kind, _)| kind.group(gravity, 0));
+        sim.groups = kinds.collect();
+        Self {
+            materials,
+            ..Self::of(sim, gravity, threads)
+        }
     }
 
-    /// A world of a simulation that was saved.
+    /// A world of a simulation that was saved. Its materials have their numbers for names.
     pub fn loaded(sim: Simulation, threads: usize) -> Self {
         let free = sim
             .groups
             .iter()
             .find(|group| group.integrates == [true; 3]);
         let gravity = free.map_or([0.0; 3], |group| group.gravity);
+        let several = 0..sim.law.materials();
         Self {
             started: true,
+            materials: match several.len() {
+                1 => Vec::new(),
+                _ => several.map(|number| number.to_string()).collect(),
+            },
             ..Self::of(sim, gravity, threads)
         }
     }
@@ -109,15 +126,16 @@ impl Core {
             threads,
             next_id: sim.id.last().map_or(1, |id| id.saturating_add(1)),
             sim,
+            materials: Vec::new(),
             lost: Vec::new(),
             counted: 0,
             pool: None,
         }
     }
 
-    /// The number of the first group of a kind under the gravity of this world.
-    pub fn group_of(&self, kind: Kind) -> Option<u8> {
-        let wanted = kind.group(self.gravity);
+    /// The number of the first group of a kind and a material under the gravity of this world.
+    pub fn group_of(&self, kind: Kind, material: u8) -> Option<u8> {
+        let wanted = kind.group(self.gravity, material);
         let found = self.sim.groups.iter().position(|group| *group == wanted);
         found.and_then(|number| u8::try_from(number).ok())
     }
@@ -206,12 +224,13 @@ impl Core {
         &mut self,
         point: [f64; 3],
         velocity: [f64; 3],
+        material: u8,
         triangles: &[Triangle],
     ) -> Result<usize, KernelError> {
         let number = self.driven.len();
         self.rearrange(|sim| {
             let mut body = add_mesh(sim, point, triangles);
-            body.velocity = velocity;
+            (body.velocity, body.material) = (velocity, material);
             let domain = sim.domain;
             domain.wrap(&mut body.point, &mut [0; 3]);
             sim.obstacles.push(body);

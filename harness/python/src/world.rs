@@ -12,7 +12,10 @@ use pyo3::prelude::*;
 use crate::arrays::{rows, triangles, vector};
 use crate::edits::Edit;
 use crate::errors::{input, kernel};
-use crate::grains::{Given, Group, added_group, group_number, ids_of, kind_number, kind_of};
+use crate::grains::{
+    Given, Group, added_group, group_number, ids_of, kind_number, kind_of,
+    material as material_number,
+};
 use crate::laws::law as law_of;
 use crate::obstacles::{Obstacle, weighed};
 use crate::settings::{processors, registers};
@@ -95,7 +98,8 @@ impl World {
             return Err(input("dt", format!("is {dt}; expected a positive number")));
         }
         let threads = processors(threads)?;
-        let mut sim = Simulation::new(law_of(law)?, domain, dt, Vec::new(), &[], Vec::new());
+        let (law, materials) = law_of(law)?;
+        let mut sim = Simulation::new(law, domain, dt, Vec::new(), &[], Vec::new());
         sim.stepping.registers = registers(instructions)?;
         let drain = drain.map(|(point, normal)| {
             let (point, normal) = (vector(&point, "drain")?, direction(&normal, "drain")?);
@@ -105,7 +109,7 @@ impl World {
             takes_out: lose,
             drain: drain.transpose()?,
         };
-        let core = Core::new(sim, gravity, threads);
+        let core = Core::new(sim, gravity, threads, materials);
         let shared = Arc::new(RwLock::new(core));
         Ok(Self { shared, gravity })
     }
@@ -177,20 +181,23 @@ impl World {
     ///     Velocity (length / time).
     /// density : float, optional
     ///     Mass density with which its mass enters its contacts; without one it is infinitely heavy.
+    /// material : str, optional
+    ///     Name of its material, if the law has several; likewise of all other obstacles.
     ///
     /// Raises
     /// ------
     /// BadObstacle, InputError, Busy
-    #[pyo3(signature = (radius, point=None, velocity=None, density=None))]
+    #[pyo3(signature = (radius, point=None, velocity=None, density=None, material=None))]
     fn sphere(
         &self,
         radius: f64,
         point: Option<&Bound<'_, PyAny>>,
         velocity: Option<&Bound<'_, PyAny>>,
         density: Option<f64>,
+        material: Option<&str>,
     ) -> PyResult<Obstacle> {
         let body = Body::sphere(or_zero(point, "point")?, radius);
-        self.obstacle(body, velocity, density)
+        self.obstacle(body, velocity, density, material)
     }
 
     /// Adds a round bar, endless or with flat ends.
@@ -213,7 +220,7 @@ impl World {
     /// Raises
     /// ------
     /// BadObstacle, InputError, Busy
-    #[pyo3(signature = (radius, axis, point=None, velocity=None, length=None, density=None))]
+    #[pyo3(signature = (radius, axis, point=None, velocity=None, length=None, density=None, material=None))]
     fn cylinder(
         &self,
         radius: f64,
@@ -222,13 +229,14 @@ impl World {
         velocity: Option<&Bound<'_, PyAny>>,
         length: Option<f64>,
         density: Option<f64>,
+        material: Option<&str>,
     ) -> PyResult<Obstacle> {
         let (axis, point) = (direction(axis, "axis")?, or_zero(point, "point")?);
         let body = match length {
             Some(length) => Body::finite_cylinder(point, axis, radius, 0.5 * length),
             None => Body::cylinder(point, axis, radius),
         };
-        self.obstacle(body, velocity, density)
+        self.obstacle(body, velocity, density, material)
     }
 
     /// Adds a round bar with half balls as ends, by their radius and half the distance between their centres (length);
@@ -237,7 +245,7 @@ impl World {
     /// Raises
     /// ------
     /// BadObstacle, InputError, Busy
-    #[pyo3(signature = (radius, axis, half_length, point=None, velocity=None, density=None))]
+    #[pyo3(signature = (radius, axis, half_length, point=None, velocity=None, density=None, material=None))]
     fn capsule(
         &self,
         radius: f64,
@@ -246,10 +254,11 @@ impl World {
         point: Option<&Bound<'_, PyAny>>,
         velocity: Option<&Bound<'_, PyAny>>,
         density: Option<f64>,
+        material: Option<&str>,
     ) -> PyResult<Obstacle> {
         let (axis, point) = (direction(axis, "axis")?, or_zero(point, "point")?);
         let body = Body::capsule(point, axis, radius, half_length);
-        self.obstacle(body, velocity, density)
+        self.obstacle(body, velocity, density, material)
     }
 
     /// Adds a box by the halves of its edges (length), shape (3,); the rest as of a sphere.
@@ -257,16 +266,17 @@ impl World {
     /// Raises
     /// ------
     /// BadObstacle, InputError, Busy
-    #[pyo3(signature = (half, point=None, velocity=None, density=None))]
+    #[pyo3(signature = (half, point=None, velocity=None, density=None, material=None))]
     fn cuboid(
         &self,
         half: &Bound<'_, PyAny>,
         point: Option<&Bound<'_, PyAny>>,
         velocity: Option<&Bound<'_, PyAny>>,
         density: Option<f64>,
+        material: Option<&str>,
     ) -> PyResult<Obstacle> {
         let body = Body::cuboid(or_zero(point, "point")?, vector(half, "half")?);
-        self.obstacle(body, velocity, density)
+        self.obstacle(body, velocity, density, material)
     }
 
     /// Adds the inside of a cylinder with ends, in which grains live, by its inner radius and length; the rest as of a
@@ -275,16 +285,18 @@ impl World {
     /// Raises
     /// ------
     /// BadObstacle, InputError, Busy
-    #[pyo3(signature = (radius, axis, length, point=None))]
+    #[pyo3(signature = (radius, axis, length, point=None, material=None))]
     fn drum(
         &self,
         radius: f64,
         axis: &Bound<'_, PyAny>,
         length: f64,
         point: Option<&Bound<'_, PyAny>>,
+        material: Option<&str>,
     ) -> PyResult<Obstacle> {
         let (axis, point) = (direction(axis, "axis")?, or_zero(point, "point")?);
-        self.obstacle(Body::drum(point, axis, radius, 0.5 * length), None, None)
+        let body = Body::drum(point, axis, radius, 0.5 * length);
+        self.obstacle(body, None, None, material)
     }
 
     /// Adds a mesh of triangles that moves as it is told; grains touch both sides.
@@ -301,17 +313,20 @@ impl World {
     /// Raises
     /// ------
     /// BadObstacle, InputError, Busy
-    #[pyo3(signature = (triangles, point=None, velocity=None))]
+    #[pyo3(signature = (triangles, point=None, velocity=None, material=None))]
     fn mesh(
         &self,
         triangles: &Bound<'_, PyAny>,
         point: Option<&Bound<'_, PyAny>>,
         velocity: Option<&Bound<'_, PyAny>>,
+        material: Option<&str>,
     ) -> PyResult<Obstacle> {
         let corners = corners(triangles)?;
         let (point, velocity) = (or_zero(point, "point")?, or_zero(velocity, "velocity")?);
+        let material = material_number(material, &self.shared)?;
         let mut core = write(&self.shared)?;
-        let number = core.add_mesh(point, velocity, &corners).map_err(kernel)?;
+        let number = core.add_mesh(point, velocity, material, &corners);
+        let number = number.map_err(kernel)?;
         Ok(Obstacle::of(&self.shared, number))
     }
 
@@ -329,22 +344,20 @@ impl World {
     /// Raises
     /// ------
     /// BadObstacle, InputError, Busy
-    #[pyo3(signature = (normal, point=None, velocity=None))]
+    #[pyo3(signature = (normal, point=None, velocity=None, material=None))]
     fn plane(
         &self,
         normal: &Bound<'_, PyAny>,
         point: Option<&Bound<'_, PyAny>>,
         velocity: Option<&Bound<'_, PyAny>>,
+        material: Option<&str>,
     ) -> PyResult<Obstacle> {
         let normal = direction(normal, "normal")?;
-        self.obstacle(
-            Body::plane(or_zero(point, "point")?, normal),
-            velocity,
-            None,
-        )
+        let body = Body::plane(or_zero(point, "point")?, normal);
+        self.obstacle(body, velocity, None, material)
     }
 
-    /// Makes a group of grains with a gravity of its own, for `group=`.
+    /// Makes a group of grains with a gravity or a material of its own, for `group=`.
     ///
     /// Parameters
     /// ----------
@@ -352,18 +365,26 @@ impl World {
     ///     "free", "frozen", "carried" or "lid".
     /// gravity : array_like, shape (3,), optional
     ///     Acceleration of its grains (length / time^2), if they are free along an axis; the world's by default.
+    /// material : str, optional
+    ///     Name of their material, if the law has several.
     ///
     /// Raises
     /// ------
     /// InputError, Busy
-    #[pyo3(signature = (kind, gravity=None))]
-    fn group(&self, kind: &str, gravity: Option<&Bound<'_, PyAny>>) -> PyResult<Group> {
+    #[pyo3(signature = (kind, gravity=None, material=None))]
+    fn group(
+        &self,
+        kind: &str,
+        gravity: Option<&Bound<'_, PyAny>>,
+        material: Option<&str>,
+    ) -> PyResult<Group> {
         let kind = kind_of(kind)?;
         let shared = Arc::clone(&self.shared);
         let number = match gravity {
-            None => kind_number(kind, &self.shared)?,
+            None => kind_number(kind, material, &self.shared)?,
             Some(gravity) => {
-                let group = kind.group(vector(gravity, "gravity")?);
+                let material = material_number(material, &self.shared)?;
+                let group = kind.group(vector(gravity, "gravity")?, material);
                 added_group(group, &mut *write(&self.shared)?)?
             }
         };
@@ -401,9 +422,11 @@ impl World {
         body: Body<f64>,
         velocity: Option<&Bound<'_, PyAny>>,
         density: Option<f64>,
+        material: Option<&str>,
     ) -> PyResult<Obstacle> {
         let mut body = weighed(body, density)?;
         body.velocity = or_zero(velocity, "velocity")?;
+        body.material = material_number(material, &self.shared)?;
         let number = write(&self.shared)?.add_obstacle(body).map_err(kernel)?;
         Ok(Obstacle::of(&self.shared, number))
     }

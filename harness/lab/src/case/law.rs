@@ -1,6 +1,8 @@
 //! The law of a case: the numbers of one material, or of each pair of several.
 
-use bitgrain_sim::law::{AnyLaw, LawSpec, LawTable, WrongKey, check_rayleigh, rayleigh_time};
+use bitgrain_sim::law::{
+    AnyLaw, LawSpec, LawTable, WrongKey, check_rayleigh, material_number, rayleigh_time,
+};
 use serde::{Deserialize, Deserializer, Serialize, de::Error};
 
 use super::keys::Case;
@@ -53,32 +55,20 @@ impl CaseLaw {
         }
     }
 
+    /// Names of its materials by number; none if all contacts have the same numbers.
+    pub fn names(&self) -> Vec<&str> {
+        match self {
+            Self::One(_) => Vec::new(),
+            Self::Pairs(law) => law.names(),
+        }
+    }
+
     /// The number of the material with this name; of the only one, if none is named.
     ///
     /// # Errors
     /// What is wrong with the name, or that there is none.
     pub(super) fn material(&self, name: Option<&str>) -> Result<u8, String> {
-        let names = match self {
-            Self::One(_) => Vec::new(),
-            Self::Pairs(law) => law.names(),
-        };
-        let all = names.join(", ");
-        match name {
-            None if names.len() < 2 => Ok(0),
-            None => Err(format!(
-                "is missing; expected one of `law.materials`: {all}"
-            )),
-            Some(name) if names.is_empty() => Err(format!(
-                "is \"{name}\", and the law has the numbers of one material; leave it out, or give `law` its \
-                 `materials` and `pairs`"
-            )),
-            Some(name) => match names.iter().position(|known| *known == name) {
-                Some(place) => Ok(place as u8),
-                None => Err(format!(
-                    "is \"{name}\"; expected one of `law.materials`: {all}"
-                )),
-            },
-        }
+        material_number(&self.names(), name)
     }
 
     /// How many materials there are.

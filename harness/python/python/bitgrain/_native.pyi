@@ -33,7 +33,7 @@ __all__ = [
 BITS_VERSION: int
 """Names the arithmetic of a step: builds with the same number give the same bits."""
 
-_Law = Union["HertzHistory", "HertzTsuji"]
+_Law = Union["HertzHistory", "HertzTsuji", Dict[str, Any]]
 _Array = Union[ArrayLike, View]
 _Push = Union[_Array, Callable[["World"], _Array]]
 _Path = Union[str, "PathLike[str]"]
@@ -193,6 +193,7 @@ class World:
         point: Optional[_Array] = None,
         velocity: Optional[_Array] = None,
         density: Optional[float] = None,
+        material: Optional[str] = None,
     ) -> Obstacle: ...
     def cylinder(
         self,
@@ -202,6 +203,7 @@ class World:
         velocity: Optional[_Array] = None,
         length: Optional[float] = None,
         density: Optional[float] = None,
+        material: Optional[str] = None,
     ) -> Obstacle: ...
     def capsule(
         self,
@@ -211,6 +213,7 @@ class World:
         point: Optional[_Array] = None,
         velocity: Optional[_Array] = None,
         density: Optional[float] = None,
+        material: Optional[str] = None,
     ) -> Obstacle: ...
     def cuboid(
         self,
@@ -218,6 +221,7 @@ class World:
         point: Optional[_Array] = None,
         velocity: Optional[_Array] = None,
         density: Optional[float] = None,
+        material: Optional[str] = None,
     ) -> Obstacle: ...
     def drum(
         self,
@@ -225,20 +229,25 @@ class World:
         axis: _Array,
         length: float,
         point: Optional[_Array] = None,
+        material: Optional[str] = None,
     ) -> Obstacle: ...
     def mesh(
         self,
         triangles: Union[_Array, str, PathLike[str]],
         point: Optional[_Array] = None,
         velocity: Optional[_Array] = None,
+        material: Optional[str] = None,
     ) -> Obstacle: ...
     def plane(
         self,
         normal: _Array,
         point: Optional[_Array] = None,
         velocity: Optional[_Array] = None,
+        material: Optional[str] = None,
     ) -> Obstacle: ...
-    def group(self, kind: str, gravity: Optional[_Array] = None) -> Group: ...
+    def group(
+        self, kind: str, gravity: Optional[_Array] = None, material: Optional[str] = None
+    ) -> Group: ...
     @classmethod
     def load(
         cls,

@@ -126,6 +126,15 @@ impl AnyLaw {
         }
     }
 
+    /// How many materials it has numbers of.
+    pub fn materials(&self) -> u8 {
+        match self {
+            AnyLaw::HertzHistory(_) | AnyLaw::HertzTsuji(_) => 1,
+            AnyLaw::HertzHistoryPairs(laws) => laws.materials(),
+            AnyLaw::HertzTsujiPairs(laws) => laws.materials(),
+        }
+    }
+
     /// The springs of contacts between two materials.
     pub fn springs(&self, materials: Materials) -> Springs {
         struct Between(Materials);

@@ -15,6 +15,6 @@ pub use laws::{AnyLaw, LawSpec, WithLaw};
 pub use parameters::{LawParameters, Springs, Sprung, Wrong};
 pub use table::{
     HertzHistoryPair, HertzHistoryTable, HertzTsujiPair, HertzTsujiTable, LawTable, MATERIALS_MAX,
-    NoNumbers, Pairs, WrongKey,
+    NoNumbers, Pairs, WrongKey, material_number,
 };
 pub use time_step::{CONTACT_FRACTION_MAX, RAYLEIGH_FRACTION_MAX, check_rayleigh, rayleigh_time};

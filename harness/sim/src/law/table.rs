@@ -71,6 +71,30 @@ impl<L: Copy> Pairs<L> {
 /// A key that is wrong, such as `pairs[1].mu`, and what was expected of it.
 pub type WrongKey = (String, String);
 
+/// The number of the material with this name among these, which are none if there is one material only.
+///
+/// # Errors
+/// That the name is none of them, or is missing although there are several.
+pub fn material_number(names: &[impl AsRef<str>], name: Option<&str>) -> Result<u8, String> {
+    let all: Vec<&str> = names.iter().map(AsRef::as_ref).collect();
+    let place = name.and_then(|name| all.iter().position(|known| *known == name));
+    let list = all.join(", ");
+    match (name, place.and_then(|place| u8::try_from(place).ok())) {
+        (_, Some(number)) => Ok(number),
+        (None, None) if all.len() < 2 => Ok(0),
+        (None, None) => Err(format!(
+            "is missing; expected a material of the law: {list}"
+        )),
+        (Some(name), None) if all.is_empty() => Err(format!(
+            "is \"{name}\", and the law has the numbers of one material; leave it out, or give the law its `materials` \
+             and `pairs`"
+        )),
+        (Some(name), None) => Err(format!(
+            "is \"{name}\"; expected a material of the law: {list}"
+        )),
+    }
+}
+
 /// A contact law with the numbers of several materials.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
