@@ -221,6 +221,7 @@ impl World {
     /// ------
     /// BadObstacle, InputError, Busy
     #[pyo3(signature = (radius, axis, point=None, velocity=None, length=None, density=None, material=None))]
+    #[allow(clippy::too_many_arguments)]
     fn cylinder(
         &self,
         radius: f64,
@@ -246,6 +247,7 @@ impl World {
     /// ------
     /// BadObstacle, InputError, Busy
     #[pyo3(signature = (radius, axis, half_length, point=None, velocity=None, density=None, material=None))]
+    #[allow(clippy::too_many_arguments)]
     fn capsule(
         &self,
         radius: f64,
