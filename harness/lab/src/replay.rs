@@ -32,8 +32,8 @@ pub struct Replay {
     pub energy: bool,
     /// Whether to print digests alone, part by part.
     pub digests: bool,
-    /// A folder for each sample as files for ParaView: `grains.STEP.vtk` and `bodies.STEP.vtk`, and with `contacts` also
-    /// `contacts.STEP.vtk`.
+    /// A folder for each sample as files for ParaView: `grains.STEP.vtk` and `bodies.STEP.vtk`, and with `contacts`
+    /// also `contacts.STEP.vtk`.
     pub vtk: Option<PathBuf>,
 }
 

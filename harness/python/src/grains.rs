@@ -8,7 +8,8 @@ use pyo3::prelude::*;
 
 use crate::arrays::{column, ids, rows};
 use crate::errors::{input, kernel};
-use crate::simulated::{Core, KINDS, Kind};
+use crate::kinds::{KINDS, Kind};
+use crate::simulated::Core;
 use crate::views::{Shared, read, write};
 
 /// How grains move; `World.group` makes one.

@@ -5,47 +5,14 @@ use bitgrain::mesh::{Triangle, add_mesh};
 use bitgrain::notes::Watch;
 use bitgrain::simulation::{Grain, Simulation};
 use bitgrain::threads::ThreadsError;
-use bitgrain_kernel::{Departure, Error as KernelError, Group, Obstacle, check_arithmetic};
+use bitgrain_kernel::{Departure, Error as KernelError, Obstacle, check_arithmetic};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::changes::{Change, Push, add_rows, apply, pushed_step, try_a_step};
+use crate::kinds::{KINDS, Kind};
 
 /// Fewest grains of a thread: with fewer grains than twice this, a simulation steps on one thread.
 const GRAINS_OF_A_THREAD: usize = 500;
-
-/// How the grains of a group move.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    /// As they are pushed.
-    Free,
-    /// Not at all.
-    Frozen,
-    /// At the velocity that they have.
-    Carried,
-    /// So along x and y, and as they are pushed along z.
-    Lid,
-}
-
-/// The kinds and their names in Python.
-pub const KINDS: [(Kind, &str); 4] = [
-    (Kind::Free, "free"),
-    (Kind::Frozen, "frozen"),
-    (Kind::Carried, "carried"),
-    (Kind::Lid, "lid"),
-];
-
-impl Kind {
-    /// The group of this kind under a gravity, of a material.
-    pub fn group(self, gravity: [f64; 3], material: u8) -> Group<f64> {
-        let group = match self {
-            Self::Free => Group::free(gravity),
-            Self::Frozen => Group::frozen(),
-            Self::Carried => Group::prescribed_velocity(),
-            Self::Lid => Group::free_along_z(gravity),
-        };
-        group.of_material(material)
-    }
-}
 
 /// Steps that a driven obstacle still goes, and sums of the force and torque on it over the steps of a call.
 #[derive(Clone, Copy, Debug, Default)]

@@ -2,16 +2,16 @@
 
 use std::sync::Arc;
 
-use bitgrain::mesh::{Triangle, check_triangles, read_stl};
 use bitgrain::simulation::Simulation;
-use bitgrain_kernel::{Domain, Drain, LossPolicy, Obstacle as Body};
+use bitgrain_kernel::{Drain, LossPolicy, Obstacle as Body};
 use numpy::PyArray1;
 use parking_lot::RwLock;
 use pyo3::prelude::*;
 
-use crate::arrays::{rows, triangles, vector};
+use crate::arrays::vector;
 use crate::edits::Edit;
 use crate::errors::{input, kernel};
+use crate::geometry::{corners, direction, domain, or_zero};
 use crate::grains::{
     Given, Group, added_group, group_number, ids_of, kind_number, kind_of,
     material as material_number,
@@ -432,52 +432,4 @@ impl World {
         let number = write(&self.shared)?.add_obstacle(body).map_err(kernel)?;
         Ok(Obstacle::of(&self.shared, number))
     }
-}
-
-/// The triangles in an array or a file.
-fn corners(given: &Bound<'_, PyAny>) -> PyResult<Vec<Triangle>> {
-    let wrong = |problem: String| input("triangles", problem);
-    if let Ok(path) = given.extract::<std::path::PathBuf>() {
-        return read_stl(&path).map_err(|problem| wrong(problem.to_string()));
-    }
-    let corners = triangles(given, "triangles")?;
-    check_triangles(&corners).map_err(wrong)?;
-    Ok(corners)
-}
-
-fn or_zero(value: Option<&Bound<'_, PyAny>>, name: &str) -> PyResult<[f64; 3]> {
-    value.map_or(Ok([0.0; 3]), |value| vector(value, name))
-}
-
-/// A vector of any length but zero.
-fn direction(value: &Bound<'_, PyAny>, name: &str) -> PyResult<[f64; 3]> {
-    let direction = vector(value, name)?;
-    match direction == [0.0; 3] {
-        true => Err(input(name, "is zero; expected a direction")),
-        false => Ok(direction),
-    }
-}
-
-/// The box that a world is given.
-fn domain(given: Option<&Bound<'_, PyAny>>, periodic: [bool; 3]) -> PyResult<Domain<f64>> {
-    let Some(given) = given else {
-        return match periodic.contains(&true) {
-            true => Err(input("periodic", "asks for a period, but there is no box")),
-            false => Ok(Domain::open()),
-        };
-    };
-    let [lo, hi] = match vector(given, "box") {
-        Ok(lengths) => [[0.0; 3], lengths],
-        Err(_) => match rows(given, "box", Some(2)) {
-            Ok(corners) => [corners[0], corners[1]],
-            Err(_) => {
-                let problem = format!(
-                    "is {}; expected three lengths or two corners",
-                    given.repr()?
-                );
-                return Err(input("box", problem));
-            }
-        },
-    };
-    Domain::new(lo, hi, periodic).map_err(kernel)
 }

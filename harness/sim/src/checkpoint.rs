@@ -2,6 +2,7 @@
 
 mod arrays;
 mod bodies;
+mod groups;
 mod head;
 
 pub use head::StageState;

@@ -114,7 +114,7 @@ pub(super) const BENCHMARK_HELP: &str = "\
 Examples:
   bitgrain benchmark
   bitgrain benchmark chung-ooi
-  bitgrain benchmark dosta-impact --threads 2
+  bitgrain benchmark dosta-impact --grains 400 --until 0.005
 
 Without a name it lists the benchmarks. With one it runs its cases and writes a table for each test (test-1.csv
 and so on), summary.json and the page report.html. Where the law has a closed form the results must be within 0.1 %

@@ -61,6 +61,9 @@
 // The world's triangles are not those that a mesh was made of.
 #define BG_OTHER_FACETS 15
 
+// A group or an obstacle is of a material that the law does not know.
+#define BG_UNKNOWN_MATERIAL 16
+
 // The list of pairs is full; nothing was changed.
 #define BG_PAIR_LIST_FULL 20
 

@@ -6,9 +6,8 @@
 //! for the next one lie in columns that stay in the nearest cache. Nothing here branches on the data:
 //! a pair that does not touch is evaluated too and gives +0.0, which changes no sum.
 
-use crate::contact::law::{
-    Law, Materials, NormalForce, NormalState, TangentialState, slide, surface_spin,
-};
+use crate::contact::law::{Law, Materials, NormalForce, NormalState, TangentialState};
+use crate::contact::slide::{slide, surface_spin};
 use crate::math::real::{Real, smaller};
 use crate::math::rows::Row;
 use crate::math::rows::{copy, get_or_default, less, min, part, part_mut, prefix};

@@ -5,6 +5,7 @@ mod hertz_history;
 mod hertz_tsuji;
 pub(crate) mod law;
 mod pair_laws;
+pub(crate) mod slide;
 
 pub use hertz_history::HertzHistory;
 pub use hertz_tsuji::HertzTsuji;

@@ -1,10 +1,10 @@
-//! A law with other numbers for each pair of materials.
+//! A law with other numbers for each pair of materials: any of Kumar 2018, eqs. 1 and 2, or Guillard 2014, eq. A1.
 
 use super::law::{Law, Materials, NormalForce, NormalState, TangentialForce, TangentialState};
 use crate::math::real::Real;
 
-/// One law for each pair of materials, all of one kind: `PairLaws<HertzTsuji<f64>>` is Guillard's law with other numbers
-/// between grains of glass, between grains of steel, and between one of each and a wooden wall.
+/// One law for each pair of materials, all of one kind: `PairLaws<HertzTsuji<f64>>` is Guillard's law with other
+/// numbers between grains of glass, between grains of steel, and between one of each and a wooden wall.
 ///
 /// A contact is evaluated by the law of its pair, and by nothing else of the others.
 #[derive(Clone, Copy, Debug, PartialEq)]

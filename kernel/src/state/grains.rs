@@ -19,17 +19,7 @@ pub struct Group<R> {
     /// Acceleration of gravity on these grains (length / time^2).
     pub gravity: [R; 3],
     /// Number of their material, for a law that tells materials apart.
-    #[cfg_attr(
-        feature = "serde",
-        serde(default, skip_serializing_if = "is_first_material")
-    )]
     pub material: u8,
-}
-
-/// Whether a material is the first one, as it is wherever there is one only: what files then need not say.
-#[cfg(feature = "serde")]
-pub(crate) fn is_first_material(material: &u8) -> bool {
-    *material == 0
 }
 
 /// The material of the grain at a place: that of its group, by number and among these groups.

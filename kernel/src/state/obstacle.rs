@@ -6,8 +6,6 @@ use crate::math::real::{Real, smaller};
 use crate::math::vec3::{Vec3, add, cross, dot, length_bound, scale, sub};
 use crate::state::domain::Domain;
 use crate::state::facet::Facet;
-#[cfg(feature = "serde")]
-use crate::state::grains::is_first_material;
 use crate::state::mesh::{FACETS_MAX, Mesh};
 use crate::state::motion::Motion;
 use crate::state::shape::{Nearest, Shape, divide};
@@ -37,10 +35,6 @@ pub struct Obstacle<R> {
     /// a ball counts, and other surfaces are flat.
     pub curved: bool,
     /// Number of its material, for a law that tells materials apart.
-    #[cfg_attr(
-        feature = "serde",
-        serde(default, skip_serializing_if = "is_first_material")
-    )]
     pub material: u8,
     /// What moves it.
     pub motion: Motion<R>,

@@ -111,8 +111,8 @@ fn chung_and_ooi_hold() {
     assert!(!page.contains("NaN") && !page.contains("<b>no</b>"));
 }
 
-/// A small bed, for a while before the ball meets it: it falls as theory says, the same bytes on one thread and two, and
-/// from a file of the places too.
+/// A small bed, for a while before the ball meets it: it falls as theory says, the same bytes on one thread and two,
+/// and from a file of the places too.
 #[test]
 fn a_ball_falls_on_a_bed() {
     let folder = tempfile::tempdir().unwrap();

@@ -70,12 +70,11 @@ fn steps<const PAIRS: usize, const BODIES: usize>(
     }
 }
 
-const CASES: [&str; 5] = [
+const CASES: [&str; 4] = [
     "collapse.json",
     "lid.json",
     "rig.json",
     "rig.json:hertz_history",
-    "materials.json",
 ];
 
 /// Whether the lists are nearly full or nearly empty.

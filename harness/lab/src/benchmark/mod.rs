@@ -6,31 +6,13 @@
 mod chung_ooi;
 mod comparison;
 mod dosta_impact;
+mod request;
 mod result;
 
-use std::path::Path;
-
+pub use request::Request;
 pub use result::{Benchmark, Chart, Check, Comparison, Curve, Performance, Source, Test};
 
 use bitgrain_sim::error::{Error, Result};
-
-use crate::progress::Progress;
-
-/// What is asked of a benchmark.
-pub struct Request<'a> {
-    /// Its name.
-    pub name: &'a str,
-    /// A file of where grains lie before it begins.
-    pub start: Option<&'a Path>,
-    /// How many grains, in place of the published number.
-    pub grains: Option<u32>,
-    /// Time at which it ends (s), in place of the published one.
-    pub until: Option<f64>,
-    /// Threads of the pool that it is run in, for the record.
-    pub threads: usize,
-    /// Where its progress is shown.
-    pub progress: &'a Progress,
-}
 
 /// A benchmark: its name, what it is in one line, which options it takes, and what runs it.
 struct Known {

@@ -1,11 +1,12 @@
 //! Checks of a case before it starts: its parts one by one, each with its key.
 
 use super::keys::{Case, GrainSpec};
-use super::law::check_law;
+use super::law::CaseLaw;
 use super::motion::MotionSpec;
 use super::numbers::{Check, finite, positive};
 use super::obstacle::ObstacleSpec;
 use bitgrain_kernel::Domain;
+use bitgrain_sim::law::{check_rayleigh, rayleigh_time};
 use bitgrain_sim::owned_world::OwnedWorld;
 
 pub(super) fn check(case: &Case) -> Check {
@@ -96,5 +97,50 @@ fn check_obstacle(o: &ObstacleSpec, gravity: [f64; 3], place: &str) -> Check {
     }
     let built = o.build(gravity, &mut OwnedWorld::new(Domain::open(), 1.0));
     built.map_err(|(key, problem)| (at(&key), problem))?;
+    Ok(())
+}
+
+/// Checks that the law has numbers for every two bodies of the case that can meet, and that the time step resolves
+/// waves in the grains. The names of all materials are known to be right.
+fn check_law(case: &Case) -> Check {
+    let grains = case.grains.iter();
+    let grains = grains.map(|g| (g, case.law.material(g.material.as_deref()).unwrap_or(0)));
+    let grains: Vec<_> = grains.collect();
+    let time = |g: &GrainSpec, material| match &case.law {
+        CaseLaw::One(law) => law.rayleigh_time(0.5 * g.diameter, g.density),
+        CaseLaw::Pairs(law) => {
+            let moduli = law.moduli(material);
+            moduli.map_or(f64::INFINITY, |moduli| {
+                rayleigh_time(moduli, 0.5 * g.diameter, g.density)
+            })
+        }
+    };
+    let times = grains.iter().map(|(g, material)| time(g, *material));
+    check_rayleigh(case.dt, times).map_err(|problem| ("dt".to_string(), problem))?;
+    let CaseLaw::Pairs(law) = &case.law else {
+        return Ok(());
+    };
+    let mut counts = vec![0usize; usize::from(case.law.materials())];
+    for (_, material) in &grains {
+        counts[usize::from(*material)] += 1;
+    }
+    let names = law.names();
+    let bodies = case.obstacles.iter();
+    let bodies = bodies.map(|body| case.law.material(body.material.as_deref()).unwrap_or(0));
+    let bodies: Vec<u8> = bodies.collect();
+    for a in (0..case.law.materials()).filter(|a| counts[usize::from(*a)] > 0) {
+        for b in 0..case.law.materials() {
+            let least = if a == b { 2 } else { 1 };
+            let meet = counts[usize::from(b)] >= least || bodies.contains(&b);
+            if meet && !law.has([a, b]) {
+                let [a, b] = [a, b].map(|material| names[usize::from(material)]);
+                let problem = format!(
+                    "has no numbers for \"{a}\" on \"{b}\", which can meet; add {{\"between\": [\"{a}\", \
+                     \"{b}\"], ...}}"
+                );
+                return Err(("law.pairs".into(), problem));
+            }
+        }
+    }
     Ok(())
 }

@@ -1,11 +1,7 @@
 //! The law of a case: the numbers of one material, or of each pair of several.
 
-use bitgrain_sim::law::{
-    AnyLaw, LawSpec, LawTable, WrongKey, check_rayleigh, material_number, rayleigh_time,
-};
+use bitgrain_sim::law::{AnyLaw, LawSpec, LawTable, WrongKey, material_number};
 use serde::{Deserialize, Deserializer, Serialize, de::Error};
-
-use super::keys::Case;
 
 /// A contact law with the numbers of one material, or with `pairs` of several.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -78,49 +74,4 @@ impl CaseLaw {
             Self::Pairs(law) => law.names().len() as u8,
         }
     }
-}
-
-/// Checks that the law has numbers for every two bodies of the case that can meet, and that the time step resolves
-/// waves in the grains. The names of all materials are known to be right.
-pub(super) fn check_law(case: &Case) -> Result<(), WrongKey> {
-    let grains = case.grains.iter();
-    let grains = grains.map(|g| (g, case.law.material(g.material.as_deref()).unwrap_or(0)));
-    let grains: Vec<_> = grains.collect();
-    let time = |g: &super::keys::GrainSpec, material| match &case.law {
-        CaseLaw::One(law) => law.rayleigh_time(0.5 * g.diameter, g.density),
-        CaseLaw::Pairs(law) => {
-            let moduli = law.moduli(material);
-            moduli.map_or(f64::INFINITY, |moduli| {
-                rayleigh_time(moduli, 0.5 * g.diameter, g.density)
-            })
-        }
-    };
-    let times = grains.iter().map(|(g, material)| time(g, *material));
-    check_rayleigh(case.dt, times).map_err(|problem| ("dt".to_string(), problem))?;
-    let CaseLaw::Pairs(law) = &case.law else {
-        return Ok(());
-    };
-    let mut counts = vec![0usize; usize::from(case.law.materials())];
-    for (_, material) in &grains {
-        counts[usize::from(*material)] += 1;
-    }
-    let names = law.names();
-    let bodies = case.obstacles.iter();
-    let bodies = bodies.map(|body| case.law.material(body.material.as_deref()).unwrap_or(0));
-    let bodies: Vec<u8> = bodies.collect();
-    for a in (0..case.law.materials()).filter(|a| counts[usize::from(*a)] > 0) {
-        for b in 0..case.law.materials() {
-            let least = if a == b { 2 } else { 1 };
-            let meet = counts[usize::from(b)] >= least || bodies.contains(&b);
-            if meet && !law.has([a, b]) {
-                let [a, b] = [a, b].map(|material| names[usize::from(material)]);
-                let problem = format!(
-                    "has no numbers for \"{a}\" on \"{b}\", which can meet; add {{\"between\": [\"{a}\", \
-                     \"{b}\"], ...}}"
-                );
-                return Err(("law.pairs".into(), problem));
-            }
-        }
-    }
-    Ok(())
 }

@@ -39,7 +39,7 @@ fn is_zero(spin: &[f64; 3]) -> bool {
     *spin == [0.0; 3]
 }
 
-fn is_first(material: &u8) -> bool {
+pub(super) fn is_first(material: &u8) -> bool {
     *material == 0
 }
 

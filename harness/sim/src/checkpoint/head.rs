@@ -4,7 +4,7 @@ use crate::simulation::{AnyLaw, hex};
 use bitgrain_kernel::{Domain, Group, Obstacle};
 use serde::{Deserialize, Serialize};
 
-use super::bodies;
+use super::{bodies, groups};
 
 /// What a checkpoint holds besides the state.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -32,6 +32,7 @@ pub(super) struct Head {
     pub(super) dt: f64,
     pub(super) law: AnyLaw,
     pub(super) domain: Domain<f64>,
+    #[serde(with = "groups")]
     pub(super) groups: Vec<Group<f64>>,
     #[serde(with = "bodies")]
     pub(super) obstacles: Vec<Obstacle<f64>>,

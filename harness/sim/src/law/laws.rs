@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use super::hertz_history::HertzHistoryParameters;
 use super::hertz_tsuji::HertzTsujiParameters;
+use super::pairs::Pairs;
 use super::parameters::{LawParameters, Springs, Sprung, Wrong};
-use super::table::Pairs;
 
 /// A contact law with the parameters its paper gives.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

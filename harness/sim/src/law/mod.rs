@@ -5,6 +5,7 @@
 mod hertz_history;
 mod hertz_tsuji;
 pub mod laws;
+mod pairs;
 mod parameters;
 mod table;
 mod time_step;
@@ -12,9 +13,10 @@ mod time_step;
 pub use hertz_history::HertzHistoryParameters;
 pub use hertz_tsuji::{Elasticity, HertzTsujiParameters};
 pub use laws::{AnyLaw, LawSpec, WithLaw};
+pub use pairs::Pairs;
 pub use parameters::{LawParameters, Springs, Sprung, Wrong};
 pub use table::{
     HertzHistoryPair, HertzHistoryTable, HertzTsujiPair, HertzTsujiTable, LawTable, MATERIALS_MAX,
-    NoNumbers, Pairs, WrongKey, material_number,
+    NoNumbers, WrongKey, material_number,
 };
 pub use time_step::{CONTACT_FRACTION_MAX, RAYLEIGH_FRACTION_MAX, check_rayleigh, rayleigh_time};

@@ -10,63 +10,11 @@ use serde::{Deserialize, Serialize};
 use super::hertz_history::HertzHistoryParameters;
 use super::hertz_tsuji::{Elasticity, between};
 use super::laws::AnyLaw;
+use super::pairs::Pairs;
 use super::parameters::{LawParameters, Wrong};
 
 /// Most materials of a world.
 pub const MATERIALS_MAX: usize = 32;
-
-/// The laws of all pairs of so many materials, in the order of [`PairLaws::pairs`].
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(
-    try_from = "Spelled<L>",
-    bound(deserialize = "L: Copy + Deserialize<'de>")
-)]
-pub struct Pairs<L> {
-    materials: u8,
-    laws: Vec<L>,
-}
-
-/// The same as a file spells it.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Spelled<L> {
-    materials: u8,
-    laws: Vec<L>,
-}
-
-impl<L: Copy> TryFrom<Spelled<L>> for Pairs<L> {
-    type Error = &'static str;
-
-    fn try_from(Spelled { materials, laws }: Spelled<L>) -> Result<Self, &'static str> {
-        Self::new(materials, laws).ok_or("not one law for each pair of materials")
-    }
-}
-
-impl<L: Copy> Pairs<L> {
-    /// So many materials with these laws; `None` if there is not one for each pair.
-    pub fn new(materials: u8, laws: Vec<L>) -> Option<Self> {
-        PairLaws::new(materials, &laws)?;
-        Some(Self { materials, laws })
-    }
-
-    /// How many materials.
-    pub fn materials(&self) -> u8 {
-        self.materials
-    }
-
-    /// The law of each pair, in order.
-    pub fn laws(&self) -> &[L] {
-        &self.laws
-    }
-
-    /// The law that contacts are evaluated by.
-    ///
-    /// # Panics
-    /// Never: it was checked as it was made.
-    pub fn lend(&self) -> PairLaws<'_, L> {
-        PairLaws::new(self.materials, &self.laws).expect("one law for each pair")
-    }
-}
 
 /// A key that is wrong, such as `pairs[1].mu`, and what was expected of it.
 pub type WrongKey = (String, String);
@@ -218,8 +166,8 @@ impl LawTable {
         pairs.contains(&[a, b]) || pairs.contains(&[b, a])
     }
 
-    /// Shear modulus and Poisson's ratio of a material, for the speed of waves in it; where all numbers belong to pairs,
-    /// those of the stiffest pair that it is in.
+    /// Shear modulus and Poisson's ratio of a material, for the speed of waves in it; where all numbers belong to
+    /// pairs, those of the stiffest pair that it is in.
     pub fn moduli(&self, material: u8) -> Option<(f64, f64)> {
         let names = self.names();
         let name = *names.get(usize::from(material))?;
@@ -299,8 +247,8 @@ impl LawTable {
         Ok(count)
     }
 
-    /// The table of these laws, which come in the order of the file; pairs without numbers, which cannot meet, have those
-    /// of its first.
+    /// The table of these laws, which come in the order of the file; pairs without numbers, which cannot meet, have
+    /// those of its first.
     fn filled<L: Copy>(
         &self,
         count: u8,

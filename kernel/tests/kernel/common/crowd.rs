@@ -124,7 +124,8 @@ pub fn crowd(seed: &[f64], packing: &Packing, units: &Units, skin: f64) -> Box<C
     store
 }
 
-/// The five groups, the last without weight, of three materials that only a law of several tells apart, and a floor, a ball with its own mass, a bar, a box that turns, and a
+/// The five groups, the last without weight, of three materials that only a law of several tells apart, and a floor,
+/// a ball with its own mass, a bar, a box that turns, and a
 /// capsule and a short bar that move freely, and an uneven mesh that turns, which come down on the crowd.
 fn add_bodies(store: &mut Crowd, seed: &[f64], units: &Units) {
     let scale = units.length;

@@ -1,14 +1,16 @@
 //! The impact itself: the world, the way of the ball, and what is told of it.
 
-use bitgrain_kernel::{Domain, Group, Obstacle};
+use bitgrain_kernel::{Group, Obstacle};
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::format::short;
 use bitgrain_sim::simulation::{Simulation, hex};
 use bitgrain_sim::table::{Cell, Table, column};
 
-use super::start::{grains, ordered};
-use super::{ABOVE, BALL, DT, FLOOR, HALF, M1_NUMBER, STEEL, STEEL_NUMBER, STEPS, VELOCITY, law};
-use crate::benchmark::Request;
+use super::setup::{
+    ABOVE, BALL, DT, FLOOR, HALF, M1_NUMBER, STEEL, STEEL_NUMBER, STEPS, VELOCITY, bounds, grains,
+    law, ordered, walls,
+};
+use crate::benchmark::request::Request;
 use crate::benchmark::result::{Chart, Check, Curve, Performance, Source, Test};
 
 /// Time between two rows, and between two looks whether the ball is near a wall (s).
@@ -53,28 +55,6 @@ pub(super) struct Course {
     /// Digest of the last state.
     digest: String,
     pub performance: Performance,
-}
-
-/// A box round all that happens, so that what flies off far is noticed.
-pub(super) fn bounds() -> Domain<f64> {
-    let [x, y] = HALF.map(|half| half + 0.01);
-    Domain::new([-x, -y, FLOOR - 0.01], [x, y, 2.0], [false; 3]).expect("edges in order")
-}
-
-/// Floor and four walls of steel.
-pub(super) fn walls() -> Vec<Obstacle<f64>> {
-    let [x, y] = HALF;
-    let wall = |point, normal| Obstacle {
-        material: STEEL_NUMBER,
-        ..Obstacle::plane(point, normal)
-    };
-    vec![
-        wall([0.0, 0.0, FLOOR], [0.0, 0.0, 1.0]),
-        wall([-x, 0.0, 0.0], [1.0, 0.0, 0.0]),
-        wall([x, 0.0, 0.0], [-1.0, 0.0, 0.0]),
-        wall([0.0, -y, 0.0], [0.0, 1.0, 0.0]),
-        wall([0.0, y, 0.0], [0.0, -1.0, 0.0]),
-    ]
 }
 
 /// Grains at rest, and the ball on its way.
@@ -180,7 +160,8 @@ impl Course {
             self.rows[self.rows.len() - 1],
         );
         test.outcome = format!(
-            "g = {g}: lowest at z = {} m after {} ms, {} mm over the floor; at {} ms z = {} m and v = {} m/s; digest {}",
+            "g = {g}: lowest at z = {} m after {} ms, {} mm over the floor; at {} ms z = {} m and v = {} m/s; \
+             digest {}",
             short(lowest.height),
             short(1e3 * lowest.time),
             short(1e3 * (lowest.height - 0.5 * BALL - FLOOR)),

@@ -4,43 +4,23 @@
 //! compared; theory fixes the fall before the ball meets the bed.
 
 mod impact;
+mod setup;
 mod start;
 
 use bitgrain_sim::error::{Error, Result};
-use bitgrain_sim::law::{AnyLaw, Elasticity, HertzTsujiPair, HertzTsujiTable, LawTable};
 
-use super::Request;
+use super::request::Request;
 use super::result::Benchmark;
 use impact::Course;
 
 /// Grains of the smallest of the three published cases.
 const GRAINS: u32 = 25_000;
 
-/// Diameter (m) and mass density (kg/m^3) of a grain, of the material M1.
-const DIAMETER: f64 = 0.002;
-const DENSITY: f64 = 2500.0;
-
-/// Of the ball, of steel, with its place (m) and velocity (m/s) as it begins.
-const BALL: f64 = 0.02;
-const STEEL: f64 = 7200.0;
-const ABOVE: [f64; 3] = [0.0, 0.0, 0.06];
-const VELOCITY: [f64; 3] = [0.0, 0.0, -5.0];
-
-/// Inner faces of the box, which is open above (m).
-const HALF: [f64; 2] = [0.049, 0.03];
-const FLOOR: f64 = -0.090_243_1;
-
-/// Steps in a second, the time step, and time in all (s).
-const STEPS: f64 = 2e6;
-const DT: f64 = 1.0 / STEPS;
+/// Time in all (s).
 const UNTIL: f64 = 0.1;
 
 /// Both values of g (m/s^2), the more exact one first.
 const GRAVITIES: [f64; 2] = [9.81, 9.8];
-
-/// Numbers of the materials.
-const M1_NUMBER: u8 = 0;
-const STEEL_NUMBER: u8 = 1;
 
 const REMARKS: [(&str, &str); 3] = [
     (
@@ -55,32 +35,11 @@ const REMARKS: [(&str, &str); 3] = [
     ),
     (
         "A chaotic bed",
-        "The same start gives the same bits, at any number of threads. From another start the height of the ball is the \
-         same within 0.3 mm until it bounces off the grains that it jams against the floor, after 30 ms. How fast it \
-         leaves depends on them: 1.8 to 2.1 m/s in four runs.",
+        "The same start gives the same bits, at any number of threads. From another start the height of the ball is \
+         the same within 0.3 mm until it bounces off the grains that it jams against the floor, after 30 ms. How fast \
+         it leaves depends on them: 1.8 to 2.1 m/s in four runs.",
     ),
 ];
-
-/// The law, a fraction as stiff and with this restitution of grains in place of its own.
-fn law(softened: f64, restitution: Option<f64>) -> Result<AnyLaw> {
-    let elasticity = |young: f64| Elasticity {
-        young: young * softened,
-        poisson: 0.2,
-    };
-    let pair = |a: &str, b: &str, e: f64, mu: f64| HertzTsujiPair {
-        between: [a.into(), b.into()],
-        restitution: restitution.unwrap_or(e),
-        mu,
-    };
-    let table = LawTable::HertzTsuji(HertzTsujiTable {
-        materials: [("M1", 1e9), ("steel", 2.1e11)]
-            .map(|(name, young)| (name.into(), elasticity(young)))
-            .into(),
-        pairs: vec![pair("M1", "M1", 0.5, 0.3), pair("M1", "steel", 0.4, 0.2)],
-    });
-    let wrong = |(key, problem): (String, String)| Error::input(format!("law.{key}"), problem);
-    table.build().map_err(wrong)
-}
 
 /// Runs the impact at both values of g.
 pub(super) fn run(request: &Request) -> Result<Benchmark> {

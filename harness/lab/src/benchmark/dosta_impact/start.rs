@@ -6,12 +6,10 @@ use bitgrain_kernel::Group;
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::files::{finite, read_text};
 use bitgrain_sim::random::{Purpose, uniforms};
-use bitgrain_sim::simulation::{Grain, Simulation};
-use bitgrain_sim::spatial_order::spatial_order;
+use bitgrain_sim::simulation::Simulation;
 
-use super::impact::{bounds, walls};
-use super::{DENSITY, DIAMETER, FLOOR, HALF, law};
-use crate::benchmark::Request;
+use super::setup::{ABOVE, BALL, DIAMETER, FLOOR, HALF, bounds, grains, law, ordered, walls};
+use crate::benchmark::request::Request;
 
 /// Most grains that are poured.
 const GRAINS_MAX: u32 = 1_000_000;
@@ -86,7 +84,7 @@ fn parse(text: &str, name: &str) -> Result<Vec<[f64; 3]>> {
                 }
                 let reach = 0.5 * DIAMETER;
                 let inside = x.abs() < HALF[0] && y.abs() < HALF[1] && *z > FLOOR;
-                if !inside || *z > super::ABOVE[2] - 0.5 * super::BALL - reach {
+                if !inside || *z > ABOVE[2] - 0.5 * BALL - reach {
                     return wrong("has a grain outside the box, or above the ball".into());
                 }
                 places.push([*x, *y, *z]);
@@ -141,29 +139,6 @@ fn settled(places: &[[f64; 3]], stage: &Stage, request: &Request) -> Result<Vec<
     }
     shown.finish();
     Ok(sim.position.iter().map(|x| [x[0], x[1], x[2]]).collect())
-}
-
-/// The grains at these places, numbered as they come, at rest.
-pub(super) fn grains(places: &[[f64; 3]]) -> Vec<Grain> {
-    (1..)
-        .zip(places)
-        .map(|(id, position)| Grain {
-            id,
-            group: 0,
-            diameter: DIAMETER,
-            density: DENSITY,
-            position: *position,
-            velocity: [0.0; 3],
-            spin: [0.0; 3],
-        })
-        .collect()
-}
-
-/// These places in spatial order.
-pub(super) fn ordered(places: &[[f64; 3]]) -> Vec<[f64; 3]> {
-    let rows: Vec<[f64; 4]> = places.iter().map(|[x, y, z]| [*x, *y, *z, 0.0]).collect();
-    let order = spatial_order(&rows, DIAMETER);
-    order.into_iter().map(|k| places[k]).collect()
 }
 
 /// Sites on a loose lattice over the floor, each grain shifted within its cell.
