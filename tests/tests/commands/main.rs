@@ -6,6 +6,7 @@ use bitgrain_tests::wee::Room;
 use bitgrain_tests::{copied, made_run};
 
 mod against;
+mod any_law;
 mod api;
 mod asked;
 mod benchmark;

@@ -9,15 +9,13 @@ use bitgrain::lammps::{
     Atom, DataFile, DumpFrame, data_text, dump_text, parse_atoms, parse_data, parse_dump,
     read_atoms,
 };
-use bitgrain::law::{
-    Elasticity, HertzHistoryPair, HertzHistoryParameters, HertzHistoryTable, HertzTsujiPair,
-    HertzTsujiParameters, HertzTsujiTable, LawSpec, LawTable,
-};
 use bitgrain::scenario;
 use bitgrain::series::{BodyRow, Columns, SeriesRow, read_series, series_text};
 use bitgrain_tests::fuzzing::assert_same_bits;
 use proptest::num::f64::{NEGATIVE, NORMAL, POSITIVE, SUBNORMAL, ZERO};
 use proptest::prelude::*;
+
+use crate::any_law::case_law;
 
 /// Every finite number: both signs, zeros and subnormals too.
 fn finite() -> impl Strategy<Value = f64> {
@@ -191,36 +189,6 @@ fn grain() -> impl Strategy<Value = GrainSpec> {
     })
 }
 
-fn law() -> impl Strategy<Value = LawSpec> {
-    let history = (
-        1e-3..1e9f64,
-        0.0..1e9f64,
-        0.0..1e6f64,
-        0.0..1e6f64,
-        0.0..2.0f64,
-    );
-    let tsuji = (1e-3..1e9f64, -0.9..0.5f64, 1e-3..1.0f64, 0.0..2.0f64);
-    prop_oneof![
-        history.prop_map(|(kn, kt, gamma_n, gamma_t, mu)| LawSpec::HertzHistory(
-            HertzHistoryParameters {
-                kn,
-                kt,
-                gamma_n,
-                gamma_t,
-                mu
-            }
-        )),
-        tsuji.prop_map(|(young, poisson, restitution, mu)| LawSpec::HertzTsuji(
-            HertzTsujiParameters {
-                young,
-                poisson,
-                restitution,
-                mu
-            }
-        )),
-    ]
-}
-
 fn obstacle() -> impl Strategy<Value = ObstacleSpec> {
     let numbers = (vector(), vector(), size(), prop::option::of(size()));
     (0..3, prop::array::uniform3(0.1..1.0f64), numbers).prop_map(|(shape, direction, numbers)| {
@@ -240,51 +208,6 @@ fn obstacle() -> impl Strategy<Value = ObstacleSpec> {
                 ..ObstacleSpec::cylinder(point, direction, diameter)
             },
         }
-    })
-}
-
-/// A law with the numbers of one material, or of two.
-fn case_law() -> impl Strategy<Value = CaseLaw> {
-    let pairs = || {
-        [["glass", "glass"], ["steel", "glass"], ["steel", "steel"]]
-            .map(|pair| pair.map(str::to_owned))
-    };
-    (law(), law(), any::<bool>()).prop_map(move |(one, two, several)| match (one, two) {
-        (LawSpec::HertzTsuji(a), LawSpec::HertzTsuji(b)) if several => {
-            let elasticity = |of: HertzTsujiParameters| Elasticity {
-                young: of.young,
-                poisson: of.poisson,
-            };
-            let table = HertzTsujiTable {
-                materials: [("glass", a), ("steel", b)]
-                    .map(|(name, of)| (name.into(), elasticity(of)))
-                    .into(),
-                pairs: pairs()
-                    .map(|between| HertzTsujiPair {
-                        between,
-                        restitution: b.restitution,
-                        mu: a.mu,
-                    })
-                    .into(),
-            };
-            LawTable::HertzTsuji(table).into()
-        }
-        (LawSpec::HertzHistory(a), _) if several => {
-            let pair = |between| HertzHistoryPair {
-                between,
-                kn: a.kn,
-                kt: a.kt,
-                gamma_n: a.gamma_n,
-                gamma_t: a.gamma_t,
-                mu: a.mu,
-            };
-            let table = HertzHistoryTable {
-                materials: None,
-                pairs: pairs().map(pair).into(),
-            };
-            LawTable::HertzHistory(table).into()
-        }
-        _ => one.into(),
     })
 }
 
