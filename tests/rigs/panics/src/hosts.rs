@@ -1,9 +1,9 @@
 //! What hosts do between steps: edits, losses, saved worlds, lent memory.
 
 use bitgrain_kernel::{
-    Capacity, Departure, Domain, Error as KernelError, Facet, Group, Head, LentStore, LossPolicy, Memory,
-    NewGrain, Obstacle, Real, Saved, StretchList, World, insert, nudge, regroup, remove, save,
-    save_size, take_out,
+    Capacity, Departure, Domain, Error as KernelError, Facet, Group, Head, LentStore, LossPolicy,
+    Memory, NewGrain, Obstacle, Real, Saved, StretchList, World, insert, nudge, regroup, remove,
+    save, save_size, take_out,
 };
 
 use crate::state::Few;

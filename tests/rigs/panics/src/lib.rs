@@ -12,7 +12,7 @@ mod hosts;
 mod parts;
 mod state;
 
-use bitgrain_kernel::contact::{HertzHistory, HertzTsuji};
+use bitgrain_kernel::contact::{HertzHistory, HertzTsuji, PairLaws};
 use bitgrain_kernel::fixed_point::I32F32;
 
 use bodies::Bodies;
@@ -49,6 +49,10 @@ pub static TSUJI_F64: Calls<f64, HertzTsuji<f64>> = Calls::ALL;
 /// Steps and their phases, by precision and law.
 #[unsafe(no_mangle)]
 pub static TSUJI_F32: Calls<f32, HertzTsuji<f32>> = Calls::ALL;
+
+/// Steps and their phases under a law of several materials.
+#[unsafe(no_mangle)]
+pub static PAIRS_F64: Calls<f64, PairLaws<'static, HertzTsuji<f64>>> = Calls::ALL;
 
 /// Worlds and their parts in fixed point.
 #[unsafe(no_mangle)]

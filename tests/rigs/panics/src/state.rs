@@ -6,7 +6,7 @@ use crate::hosts::Hosts;
 use crate::parts::Parts;
 use bitgrain_kernel::blake3::Hasher;
 use bitgrain_kernel::conformance::{self, Line, Room};
-use bitgrain_kernel::contact::{HertzHistory, HertzTsuji};
+use bitgrain_kernel::contact::{HertzHistory, HertzTsuji, Materials, PairLaws};
 use bitgrain_kernel::fixed_point::I32F32;
 use bitgrain_kernel::phases::{
     ForceCheck, GrainMotion, GrainRange, MotionCheck, MotionPhase, ObstacleContactRange, Sealed,
@@ -190,7 +190,12 @@ pub struct Pieces<R: Real> {
     separation: fn(&Domain<R>, Vec3<R>, Vec3<R>) -> Vec3<R>,
     wrap: fn(&Domain<R>, &mut Vec3<R>, &mut [i32; 3]) -> bool,
     groups: fn(Vec3<R>) -> [Group<R>; 4],
+    of_material: fn(Group<R>, u8) -> Group<R>,
     tsuji: fn(f64, f64, f64, f64) -> HertzTsuji<R>,
+    between: fn([[f64; 2]; 2], f64, f64) -> HertzTsuji<R>,
+    table: fn(u8, &'static [HertzTsuji<R>]) -> Option<PairLaws<'static, HertzTsuji<R>>>,
+    law: fn(&PairLaws<'static, HertzTsuji<R>>, Materials) -> HertzTsuji<R>,
+    pairs: fn(u8, usize) -> Option<Materials>,
     laws: fn(f64) -> (HertzHistory<R>, HertzTsuji<R>),
     vectors: fn(Vec3<R>, Vec3<R>, R, bool) -> [Vec3<R>; 5],
     numbers: fn(Row<R>, f64) -> ([R; 4], f64, usize, bool, (u32, Option<u32>)),
@@ -212,7 +217,12 @@ impl<R: Real> Pieces<R> {
                 Group::free_along_z(gravity),
             ]
         },
+        of_material: Group::of_material,
         tsuji: HertzTsuji::new,
+        between: HertzTsuji::between,
+        table: |materials, laws| PairLaws::new(materials, laws),
+        law: |table, pair| *table.of(pair),
+        pairs: |materials, place| PairLaws::<()>::pairs(materials).nth(place),
         laws: |gamma| (conformance::history(gamma), conformance::tsuji()),
         vectors: |a, b, by, first| {
             [

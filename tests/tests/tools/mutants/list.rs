@@ -96,7 +96,7 @@ pub const MUTANTS: &[Mutant] = &[
     },
     Mutant {
         name: "skipped projection",
-        file: "kernel/src/contact/law.rs",
+        file: "kernel/src/contact/slide.rs",
         from: "spring: sub(grown, scale(normal, dot(grown, normal))),",
         to: "spring: grown,",
         target: UNIT,

@@ -14,8 +14,8 @@ pub const MATERIALS: &[Mutant] = &[
     Mutant {
         name: "an obstacle is of the grain's material",
         file: "kernel/src/forces/obstacle_contacts.rs",
-        from: "            body.material,\n",
-        to: "            material_of((grains.group, grains.groups), i),\n",
+        from: ", i), body.material],",
+        to: ", i); 2],",
         target: "oracle",
         red: &["the_step_equals_its_definition_of_several_materials"],
     },
