@@ -33,6 +33,7 @@ pub mod json;
 pub mod manifest;
 pub mod near_field;
 pub mod parse_errors;
+pub mod performance;
 pub mod plain;
 pub mod plug_flow;
 pub mod progress;

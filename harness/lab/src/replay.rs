@@ -11,7 +11,7 @@ use crate::folder::Folder;
 use crate::progress::Progress;
 use crate::rerun::RunArchive;
 use bitgrain_sim::checkpoint;
-use bitgrain_sim::disk::{is_folder, list, make_folder, write_whole};
+use bitgrain_sim::disk::{make_folder, other_than, write_whole};
 use bitgrain_sim::energy_budget::{Audit, EnergyRow};
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::export;
@@ -244,13 +244,9 @@ impl<W: Write> Observer for StatePrinter<'_, W> {
 
 /// Makes a folder for files of ParaView; one that holds other files is refused.
 fn make_vtk_folder(folder: &Path) -> Result<()> {
-    let held = match is_folder(folder) {
-        true => list(folder)?,
-        false => Vec::new(),
-    };
-    match held.iter().find(|(name, _)| !name.ends_with(".vtk")) {
+    match other_than(folder, |name| name.ends_with(".vtk"))? {
         None => make_folder(folder),
-        Some((other, _)) => {
+        Some(other) => {
             let problem = format!("holds {other}, which is no VTK file; choose another folder");
             Err(Error::input(folder.display().to_string(), problem))
         }

@@ -220,6 +220,20 @@ pub fn list(folder: &Path) -> Result<Vec<(String, Kind)>> {
     Ok(names)
 }
 
+/// The first name in a folder that is none of ours, before files are written there that replace others; `None` also of
+/// a folder that is not there.
+///
+/// # Errors
+/// [`Error::Input`] if it cannot be read.
+pub fn other_than(folder: &Path, is_ours: impl Fn(&str) -> bool) -> Result<Option<String>> {
+    let held = match is_folder(folder) {
+        true => list(folder)?,
+        false => Vec::new(),
+    };
+    let mut names = held.into_iter().map(|(name, _)| name);
+    Ok(names.find(|name| !is_ours(name)))
+}
+
 /// Writes `bytes` to `path`, replacing what was there atomically. Missing folders are made.
 ///
 /// # Errors

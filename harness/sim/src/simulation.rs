@@ -237,10 +237,7 @@ impl Simulation {
 
     /// Materials of a grain, by its place, and of its partner in a contact.
     pub(crate) fn materials_of(&self, i: usize, partner: Partner) -> Materials {
-        let of_grain = |place: usize| {
-            let group = self.groups.get(usize::from(self.group[place]));
-            group.map_or(0, |group| group.material)
-        };
+        let of_grain = |place: usize| self.groups[usize::from(self.group[place])].material;
         let other = match partner {
             Partner::Grain(j) => of_grain(j as usize),
             Partner::Obstacle(k) => self.obstacles[k as usize].material,

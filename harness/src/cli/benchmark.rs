@@ -6,8 +6,11 @@ use clap::Args;
 
 use super::channels::{print, processors, shown, stoppable};
 use bitgrain_analysis::report::benchmark_page;
-use bitgrain_lab::benchmark::{self, Check, Performance, Test};
-use bitgrain_sim::disk::{is_folder, is_partial, list, make_folder, write_whole};
+use bitgrain_kernel::BITS_VERSION;
+use bitgrain_lab::benchmark::{self, Check, Test};
+use bitgrain_lab::json::json_text;
+use bitgrain_lab::performance::{Performance, StagePerformance};
+use bitgrain_sim::disk::{is_partial, make_folder, other_than, write_whole};
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::threads::on_threads;
 
@@ -62,13 +65,18 @@ pub(super) fn run(what: Benchmark) -> Result<()> {
         start: what.start.as_deref(),
         grains: what.grains,
         until: what.until,
-        threads,
         progress: &progress,
     };
     let done = on_threads(threads, || benchmark::run(&request))??;
-    write(&done, &folder)?;
+    let performance = Performance {
+        bits_version: BITS_VERSION,
+        threads,
+        seconds: done.performance.iter().map(|part| part.seconds).sum(),
+        stages: done.performance.clone(),
+    };
+    write(&done, &performance, &folder)?;
     let lines: String = done.tests.iter().map(line).collect();
-    let times = done.performance.iter().map(time);
+    let times = done.performance.iter().map(|part| time(part, threads));
     let lines = lines + &times.collect::<String>();
     print(&format!("{lines}report: {}\n", shown(&folder.join(PAGE))))?;
     let failed: Vec<&Check> = done.checks().filter(|check| !check.holds).collect();
@@ -93,14 +101,9 @@ fn check_folder(folder: &Path) -> Result<()> {
     let is_table = |name: &str| name.starts_with("test-") && name.ends_with(".csv");
     let whole = [SUMMARY, PAGE, PERFORMANCE];
     let ours = |name: &str| is_table(name) || whole.contains(&name) || is_partial(name);
-    let held = if is_folder(folder) {
-        list(folder)?
-    } else {
-        Vec::new()
-    };
-    match held.iter().find(|(name, _)| !ours(name)) {
+    match other_than(folder, ours)? {
         None => Ok(()),
-        Some((other, _)) => {
+        Some(other) => {
             let problem = format!(
                 "holds {other}, which is no file of a benchmark; choose another folder (--out)"
             );
@@ -110,7 +113,7 @@ fn check_folder(folder: &Path) -> Result<()> {
 }
 
 /// Writes tables, summary and page.
-fn write(done: &benchmark::Benchmark, folder: &Path) -> Result<()> {
+fn write(done: &benchmark::Benchmark, performance: &Performance, folder: &Path) -> Result<()> {
     let summary = serde_json::to_string_pretty(done).map_err(|e| Error::Output(e.into()))?;
     let tables = done.tests.iter().map(|test| {
         let name = format!("test-{}.csv", test.number);
@@ -120,9 +123,8 @@ fn write(done: &benchmark::Benchmark, folder: &Path) -> Result<()> {
     files.push((SUMMARY.into(), summary + "\n"));
     files.push((PAGE.into(), benchmark_page(done)));
     if !done.performance.is_empty() {
-        let text = serde_json::to_string_pretty(&done.performance);
-        let text = text.map_err(|e| Error::Output(e.into()))?;
-        files.push((PERFORMANCE.into(), text + "\n"));
+        let path = folder.join(PERFORMANCE);
+        files.push((PERFORMANCE.into(), json_text(&path, performance)?));
     }
     make_folder(folder)?;
     for (name, text) in files {
@@ -132,11 +134,12 @@ fn write(done: &benchmark::Benchmark, folder: &Path) -> Result<()> {
 }
 
 /// Time to solution.
-fn time(part: &Performance) -> String {
-    let rate = 1e-6 * part.grains as f64 * part.steps as f64 / part.seconds;
+fn time(part: &StagePerformance, threads: usize) -> String {
     format!(
-        "{}: {:.0} s on {} thread(s), {rate:.1} million grain-steps/s\n",
-        part.stage, part.seconds, part.threads
+        "{}: {:.0} s on {threads} thread(s), {:.1} million grain-steps/s\n",
+        part.stage,
+        part.seconds,
+        1e-6 * part.grain_steps_per_s
     )
 }
 

@@ -254,6 +254,10 @@ fn wrong_cases_are_refused() {
         ("[\"steel\", \"steel\"]", "[\"steel\", \"glass\"]"),
         ("\"dt\": 2e-4", "\"dt\": 2e-3"),
         ("\"materials\"", "\"material\""),
+        (
+            "[\"glass\", \"glass\"], \"restitution\": 0.8, \"mu\": 0.3},\n      {\"between\": [\"steel\", \"steel\"]",
+            "[\"steel\", \"steel\"]",
+        ),
     ];
     let several = several.map(|edit| (MATERIALS, edit));
     let edits: Vec<_> = edits.into_iter().chain(several).collect();

@@ -10,7 +10,7 @@ mod request;
 mod result;
 
 pub use request::Request;
-pub use result::{Benchmark, Chart, Check, Comparison, Curve, Performance, Source, Test};
+pub use result::{Benchmark, Chart, Check, Comparison, Curve, Source, Test};
 
 use bitgrain_sim::error::{Error, Result};
 

@@ -14,8 +14,6 @@ pub struct Request<'a> {
     pub grains: Option<u32>,
     /// Time at which it ends (s), in place of the published one.
     pub until: Option<f64>,
-    /// Threads of the pool that it is run in, for the record.
-    pub threads: usize,
     /// Where its progress is shown.
     pub progress: &'a Progress,
 }

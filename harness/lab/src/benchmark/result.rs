@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use crate::performance::StagePerformance;
+
 /// A benchmark that was run.
 #[derive(Clone, Debug, Serialize)]
 pub struct Benchmark {
@@ -19,22 +21,7 @@ pub struct Benchmark {
     pub tests: Vec<Test>,
     /// How long its parts took on this machine; no result.
     #[serde(skip)]
-    pub performance: Vec<Performance>,
-}
-
-/// Time to solution of a part of a benchmark.
-#[derive(Clone, Debug, Serialize)]
-pub struct Performance {
-    /// What was computed.
-    pub stage: String,
-    /// Grains.
-    pub grains: usize,
-    /// Steps.
-    pub steps: u64,
-    /// Threads.
-    pub threads: usize,
-    /// Wall-clock time (s).
-    pub seconds: f64,
+    pub performance: Vec<StagePerformance>,
 }
 
 impl Benchmark {

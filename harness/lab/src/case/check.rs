@@ -21,9 +21,7 @@ pub(super) fn check(case: &Case) -> Check {
     }
     finite("gravity", &case.gravity)?;
     for (k, g) in case.grains.iter().enumerate() {
-        let place = format!("grains[{k}]");
-        check_grain(g, &place)?;
-        check_material(case, g.material.as_deref(), &place)?;
+        check_grain(g, &format!("grains[{k}]"))?;
     }
     let mut ids: Vec<u32> = case.grains.iter().map(|g| g.id).collect();
     ids.sort_unstable();
@@ -32,17 +30,9 @@ pub(super) fn check(case: &Case) -> Check {
         return Err(("grains".into(), problem));
     }
     for (k, o) in case.obstacles.iter().enumerate() {
-        let place = format!("obstacles[{k}]");
-        check_obstacle(o, case.gravity, &place)?;
-        check_material(case, o.material.as_deref(), &place)?;
+        check_obstacle(o, case.gravity, &format!("obstacles[{k}]"))?;
     }
-    check_law(case)
-}
-
-fn check_material(case: &Case, name: Option<&str>, place: &str) -> Check {
-    let material = case.law.material(name);
-    material.map_err(|problem| (format!("{place}.material"), problem))?;
-    Ok(())
+    check_law(case, &case.materials()?)
 }
 
 fn check_grain(g: &GrainSpec, place: &str) -> Check {
@@ -100,46 +90,39 @@ fn check_obstacle(o: &ObstacleSpec, gravity: [f64; 3], place: &str) -> Check {
     Ok(())
 }
 
-/// Checks that the law has numbers for every two bodies of the case that can meet, and that the time step resolves
-/// waves in the grains. The names of all materials are known to be right.
-fn check_law(case: &Case) -> Check {
-    let grains = case.grains.iter();
-    let grains = grains.map(|g| (g, case.law.material(g.material.as_deref()).unwrap_or(0)));
-    let grains: Vec<_> = grains.collect();
-    let time = |g: &GrainSpec, material| match &case.law {
-        CaseLaw::One(law) => law.rayleigh_time(0.5 * g.diameter, g.density),
-        CaseLaw::Pairs(law) => {
-            let moduli = law.moduli(material);
-            moduli.map_or(f64::INFINITY, |moduli| {
-                rayleigh_time(moduli, 0.5 * g.diameter, g.density)
-            })
-        }
+/// Checks that the time step resolves waves in the grains, and that the law has numbers for every two bodies of the
+/// case that can meet, of which these are the materials.
+fn check_law(case: &Case, [grains, bodies]: &[Vec<u8>; 2]) -> Check {
+    let too_long = |problem| ("dt".to_string(), problem);
+    let sizes = case.grains.iter().map(|g| (0.5 * g.diameter, g.density));
+    let law = match &case.law {
+        CaseLaw::One(law) => return law.check_time_step(case.dt, sizes).map_err(too_long),
+        CaseLaw::Pairs(law) => law,
     };
-    let times = grains.iter().map(|(g, material)| time(g, *material));
-    check_rayleigh(case.dt, times).map_err(|problem| ("dt".to_string(), problem))?;
-    let CaseLaw::Pairs(law) = &case.law else {
-        return Ok(());
-    };
-    let mut counts = vec![0usize; usize::from(case.law.materials())];
-    for (_, material) in &grains {
-        counts[usize::from(*material)] += 1;
-    }
-    let names = law.names();
-    let bodies = case.obstacles.iter();
-    let bodies = bodies.map(|body| case.law.material(body.material.as_deref()).unwrap_or(0));
-    let bodies: Vec<u8> = bodies.collect();
-    for a in (0..case.law.materials()).filter(|a| counts[usize::from(*a)] > 0) {
-        for b in 0..case.law.materials() {
-            let least = if a == b { 2 } else { 1 };
-            let meet = counts[usize::from(b)] >= least || bodies.contains(&b);
-            if meet && !law.has([a, b]) {
-                let [a, b] = [a, b].map(|material| names[usize::from(material)]);
-                let problem = format!(
-                    "has no numbers for \"{a}\" on \"{b}\", which can meet; add {{\"between\": [\"{a}\", \
-                     \"{b}\"], ...}}"
-                );
-                return Err(("law.pairs".into(), problem));
-            }
+    let (names, pairs) = (law.names(), law.pairs());
+    let all = 0..case.law.materials();
+    let moduli: Vec<_> = all.clone().map(|material| law.moduli(material)).collect();
+    let times = grains
+        .iter()
+        .zip(sizes)
+        .filter_map(|(material, (radius, density))| {
+            let moduli = moduli[usize::from(*material)]?;
+            Some(rayleigh_time(moduli, radius, density))
+        });
+    check_rayleigh(case.dt, times).map_err(too_long)?;
+    let mut counts = vec![0; names.len()];
+    grains.iter().for_each(|of| counts[usize::from(*of)] += 1);
+    let count = |material: u8| counts[usize::from(material)];
+    for [a, b] in all.clone().flat_map(|a| all.clone().map(move |b| [a, b])) {
+        let least = if a == b { 2 } else { 1 };
+        let meet = count(a) > 0 && (count(b) >= least || bodies.contains(&b));
+        if meet && !pairs.contains(&[a, b]) && !pairs.contains(&[b, a]) {
+            let [a, b] = [a, b].map(|material| names[usize::from(material)]);
+            let problem = format!(
+                "has no numbers for \"{a}\" on \"{b}\", which can meet; add {{\"between\": [\"{a}\", \
+                 \"{b}\"], ...}}"
+            );
+            return Err(("law.pairs".into(), problem));
         }
     }
     Ok(())

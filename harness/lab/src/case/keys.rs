@@ -1,6 +1,7 @@
 //! What the file of a case says.
 
 use crate::case::{CaseLaw, MotionSpec, ObstacleSpec};
+use bitgrain_sim::law::{WrongKey, material_number};
 use serde::{Deserialize, Serialize};
 
 /// A case as its file spells it.
@@ -60,4 +61,32 @@ pub struct GrainSpec {
     /// Name of its material, if the law has several.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub material: Option<String>,
+}
+
+impl Case {
+    /// Numbers of the materials of all grains, and of all obstacles.
+    ///
+    /// # Errors
+    /// The key with a name that the law does not have, or without one.
+    pub(super) fn materials(&self) -> Result<[Vec<u8>; 2], WrongKey> {
+        let names = self.law.names();
+        let grains = self.grains.iter().map(|g| &g.material);
+        let obstacles = self.obstacles.iter().map(|o| &o.material);
+        Ok([
+            numbers(&names, "grains", grains)?,
+            numbers(&names, "obstacles", obstacles)?,
+        ])
+    }
+}
+
+fn numbers<'a>(
+    names: &[&str],
+    list: &str,
+    given: impl Iterator<Item = &'a Option<String>>,
+) -> Result<Vec<u8>, WrongKey> {
+    let number = |(k, name): (usize, &Option<String>)| {
+        let number = material_number(names, name.as_deref());
+        number.map_err(|problem| (format!("{list}[{k}].material"), problem))
+    };
+    given.enumerate().map(number).collect()
 }

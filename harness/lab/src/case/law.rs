@@ -1,6 +1,6 @@
 //! The law of a case: the numbers of one material, or of each pair of several.
 
-use bitgrain_sim::law::{AnyLaw, LawSpec, LawTable, WrongKey, material_number};
+use bitgrain_sim::law::{AnyLaw, LawSpec, LawTable, WrongKey};
 use serde::{Deserialize, Deserializer, Serialize, de::Error};
 
 /// A contact law with the numbers of one material, or with `pairs` of several.
@@ -57,14 +57,6 @@ impl CaseLaw {
             Self::One(_) => Vec::new(),
             Self::Pairs(law) => law.names(),
         }
-    }
-
-    /// The number of the material with this name; of the only one, if none is named.
-    ///
-    /// # Errors
-    /// What is wrong with the name, or that there is none.
-    pub(super) fn material(&self, name: Option<&str>) -> Result<u8, String> {
-        material_number(&self.names(), name)
     }
 
     /// How many materials there are.

@@ -78,10 +78,11 @@ impl Case {
                 Error::input(format!("{name}: `box`"), problem)
             })?,
         };
-        let unknown =
-            |place: String, problem| Error::input(format!("{name}: `{place}.material`"), problem);
+        let materials = self.materials();
+        let [of_grains, of_bodies] = materials
+            .map_err(|(key, problem)| Error::input(format!("{name}: `{key}`"), problem))?;
         let mut grains = Vec::with_capacity(self.grains.len());
-        for (at, g) in self.grains.iter().enumerate() {
+        for (g, material) in self.grains.iter().zip(of_grains) {
             let mut position = g.position;
             domain.wrap(&mut position, &mut [0; 3]);
             let (motion, velocity) = match g.motion {
@@ -91,8 +92,6 @@ impl Case {
                 MotionSpec::Weightless => (3, g.velocity),
                 MotionSpec::Lid([x, y]) => (4, [x, y, g.velocity[2]]),
             };
-            let material = self.law.material(g.material.as_deref());
-            let material = material.map_err(|problem| unknown(format!("grains[{at}]"), problem))?;
             grains.push(Grain {
                 id: g.id,
                 group: MOTIONS * material + motion,
@@ -122,9 +121,7 @@ impl Case {
                 Error::input(format!("{name}: `obstacles[{k}].{key}`"), problem)
             })?;
             domain.wrap(&mut body.point, &mut [0; 3]);
-            let material = self.law.material(self.obstacles[k].material.as_deref());
-            body.material =
-                material.map_err(|problem| unknown(format!("obstacles[{k}]"), problem))?;
+            body.material = of_bodies[k];
             sim.obstacles.push(body);
         }
         sim.start_watched(watch).map_err(|fault| {

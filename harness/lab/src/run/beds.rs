@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use super::performance::{StagePerformance, timed};
 use super::saving::Saver;
 use super::setting::Setting;
 use crate::bed;
@@ -10,6 +9,7 @@ use crate::bed::recipe::Recipe;
 use crate::bed::{Pouring, PouringState};
 use crate::folder::Folder;
 use crate::manifest::Ledger;
+use crate::performance::{StagePerformance, timed};
 use crate::progress::Stage;
 use crate::scenario::{BedPlan, CheckedScenario};
 use crate::summary::BedSummary;

@@ -5,7 +5,6 @@ use std::path::Path;
 use bitgrain_kernel::{BITS_VERSION, ContactForce};
 
 use super::film::Frames;
-use super::performance::{StagePerformance, timed};
 use super::saving::{SaveEvery, Saver};
 use super::summarise::summarise;
 use super::task::DragTask;
@@ -15,6 +14,7 @@ use crate::flow;
 use crate::folder::Folder;
 use crate::json::json_text;
 use crate::manifest::Ledger;
+use crate::performance::{StagePerformance, timed};
 use crate::progress::Progress;
 use crate::scenario::CheckedScenario;
 use crate::series::series_text;

@@ -24,21 +24,25 @@ pub type WrongKey = (String, String);
 /// # Errors
 /// That the name is none of them, or is missing although there are several.
 pub fn material_number(names: &[impl AsRef<str>], name: Option<&str>) -> Result<u8, String> {
-    let all: Vec<&str> = names.iter().map(AsRef::as_ref).collect();
-    let place = name.and_then(|name| all.iter().position(|known| *known == name));
-    let list = all.join(", ");
+    let place = name.and_then(|name| names.iter().position(|known| known.as_ref() == name));
+    let list = || {
+        let all: Vec<&str> = names.iter().map(AsRef::as_ref).collect();
+        all.join(", ")
+    };
     match (name, place.and_then(|place| u8::try_from(place).ok())) {
         (_, Some(number)) => Ok(number),
-        (None, None) if all.len() < 2 => Ok(0),
+        (None, None) if names.len() < 2 => Ok(0),
         (None, None) => Err(format!(
-            "is missing; expected a material of the law: {list}"
+            "is missing; expected a material of the law: {}",
+            list()
         )),
-        (Some(name), None) if all.is_empty() => Err(format!(
+        (Some(name), None) if names.is_empty() => Err(format!(
             "is \"{name}\", and the law has the numbers of one material; leave it out, or give the law its `materials` \
              and `pairs`"
         )),
         (Some(name), None) => Err(format!(
-            "is \"{name}\"; expected a material of the law: {list}"
+            "is \"{name}\"; expected a material of the law: {}",
+            list()
         )),
     }
 }
@@ -140,12 +144,6 @@ impl LawTable {
         }
     }
 
-    /// The number of a material.
-    pub fn number(&self, name: &str) -> Option<u8> {
-        let place = self.names().iter().position(|known| *known == name)?;
-        u8::try_from(place).ok()
-    }
-
     /// The pairs that have numbers, by the names of their materials.
     fn between(&self) -> Vec<&[String; 2]> {
         match self {
@@ -156,14 +154,13 @@ impl LawTable {
 
     /// The pairs that have numbers, by the numbers of their materials; names that do not exist are left out.
     pub fn pairs(&self) -> Vec<Materials> {
-        let numbers = |[a, b]: &[String; 2]| Some([self.number(a)?, self.number(b)?]);
+        let names = self.names();
+        let number = |name: &String| {
+            let place = names.iter().position(|known| known == name)?;
+            u8::try_from(place).ok()
+        };
+        let numbers = |[a, b]: &[String; 2]| Some([number(a)?, number(b)?]);
         self.between().into_iter().filter_map(numbers).collect()
-    }
-
-    /// Whether the pair has numbers.
-    pub fn has(&self, [a, b]: Materials) -> bool {
-        let pairs = self.pairs();
-        pairs.contains(&[a, b]) || pairs.contains(&[b, a])
     }
 
     /// Shear modulus and Poisson's ratio of a material, for the speed of waves in it; where all numbers belong to

@@ -1,0 +1,52 @@
+//! How fast stages went on this machine.
+
+use crate::progress::Stage;
+use bitgrain_sim::simulation::Simulation;
+use serde::Serialize;
+
+/// Timings and other facts of the machine, kept apart from the results.
+#[derive(Serialize)]
+pub struct Performance {
+    /// Which arithmetic.
+    pub bits_version: u32,
+    /// Threads.
+    pub threads: usize,
+    /// Wall-clock time of all (s).
+    pub seconds: f64,
+    /// Its parts.
+    pub stages: Vec<StagePerformance>,
+}
+
+/// How one stage went on this machine.
+#[derive(Clone, Debug, Serialize)]
+pub struct StagePerformance {
+    /// Its name.
+    pub stage: String,
+    /// What was done: poured, reused, imported, dragged, followed.
+    pub how: String,
+    /// Wall-clock time (s).
+    pub seconds: f64,
+    /// Steps.
+    pub steps: u64,
+    /// Grains times steps in a second.
+    pub grain_steps_per_s: f64,
+    /// Searches for pairs.
+    pub searches: u64,
+    /// Pairs listed at its end.
+    pub pairs_listed: usize,
+}
+
+/// What came of a stage that did so many steps.
+pub fn timed(stage: Stage, how: &str, sim: &Simulation, steps: u64) -> StagePerformance {
+    let (name, seconds) = (stage.name().to_string(), stage.finish());
+    let (searches, pairs_listed, _) = sim.list_counts();
+    StagePerformance {
+        stage: name,
+        how: how.to_string(),
+        seconds,
+        steps,
+        grain_steps_per_s: steps as f64 * sim.count() as f64 / seconds,
+        searches,
+        pairs_listed,
+    }
+}
