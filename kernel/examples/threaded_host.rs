@@ -143,14 +143,12 @@ fn steps_on_threads(
     for (number, part) in parts.iter_mut().enumerate() {
         let own = places(number, true);
         own.iter().for_each(|k| copy_rows(part, world, *k as usize));
-        for history in part.contact_histories() {
-            match history {
-                ContactHistory::Pair { i, j, spring } => pairs.push((i, j, spring)),
+        for contact in part.kept_contacts() {
+            let kept = contact.kept();
+            match contact.history {
+                ContactHistory::Pair { i, j, .. } => pairs.push((i, j, kept)),
                 // The floor is obstacle 0.
-                ContactHistory::Obstacle { i, spring, .. } => {
-                    let [x, y, z] = spring;
-                    contacts.push((i, TOUCHING, [x, y, z, 0.0]));
-                }
+                ContactHistory::Obstacle { i, .. } => contacts.push((i, TOUCHING, kept)),
             }
         }
     }

@@ -78,6 +78,9 @@ pub enum Error {
         /// The number of the material.
         material: u8,
     },
+    /// The storage has no room for the words that the law, or a saved contact, keeps of a contact, or the law acts
+    /// further than pairs are listed.
+    LawMisfit,
     /// The lent bytes are too few for a saved world; nothing was written.
     BufferTooShort {
         /// Bytes that would have been enough.
@@ -234,6 +237,7 @@ impl Error {
             Self::OtherVersion => 14,
             Self::OtherFacets { .. } => 15,
             Self::UnknownMaterial { .. } => 16,
+            Self::LawMisfit => 17,
             Self::PairListFull { .. } => 20,
             Self::OuterListFull { .. } => 21,
             Self::ObstacleContactsFull { .. } => 22,
@@ -329,6 +333,10 @@ impl fmt::Display for Error {
             Error::UnknownMaterial { material } => {
                 write!(f, "the law knows no material of number {material}")
             }
+            Error::LawMisfit => write!(
+                f,
+                "the law keeps more words of a contact than there is storage for, or acts further than pairs are listed"
+            ),
             Error::BufferTooShort { needed } => write!(f, "a saved world takes {needed} bytes"),
             Error::GrainsFull { needed } => write!(f, "there is no room for {needed} grains"),
             Error::PairListFull { needed } => full(f, "pair", needed),

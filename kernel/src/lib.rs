@@ -102,9 +102,10 @@ pub use math::vec3;
 #[cfg(feature = "fixed")]
 pub use math::{fixed_point, scaling};
 pub use neighbors::cell_list::CellList;
+pub use neighbors::memory::{MemoryColumns, memory_columns};
 pub use neighbors::outer_list::OuterList;
 pub use neighbors::pair_list::{
-    ContactHistory, OBSTACLES_MAX, PairList, TOUCHING, obstacle_of, surface_of,
+    ContactHistory, KeptContact, OBSTACLES_MAX, PairList, TOUCHING, obstacle_of, surface_of,
 };
 pub use neighbors::stretch::{NEIGHBORS, STRETCH, StretchList};
 pub use owners::capacity::Capacity;

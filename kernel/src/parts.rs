@@ -23,14 +23,15 @@
 //! A pair of two parts is evaluated in both, from the same numbers in the same orientation. So any cut gives the bits
 //! of the whole world.
 
+use crate::contact::law::Kept;
 use crate::edit::renumber::{NewPlaces, renumber_contacts};
 use crate::error::Error;
 use crate::integrate::{MotionCheck, MotionPhase, integrate, travel_at};
 use crate::math::real::{Real, larger};
-use crate::math::rows::{Row, min, prefix, set};
+use crate::math::rows::{min, prefix, set};
 use crate::math::vec3::{Vec3, dot};
 use crate::neighbors::extent::Extent;
-use crate::neighbors::pair_list::{ContactHistory, Listed};
+use crate::neighbors::pair_list::{KeptContact, Listed};
 use crate::phases::{cut_anew, refresh_here};
 use crate::state::owned::Owned;
 use crate::world::{Clock, Stage, World};
@@ -66,6 +67,7 @@ impl<R: Real> Clock<R> {
         self.stage = part.stage;
         self.slack = part.slack;
         self.rounding = part.rounding;
+        self.reach = part.reach;
         // A caller may give any numbers.
         self.outer_list_rebuilds = self.outer_list_rebuilds.saturating_add(searches);
         self.prunes = self.prunes.saturating_add(prunes);
@@ -169,7 +171,7 @@ pub fn search_and_list<R: Real>(world: &mut World<'_, R>, extent: &Extent<R>) ->
 /// A world whose pairs were not just listed.
 pub fn restore<R: Real>(
     world: &mut World<'_, R>,
-    histories: impl IntoIterator<Item = ContactHistory<R>>,
+    histories: impl IntoIterator<Item = impl Into<KeptContact<R>>>,
 ) -> Result<(), Error> {
     if world.clock.stage != Stage::Listed {
         return Err(Error::NotStarted);
@@ -177,42 +179,57 @@ pub fn restore<R: Real>(
     let listed = world.clock.listed;
     for history in histories {
         // A spring that is not finite is found by the forces, as in the whole world.
-        world.pairs.restore(&world.stretches, &history, listed);
+        world
+            .pairs
+            .restore(&world.stretches, &history.into(), listed);
     }
     Ok(())
 }
 
-/// The listed pairs by lower grain and partner, with their springs.
-pub fn listed_springs<'w, R: Real>(
+/// The listed pairs by lower grain and partner, with what the law has kept of them.
+pub fn listed_pairs<'w, R: Real>(
     world: &'w World<'_, R>,
-) -> impl Iterator<Item = (u32, u32, [R; 3])> + 'w {
+) -> impl Iterator<Item = (u32, u32, Kept<R>)> + 'w {
     let listed = world.pairs.in_order(&world.stretches, world.clock.listed);
-    listed.map(|(i, j, p)| (i, j, world.pairs.spring_of(p)))
+    listed.map(|(i, j, p)| (i, j, world.pairs.kept(p)))
 }
 
-/// Takes the pairs of all parts, by lower grain and partner with their springs, and all obstacle contacts by grain and
-/// obstacle, as [`PairList`](crate::PairList) holds them, in the place of what the world has listed. The next step
+/// The listed obstacle contacts by grain and obstacle, with the word of the obstacle as
+/// [`PairList`](crate::PairList) holds it, and what the law has kept of them.
+pub fn listed_obstacle_contacts<'w, R: Real>(
+    world: &'w World<'_, R>,
+) -> impl Iterator<Item = (u32, u32, Kept<R>)> + 'w {
+    let pairs = &world.pairs;
+    let count = world.clock.listed.obstacle_contacts;
+    let listed = prefix(pairs.obstacle_contact_grain, count);
+    let listed = listed.iter().zip(&*pairs.obstacle_contact_obstacle);
+    let listed = listed.enumerate();
+    listed.map(|(t, (grain, word))| (*grain, *word, pairs.kept_on_obstacle(t)))
+}
+
+/// Takes the pairs of all parts, by lower grain and partner, and all obstacle contacts by grain and obstacle, each as
+/// [`listed_pairs`] and [`listed_obstacle_contacts`] tell it, in the place of what the world has listed. The next step
 /// searches.
 ///
 /// # Errors
 /// A full list: enlarge the storage and call again.
 pub fn take_lists<R: Real>(
     world: &mut World<'_, R>,
-    pairs: impl Iterator<Item = (u32, u32, [R; 3])>,
-    contacts: impl Iterator<Item = (u32, u32, Row<R>)>,
+    pairs: impl Iterator<Item = (u32, u32, Kept<R>)>,
+    contacts: impl Iterator<Item = (u32, u32, Kept<R>)>,
 ) -> Result<(), Error> {
     let list = &mut world.pairs;
     let (mut count, mut on_obstacles) = (0, 0);
-    for (i, j, spring) in pairs {
+    for (i, j, kept) in pairs {
         set(list.lower, count, i);
         set(list.partner, count, j);
-        list.set_spring(count, spring);
+        list.keep(count, kept);
         count += 1;
     }
-    for (grain, obstacle, spring) in contacts {
+    for (grain, obstacle, kept) in contacts {
         set(list.obstacle_contact_grain, on_obstacles, grain);
         set(list.obstacle_contact_obstacle, on_obstacles, obstacle);
-        set(list.obstacle_contact_spring, on_obstacles, spring);
+        list.keep_on_obstacle(on_obstacles, kept);
         on_obstacles += 1;
     }
     let clock = &mut *world.clock;

@@ -294,12 +294,12 @@ fn rebuild_outer_list<R: Real>(
         facets: world.facets,
         owned: Owned::new(world.owned),
         extent: extent.unwrap_or_else(|| measure(world)),
-        far,
+        far: far + world.clock.reach,
     };
     let clock = &mut *world.clock;
     // Until it is done there are none.
     clock.far = -R::ONE;
-    let found = search(
+    let mut found = search(
         &scene,
         &mut world.candidates,
         &world.pairs,
@@ -308,16 +308,21 @@ fn rebuild_outer_list<R: Real>(
         clock.listed.obstacle_contacts,
     )?;
     clock.outer_list_rebuilds = clock.outer_list_rebuilds.saturating_add(1);
-    clock.slack = found.slack;
+    // What acts at a distance is listed as what touches is.
+    clock.slack = found.slack + clock.reach;
     clock.rounding = found.rounding;
+    found.far = far;
     Ok(found)
 }
 
 /// The joint after [`obstacle_forces`] and [`accumulate`], which say what they found.
 ///
 /// # Errors
-/// A force on an obstacle that is not finite; one of the overlaps, unless the policy takes such grains out.
+/// A world that does not fit its law; a force on an obstacle that is not finite; one of the overlaps, unless the policy takes such grains out.
 pub fn check_forces<R: Real>(world: &mut World<'_, R>, found: ForceCheck) -> Result<(), Error> {
+    if found.misfit {
+        return Err(Error::LawMisfit);
+    }
     if let Some(k) = found.unsound {
         return Err(Error::obstacle_not_finite::<R>(k));
     }

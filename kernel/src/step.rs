@@ -11,7 +11,7 @@ use crate::fp_environment::check_arithmetic;
 use crate::integrate::{MotionPhase, without_turn};
 use crate::math::real::Real;
 use crate::math::vec3::Vec3;
-use crate::neighbors::pair_list::{ContactHistory, Listed};
+use crate::neighbors::pair_list::{KeptContact, Listed};
 use crate::phases::begin;
 use crate::phases::check_forces;
 use crate::phases::come_to_rest;
@@ -135,6 +135,7 @@ pub fn start_watched<R: Real, L: Law<R>>(
     watch: impl FnMut(ContactForce<R>),
 ) -> Result<(), Error> {
     check_materials(world, law)?;
+    world.clock.reach = law.reach();
     prepare(world, false, true)?;
     world.grains.force.fill([R::ZERO; 4]);
     for torque in world.grains.torque.iter_mut() {
@@ -158,17 +159,18 @@ fn check_materials<R: Real, L: Law<R>>(world: &World<'_, R>, law: &L) -> Result<
     }
 }
 
-/// Checks a world, makes its pair list and puts back the histories of its touching contacts; the
+/// Checks a world, makes its pair list and puts back the histories of its touching contacts
+/// ([`ContactHistory`](crate::ContactHistory), or [`KeptContact`] if the law keeps words of them); the
 /// forces are those that its rows hold, and obstacles may have left through a closed edge. Going on from
 /// here gives the bits of the run that was saved.
 ///
 /// # Errors
 /// As [`start`]; [`Error::BadContactHistory`] for a history that is not finite or joins bodies that are not near
-/// each other.
+/// each other; [`Error::LawMisfit`] for one with more words than the storage has.
 #[inline]
 pub fn resume<R: Real>(
     world: &mut World<'_, R>,
-    histories: impl IntoIterator<Item = ContactHistory<R>>,
+    histories: impl IntoIterator<Item = impl Into<KeptContact<R>>>,
 ) -> Result<(), Error> {
     take_up(world, histories, true)
 }
@@ -176,7 +178,7 @@ pub fn resume<R: Real>(
 /// [`resume`]; a world that ran is taken up too if a number type would not let it begin like this.
 pub(crate) fn take_up<R: Real>(
     world: &mut World<'_, R>,
-    histories: impl IntoIterator<Item = ContactHistory<R>>,
+    histories: impl IntoIterator<Item = impl Into<KeptContact<R>>>,
     begins: bool,
 ) -> Result<(), Error> {
     prepare(world, true, begins)?;
@@ -184,10 +186,14 @@ pub(crate) fn take_up<R: Real>(
     for row in world.grains.force.iter_mut() {
         row[3] = R::ZERO;
     }
-    for history in histories {
+    for contact in histories {
+        let contact = contact.into();
         let listed = world.clock.listed;
-        let sound = history.is_finite();
-        if !(sound && world.pairs.restore(&world.stretches, &history, listed)) {
+        let sound = contact.is_finite();
+        if contact.kept().words() > world.pairs.words() {
+            return Err(Error::LawMisfit);
+        }
+        if !(sound && world.pairs.restore(&world.stretches, &contact, listed)) {
             return Err(Error::BadContactHistory);
         }
     }

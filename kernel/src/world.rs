@@ -10,7 +10,9 @@ use crate::math::rows::{front_mut, get_or_default, prefix, shorten};
 use crate::math::vec3::{Vec3, head, length_bound};
 use crate::neighbors::cell_list::CellList;
 use crate::neighbors::outer_list::OuterList;
-use crate::neighbors::pair_list::{ContactHistory, Listed, OBSTACLES_MAX, PairList, TOUCHING};
+use crate::neighbors::pair_list::{
+    ContactHistory, KeptContact, Listed, OBSTACLES_MAX, PairList, TOUCHING,
+};
 use crate::neighbors::stretch::StretchList;
 use crate::state::domain::Domain;
 use crate::state::facet::Facet;
@@ -40,6 +42,8 @@ pub struct Clock<R> {
     pub(crate) far: R,
     /// Margin for the rounding of coordinates and distances.
     pub(crate) slack: R,
+    /// How far beyond touching the law acts (length).
+    pub(crate) reach: R,
     /// Bound of the next step's travel (length).
     pub(crate) next_travel: R,
     /// What rounding may add to it.
@@ -81,6 +85,7 @@ impl<R: Real> Clock<R> {
         radius_min: R::ZERO,
         far: R::ZERO,
         slack: R::ZERO,
+        reach: R::ZERO,
         next_travel: R::ZERO,
         rounding: R::ZERO,
         seal: 0,
@@ -141,6 +146,18 @@ impl<R: Real> Clock<R> {
         self.stage == Stage::Going
     }
 
+    /// How far beyond touching the law of the world acts (length, zero or more); see
+    /// [`Law::reach`](crate::contact::Law::reach). [`crate::start`] asks the law; a world that is resumed is told
+    /// before that.
+    pub fn set_reach(&mut self, reach: R) {
+        self.reach = reach;
+    }
+
+    /// How far that is.
+    pub fn reach(&self) -> R {
+        self.reach
+    }
+
     /// Stops a world that was computed wrongly, as its host found: all further steps are refused
     /// with [`Error::NotStarted`].
     pub fn stop(&mut self) {
@@ -195,9 +212,14 @@ impl<R: Real> World<'_, R> {
     /// The contacts that touched in the last evaluation, by places: grain pairs by `(i, j)`, then obstacle
     /// contacts by grain and obstacle.
     pub fn contact_histories(&self) -> impl Iterator<Item = ContactHistory<R>> + '_ {
+        self.kept_contacts().map(|contact| contact.history)
+    }
+
+    /// [`World::contact_histories`], with the words that the law keeps of each.
+    pub fn kept_contacts(&self) -> impl Iterator<Item = KeptContact<R>> + '_ {
         let (domain, position) = (self.domain, &*self.grains.position);
         self.pairs
-            .contact_histories(&self.stretches, self.clock.listed, domain, position)
+            .kept_contacts(&self.stretches, self.clock.listed, domain, position)
     }
 
     /// The listed pairs, lower grain and partner, by places and in order.
@@ -237,14 +259,18 @@ impl<R: Real> World<'_, R> {
             shares: &mut [],
             obstacle: front_mut(pairs.obstacle_contact_obstacle, listed.obstacle_contacts),
             spring: front_mut(pairs.obstacle_contact_spring, listed.obstacle_contacts),
+            memory: pairs
+                .obstacle_contact_memory
+                .each_mut()
+                .map(|word| front_mut(word, listed.obstacle_contacts)),
             obstacles: self.obstacles,
             facets: self.facets,
         };
-        let [x, y, z] = &mut pairs.spring;
         let range = PairRange {
             lower: prefix(pairs.lower, listed.end),
             partner: prefix(pairs.partner, listed.end),
-            spring: [x, y, z].map(|s| front_mut(s, listed.end)),
+            spring: pairs.spring.each_mut().map(|s| front_mut(s, listed.end)),
+            memory: pairs.memory.each_mut().map(|s| front_mut(s, listed.end)),
         };
         let part = GrainRange {
             owned: Owned::new(self.owned),
@@ -257,6 +283,7 @@ impl<R: Real> World<'_, R> {
                 pairs: prefix(self.stretches.pairs, listed.stretches),
                 travel: front_mut(self.stretches.travel, listed.stretches),
             },
+            reach: self.clock.reach,
             dt,
         };
         (part, touch)
@@ -269,6 +296,7 @@ impl<R: Real> World<'_, R> {
         let lists = self.pairs.is_whole()
             && self.spare.is_whole()
             && self.pairs.partner.len() >= self.spare.partner.len()
+            && self.pairs.words() == self.spare.words()
             && self.pairs.obstacle_contact_grain.len() >= self.spare.obstacle_contact_grain.len()
             && self.pairs.holds(self.clock.listed)
             && self.candidates.row.len() == n + 1
@@ -290,6 +318,8 @@ impl<R: Real> World<'_, R> {
         if !(self.dt > R::ZERO
             && self.dt.is_finite()
             && self.skin >= R::ZERO
+            && self.clock.reach >= R::ZERO
+            && self.clock.reach.is_finite()
             && self.outer_skin >= R::ZERO)
         {
             return Err(Error::BadTimeStep);
@@ -431,6 +461,7 @@ impl<R: Real> World<'_, R> {
         for body in self.obstacles.iter() {
             widest = larger(widest, radius + body.reach());
         }
+        widest = widest + self.clock.reach;
         // In fixed point: the square of every distance at which bodies touch must be a number.
         let square = (widest + self.skin) * (widest + self.skin);
         if R::FIXED_POINT && !square.is_finite() {

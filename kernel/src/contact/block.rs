@@ -6,7 +6,10 @@
 //! for the next one lie in columns that stay in the nearest cache. Nothing here branches on the data:
 //! a pair that does not touch is evaluated too and gives +0.0, which changes no sum.
 
-use crate::contact::law::{Law, Materials, NormalForce, NormalState, TangentialState};
+use crate::contact::law::{
+    ContactMemory, Law, MEMORY_MAX, NormalForce, NormalState, TangentialState, TurningState,
+    has_torque,
+};
 use crate::contact::slide::{slide, surface_spin};
 use crate::math::real::{Real, smaller};
 use crate::math::rows::Row;
@@ -65,6 +68,8 @@ pub(crate) struct Block<R> {
     normal: Columns<R>,
     overlap: Column<R>,
     speed: Column<R>,
+    /// Which contacts act; only if the law says so itself.
+    acts: [bool; BLOCK],
     normal_force: NormalForces<R>,
     sliding: Columns<R>,
     length2: Column<R>,
@@ -75,6 +80,10 @@ pub(crate) struct Block<R> {
     force: Rows<R>,
     /// Normal crossed with the tangential force.
     couple: Rows<R>,
+    /// Torque on the lower grain beside that; zero if the law has none.
+    torque: Rows<R>,
+    /// The law's words, as they were and then as they are left; only as many columns as it has are used.
+    memory: [Column<R>; MEMORY_MAX],
 }
 
 /// [`NormalForce`] in columns.
@@ -115,6 +124,7 @@ impl<R: Real> Block<R> {
             normal: columns,
             overlap: column,
             speed: column,
+            acts: [false; BLOCK],
             normal_force: NormalForces {
                 force: column,
                 contact_radius: column,
@@ -128,6 +138,8 @@ impl<R: Real> Block<R> {
             tangential: columns,
             force: rows,
             couple: rows,
+            torque: rows,
+            memory: [column; MEMORY_MAX],
         }
     }
 
@@ -150,14 +162,14 @@ impl<R: Real> Block<R> {
         BLOCK - min(self.count, BLOCK)
     }
 
-    /// Takes up the rows of these pairs, as many as there is room for, and their springs: what the law `L` needs.
+    /// Takes up the rows of these pairs, as many as there is room for, and what the law `L` has kept of them.
     #[inline(always)]
     pub fn fill<L: Law<R>>(
         &mut self,
         bodies: Bodies<'_, R>,
         lower: &[u32],
         partner: &[u32],
-        spring: [&[R]; 3],
+        (spring, memory): ([&[R]; 3], [&[R]; MEMORY_MAX]),
     ) {
         let begin = min(self.count, BLOCK);
         // One length for all rows, so that a place is checked once for all of them.
@@ -205,6 +217,9 @@ impl<R: Real> Block<R> {
         for (column, spring) in self.spring.iter_mut().zip(spring) {
             copy(part_mut(column, begin, begin + spring.len()), spring);
         }
+        for (column, words) in self.memory.iter_mut().zip(memory).take(L::MEMORY) {
+            copy(part_mut(column, begin, begin + words.len()), words);
+        }
     }
 
     /// Evaluates the block; springs advance by `dt`.
@@ -214,7 +229,10 @@ impl<R: Real> Block<R> {
         self.normal_force(law);
         self.advance_springs(dt);
         self.tangential_force(law);
-        self.push();
+        if const { has_torque::<R, L>() } {
+            self.torque(law, dt);
+        }
+        self.push::<L>();
     }
 
     /// Separation to the nearest image, distance, normal `d (1/r)` and overlap `(r_i + r_j) - r`.
@@ -231,18 +249,12 @@ impl<R: Real> Block<R> {
     #[inline(always)]
     fn normal_force<L: Law<R>>(&mut self, law: &L) {
         for k in 0..self.whole() {
-            let (ri, rj) = (self.radius[0][k], self.radius[1][k]);
-            let speed = dot(head(self.relative[k]), taken(&self.normal, k));
-            let normal_force = law.normal_force(&NormalState {
-                overlap: self.overlap[k],
-                speed,
-                radius_i: ri,
-                radius_j: rj,
-                radius_effective: (ri * rj) / (ri + rj),
-                mass_effective: R::ONE / (self.spin[0][k][3] + self.spin[1][k][3]),
-                materials: self.materials_of(k),
-            });
-            self.speed[k] = speed;
+            self.speed[k] = dot(head(self.relative[k]), taken(&self.normal, k));
+            let contact = self.along_normal::<L>(k);
+            if L::ACTS_APART {
+                self.acts[k] = law.acts(&contact);
+            }
+            let normal_force = law.normal_force(&contact);
             self.normal_force.force[k] = normal_force.force;
             self.normal_force.contact_radius[k] = normal_force.contact_radius;
             self.normal_force.damping[k] = normal_force.damping;
@@ -274,33 +286,48 @@ impl<R: Real> Block<R> {
     #[inline(always)]
     fn tangential_force<L: Law<R>>(&mut self, law: &L) {
         for k in 0..self.whole() {
-            let normal_force = NormalForce {
-                force: self.normal_force.force[k],
-                contact_radius: self.normal_force.contact_radius[k],
-                damping: self.normal_force.damping[k],
-                lever_arm_i: self.normal_force.lever_arm_i[k],
-                lever_arm_j: self.normal_force.lever_arm_j[k],
-            };
+            let normal_force = self.normal_force_of(k);
             let state = TangentialState {
+                contact: self.along_normal::<L>(k),
                 velocity: taken(&self.sliding, k),
                 spring: taken(&self.spring, k),
                 length2: self.length2[k],
-                materials: self.materials_of(k),
             };
             let tangential_force = law.tangential_force(&normal_force, &state);
             put(&mut self.tangential, k, tangential_force.force);
             // Only the law's own overlap opens or erases a history.
-            let touches = self.overlap[k] > R::ZERO;
-            let left = either(touches, tangential_force.spring, [R::ZERO; 3]);
+            let left = either(self.acts::<L>(k), tangential_force.spring, [R::ZERO; 3]);
             put(&mut self.spring, k, left);
         }
     }
 
     #[inline(always)]
-    fn push(&mut self) {
+    fn torque<L: Law<R>>(&mut self, law: &L, dt: R) {
+        for k in 0..self.whole() {
+            let state = TurningState {
+                contact: self.along_normal::<L>(k),
+                normal: taken(&self.normal, k),
+                velocity: taken(&self.sliding, k),
+                tangential: taken(&self.tangential, k),
+                spin_i: head(self.spin[0][k]),
+                spin_j: head(self.spin[1][k]),
+                dt,
+            };
+            let acts = self.acts::<L>(k);
+            let turned = law.torque(&self.normal_force_of(k), &state);
+            let torque = either(acts, turned.torque, [R::ZERO; 3]);
+            self.torque[k] = [torque[0], torque[1], torque[2], R::ZERO];
+            for (column, word) in self.memory.iter_mut().zip(turned.memory).take(L::MEMORY) {
+                column[k] = if acts { word } else { R::ZERO };
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn push<L: Law<R>>(&mut self) {
         for k in 0..self.whole() {
             let (normal, tangential) = (taken(&self.normal, k), taken(&self.tangential, k));
-            let touches = self.overlap[k] > R::ZERO;
+            let touches = self.acts::<L>(k);
             let force = add(scale(normal, self.normal_force.force[k]), tangential);
             let force = either(touches, force, [R::ZERO; 3]);
             let couple = either(touches, cross(normal, tangential), [R::ZERO; 3]);
@@ -309,9 +336,51 @@ impl<R: Real> Block<R> {
         }
     }
 
+    /// A contact along its normal.
     #[inline(always)]
-    fn materials_of(&self, k: usize) -> Materials {
-        [self.material[0][k], self.material[1][k]]
+    fn along_normal<L: Law<R>>(&self, k: usize) -> NormalState<R> {
+        let (ri, rj) = (self.radius[0][k], self.radius[1][k]);
+        let inverse_masses = [self.spin[0][k][3], self.spin[1][k][3]];
+        NormalState {
+            overlap: self.overlap[k],
+            speed: self.speed[k],
+            radius_i: ri,
+            radius_j: rj,
+            radius_effective: (ri * rj) / (ri + rj),
+            mass_effective: R::ONE / (inverse_masses[0] + inverse_masses[1]),
+            inverse_masses,
+            materials: [self.material[0][k], self.material[1][k]],
+            memory: self.memory_of::<L>(k),
+        }
+    }
+
+    #[inline(always)]
+    fn memory_of<L: Law<R>>(&self, k: usize) -> ContactMemory<R> {
+        let mut memory = [R::ZERO; MEMORY_MAX];
+        for (word, column) in memory.iter_mut().zip(&self.memory).take(L::MEMORY) {
+            *word = column[k];
+        }
+        memory
+    }
+
+    #[inline(always)]
+    fn normal_force_of(&self, k: usize) -> NormalForce<R> {
+        NormalForce {
+            force: self.normal_force.force[k],
+            contact_radius: self.normal_force.contact_radius[k],
+            damping: self.normal_force.damping[k],
+            lever_arm_i: self.normal_force.lever_arm_i[k],
+            lever_arm_j: self.normal_force.lever_arm_j[k],
+        }
+    }
+
+    /// Whether a contact acts.
+    #[inline(always)]
+    fn acts<L: Law<R>>(&self, k: usize) -> bool {
+        match L::ACTS_APART {
+            true => self.acts[k],
+            false => self.overlap[k] > R::ZERO,
+        }
     }
 
     /// The places of the grains of each pair.
@@ -346,10 +415,22 @@ impl<R: Real> Block<R> {
             })
     }
 
-    /// Puts the springs that are left of its pairs from `from` on back among the pairs.
+    /// The torque on the lower grain of each pair beside that of the tangential force, in order.
     #[inline(always)]
-    pub fn keep(&self, from: usize, springs: [&mut [R]; 3]) {
-        for (to, left) in springs.into_iter().zip(&self.spring) {
+    pub fn torques(&self) -> &[Row<R>] {
+        prefix(&self.torque, self.count)
+    }
+
+    /// Puts what the law has left of its pairs from `from` on back among the pairs.
+    #[inline(always)]
+    pub fn keep<L: Law<R>>(
+        &self,
+        from: usize,
+        springs: [&mut [R]; 3],
+        memory: [&mut [R]; MEMORY_MAX],
+    ) {
+        let words = memory.into_iter().zip(&self.memory).take(L::MEMORY);
+        for (to, left) in springs.into_iter().zip(&self.spring).chain(words) {
             let end = from + to.len();
             copy(to, part(left, from, end));
         }
@@ -374,18 +455,22 @@ impl<R: Real> Block<R> {
         (0..count).find(|&k| too_deep(k))
     }
 
-    /// Overlap, normal, normal force and tangential force of each pair that touches.
+    /// Place in the block, overlap, normal, normal force, tangential force and torque of each pair that acts.
     #[inline(always)]
-    pub fn seen(&self, mut show: impl FnMut(usize, R, Vec3<R>, R, Vec3<R>)) {
+    pub fn seen<L: Law<R>>(&self, mut show: impl FnMut(usize, R, Vec3<R>, R, [Vec3<R>; 2])) {
         let count = min(self.count, BLOCK);
         for k in 0..count {
-            if self.overlap[k] > R::ZERO {
+            if self.acts::<L>(k) {
+                let torque = match const { has_torque::<R, L>() } {
+                    true => head(self.torque[k]),
+                    false => [R::ZERO; 3],
+                };
                 show(
                     k,
                     self.overlap[k],
                     taken(&self.normal, k),
                     self.normal_force.force[k],
-                    taken(&self.tangential, k),
+                    [taken(&self.tangential, k), torque],
                 );
             }
         }

@@ -4,6 +4,7 @@
 //! tangential spring. The order of evaluation written here is part of the bit contract.
 
 use super::law::{Law, NormalForce, NormalState, TangentialForce, TangentialState};
+use super::rolling::SpringInPlane;
 use crate::math::real::{Real, magnitude};
 use crate::math::vec3::{add, dot, either, scale, sub};
 
@@ -82,5 +83,12 @@ impl<R: Real> Law<R> for HertzHistory<R> {
             force: scale(q, g),
             spring: either(slides && !hold, shrunk, s),
         }
+    }
+}
+
+impl<R: Real> SpringInPlane<R> for HertzHistory<R> {
+    #[inline(always)]
+    fn tangential_stiffness(&self, normal: &NormalForce<R>) -> R {
+        self.kt * normal.contact_radius
     }
 }

@@ -5,6 +5,7 @@
 //! written here is part of the bit contract.
 
 use super::law::{Law, NormalForce, NormalState, TangentialForce, TangentialState};
+use super::rolling::SpringInPlane;
 use crate::math::real::{Real, magnitude};
 use crate::math::vec3::{add, dot, scale};
 
@@ -109,5 +110,12 @@ impl<R: Real> Law<R> for HertzTsuji<R> {
             force: scale(resisted, -R::ONE),
             spring: left,
         }
+    }
+}
+
+impl<R: Real> SpringInPlane<R> for HertzTsuji<R> {
+    #[inline(always)]
+    fn tangential_stiffness(&self, normal: &NormalForce<R>) -> R {
+        self.kt * normal.contact_radius
     }
 }

@@ -1,10 +1,11 @@
 //! Contact laws: from how two bodies touch to the force between them.
 //!
 //! A law is two pure functions of one contact, the same for grain on grain and grain on obstacle, with
-//! no branch on the data: how hard the bodies press on each other, and how they resist sliding. What
-//! comes before, between and after is the same for every law and is written here once. A block of
-//! contacts is evaluated in lanes, function by function: short chains of operations keep a processor
-//! busy when one long chain would make it wait. A new law is one new file in this folder.
+//! no branch on the data: how hard the bodies press on each other, and how they resist sliding. A law that acts at a
+//! distance, resists rolling or keeps words of its own of each contact says so by constants and has one or two
+//! functions more; the others pay nothing for that. What comes before, between and after is the same for every law and
+//! is written here once. A block of contacts is evaluated in lanes, function by function: short chains of operations
+//! keep a processor busy when one long chain would make it wait. A new law is one new file in this folder.
 
 use super::slide::{slide, surface_spin};
 use crate::math::real::Real;
@@ -12,6 +13,13 @@ use crate::math::vec3::{Vec3, dot};
 
 /// Numbers of the materials of two bodies, as their groups and obstacles have them.
 pub type Materials = [u8; 2];
+
+/// So many words a law can keep of a contact beside its tangential spring.
+pub const MEMORY_MAX: usize = 8;
+
+/// The words that a law keeps of a contact beside its tangential spring, in units of its own; those beyond
+/// [`Law::MEMORY`] are zero. All are zero as a contact begins.
+pub type ContactMemory<R> = [R; MEMORY_MAX];
 
 /// How two bodies touch. `i` is the grain that is pushed, `j` its partner.
 #[derive(Clone, Copy, Debug)]
@@ -28,29 +36,65 @@ pub struct Contact<R> {
     pub radius_effective: R,
     /// Effective mass `1 / (1/m_i + 1/m_j)`; the other's mass if one is infinitely heavy.
     pub mass_effective: R,
+    /// One over the mass of the grain and of its partner; 0 if it is infinitely heavy.
+    pub inverse_masses: [R; 2],
     /// Materials of the grain and its partner.
     pub materials: Materials,
     /// Velocity of the grain's centre less the partner's.
     pub velocity: Vec3<R>,
     /// Spin of the grain (radians per time).
     pub spin_i: Vec3<R>,
-    /// Spin of the partner.
+    /// Spin of the partner as its surface slides: zero if `velocity` has what its turning adds.
     pub spin_j: Vec3<R>,
+    /// Angular velocity of the partner.
+    pub turning_j: Vec3<R>,
 }
 
-/// What a contact does, and the tangential spring that it leaves behind.
+/// What a law keeps of a contact from step to step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Kept<R> {
+    /// Tangential spring, from the side of the grain (length).
+    pub spring: Vec3<R>,
+    /// The law's own words.
+    pub memory: ContactMemory<R>,
+}
+
+impl<R: Real> Kept<R> {
+    /// As a contact begins.
+    pub const NOTHING: Self = Self {
+        spring: [R::ZERO; 3],
+        memory: [R::ZERO; MEMORY_MAX],
+    };
+
+    /// How many words there are up to the last one that is not +0.
+    pub(crate) fn words(&self) -> usize {
+        let is_used = |word: &R| word.to_words() != R::ZERO.to_words();
+        let last = self.memory.iter().rposition(is_used);
+        last.map_or(0, |last| last + 1)
+    }
+
+    /// Whether there is anything else than +0.
+    pub(crate) fn is_any(&self) -> bool {
+        let is_used = |word: &R| word.to_words() != R::ZERO.to_words();
+        self.words() > 0 || self.spring.iter().any(is_used)
+    }
+}
+
+/// What a contact does, and what it leaves behind.
 #[derive(Clone, Copy, Debug)]
 pub struct Reaction<R> {
     /// Normal force on the grain along the contact's normal; negative when it pulls.
     pub normal: R,
     /// Tangential force on the grain.
     pub tangential: Vec3<R>,
-    /// Tangential spring after this evaluation (length).
-    pub spring: Vec3<R>,
+    /// Tangential spring and words after this evaluation.
+    pub kept: Kept<R>,
     /// Lever of the tangential force about the grain's centre.
     pub lever_arm_i: R,
     /// Lever about the partner's centre.
     pub lever_arm_j: R,
+    /// Torque on the grain beside that of the tangential force; its opposite acts on the partner.
+    pub torque: Vec3<R>,
 }
 
 /// A contact seen along its normal: the input of [`Law::normal_force`].
@@ -68,8 +112,12 @@ pub struct NormalState<R> {
     pub radius_effective: R,
     /// Effective mass.
     pub mass_effective: R,
+    /// One over the mass of the grain and of its partner; 0 if it is infinitely heavy.
+    pub inverse_masses: [R; 2],
     /// Materials of the grain and its partner; zeros for a law that tells none apart.
     pub materials: Materials,
+    /// The law's words as the last step left them.
+    pub memory: ContactMemory<R>,
 }
 
 /// The normal force of a contact, and what its tangential part needs to know of it.
@@ -90,14 +138,14 @@ pub struct NormalForce<R> {
 /// A contact seen in its tangent plane: the input of [`Law::tangential_force`].
 #[derive(Clone, Copy, Debug)]
 pub struct TangentialState<R> {
+    /// The same contact along its normal.
+    pub contact: NormalState<R>,
     /// Velocity of the grain's surface over the partner's.
     pub velocity: Vec3<R>,
     /// Tangential spring, advanced and projected on the tangent plane (length).
     pub spring: Vec3<R>,
     /// Square of its length before the projection.
     pub length2: R,
-    /// Materials of the grain and its partner; zeros for a law that tells none apart.
-    pub materials: Materials,
 }
 
 /// The tangential force of a contact.
@@ -109,14 +157,64 @@ pub struct TangentialForce<R> {
     pub spring: Vec3<R>,
 }
 
-/// A contact law. If `overlap <= 0` its results are unspecified and the caller discards them.
+/// Two bodies that turn against each other: the input of [`Law::torque`].
+#[derive(Clone, Copy, Debug)]
+pub struct TurningState<R> {
+    /// The same contact along its normal.
+    pub contact: NormalState<R>,
+    /// Unit vector from the partner to the grain.
+    pub normal: Vec3<R>,
+    /// Velocity of the grain's surface over the partner's.
+    pub velocity: Vec3<R>,
+    /// Tangential force on the grain.
+    pub tangential: Vec3<R>,
+    /// Spin of the grain (radians per time).
+    pub spin_i: Vec3<R>,
+    /// Spin of the partner; of an obstacle its angular velocity.
+    pub spin_j: Vec3<R>,
+    /// Time that the law's words advance by; 0 at step 0, which must leave words that are zero as they are.
+    pub dt: R,
+}
+
+/// What a contact does to the turning of its bodies.
+#[derive(Clone, Copy, Debug)]
+pub struct Torque<R> {
+    /// Torque on the grain beside that of the tangential force; its opposite acts on the partner.
+    pub torque: Vec3<R>,
+    /// The law's words that are left.
+    pub memory: ContactMemory<R>,
+}
+
+/// A contact law. If a contact does not act its results are unspecified and the caller discards them.
 pub trait Law<R: Real>: Copy + Send + Sync {
     /// Whether it tells materials apart. If not, a step does not look them up.
     const KNOWS_MATERIALS: bool = false;
 
+    /// Words of a contact that it keeps beside the tangential spring, at most [`MEMORY_MAX`]. A world without storage
+    /// for them is not started.
+    const MEMORY: usize = 0;
+
+    /// Whether [`Law::acts`] says which contacts act; if not, those that overlap.
+    const ACTS_APART: bool = false;
+
+    /// Whether contacts have a torque beside that of the tangential force.
+    const TURNS: bool = false;
+
     /// How many materials it knows, numbered from 0; a world that has others is not started.
     fn materials(&self) -> usize {
         if Self::KNOWS_MATERIALS { 256 } else { 1 }
+    }
+
+    /// How far beyond touching bodies can act on each other (length, zero or more): pairs are looked for so far.
+    fn reach(&self) -> R {
+        R::ZERO
+    }
+
+    /// Whether a contact acts. What does not act gives no force and loses spring and words. Asked of pairs within reach
+    /// and a little beyond, and only if [`Law::ACTS_APART`].
+    #[inline(always)]
+    fn acts(&self, contact: &NormalState<R>) -> bool {
+        contact.overlap > R::ZERO
     }
 
     /// Along the normal.
@@ -128,51 +226,116 @@ pub trait Law<R: Real>: Copy + Send + Sync {
         normal: &NormalForce<R>,
         state: &TangentialState<R>,
     ) -> TangentialForce<R>;
+
+    /// The torque that resists rolling or twisting, and the words that are left. Called only if [`Law::TURNS`] or
+    /// [`Law::MEMORY`] say so.
+    #[inline(always)]
+    fn torque(&self, normal: &NormalForce<R>, state: &TurningState<R>) -> Torque<R> {
+        let _ = normal;
+        Torque {
+            torque: [R::ZERO; 3],
+            memory: state.contact.memory,
+        }
+    }
+
+    /// The words of a contact as its partner would keep them: of vectors that turn their sign as both change places.
+    #[inline(always)]
+    fn seen_by_partner(&self, memory: ContactMemory<R>) -> ContactMemory<R> {
+        memory
+    }
 }
 
-/// The force that a law gives for one contact, with its tangential `spring` advanced over `dt`: the definition that a
+/// Whether [`Law::torque`] is to be called.
+#[inline(always)]
+pub(crate) const fn has_torque<R: Real, L: Law<R>>() -> bool {
+    const { assert!(L::MEMORY <= MEMORY_MAX, "a law keeps too many words") };
+    L::TURNS || L::MEMORY > 0
+}
+
+impl<R: Real> Contact<R> {
+    /// The contact along its normal.
+    #[inline(always)]
+    fn along_normal(&self, memory: ContactMemory<R>) -> NormalState<R> {
+        NormalState {
+            overlap: self.overlap,
+            speed: dot(self.velocity, self.normal),
+            radius_i: self.radius_i,
+            radius_j: self.radius_j,
+            radius_effective: self.radius_effective,
+            mass_effective: self.mass_effective,
+            inverse_masses: self.inverse_masses,
+            materials: self.materials,
+            memory,
+        }
+    }
+
+    /// Whether it acts by a law that has left these words of it.
+    #[inline(always)]
+    pub fn acts<L: Law<R>>(&self, law: &L, memory: ContactMemory<R>) -> bool {
+        match L::ACTS_APART {
+            true => law.acts(&self.along_normal(memory)),
+            false => self.overlap > R::ZERO,
+        }
+    }
+}
+
+/// What a law gives for one contact that acts, with what it kept of it advanced over `dt`: the definition that a
 /// block of contacts follows function by function. It is no method of the law, so that no law can answer differently
 /// here than there.
 ///
-/// With `dt = 0` and an empty spring the spring stays empty: the evaluation at step 0.
+/// With `dt = 0` and nothing kept the spring stays empty: the evaluation at step 0.
 #[inline(always)]
-pub fn react<R: Real, L: Law<R>>(law: &L, c: &Contact<R>, spring: Vec3<R>, dt: R) -> Reaction<R> {
-    let speed = dot(c.velocity, c.normal);
-    let normal_force = law.normal_force(&NormalState {
-        overlap: c.overlap,
-        speed,
-        radius_i: c.radius_i,
-        radius_j: c.radius_j,
-        radius_effective: c.radius_effective,
-        mass_effective: c.mass_effective,
-        materials: c.materials,
-    });
+pub fn react<R: Real, L: Law<R>>(law: &L, c: &Contact<R>, kept: Kept<R>, dt: R) -> Reaction<R> {
+    let contact = c.along_normal(kept.memory);
+    let normal_force = law.normal_force(&contact);
     let turn = surface_spin(
         c.spin_i,
         normal_force.lever_arm_i,
         c.spin_j,
         normal_force.lever_arm_j,
     );
-    let slide = slide(c.normal, c.velocity, speed, turn, spring, dt);
+    let slide = slide(c.normal, c.velocity, contact.speed, turn, kept.spring, dt);
     let state = TangentialState {
+        contact,
         velocity: slide.velocity,
         spring: slide.spring,
         length2: slide.length2,
-        materials: c.materials,
     };
     let tangential_force = law.tangential_force(&normal_force, &state);
+    let mut torque = Torque {
+        torque: [R::ZERO; 3],
+        memory: kept.memory,
+    };
+    if const { has_torque::<R, L>() } {
+        torque = law.torque(
+            &normal_force,
+            &TurningState {
+                contact,
+                normal: c.normal,
+                velocity: slide.velocity,
+                tangential: tangential_force.force,
+                spin_i: c.spin_i,
+                spin_j: c.turning_j,
+                dt,
+            },
+        );
+    }
     Reaction {
         normal: normal_force.force,
         tangential: tangential_force.force,
-        spring: tangential_force.spring,
+        kept: Kept {
+            spring: tangential_force.spring,
+            memory: torque.memory,
+        },
         lever_arm_i: normal_force.lever_arm_i,
         lever_arm_j: normal_force.lever_arm_j,
+        torque: torque.torque,
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{Contact, Kept, Law, Reaction, Vec3};
     use crate::contact::{HertzHistory, HertzTsuji};
     use crate::math::vec3::{add, cross, dot, scale, sub};
     use proptest::prelude::*;
@@ -203,10 +366,12 @@ mod tests {
                 radius_j,
                 radius_effective: radius_i * radius_j / (radius_i + radius_j),
                 mass_effective,
+                inverse_masses: [0.5 / mass_effective; 2],
                 materials: [0; 2],
                 velocity,
                 spin_i,
                 spin_j,
+                turning_j: spin_j,
             }
         }
     }
@@ -228,6 +393,15 @@ mod tests {
 
     fn spring() -> impl Strategy<Value = Vec3<f64>> {
         prop::array::uniform3(-0.02..0.02f64)
+    }
+
+    /// [`react`] to a contact of which the law has kept a spring.
+    fn react(law: &impl Law<f64>, c: &Contact<f64>, spring: Vec3<f64>, dt: f64) -> Reaction<f64> {
+        let kept = Kept {
+            spring,
+            ..Kept::NOTHING
+        };
+        super::react(law, c, kept, dt)
     }
 
     fn size(v: Vec3<f64>) -> f64 {
@@ -255,6 +429,7 @@ mod tests {
             materials: [c.materials[1], c.materials[0]],
             spin_i: c.spin_j,
             spin_j: c.spin_i,
+            turning_j: c.spin_i,
             ..*c
         };
         let (a, b) = (
@@ -263,7 +438,7 @@ mod tests {
         );
         prop_assert_eq!(a.normal.to_bits(), b.normal.to_bits());
         prop_assert_eq!(bits(a.tangential), bits(scale(b.tangential, -1.0)));
-        prop_assert_eq!(bits(a.spring), bits(scale(b.spring, -1.0)));
+        prop_assert_eq!(bits(a.kept.spring), bits(scale(b.kept.spring, -1.0)));
         prop_assert_eq!(
             (a.lever_arm_i, a.lever_arm_j),
             (b.lever_arm_j, b.lever_arm_i)
@@ -279,12 +454,13 @@ mod tests {
             velocity: turn(c.velocity),
             spin_i: turn(c.spin_i),
             spin_j: turn(c.spin_j),
+            turning_j: turn(c.turning_j),
             ..*c
         };
         let (a, b) = (react(law, c, s, DT), react(law, &turned, turn(s), DT));
         prop_assert_eq!(a.normal.to_bits(), b.normal.to_bits());
         prop_assert_eq!(turn(a.tangential), b.tangential);
-        prop_assert_eq!(turn(a.spring), b.spring);
+        prop_assert_eq!(turn(a.kept.spring), b.kept.spring);
         prop_assert_eq!(
             (a.lever_arm_i, a.lever_arm_j),
             (b.lever_arm_i, b.lever_arm_j)
@@ -302,11 +478,11 @@ mod tests {
         s: Vec3<f64>,
     ) -> Result<(), TestCaseError> {
         let r = react(law, c, s, DT);
-        let numbers = r.tangential.iter().chain(&r.spring);
+        let numbers = r.tangential.iter().chain(&r.kept.spring);
         prop_assert!(numbers.chain([&r.normal]).all(|x| x.is_finite()));
         let slip = size(slip(c, r.lever_arm_i, r.lever_arm_j));
         let length = size(s) + 0.02 * slip;
-        let off = dot(r.spring, c.normal).abs();
+        let off = dot(r.kept.spring, c.normal).abs();
         prop_assert!(off <= 1e-13 * length, "spring off its plane by {:e}", off);
         // By either law a unit of length gives a force below 1e5 here; ten times that is ample.
         let off = dot(r.tangential, c.normal).abs();
@@ -321,7 +497,7 @@ mod tests {
     /// At step 0 an empty spring stays empty, whatever slides.
     fn stays_empty(law: &impl Law<f64>, c: &Contact<f64>) -> Result<(), TestCaseError> {
         let r = react(law, c, [0.0; 3], 0.0);
-        prop_assert_eq!(r.spring, [0.0; 3]);
+        prop_assert_eq!(r.kept.spring, [0.0; 3]);
         Ok(())
     }
 
@@ -332,6 +508,7 @@ mod tests {
             velocity: [0.0; 3],
             spin_i: [0.0; 3],
             spin_j: [0.0; 3],
+            turning_j: [0.0; 3],
             ..*c
         };
         for speed in [-2.0, -0.1, 0.1, 2.0] {
@@ -402,7 +579,7 @@ mod tests {
             let vt = slip(&c, r.lever_arm_i, r.lever_arm_j);
             for k in 0..3 {
                 let damped = c.mass_effective * HISTORY.gamma_t * vt[k];
-                let again = -h * (HISTORY.kt * r.spring[k] + damped);
+                let again = -h * (HISTORY.kt * r.kept.spring[k] + damped);
                 let room = 1e-9 * (cap + h * HISTORY.kt);
                 let now = r.tangential[k];
                 prop_assert!((again - now).abs() <= room, "{} {}", again, now);
@@ -417,7 +594,7 @@ mod tests {
             let r = react(&law, &c, s, DT);
             let cap = law.mu * r.normal.abs();
             let kt = law.kt * (c.radius_effective * c.overlap).sqrt();
-            let pull = kt * size(r.spring);
+            let pull = kt * size(r.kept.spring);
             prop_assert!(pull <= cap * (1.0 + 1e-12), "{} above {}", pull, cap);
             let grown = add(s, scale(slip(&c, r.lever_arm_i, r.lever_arm_j), DT));
             let whole = kt * size(sub(grown, scale(c.normal, dot(grown, c.normal))));

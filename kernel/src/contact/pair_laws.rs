@@ -1,7 +1,10 @@
 //! A law with other numbers for each pair of materials: any of Kumar 2018, eqs. 1 and 2, or Guillard 2014, eq. A1.
 
-use super::law::{Law, Materials, NormalForce, NormalState, TangentialForce, TangentialState};
-use crate::math::real::Real;
+use super::law::{
+    ContactMemory, Law, Materials, NormalForce, NormalState, TangentialForce, TangentialState,
+    Torque, TurningState,
+};
+use crate::math::real::{Real, larger};
 
 /// One law for each pair of materials, all of one kind: `PairLaws<HertzTsuji<f64>>` is Guillard's law with other
 /// numbers between grains of glass, between grains of steel, and between one of each and a wooden wall.
@@ -52,9 +55,22 @@ fn place([a, b]: Materials, materials: u8) -> u32 {
 
 impl<R: Real, L: Law<R>> Law<R> for PairLaws<'_, L> {
     const KNOWS_MATERIALS: bool = true;
+    const MEMORY: usize = L::MEMORY;
+    const ACTS_APART: bool = L::ACTS_APART;
+    const TURNS: bool = L::TURNS;
 
     fn materials(&self) -> usize {
         usize::from(self.materials)
+    }
+
+    fn reach(&self) -> R {
+        let reaches = self.laws.iter().map(Law::reach);
+        reaches.fold(R::ZERO, larger)
+    }
+
+    #[inline(always)]
+    fn acts(&self, contact: &NormalState<R>) -> bool {
+        self.of(contact.materials).acts(contact)
     }
 
     #[inline(always)]
@@ -68,6 +84,18 @@ impl<R: Real, L: Law<R>> Law<R> for PairLaws<'_, L> {
         normal: &NormalForce<R>,
         state: &TangentialState<R>,
     ) -> TangentialForce<R> {
-        self.of(state.materials).tangential_force(normal, state)
+        self.of(state.contact.materials)
+            .tangential_force(normal, state)
+    }
+
+    #[inline(always)]
+    fn torque(&self, normal: &NormalForce<R>, state: &TurningState<R>) -> Torque<R> {
+        self.of(state.contact.materials).torque(normal, state)
+    }
+
+    /// That of the first pair: all laws are of one kind.
+    #[inline(always)]
+    fn seen_by_partner(&self, memory: ContactMemory<R>) -> ContactMemory<R> {
+        self.first.seen_by_partner(memory)
     }
 }

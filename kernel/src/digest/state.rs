@@ -5,8 +5,8 @@
 
 use crate::blake3::Hasher;
 use crate::math::real::Real;
-use crate::math::rows::get_or_default;
-use crate::math::vec3::{Vec3, head};
+use crate::math::rows::{get_or_default, prefix};
+use crate::math::vec3::head;
 use crate::neighbors::pair_list::ContactHistory;
 use crate::state::shape::Shape;
 use crate::world::World;
@@ -21,7 +21,8 @@ pub struct Digest {
     pub velocities: [u8; 32],
     /// Spins.
     pub spins: [u8; 32],
-    /// Tangential springs of the touching contacts, with the ids of their bodies.
+    /// Tangential springs of the touching contacts, with the ids of their bodies; of a law that keeps words of a contact
+    /// those too, up to the last one that is not zero.
     pub histories: [u8; 32],
     /// Contact forces and torques on the grains.
     pub forces: [u8; 32],
@@ -34,6 +35,9 @@ pub struct Digest {
 
 /// The word before the orientation of a body.
 const TURNED: u32 = u32::from_le_bytes(*b"turn");
+
+/// The word before the number of words that a law keeps of a contact.
+const MEMORY: u32 = u32::from_le_bytes(*b"kept");
 
 /// The word before the name of a mesh.
 const MESH: u32 = u32::from_le_bytes(*b"mesh");
@@ -76,14 +80,22 @@ pub fn digest<R: Real>(world: &World<'_, R>) -> Digest {
     let velocities = hash(|h| g.velocity.iter().for_each(|v| numbers(h, v)));
     let spins = hash(|h| g.spin.iter().for_each(|w| numbers(h, &head(*w))));
     let histories = hash(|h| {
-        for history in world.contact_histories() {
-            match history {
-                ContactHistory::Pair { i, j, spring } => spring_of(h, 0, id(i), id(j), spring),
-                ContactHistory::Obstacle {
-                    i,
-                    obstacle,
-                    spring,
-                } => spring_of(h, 1, id(i), obstacle, spring),
+        for contact in world.kept_contacts() {
+            let (kind, i, partner) = match contact.history {
+                ContactHistory::Pair { i, j, .. } => (0, i, id(j)),
+                ContactHistory::Obstacle { i, obstacle, .. } => (1, i, obstacle),
+            };
+            for word in [kind, id(i), partner] {
+                h.word(word);
+            }
+            let kept = contact.kept();
+            numbers(h, &kept.spring);
+            // Only then, so that laws without words have the digests that they had before there were any.
+            let words = kept.words();
+            if words > 0 {
+                h.word(MEMORY);
+                h.word(words as u32);
+                numbers(h, prefix(&kept.memory, words));
             }
         }
     });
@@ -158,11 +170,4 @@ fn images(h: &mut Hasher, image: &[i32; 3]) {
     for k in image {
         h.word(*k as u32);
     }
-}
-
-fn spring_of<R: Real>(h: &mut Hasher, kind: u32, i: u32, partner: u32, spring: Vec3<R>) {
-    for word in [kind, i, partner] {
-        h.word(word);
-    }
-    numbers(h, &spring);
 }

@@ -55,8 +55,8 @@ fn kept_pairs<R: Real>(list: &mut PairList<'_, R>, places: NewPlaces<'_>, count:
         };
         set(list.lower, to, i);
         set(list.partner, to, j);
-        let spring = list.spring_of(p);
-        list.set_spring(to, spring);
+        let kept = list.kept(p);
+        list.keep(to, kept);
         to += 1;
     }
     to
@@ -73,10 +73,10 @@ fn obstacle_contacts<R: Real>(
             continue;
         };
         let word = get_or_default(list.obstacle_contact_obstacle, t);
-        let spring = get_or_default(list.obstacle_contact_spring, t);
+        let kept = list.kept_on_obstacle(t);
         set(list.obstacle_contact_grain, to, i);
         set(list.obstacle_contact_obstacle, to, word);
-        set(list.obstacle_contact_spring, to, spring);
+        list.keep_on_obstacle(to, kept);
         to += 1;
     }
     to

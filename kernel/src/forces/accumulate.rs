@@ -24,6 +24,7 @@ use crate::math::real::Real;
 use crate::math::rows::Row;
 use crate::math::rows::{add_at, get_or_default, min, part, part_mut, set, sub_at, times};
 use crate::math::vec3::Vec3;
+use crate::neighbors::memory::MemoryColumns;
 use crate::state::owned::Owned;
 
 /// Listed pairs, one after the other, with their springs.
@@ -34,6 +35,8 @@ pub struct PairRange<'a, R> {
     pub partner: &'a [u32],
     /// Tangential spring, component by component.
     pub spring: [&'a mut [R]; 3],
+    /// The law's words.
+    pub memory: MemoryColumns<'a, R>,
 }
 
 /// The grains of a world, their stretches and their pairs: what the force phase reads and writes.
@@ -48,8 +51,21 @@ pub struct GrainRange<'a, R> {
     pub pairs: PairRange<'a, R>,
     /// Where to note the sums of some of them; empty if that is not wanted.
     pub noted: NotedForces<'a, R>,
+    /// How far beyond touching pairs are listed in any case; see [`Law::reach`].
+    pub reach: R,
     /// Time that the tangential springs advance by; 0 at step 0.
     pub dt: R,
+}
+
+impl<R: Real> GrainRange<'_, R> {
+    /// Whether there is room for the law's words, and pairs are listed as far as it reaches.
+    #[inline(always)]
+    fn fits<L: Law<R>>(&self, law: &L) -> bool {
+        let listed = self.pairs.lower.len();
+        let used = self.pairs.memory.iter().take(L::MEMORY);
+        used.fold(true, |fits, word| fits && word.len() >= listed)
+            && (!L::ACTS_APART || law.reach() <= self.reach)
+    }
 }
 
 /// Forces on some grains as their sums are complete, for a host that wants to know them although the pass that sums
@@ -103,6 +119,8 @@ pub struct ContactForce<R> {
     pub normal_force: R,
     /// Tangential force on the grain.
     pub tangential_force: Vec3<R>,
+    /// Torque on the grain beside that of the tangential force.
+    pub torque: Vec3<R>,
 }
 
 /// A hint that a row will be wanted; see [`accumulate`].
@@ -138,6 +156,7 @@ pub fn accumulate<R: Real, L: Law<R>>(
     after: After,
 ) -> (ForceCheck, MotionCheck<R>) {
     let dt = range.dt;
+    let has_room = range.fits(law);
     let GrainRange {
         grains,
         pairs,
@@ -182,12 +201,17 @@ pub fn accumulate<R: Real, L: Law<R>>(
         block.evaluate(&domain, &law, dt);
         let (mut again, mut kept) = (begin, 0);
         while let Some(piece) = again.take(stretches, BLOCK - kept) {
-            let [x, y, z] = &mut pairs.spring;
-            block.keep(kept, [x, y, z].map(|s| part_mut(s, piece.start, piece.end)));
+            let springs = pairs.spring.each_mut();
+            let memory = pairs.memory.each_mut();
+            block.keep::<L>(
+                kept,
+                springs.map(|s| part_mut(s, piece.start, piece.end)),
+                memory.map(|s| part_mut(s, piece.start, piece.end)),
+            );
             kept += piece.len();
         }
-        add_shares(grains, &block);
-        show(&block, &mut watch);
+        add_shares::<R, L>(grains, &block);
+        show::<R, L>(&block, &mut watch);
         deep = deep.or_else(|| Some(block.places_of(block.deepest()?)));
         // The sums of these stretches are complete.
         for s in finished..next.stretch {
@@ -211,6 +235,7 @@ pub fn accumulate<R: Real, L: Law<R>>(
     let id = |place: u32| get_or_default(grains.id, place as usize);
     let found = ForceCheck {
         of_pair: deep.map(|(i, j)| (id(i), id(j))),
+        misfit: !has_room,
         ..ForceCheck::NONE
     };
     (found, passed)
@@ -218,31 +243,40 @@ pub fn accumulate<R: Real, L: Law<R>>(
 
 /// Adds what the pairs of a block give to the sums of their grains, in order.
 #[inline(always)]
-fn add_shares<R: Real>(grains: &mut GrainMotion<'_, R>, block: &Block<R>) {
-    for ((i, j), (push, couple, lever_arm_i, lever_arm_j)) in block.places().zip(block.shares()) {
+fn add_shares<R: Real, L: Law<R>>(grains: &mut GrainMotion<'_, R>, block: &Block<R>) {
+    let shares = block.places().zip(block.shares()).zip(block.torques());
+    for (((i, j), (push, couple, lever_arm_i, lever_arm_j)), torque) in shares {
         let (i, j) = (*i as usize, *j as usize);
         add_at(grains.force, i, push);
         sub_at(grains.force, j, push);
         sub_at(grains.torque, i, &times(couple, lever_arm_i));
         sub_at(grains.torque, j, &times(couple, lever_arm_j));
+        // Pair by pair too: which pairs share a block must not show.
+        if L::TURNS {
+            add_at(grains.torque, i, torque);
+            sub_at(grains.torque, j, torque);
+        }
     }
 }
 
-/// Shows the contacts of a block that touch.
+/// Shows the contacts of a block that act.
 #[inline(always)]
-fn show<R: Real>(block: &Block<R>, watch: &mut impl FnMut(ContactForce<R>)) {
-    block.seen(|k, overlap, normal, normal_force, tangential_force| {
-        let (i, j) = block.places_of(k);
-        watch(ContactForce {
-            i,
-            partner: Partner::Grain(j),
-            surface: 0,
-            overlap,
-            normal,
-            normal_force,
-            tangential_force,
-        });
-    });
+fn show<R: Real, L: Law<R>>(block: &Block<R>, watch: &mut impl FnMut(ContactForce<R>)) {
+    block.seen::<L>(
+        |k, overlap, normal, normal_force, [tangential_force, torque]| {
+            let (i, j) = block.places_of(k);
+            watch(ContactForce {
+                i,
+                partner: Partner::Grain(j),
+                surface: 0,
+                overlap,
+                normal,
+                normal_force,
+                tangential_force,
+                torque,
+            });
+        },
+    );
 }
 
 /// Fills a block up with the pairs from `from` to `to`.
@@ -255,11 +289,7 @@ fn take<R: Real, L: Law<R>>(
     to: usize,
 ) {
     let (lower, partner) = (part(pairs.lower, from, to), part(pairs.partner, from, to));
-    let [x, y, z] = &pairs.spring;
-    block.fill::<L>(
-        bodies,
-        lower,
-        partner,
-        [part(x, from, to), part(y, from, to), part(z, from, to)],
-    );
+    let springs = pairs.spring.each_ref().map(|s| part(s, from, to));
+    let memory = pairs.memory.each_ref().map(|s| part(s, from, to));
+    block.fill::<L>(bodies, lower, partner, (springs, memory));
 }

@@ -13,6 +13,8 @@ pub struct ForceCheck {
     pub on_obstacle: Option<(u32, u32)>,
     /// Two grains that overlap by more than half the smaller radius.
     pub of_pair: Option<(u32, u32)>,
+    /// Whether the world has no room for the words of the law, or lists pairs less far than it reaches.
+    pub misfit: bool,
 }
 
 impl ForceCheck {
@@ -21,6 +23,7 @@ impl ForceCheck {
         unsound: None,
         on_obstacle: None,
         of_pair: None,
+        misfit: false,
     };
 
     /// This and what was found in other contacts: what one pass over both would have found.
@@ -29,6 +32,7 @@ impl ForceCheck {
             unsound: lowest(self.unsound, other.unsound),
             on_obstacle: lowest(self.on_obstacle, other.on_obstacle),
             of_pair: lowest(self.of_pair, other.of_pair),
+            misfit: self.misfit || other.misfit,
         }
     }
 

@@ -4,16 +4,18 @@ use crate::integrate::GrainMotion;
 use crate::math::real::Real;
 use crate::math::rows::{Row, get_or_default, set};
 use crate::math::vec3::head;
+use crate::neighbors::memory::{MemoryColumns, put, taken};
 use crate::neighbors::pair_list::{TOUCHING, obstacle_of, surface_of};
 use crate::state::facet::{Facet, to_shared};
 use crate::state::obstacle::Obstacle;
 
-/// Gives each contact on a triangle that begins the spring that the grain has on a triangle beside it, if what both
+/// Gives each contact on a triangle that begins the spring and the words that the grain has on a triangle beside it, if what both
 /// share, an edge or a corner, reaches into the grain: the contact has come from there. Of several the nearest counts.
 #[inline(never)]
 pub(crate) fn hand_on<R: Real>(
     grains: &GrainMotion<'_, R>,
-    (listed, words, springs): (&[u32], &[u32], &mut [Row<R>]),
+    (listed, words): (&[u32], &[u32]),
+    (springs, memory): (&mut [Row<R>], &mut MemoryColumns<'_, R>),
     (obstacles, facets): (&[Obstacle<R>], &[Facet<R>]),
 ) {
     let count = listed.len();
@@ -39,6 +41,7 @@ pub(crate) fn hand_on<R: Real>(
                 {
                     let spring = get_or_default(springs, begin + from);
                     set(springs, t, spring);
+                    put(memory, t, taken(memory, begin + from));
                 }
             }
         }

@@ -1,7 +1,7 @@
 //! Forces on obstacles and of obstacles on grains: the first part of every grain's sum. An obstacle's
 //! own sum runs over grains by ascending id.
 
-use crate::contact::law::{Contact, Law, react};
+use crate::contact::law::{Contact, Kept, Law, MEMORY_MAX, react};
 use crate::forces::accumulate::{ContactForce, GrainRange, Partner};
 use crate::forces::force_check::ForceCheck;
 use crate::forces::mesh_histories::hand_on;
@@ -10,6 +10,7 @@ use crate::math::real::Real;
 use crate::math::rows::Row;
 use crate::math::rows::{add_at, get_or_default, row, set, sub_at};
 use crate::math::vec3::{Vec3, add, cross, head, scale, sub};
+use crate::neighbors::memory::{MemoryColumns, put, taken, words};
 use crate::neighbors::pair_list::{PLACE, TOUCHING, obstacle_of, surface_of};
 use crate::state::facet::Facet;
 use crate::state::grains::material_of;
@@ -23,6 +24,8 @@ pub struct ObstacleContactRange<'a, R> {
     pub obstacle: &'a mut [u32],
     /// Its tangential spring.
     pub spring: &'a mut [Row<R>],
+    /// The law's words.
+    pub memory: MemoryColumns<'a, R>,
     /// Where to note what each contact takes from the sums of its obstacle, for a host of several worlds that adds
     /// them up itself with [`sum_on_obstacles`]; empty if that is not wanted.
     pub shares: &'a mut [ObstacleShare<R>],
@@ -82,7 +85,8 @@ pub fn obstacle_forces<R: Real, L: Law<R>>(
     if !touch.facets.is_empty() {
         hand_on(
             grains,
-            (touch.grain, touch.obstacle, touch.spring),
+            (touch.grain, touch.obstacle),
+            (touch.spring, &mut touch.memory),
             (touch.obstacles, touch.facets),
         );
     }
@@ -95,31 +99,47 @@ pub fn obstacle_forces<R: Real, L: Law<R>>(
             continue;
         };
         let (contact, met) = obstacle_contact(grains, body, (surface_of(word), facets), i);
-        let touching = contact.overlap > R::ZERO;
-        if !touching {
+        let memory = match L::MEMORY > 0 {
+            true => taken(&touch.memory, t),
+            false => [R::ZERO; MEMORY_MAX],
+        };
+        if !contact.acts(law, memory) {
             *obstacle = word;
             *spring = [R::ZERO; 4];
+            put(&mut touch.memory, t, [R::ZERO; MEMORY_MAX]);
             set(touch.shares, t, ObstacleShare::default());
             continue;
         }
-        let mut r = react(law, &contact, head(*spring), dt);
+        let kept = Kept {
+            spring: head(*spring),
+            memory,
+        };
+        let mut r = react(law, &contact, kept, dt);
         if met.share < R::ONE {
             r.normal = r.normal * met.share;
             r.tangential = scale(r.tangential, met.share);
+            r.torque = scale(r.torque, met.share);
         }
         let push = add(scale(contact.normal, r.normal), r.tangential);
         let couple = cross(contact.normal, r.tangential);
         // A ball's lever is the law's, as for two grains. Elsewhere the force acts where the grain's
         // lever ends, and its moment is about the obstacle's point.
-        let moment = if contact.radius_j > R::ZERO {
+        let mut moment = if contact.radius_j > R::ZERO {
             scale(couple, r.lever_arm_j)
         } else {
             cross(sub(met.offset, scale(contact.normal, r.lever_arm_i)), push)
         };
         *obstacle = word | TOUCHING;
-        *spring = [r.spring[0], r.spring[1], r.spring[2], R::ZERO];
+        *spring = row(r.kept.spring);
         add_at(grains.force, i, &row(push));
         sub_at(grains.torque, i, &row(scale(couple, r.lever_arm_i)));
+        if L::TURNS {
+            add_at(grains.torque, i, &row(r.torque));
+            moment = add(moment, r.torque);
+        }
+        if L::MEMORY > 0 {
+            put(&mut touch.memory, t, r.kept.memory);
+        }
         body.force = sub(body.force, push);
         body.torque = sub(body.torque, moment);
         let share = ObstacleShare {
@@ -136,6 +156,7 @@ pub fn obstacle_forces<R: Real, L: Law<R>>(
             normal: contact.normal,
             normal_force: r.normal,
             tangential_force: r.tangential,
+            torque: r.torque,
         });
         if contact.overlap > body.depth_allowed(contact.radius_i) && deep.is_none() {
             deep = Some((get_or_default(grains.id, i), k));
@@ -144,7 +165,8 @@ pub fn obstacle_forces<R: Real, L: Law<R>>(
     ForceCheck {
         unsound: ForceCheck::of_obstacles(touch.obstacles),
         on_obstacle: deep,
-        of_pair: None,
+        misfit: words(&touch.memory) < L::MEMORY && !touch.grain.is_empty(),
+        ..ForceCheck::NONE
     }
 }
 
@@ -172,10 +194,12 @@ fn obstacle_contact<R: Real>(
         radius_j: body.ball_radius(),
         radius_effective: if flat { x[3] } else { curved },
         mass_effective: R::ONE / (w[3] + body.inverse_mass),
+        inverse_masses: [w[3], body.inverse_mass],
         materials: [material_of((grains.group, grains.groups), i), body.material],
         velocity: sub(head(v), own),
         spin_i: head(w),
         spin_j: spin,
+        turning_j: body.angular_velocity,
     };
     (contact, meeting)
 }

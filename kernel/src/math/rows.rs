@@ -124,6 +124,12 @@ pub(crate) fn shorten<T>(slice: &mut &mut [T], end: usize) {
     *slice = whole.get_mut(..end).unwrap_or_default();
 }
 
+/// The larger of two numbers of entries.
+#[inline(always)]
+pub(crate) fn max(a: usize, b: usize) -> usize {
+    if a > b { a } else { b }
+}
+
 /// The smaller of two numbers of entries.
 #[inline(always)]
 pub(crate) fn min(a: usize, b: usize) -> usize {

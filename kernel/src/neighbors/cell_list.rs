@@ -5,6 +5,7 @@
 //! ones around it. What it finds are candidates, kept for many steps; the pairs that a step
 //! evaluates are picked from them, more often, in `prune.rs`.
 
+use crate::contact::law::Kept;
 use crate::error::Error;
 use crate::math::real::Real;
 use crate::math::rows::Row;
@@ -89,7 +90,7 @@ pub(crate) fn search<R: Real>(
 
     let obstacle_contacts = list_obstacle_contacts(scene, spare, far)?;
     list_candidates(scene, &grid, cells, candidates, far)?;
-    take_obstacle_contact_springs(pairs, old_obstacle_contacts, spare, obstacle_contacts);
+    take_obstacle_contacts(pairs, old_obstacle_contacts, spare, obstacle_contacts);
     Ok(Found {
         obstacle_contacts,
         far: scene.far,
@@ -119,6 +120,10 @@ pub(crate) fn keep_obstacle_contacts<R: Real>(
         front_mut(pairs.obstacle_contact_spring, touches),
         prefix(spare.obstacle_contact_spring, touches),
     );
+    let memory = pairs.obstacle_contact_memory.iter_mut();
+    for (word, new) in memory.zip(&spare.obstacle_contact_memory) {
+        copy(front_mut(word, touches), prefix(new, touches));
+    }
 }
 
 fn sort_into_cells<R: Real>(grid: &Grid<R>, position: &[Row<R>], cells: &mut CellList<'_>) {
@@ -274,7 +279,7 @@ fn list_obstacle_contacts<R: Real>(
     Ok(touches)
 }
 
-fn take_obstacle_contact_springs<R: Real>(
+fn take_obstacle_contacts<R: Real>(
     old: &PairList<'_, R>,
     old_obstacle_contacts: usize,
     new: &mut PairList<'_, R>,
@@ -301,12 +306,12 @@ fn take_obstacle_contact_springs<R: Real>(
                 get_or_default(old.obstacle_contact_obstacle, from),
             );
         }
-        let spring = if same {
-            get_or_default(old.obstacle_contact_spring, from)
+        let kept = if same {
+            old.kept_on_obstacle(from)
         } else {
-            [R::ZERO; 4]
+            Kept::NOTHING
         };
-        set(new.obstacle_contact_spring, t, spring);
+        new.keep_on_obstacle(t, kept);
     }
 }
 

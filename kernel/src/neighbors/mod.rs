@@ -4,6 +4,7 @@
 pub(crate) mod cell_list;
 pub(crate) mod extent;
 mod grid;
+pub(crate) mod memory;
 pub(crate) mod outer_list;
 pub(crate) mod pair_list;
 pub(crate) mod prune;

@@ -1,13 +1,16 @@
-//! The list of pairs near enough to touch soon, and the tangential springs beside them.
+//! The list of pairs near enough to touch soon, and what the law has kept of them beside it: tangential springs, and
+//! words of its own if it has any.
 //!
 //! Grain pairs are listed once, by lower grain and then partner, both ascending: those of each stretch of grains
 //! together, with room between stretches. Obstacle contacts are a separate list, by grain and then obstacle. A pair
-//! keeps its spring as long as its bodies touch; which further pairs are listed has no effect on any result.
+//! keeps its history as long as it acts; which further pairs are listed has no effect on any result.
 
+use crate::contact::law::{ContactMemory, Kept};
 use crate::math::real::Real;
-use crate::math::rows::Row;
-use crate::math::rows::{front_mut, get_or_default, part, prefix, set};
+use crate::math::rows::{Row, row};
+use crate::math::rows::{front_mut, get_or_default, min, part, prefix, set};
 use crate::math::vec3::{dot, head};
+use crate::neighbors::memory::{MemoryColumns, is_whole, put, taken, words};
 use crate::neighbors::stretch::StretchList;
 use crate::state::domain::Domain;
 
@@ -53,12 +56,16 @@ pub struct PairList<'a, R> {
     /// Tangential spring of the pair, from the lower grain's side (length), component by component;
     /// zero if the grains do not touch.
     pub spring: [&'a mut [R]; 3],
+    /// Words of the law of each pair.
+    pub memory: MemoryColumns<'a, R>,
     /// Obstacle contacts: place of the grain.
     pub obstacle_contact_grain: &'a mut [u32],
     /// Number of the obstacle ([`obstacle_of`]) and of its surface ([`surface_of`]), with [`TOUCHING`].
     pub obstacle_contact_obstacle: &'a mut [u32],
     /// Tangential spring from the grain's side; last word unused.
     pub obstacle_contact_spring: &'a mut [Row<R>],
+    /// Words of the law of each obstacle contact.
+    pub obstacle_contact_memory: MemoryColumns<'a, R>,
 }
 
 /// How many entries of a list are in use.
@@ -112,11 +119,38 @@ pub enum ContactHistory<R> {
     },
 }
 
-impl<R: Real> ContactHistory<R> {
-    /// Whether the spring is.
+/// A contact with the words that the law keeps of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct KeptContact<R> {
+    /// The contact and its spring.
+    pub history: ContactHistory<R>,
+    /// The law's words; zeros if it keeps none.
+    pub memory: ContactMemory<R>,
+}
+
+impl<R: Real> From<ContactHistory<R>> for KeptContact<R> {
+    fn from(history: ContactHistory<R>) -> Self {
+        let Kept { memory, .. } = Kept::NOTHING;
+        Self { history, memory }
+    }
+}
+
+impl<R: Real> KeptContact<R> {
+    /// The tangential spring and the law's words.
+    #[must_use]
+    pub fn kept(&self) -> Kept<R> {
+        let (ContactHistory::Pair { spring, .. } | ContactHistory::Obstacle { spring, .. }) =
+            self.history;
+        Kept {
+            spring,
+            memory: self.memory,
+        }
+    }
+
+    /// Whether all its numbers are.
     pub(crate) fn is_finite(&self) -> bool {
-        let (Self::Pair { spring, .. } | Self::Obstacle { spring, .. }) = self;
-        spring.iter().all(|s| s.is_finite())
+        let Kept { spring, memory } = self.kept();
+        spring.iter().chain(&memory).all(|s| s.is_finite())
     }
 }
 
@@ -156,7 +190,22 @@ impl<R: Real> PairList<'_, R> {
             && self.spring.iter().all(|s| s.len() == self.lower.len())
             && self.obstacle_contact_grain.len() == self.obstacle_contact_obstacle.len()
             && self.obstacle_contact_grain.len() == self.obstacle_contact_spring.len()
+            && is_whole(&self.memory, self.lower.len())
+            && is_whole(
+                &self.obstacle_contact_memory,
+                self.obstacle_contact_grain.len(),
+            )
             && self.partner.len() < TOUCHING as usize
+    }
+
+    /// How many words of each contact there is storage for.
+    pub fn words(&self) -> usize {
+        let of_pairs = words(&self.memory);
+        // Without room for contacts with obstacles their columns are empty.
+        match self.obstacle_contact_grain.is_empty() {
+            true => of_pairs,
+            false => min(of_pairs, words(&self.obstacle_contact_memory)),
+        }
     }
 
     /// Whether the list has room for what is said to be in it.
@@ -167,14 +216,17 @@ impl<R: Real> PairList<'_, R> {
 
     /// Empties all histories.
     pub(crate) fn forget(&mut self, listed: Listed) {
-        for spring in &mut self.spring {
-            front_mut(spring, listed.end).fill(R::ZERO);
+        for column in self.spring.iter_mut().chain(&mut self.memory) {
+            front_mut(column, listed.end).fill(R::ZERO);
         }
         let contacts = listed.obstacle_contacts;
         for word in front_mut(self.obstacle_contact_obstacle, contacts) {
             *word &= PLACE;
         }
         front_mut(self.obstacle_contact_spring, contacts).fill([R::ZERO; 4]);
+        for column in &mut self.obstacle_contact_memory {
+            front_mut(column, contacts).fill(R::ZERO);
+        }
     }
 
     /// The listed pairs by lower grain and partner.
@@ -192,32 +244,44 @@ impl<R: Real> PairList<'_, R> {
         }
     }
 
-    pub(crate) fn spring_of(&self, p: usize) -> [R; 3] {
-        let [x, y, z] = &self.spring;
-        [
-            get_or_default(x, p),
-            get_or_default(y, p),
-            get_or_default(z, p),
-        ]
+    /// What the law has kept of a pair.
+    pub(crate) fn kept(&self, p: usize) -> Kept<R> {
+        Kept {
+            spring: self.spring.each_ref().map(|s| get_or_default(s, p)),
+            memory: taken(&self.memory, p),
+        }
     }
 
-    pub(crate) fn set_spring(&mut self, p: usize, spring: [R; 3]) {
-        let [x, y, z] = &mut self.spring;
-        set(x, p, spring[0]);
-        set(y, p, spring[1]);
-        set(z, p, spring[2]);
+    pub(crate) fn keep(&mut self, p: usize, kept: Kept<R>) {
+        for (column, number) in self.spring.iter_mut().zip(kept.spring) {
+            set(column, p, number);
+        }
+        put(&mut self.memory, p, kept.memory);
     }
 
-    /// The touching grain pairs by `(i, j)`, then the touching obstacle contacts by grain and
-    /// obstacle. Grains are where the forces were evaluated, so the law's own overlap says who
-    /// touches.
-    pub(crate) fn contact_histories<'b>(
+    /// What the law has kept of a contact with an obstacle.
+    pub(crate) fn kept_on_obstacle(&self, t: usize) -> Kept<R> {
+        Kept {
+            spring: head(get_or_default(self.obstacle_contact_spring, t)),
+            memory: taken(&self.obstacle_contact_memory, t),
+        }
+    }
+
+    pub(crate) fn keep_on_obstacle(&mut self, t: usize, kept: Kept<R>) {
+        set(self.obstacle_contact_spring, t, row(kept.spring));
+        put(&mut self.obstacle_contact_memory, t, kept.memory);
+    }
+
+    /// The grain pairs that have a history by `(i, j)`, then the obstacle contacts that act by grain and
+    /// obstacle. Grains are where the forces were evaluated, so the law's own overlap says who touches; a pair that
+    /// acts without that has a spring or a word that is not zero.
+    pub(crate) fn kept_contacts<'b>(
         &'b self,
         stretches: &'b StretchList<'b, R>,
         listed: Listed,
         domain: &'b Domain<R>,
         position: &'b [Row<R>],
-    ) -> impl Iterator<Item = ContactHistory<R>> + 'b {
+    ) -> impl Iterator<Item = KeptContact<R>> + 'b {
         let touching = |i: u32, j: u32| {
             let (x, y) = (
                 get_or_default(position, i as usize),
@@ -227,20 +291,28 @@ impl<R: Real> PairList<'_, R> {
             (x[3] + y[3]) - dot(d, d).sqrt() > R::ZERO
         };
         let pairs = self.in_order(stretches, listed);
-        let pairs = pairs.filter(move |(i, j, _)| touching(*i, *j));
-        let pairs = pairs.map(|(i, j, p)| ContactHistory::Pair {
-            i,
-            j,
-            spring: self.spring_of(p),
+        let pairs = pairs.filter(move |(i, j, p)| touching(*i, *j) || self.kept(*p).is_any());
+        let pairs = pairs.map(|(i, j, p)| {
+            let Kept { spring, memory } = self.kept(p);
+            KeptContact {
+                history: ContactHistory::Pair { i, j, spring },
+                memory,
+            }
         });
         let touches = (0..listed
             .obstacle_contacts
             .min(self.obstacle_contact_grain.len()))
             .filter(|&t| get_or_default(self.obstacle_contact_obstacle, t) & TOUCHING != 0)
-            .map(|t| ContactHistory::Obstacle {
-                i: get_or_default(self.obstacle_contact_grain, t),
-                obstacle: get_or_default(self.obstacle_contact_obstacle, t) & PLACE,
-                spring: head(get_or_default(self.obstacle_contact_spring, t)),
+            .map(|t| {
+                let Kept { spring, memory } = self.kept_on_obstacle(t);
+                KeptContact {
+                    history: ContactHistory::Obstacle {
+                        i: get_or_default(self.obstacle_contact_grain, t),
+                        obstacle: get_or_default(self.obstacle_contact_obstacle, t) & PLACE,
+                        spring,
+                    },
+                    memory,
+                }
             });
         pairs.chain(touches)
     }
@@ -249,21 +321,17 @@ impl<R: Real> PairList<'_, R> {
     pub(crate) fn restore(
         &mut self,
         stretches: &StretchList<'_, R>,
-        history: &ContactHistory<R>,
+        contact: &KeptContact<R>,
         listed: Listed,
     ) -> bool {
-        match *history {
-            ContactHistory::Pair { i, j, spring } => {
+        match contact.history {
+            ContactHistory::Pair { i, j, .. } => {
                 let Some(p) = self.find(stretches, listed, (i, j)) else {
                     return false;
                 };
-                self.set_spring(p, spring);
+                self.keep(p, contact.kept());
             }
-            ContactHistory::Obstacle {
-                i,
-                obstacle,
-                spring: [x, y, z],
-            } => {
+            ContactHistory::Obstacle { i, obstacle, .. } => {
                 let grains = prefix(self.obstacle_contact_grain, listed.obstacle_contacts);
                 let first = grains.partition_point(|grain| *grain < i);
                 let end = grains.partition_point(|grain| *grain <= i);
@@ -273,7 +341,7 @@ impl<R: Real> PairList<'_, R> {
                 };
                 let t = first + k;
                 set(self.obstacle_contact_obstacle, t, obstacle | TOUCHING);
-                set(self.obstacle_contact_spring, t, [x, y, z, R::ZERO]);
+                self.keep_on_obstacle(t, contact.kept());
             }
         }
         true

@@ -8,6 +8,7 @@
 use core::ops::Range;
 
 use crate::contact::block::BLOCK;
+use crate::contact::law::Kept;
 use crate::error::Error;
 use crate::math::real::{Real, larger};
 use crate::math::rows::Row;
@@ -153,10 +154,10 @@ fn pick<R: Real>(
     (to, touching)
 }
 
-/// Gives the entries `new` of the spare list the springs that the entries `old` of the list have of the same pairs.
+/// Gives the entries `new` of the spare list what the entries `old` of the list have kept of the same pairs.
 #[cfg_attr(any(target_arch = "arm", target_arch = "riscv32"), inline(never))]
 #[cfg_attr(not(any(target_arch = "arm", target_arch = "riscv32")), inline(always))]
-fn take_springs<R: Real>(
+fn take_kept<R: Real>(
     pairs: &PairList<'_, R>,
     old: Range<usize>,
     spare: &mut PairList<'_, R>,
@@ -184,11 +185,8 @@ fn take_springs<R: Real>(
             .zip(higher)
             .take_while(|((a, b), (c, d))| a == b && c == d);
         let count = same.count();
-        for (new, spring) in spare.spring.iter_mut().zip(&pairs.spring) {
-            copy(
-                part_mut(new, to, to + count),
-                part(spring, from, from + count),
-            );
+        for (new, old) in columns_mut(spare).zip(columns(pairs)) {
+            copy(part_mut(new, to, to + count), part(old, from, from + count));
         }
         from += count;
         to += count;
@@ -203,10 +201,25 @@ fn take_springs<R: Real>(
             from += 1;
         }
         if from >= old_end || had(from) != pair {
-            spare.set_spring(to, [R::ZERO; 3]);
+            spare.keep(to, Kept::NOTHING);
             to += 1;
         }
     }
+}
+
+/// The columns of springs and words; words end with the first column that is empty.
+fn columns<'l, R>(list: &'l PairList<'_, R>) -> impl Iterator<Item = &'l [R]> {
+    let words = list.memory.iter().take_while(|word| !word.is_empty());
+    list.spring.iter().chain(words).map(|column| &**column)
+}
+
+/// [`columns`], to write to.
+fn columns_mut<'l, R>(list: &'l mut PairList<'_, R>) -> impl Iterator<Item = &'l mut [R]> {
+    let words = list.memory.iter_mut().take_while(|word| !word.is_empty());
+    list.spring
+        .iter_mut()
+        .chain(words)
+        .map(|column| &mut **column)
 }
 
 /// Copies pairs of the spare list to another place of the list.
@@ -225,8 +238,8 @@ fn keep<R: Real>(
         part_mut(pairs.partner, to, end),
         part(spare.partner, from.start, from.end),
     );
-    for (new, spring) in pairs.spring.iter_mut().zip(&spare.spring) {
-        copy(part_mut(new, to, end), part(spring, from.start, from.end));
+    for (new, kept) in columns_mut(pairs).zip(columns(spare)) {
+        copy(part_mut(new, to, end), part(kept, from.start, from.end));
     }
 }
 
@@ -248,7 +261,7 @@ pub(crate) fn prune_stretch<R: Real>(
     if count > min(stretches.room(s), spare.lower.len()) {
         return false;
     }
-    take_springs(pairs, old.clone(), spare, 0..count);
+    take_kept(pairs, old.clone(), spare, 0..count);
     keep(pairs, old.start, spare, 0..count);
     let before = get_or_default(stretches.touching, s) as usize;
     listed.pairs = listed.pairs.saturating_sub(old.len()) + count;
@@ -277,7 +290,7 @@ pub(crate) fn prune_all<R: Real>(
     for s in 0..old.stretches {
         let near = larger(skin, stretches.need(s, ahead)) + picking.slack;
         let (end, touches) = pick(picking, stretches.grains(s), near, spare, all);
-        take_springs(pairs, stretches.entries(s), spare, all..end);
+        take_kept(pairs, stretches.entries(s), spare, all..end);
         set(stretches.touching, s, touches as u32);
         touching += touches;
         all = end;
@@ -323,7 +336,7 @@ pub(crate) fn flatten<R: Real>(
     for (i, j, p) in pairs.in_order(stretches, old) {
         set(spare.lower, all, i);
         set(spare.partner, all, j);
-        spare.set_spring(all, pairs.spring_of(p));
+        spare.keep(all, pairs.kept(p));
         all += 1;
     }
     keep(pairs, 0, spare, 0..all);

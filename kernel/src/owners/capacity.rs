@@ -1,5 +1,6 @@
 //! How much room a world needs.
 
+use crate::contact::law::MEMORY_MAX;
 use crate::neighbors::stretch::{NEIGHBORS, STRETCH};
 
 /// How many bodies and list entries there is room for.
@@ -19,10 +20,12 @@ pub struct Capacity {
     pub obstacles: usize,
     /// Groups, 256 at most.
     pub groups: usize,
+    /// Words of a contact that the law keeps; see [`Law::MEMORY`](crate::contact::Law::MEMORY).
+    pub memory: usize,
 }
 
 impl Capacity {
-    /// Room for a bed of so many grains among so many obstacles, with 8 groups:
+    /// Room for a bed of so many grains among so many obstacles, with 8 groups and a law that keeps no words:
     ///
     /// * pairs and candidates `8 grains + 64`. Balls of any sizes that do not overlap touch each other in fewer than
     ///   `(4 + 2 sqrt 3) grains = 7.46 grains` pairs (Kuperberg and Schramm, 1994). Grains of one size or nearly so
@@ -41,6 +44,7 @@ impl Capacity {
             cells: grains.saturating_mul(2).saturating_add(64),
             obstacles,
             groups: 8,
+            memory: 0,
         }
     }
 
@@ -49,13 +53,17 @@ impl Capacity {
         self.grains / STRETCH + 1
     }
 
-    /// Numbers of the world's type that its rows and springs take: `20 grains + 6 pairs + 8 obstacle_contacts +
-    /// 3 stretches`. `None` if that cannot be counted.
+    /// Numbers of the world's type that its rows, springs and words take: `20 grains + (6 + 2 memory) pairs +
+    /// (8 + 2 memory) obstacle_contacts + 3 stretches`. `None` if that cannot be counted, or there are more than
+    /// [`MEMORY_MAX`] words.
     pub const fn numbers(&self) -> Option<usize> {
+        if self.memory > MEMORY_MAX {
+            return None;
+        }
         sum([
             (20, self.grains),
-            (6, self.pairs),
-            (8, self.obstacle_contacts),
+            (6 + 2 * self.memory, self.pairs),
+            (8 + 2 * self.memory, self.obstacle_contacts),
             (3, self.stretches()),
         ])
     }

@@ -6,6 +6,7 @@ use crate::error::Error;
 use crate::math::real::Real;
 use crate::math::rows::{Row, front_mut, prefix, set};
 use crate::neighbors::cell_list::CellList;
+use crate::neighbors::memory::memory_columns;
 use crate::neighbors::outer_list::OuterList;
 use crate::neighbors::pair_list::PairList;
 use crate::neighbors::stretch::{NEIGHBORS, StretchList};
@@ -281,6 +282,7 @@ impl<'a, R: Real> LentStore<'a, R> {
             candidates,
             obstacle_contacts,
             cells,
+            memory,
             ..
         } = self.capacity;
         let stretches = self.capacity.stretches();
@@ -303,9 +305,13 @@ impl<'a, R: Real> LentStore<'a, R> {
             lower: words.take(pairs),
             partner: words.take(pairs),
             spring: [(); 3].map(|()| numbers.take(pairs)),
+            memory: memory_columns((0..memory).map(|_| numbers.take(pairs))),
             obstacle_contact_grain: words.take(obstacle_contacts),
             obstacle_contact_obstacle: words.take(obstacle_contacts),
             obstacle_contact_spring: rows_of(numbers.take(4 * obstacle_contacts)),
+            obstacle_contact_memory: memory_columns(
+                (0..memory).map(|_| numbers.take(obstacle_contacts)),
+            ),
         };
         let (first, second) = (list(), list());
         World {

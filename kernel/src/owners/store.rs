@@ -7,6 +7,7 @@ use crate::error::Error;
 use crate::math::real::Real;
 use crate::math::rows::Row;
 use crate::neighbors::cell_list::CellList;
+use crate::neighbors::memory::memory_columns;
 use crate::neighbors::outer_list::OuterList;
 use crate::neighbors::pair_list::PairList;
 use crate::neighbors::stretch::StretchList;
@@ -20,6 +21,10 @@ use crate::world::{Clock, Stage, World};
 
 /// A world of at most `GRAINS` grains, `PAIRS` listed pairs, `OBSTACLE_CONTACTS` listed obstacle contacts and
 /// `BODIES` obstacles and as many groups, all inside one value.
+///
+/// `MEMORY` is how many words of a contact the law keeps ([`Law::MEMORY`](crate::contact::Law::MEMORY)): 0 for
+/// [`HertzHistory`](crate::contact::HertzHistory) and [`HertzTsuji`](crate::contact::HertzTsuji), 3 for
+/// [`Rolling`](crate::contact::Rolling).
 ///
 /// With too few `PAIRS` for its skin a store can be given a smaller skin; at skin 0 it lists what
 /// may touch in one step, and a fault then means that `PAIRS` is too small for the bed itself.
@@ -35,6 +40,7 @@ pub struct Store<
     const PAIRS: usize,
     const OBSTACLE_CONTACTS: usize,
     const BODIES: usize,
+    const MEMORY: usize = 0,
 > {
     domain: Domain<R>,
     dt: R,
@@ -52,7 +58,7 @@ pub struct Store<
     image: Vec<[i32; 3], GRAINS>,
     obstacles: Vec<Obstacle<R>, BODIES>,
     facets: &'static [Facet<R>],
-    lists: [List<R, PAIRS, OBSTACLE_CONTACTS>; 2],
+    lists: [List<R, PAIRS, OBSTACLE_CONTACTS, MEMORY>; 2],
     stretch: OneStretch<R>,
     /// One entry more than grains.
     candidate_row: Vec<u32, PAIRS>,
@@ -62,13 +68,15 @@ pub struct Store<
     clock: Clock<R>,
 }
 
-struct List<R, const PAIRS: usize, const OBSTACLE_CONTACTS: usize> {
+struct List<R, const PAIRS: usize, const OBSTACLE_CONTACTS: usize, const MEMORY: usize> {
     lower: [u32; PAIRS],
     partner: [u32; PAIRS],
     spring: [[R; PAIRS]; 3],
+    memory: [[R; PAIRS]; MEMORY],
     obstacle_contact_grain: [u32; OBSTACLE_CONTACTS],
     obstacle_contact_obstacle: [u32; OBSTACLE_CONTACTS],
     obstacle_contact_spring: [Row<R>; OBSTACLE_CONTACTS],
+    obstacle_contact_memory: [[R; OBSTACLE_CONTACTS]; MEMORY],
 }
 
 /// All grains as one stretch: stretches save time in beds of thousands.
@@ -107,16 +115,18 @@ impl<R: Real> OneStretch<R> {
     }
 }
 
-impl<R: Real, const PAIRS: usize, const OBSTACLE_CONTACTS: usize>
-    List<R, PAIRS, OBSTACLE_CONTACTS>
+impl<R: Real, const PAIRS: usize, const OBSTACLE_CONTACTS: usize, const MEMORY: usize>
+    List<R, PAIRS, OBSTACLE_CONTACTS, MEMORY>
 {
     const EMPTY: Self = Self {
         lower: [0; PAIRS],
         partner: [0; PAIRS],
         spring: [[R::ZERO; PAIRS]; 3],
+        memory: [[R::ZERO; PAIRS]; MEMORY],
         obstacle_contact_grain: [0; OBSTACLE_CONTACTS],
         obstacle_contact_obstacle: [0; OBSTACLE_CONTACTS],
         obstacle_contact_spring: [[R::ZERO; 4]; OBSTACLE_CONTACTS],
+        obstacle_contact_memory: [[R::ZERO; OBSTACLE_CONTACTS]; MEMORY],
     };
 
     fn lend(&mut self) -> PairList<'_, R> {
@@ -124,9 +134,13 @@ impl<R: Real, const PAIRS: usize, const OBSTACLE_CONTACTS: usize>
             lower: &mut self.lower,
             partner: &mut self.partner,
             spring: self.spring.each_mut().map(|s| &mut s[..]),
+            memory: memory_columns(self.memory.iter_mut().map(|w| &mut w[..])),
             obstacle_contact_grain: &mut self.obstacle_contact_grain,
             obstacle_contact_obstacle: &mut self.obstacle_contact_obstacle,
             obstacle_contact_spring: &mut self.obstacle_contact_spring,
+            obstacle_contact_memory: memory_columns(
+                self.obstacle_contact_memory.iter_mut().map(|w| &mut w[..]),
+            ),
         }
     }
 }
@@ -137,7 +151,8 @@ impl<
     const PAIRS: usize,
     const OBSTACLE_CONTACTS: usize,
     const BODIES: usize,
-> Store<R, GRAINS, PAIRS, OBSTACLE_CONTACTS, BODIES>
+    const MEMORY: usize,
+> Store<R, GRAINS, PAIRS, OBSTACLE_CONTACTS, BODIES, MEMORY>
 {
     /// A store without a box, for static memory: every byte of it is zero. [`Store::clear`] makes an
     /// empty world of it; until then [`crate::start`] refuses it. `PAIRS` must be at least

@@ -3,28 +3,39 @@
 use crate::math::real::Real;
 
 /// The layouts that this version writes and reads: [`PLAIN`] of obstacles that are balls, endless bars and planes and
-/// never turned, as before there were others, and [`FORMAT`] of any.
+/// never turned, as before there were others, [`FORMAT`] of any, and [`KEEPING`] of laws that keep words of contacts
+/// or act at a distance.
+pub(crate) const KEEPING: u32 = 3;
 pub(crate) const FORMAT: u32 = 2;
 pub(crate) const PLAIN: u32 = 1;
 pub(crate) const MAGIC: [u32; 2] = [u32::from_le_bytes(*b"bitg"), u32::from_le_bytes(*b"rain")];
 /// Words before the numbers of the head, of which the last three are flags and the step.
 const COUNTS: usize = 16;
 
-/// The same of a layout: [`FORMAT`] has one more count.
+/// The same of a layout: [`FORMAT`] has one more count, [`KEEPING`] two.
 pub(crate) fn counts(format: u32) -> usize {
     match format {
         PLAIN => COUNTS,
-        _ => COUNTS + 1,
+        FORMAT => COUNTS + 1,
+        _ => COUNTS + 2,
+    }
+}
+
+/// Numbers of the head of a layout: [`KEEPING`] has the reach of the law too.
+pub(crate) fn head(format: u32) -> usize {
+    match format {
+        KEEPING => HEAD + 1,
+        _ => HEAD,
     }
 }
 /// Numbers of the head, of a group, an obstacle, a grain and a history, and words beside them.
-pub(crate) const HEAD: usize = 13;
-pub(crate) const GROUP: (usize, usize) = (1, 3);
+const HEAD: usize = 13;
+const GROUP: (usize, usize) = (1, 3);
 const OBSTACLE: (usize, usize) = (8, 38);
 const PLAIN_OBSTACLE: (usize, usize) = (4, 17);
-pub(crate) const GRAIN: (usize, usize) = (5, 17);
-pub(crate) const HISTORY: (usize, usize) = (2, 3);
-pub(crate) const FACET: (usize, usize) = (0, 9);
+const GRAIN: (usize, usize) = (5, 17);
+const HISTORY: (usize, usize) = (2, 3);
+const FACET: (usize, usize) = (0, 9);
 /// Words of the two hashes.
 pub(crate) const HASHES: usize = 16;
 
@@ -53,30 +64,52 @@ pub(crate) const GROUP_MATERIAL: u32 = 8;
 pub(crate) const MATERIAL: u32 = 16;
 
 /// Words and numbers of an obstacle.
-pub(crate) fn obstacle(format: u32) -> (usize, usize) {
+fn obstacle(format: u32) -> (usize, usize) {
     match format {
         PLAIN => PLAIN_OBSTACLE,
         _ => OBSTACLE,
     }
 }
 
-/// Bytes that a world with these counts takes.
-pub(crate) fn size<R: Real>(
-    format: u32,
-    [grains, groups, obstacles, histories, facets]: [usize; 5],
-) -> usize {
+/// How many of everything a world has.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Counts {
+    pub grains: usize,
+    pub groups: usize,
+    pub obstacles: usize,
+    /// Histories of pairs and of obstacle contacts.
+    pub pairs: usize,
+    pub touches: usize,
+    pub facets: usize,
+    /// Words of the law in each history.
+    pub words: usize,
+}
+
+/// Words in so many parts of a world: head, groups, obstacles, grains, histories, triangles.
+pub(crate) fn words_of<R: Real>(format: u32, of: Counts, parts: usize) -> usize {
+    let (words, numbers) = HISTORY;
     let all = [
-        (1, (counts(format) + HASHES, HEAD)),
-        (groups, GROUP),
-        (obstacles, obstacle(format)),
-        (grains, GRAIN),
-        (histories, HISTORY),
-        (facets, FACET),
+        (1, (counts(format), head(format))),
+        (of.groups, GROUP),
+        (of.obstacles, obstacle(format)),
+        (of.grains, GRAIN),
+        (
+            of.pairs.saturating_add(of.touches),
+            (words, numbers + of.words),
+        ),
+        (of.facets, FACET),
     ];
-    all.iter().fold(0usize, |sum, (count, (words, numbers))| {
-        let each = 4 * (words + width::<R>() * numbers);
+    let all = all.iter().take(parts);
+    all.fold(0usize, |sum, (count, (words, numbers))| {
+        let each = words + width::<R>() * numbers;
         sum.saturating_add(count.saturating_mul(each))
     })
+}
+
+/// Bytes that a world with these counts takes.
+pub(crate) fn size<R: Real>(format: u32, of: Counts) -> usize {
+    let words = words_of::<R>(format, of, 6).saturating_add(HASHES);
+    words.saturating_mul(4)
 }
 
 /// The name of the number type in words.

@@ -3,17 +3,18 @@
 use core::marker::PhantomData;
 
 use super::layout::{
-    CURVED, DRAINS, FORMAT, FREE, GRAIN, GROUP, GROUP_MATERIAL, HASHES, HEAD, HISTORY, INTEGRATES,
-    KIND, MAGIC, MATERIAL, OPEN, PLAIN, SPINS, TAKES_OUT, counts, name, obstacle, size, width,
+    CURVED, Counts, DRAINS, FORMAT, FREE, GROUP_MATERIAL, HASHES, INTEGRATES, KEEPING, KIND, MAGIC,
+    MATERIAL, OPEN, PLAIN, SPINS, TAKES_OUT, counts, name, size, width, words_of,
 };
 use super::write::checksum;
 use crate::blake3::Hasher;
+use crate::contact::law::MEMORY_MAX;
 use crate::digest::BITS_VERSION;
 use crate::error::Error;
 use crate::math::real::Real;
 use crate::math::rows::set;
 use crate::math::vec3::Vec3;
-use crate::neighbors::pair_list::ContactHistory;
+use crate::neighbors::pair_list::{ContactHistory, KeptContact};
 use crate::state::domain::Domain;
 use crate::state::grains::Group;
 use crate::state::losses::{Drain, LossPolicy};
@@ -48,7 +49,7 @@ fn motion<R: Real>(flags: u32, [inertia, gravity, force, torque]: [Vec3<R>; 4]) 
 pub struct Saved<'b, R> {
     words: &'b [[u8; 4]],
     format: u32,
-    counts: [usize; 6],
+    counts: Counts,
     number: PhantomData<R>,
 }
 
@@ -62,7 +63,7 @@ impl<'b, R: Real> Saved<'b, R> {
         let mut saved = Self {
             words,
             format: FORMAT,
-            counts: [0; 6],
+            counts: Counts::default(),
             number: PhantomData,
         };
         let mut at = saved.from(0);
@@ -70,7 +71,7 @@ impl<'b, R: Real> Saved<'b, R> {
             return Err(Error::BadSave);
         }
         saved.format = at.word();
-        let is_known = matches!(saved.format, PLAIN | FORMAT);
+        let is_known = matches!(saved.format, PLAIN | FORMAT | KEEPING);
         if !is_known || at.word() != BITS_VERSION || name::<R>() != at.four() {
             return Err(Error::OtherVersion);
         }
@@ -79,10 +80,23 @@ impl<'b, R: Real> Saved<'b, R> {
             PLAIN => 0,
             _ => at.word() as usize,
         };
-        saved.counts = [grains, groups, obstacles, pairs, touches, facets];
-        let histories = pairs.saturating_add(touches);
-        let counts = [grains, groups, obstacles, histories, facets];
-        let size = size::<R>(saved.format, counts) / 4;
+        let kept = match saved.format {
+            KEEPING => at.word() as usize,
+            _ => 0,
+        };
+        if kept > MEMORY_MAX {
+            return Err(Error::BadSave);
+        }
+        saved.counts = Counts {
+            grains,
+            groups,
+            obstacles,
+            pairs,
+            touches,
+            facets,
+            words: kept,
+        };
+        let size = size::<R>(saved.format, saved.counts) / 4;
         let Some(words) = words.get(..size) else {
             return Err(Error::BadSave);
         };
@@ -104,11 +118,11 @@ impl<'b, R: Real> Saved<'b, R> {
         groups: usize,
         obstacles: usize,
     ) -> Result<(), Error> {
-        let needed = self.counts[0];
+        let needed = self.counts.grains;
         if needed > grains {
             return Err(Error::GrainsFull { needed });
         }
-        match self.counts[1] <= groups && self.counts[2] <= obstacles {
+        match self.counts.groups <= groups && self.counts.obstacles <= obstacles {
             true => Ok(()),
             false => Err(Error::BadStorage),
         }
@@ -116,7 +130,7 @@ impl<'b, R: Real> Saved<'b, R> {
 
     /// How many grains it has.
     pub fn count(&self) -> usize {
-        self.counts[0]
+        self.counts.grains
     }
 
     fn from(&self, word: usize) -> Reader<'b> {
@@ -125,18 +139,7 @@ impl<'b, R: Real> Saved<'b, R> {
 
     /// Where a part begins: after the head, groups, obstacles, grains, histories.
     fn part(&self, parts: usize) -> Reader<'b> {
-        let [grains, groups, obstacles, pairs, touches, _] = self.counts;
-        let sizes = [
-            (1, (counts(self.format), HEAD)),
-            (groups, GROUP),
-            (obstacles, obstacle(self.format)),
-            (grains, GRAIN),
-            (pairs.saturating_add(touches), HISTORY),
-        ];
-        let words = sizes.iter().take(parts).fold(0, |sum, (count, (w, n))| {
-            sum + count * (w + width::<R>() * n)
-        });
-        self.from(words)
+        self.from(words_of::<R>(self.format, self.counts, parts))
     }
 
     fn flags(&self) -> u32 {
@@ -175,10 +178,21 @@ impl<'b, R: Real> Saved<'b, R> {
         }
     }
 
+    /// How far beyond touching its law acts (length).
+    fn reach(&self) -> R {
+        match self.format {
+            KEEPING => {
+                let first = words_of::<R>(self.format, self.counts, 1);
+                self.from(first.saturating_sub(width::<R>())).number()
+            }
+            _ => R::ZERO,
+        }
+    }
+
     /// Its groups by number.
     pub fn groups(&self) -> impl Iterator<Item = Group<R>> + use<'b, R> {
         let mut at = self.part(1);
-        (0..self.counts[1]).map(move |_| {
+        (0..self.counts.groups).map(move |_| {
             let flags = at.word();
             Group {
                 integrates: axes(flags),
@@ -194,7 +208,7 @@ impl<'b, R: Real> Saved<'b, R> {
     pub fn obstacles(&self) -> impl Iterator<Item = Obstacle<R>> + use<'b, R> {
         let mut at = self.part(2);
         let is_plain = self.format == PLAIN;
-        (0..self.counts[2]).map(move |_| {
+        (0..self.counts.obstacles).map(move |_| {
             let flags = at.word();
             let image = at.images();
             let (direction, size) = (at.vector(), at.number());
@@ -227,7 +241,7 @@ impl<'b, R: Real> Saved<'b, R> {
     /// with [`arrange`](crate::arrange) for each mesh by itself.
     pub fn facets(&self) -> impl Iterator<Item = [Vec3<R>; 3]> + use<'b, R> {
         let mut at = self.part(5);
-        (0..self.counts[5]).map(move |_| [(); 3].map(|()| at.vector()))
+        (0..self.counts.facets).map(move |_| [(); 3].map(|()| at.vector()))
     }
 
     /// Writes the rows of its grains, and its step, to a world with so many rows.
@@ -247,22 +261,33 @@ impl<'b, R: Real> Saved<'b, R> {
             }
         }
         let mut at = self.from(counts(self.format) - 2);
+        world.clock.reach = self.reach();
         world.clock.step = u64::from(at.word()) | u64::from(at.word()) << 32;
     }
 
-    fn histories(&self) -> impl Iterator<Item = ContactHistory<R>> + use<'b, R> {
+    fn histories(&self) -> impl Iterator<Item = KeptContact<R>> + use<'b, R> {
         let mut at = self.part(4);
-        let [.., pairs, touches, _] = self.counts;
+        let Counts {
+            pairs,
+            touches,
+            words,
+            ..
+        } = self.counts;
         (0..pairs.saturating_add(touches)).map(move |k| {
             let (i, j, spring) = (at.word(), at.word(), at.vector());
-            match k < pairs {
+            let mut memory = [R::ZERO; MEMORY_MAX];
+            for word in memory.iter_mut().take(words) {
+                *word = at.number();
+            }
+            let history = match k < pairs {
                 true => ContactHistory::Pair { i, j, spring },
                 false => ContactHistory::Obstacle {
                     i,
                     obstacle: j,
                     spring,
                 },
-            }
+            };
+            KeptContact { history, memory }
         })
     }
 

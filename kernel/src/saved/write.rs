@@ -1,8 +1,8 @@
 //! Writing.
 
 use super::layout::{
-    CURVED, DRAINS, FORMAT, FREE, GROUP_MATERIAL, INTEGRATES, MAGIC, MATERIAL, OPEN, PLAIN, SPINS,
-    TAKES_OUT, name, size,
+    CURVED, Counts, DRAINS, FORMAT, FREE, GROUP_MATERIAL, INTEGRATES, KEEPING, MAGIC, MATERIAL,
+    OPEN, PLAIN, SPINS, TAKES_OUT, name, size,
 };
 use crate::blake3::Hasher;
 use crate::digest::BITS_VERSION;
@@ -10,6 +10,7 @@ use crate::digest::state::digest;
 use crate::edit::settle::open;
 use crate::error::Error;
 use crate::math::real::Real;
+use crate::math::rows::{max, prefix};
 use crate::math::vec3::head;
 use crate::neighbors::pair_list::ContactHistory;
 use crate::state::domain::Domain;
@@ -20,39 +21,39 @@ use crate::state::motion::Motion;
 use crate::state::obstacle::Obstacle;
 use crate::world::World;
 
-/// How many of a world's histories are of pairs and of obstacle contacts.
-fn histories<R: Real>(world: &World<'_, R>) -> [usize; 2] {
-    let (mut pairs, mut touches) = (0, 0);
-    for history in world.contact_histories() {
-        match history {
-            ContactHistory::Pair { .. } => pairs += 1,
-            ContactHistory::Obstacle { .. } => touches += 1,
+/// What a world has to be written.
+fn count<R: Real>(world: &World<'_, R>) -> Counts {
+    let mut counts = Counts {
+        grains: world.grains.count(),
+        groups: world.grains.groups.len(),
+        obstacles: world.obstacles.len(),
+        facets: world.facets.len(),
+        ..Counts::default()
+    };
+    for contact in world.kept_contacts() {
+        match contact.history {
+            ContactHistory::Pair { .. } => counts.pairs += 1,
+            ContactHistory::Obstacle { .. } => counts.touches += 1,
         }
+        counts.words = max(counts.words, contact.kept().words());
     }
-    [pairs, touches]
+    counts
 }
 
-/// The layout that a world is written in.
-fn format<R: Real>(world: &World<'_, R>) -> u32 {
-    match world.obstacles.iter().all(Obstacle::is_plain) && world.facets.is_empty() {
-        true => PLAIN,
-        false => FORMAT,
+/// The layout that a world with these counts is written in.
+fn format<R: Real>(world: &World<'_, R>, counts: Counts) -> u32 {
+    let is_plain = world.obstacles.iter().all(Obstacle::is_plain) && world.facets.is_empty();
+    match (counts.words > 0 || world.clock.reach > R::ZERO, is_plain) {
+        (true, _) => KEEPING,
+        (false, true) => PLAIN,
+        (false, false) => FORMAT,
     }
 }
 
 /// Bytes that [`save`] needs for a world as it is now.
 pub fn save_size<R: Real>(world: &World<'_, R>) -> usize {
-    let [pairs, touches] = histories(world);
-    size::<R>(
-        format(world),
-        [
-            world.grains.count(),
-            world.grains.groups.len(),
-            world.obstacles.len(),
-            pairs + touches,
-            world.facets.len(),
-        ],
-    )
+    let counts = count(world);
+    size::<R>(format(world, counts), counts)
 }
 
 /// Writes a world at rest to the beginning of `out`, and returns how many bytes that took. Going on from there, in a
@@ -119,29 +120,25 @@ impl<'a> Writer<'a> {
 
     /// All of a world but the checksum.
     fn world<R: Real>(&mut self, world: &World<'_, R>) {
-        let [pairs, touches] = histories(world);
+        let of = count(world);
         let g = &world.grains;
         for half in MAGIC {
             self.word(half);
         }
-        let format = format(world);
+        let format = format(world, of);
         self.word(format);
         self.word(BITS_VERSION);
         for word in name::<R>() {
             self.word(word);
         }
-        let counts = [
-            g.count(),
-            g.groups.len(),
-            world.obstacles.len(),
-            pairs,
-            touches,
-        ];
-        for count in counts {
+        for count in [of.grains, of.groups, of.obstacles, of.pairs, of.touches] {
             self.word(count as u32);
         }
         if format != PLAIN {
-            self.word(world.facets.len() as u32);
+            self.word(of.facets as u32);
+        }
+        if format == KEEPING {
+            self.word(of.words as u32);
         }
         self.word(flags(world));
         self.word(world.clock.step as u32);
@@ -155,6 +152,9 @@ impl<'a> Writer<'a> {
         });
         self.numbers(&drain.point);
         self.numbers(&drain.normal);
+        if format == KEEPING {
+            self.number(world.clock.reach);
+        }
         for group in g.groups {
             self.group(group);
         }
@@ -175,18 +175,14 @@ impl<'a> Writer<'a> {
                 self.numbers(&head(*row));
             }
         }
-        for history in world.contact_histories() {
-            let (i, j, spring) = match history {
-                ContactHistory::Pair { i, j, spring } => (i, j, spring),
-                ContactHistory::Obstacle {
-                    i,
-                    obstacle,
-                    spring,
-                } => (i, obstacle, spring),
-            };
+        for contact in world.kept_contacts() {
+            let (ContactHistory::Pair { i, j, .. }
+            | ContactHistory::Obstacle { i, obstacle: j, .. }) = contact.history;
             self.word(i);
             self.word(j);
-            self.numbers(&spring);
+            let kept = contact.kept();
+            self.numbers(&kept.spring);
+            self.numbers(prefix(&kept.memory, of.words));
         }
         for corner in world.facets.iter().flat_map(Facet::corners) {
             self.numbers(&corner);

@@ -8,13 +8,15 @@ use crate::common::cases::cases;
 use crate::common::crowd::{DENSE, PER_GRAIN, Packing, REDUCED, SI, Units, crowd, history, tsuji};
 use crate::common::slow_bodies::{drift, kick, meet, out, own_offset};
 use crate::common::slow_mesh;
+use crate::common::sticky::STICKY;
 use bitgrain_kernel::contact::{
-    Contact, HertzHistory, HertzTsuji, Law, Materials, PairLaws, react,
+    Contact, HertzHistory, HertzTsuji, Kept, Law, MEMORY_MAX, Materials, PairLaws, Rolling,
+    RollingResistance, RollingSpring, react,
 };
 use bitgrain_kernel::vec3::{self, head};
 use bitgrain_kernel::{
-    ContactHistory, Domain, Facet, Group, Obstacle, Row, Shape, World, obstacle_of, start, step,
-    surface_of,
+    ContactHistory, Domain, Facet, Group, KeptContact, Obstacle, Row, Shape, World, obstacle_of,
+    start, step, surface_of,
 };
 use proptest::prelude::*;
 
@@ -44,8 +46,8 @@ struct Slow<L> {
     image: Vec<[i32; 3]>,
     obstacles: Vec<Obstacle<f64>>,
     facets: Vec<Facet<f64>>,
-    pairs: BTreeMap<(usize, usize), V>,
-    touches: BTreeMap<(usize, usize, u32), V>,
+    pairs: BTreeMap<(usize, usize), Kept<f64>>,
+    touches: BTreeMap<(usize, usize, u32), Kept<f64>>,
 }
 
 impl<L: Law<f64>> Slow<L> {
@@ -108,20 +110,26 @@ impl<L: Law<f64>> Slow<L> {
                 if self.heavy(i) && self.heavy(j) {
                     continue;
                 }
-                let Some(contact) = self.of_two(i, j) else {
+                let contact = self.of_two(i, j);
+                let kept = self.pairs.get(&(i, j)).copied();
+                let kept = kept.unwrap_or(Kept::NOTHING);
+                let law = (self.laws)([self.group[i].material, self.group[j].material]);
+                if !contact.acts(&law, kept.memory) {
                     self.pairs.remove(&(i, j));
                     continue;
-                };
-                let spring = self.pairs.get(&(i, j)).copied().unwrap_or([0.0; 3]);
-                let law = (self.laws)([self.group[i].material, self.group[j].material]);
-                let r = react(&law, &contact, spring, dt);
-                self.pairs.insert((i, j), r.spring);
+                }
+                let r = react(&law, &contact, kept, dt);
+                self.pairs.insert((i, j), r.kept);
                 let push = vec3::add(vec3::scale(contact.normal, r.normal), r.tangential);
                 let couple = vec3::cross(contact.normal, r.tangential);
                 force[i] = vec3::add(force[i], push);
                 force[j] = vec3::sub(force[j], push);
                 torque[i] = vec3::sub(torque[i], vec3::scale(couple, r.lever_arm_i));
                 torque[j] = vec3::sub(torque[j], vec3::scale(couple, r.lever_arm_j));
+                if L::TURNS {
+                    torque[i] = vec3::add(torque[i], r.torque);
+                    torque[j] = vec3::sub(torque[j], r.torque);
+                }
             }
         }
         for i in 0..n {
@@ -154,33 +162,39 @@ impl<L: Law<f64>> Slow<L> {
     /// A contact on a surface of an obstacle, and what it adds to the force and torque on the grain.
     fn touch(&mut self, i: usize, at: (usize, u32), dt: f64, force: &mut V, torque: &mut V) {
         let key = (i, at.0, at.1);
-        let Some((contact, offset, share)) = self.on_obstacle(i, at.0, at.1) else {
+        let (contact, offset, share) = self.on_obstacle(i, at.0, at.1);
+        let kept = self.touches.get(&key).copied().unwrap_or(Kept::NOTHING);
+        let law = (self.laws)([self.group[i].material, self.obstacles[at.0].material]);
+        if !contact.acts(&law, kept.memory) {
             self.touches.remove(&key);
             return;
-        };
-        let spring = self.touches.get(&key).copied().unwrap_or([0.0; 3]);
-        let law = (self.laws)([self.group[i].material, self.obstacles[at.0].material]);
-        let mut r = react(&law, &contact, spring, dt);
+        }
+        let mut r = react(&law, &contact, kept, dt);
         r.normal *= share;
         r.tangential = vec3::scale(r.tangential, share);
-        self.touches.insert(key, r.spring);
+        r.torque = vec3::scale(r.torque, share);
+        self.touches.insert(key, r.kept);
         let push = vec3::add(vec3::scale(contact.normal, r.normal), r.tangential);
         let couple = vec3::cross(contact.normal, r.tangential);
         *force = vec3::add(*force, push);
         *torque = vec3::sub(*torque, vec3::scale(couple, r.lever_arm_i));
         let body = &mut self.obstacles[at.0];
         body.force = vec3::sub(body.force, push);
-        let moment = match body.shape {
+        let mut moment = match body.shape {
             Shape::Sphere { .. } => vec3::scale(couple, r.lever_arm_j),
             _ => {
                 let lever = vec3::sub(offset, vec3::scale(contact.normal, r.lever_arm_i));
                 vec3::cross(lever, push)
             }
         };
+        if L::TURNS {
+            *torque = vec3::add(*torque, r.torque);
+            moment = vec3::add(moment, r.torque);
+        }
         body.torque = vec3::sub(body.torque, moment);
     }
 
-    fn of_two(&self, i: usize, j: usize) -> Option<Contact<f64>> {
+    fn of_two(&self, i: usize, j: usize) -> Contact<f64> {
         let s = self;
         let d = s
             .domain
@@ -188,21 +202,23 @@ impl<L: Law<f64>> Slow<L> {
         let distance = vec3::dot(d, d).sqrt();
         let (ri, rj) = (s.position[i][3], s.position[j][3]);
         let overlap = (ri + rj) - distance;
-        (overlap > 0.0).then(|| Contact {
+        Contact {
             normal: vec3::scale(d, 1.0 / distance),
             overlap,
             radius_i: ri,
             radius_j: rj,
             radius_effective: (ri * rj) / (ri + rj),
             mass_effective: 1.0 / (self.inverse_mass(i) + self.inverse_mass(j)),
-            materials: [0; 2],
+            inverse_masses: [self.inverse_mass(i), self.inverse_mass(j)],
+            materials: [s.group[i].material, s.group[j].material],
             velocity: vec3::sub(head(s.velocity[i]), head(s.velocity[j])),
             spin_i: head(s.spin[i]),
             spin_j: head(s.spin[j]),
-        })
+            turning_j: head(s.spin[j]),
+        }
     }
 
-    fn on_obstacle(&self, i: usize, k: usize, surface: u32) -> Option<(Contact<f64>, V, f64)> {
+    fn on_obstacle(&self, i: usize, k: usize, surface: u32) -> (Contact<f64>, V, f64) {
         let s = self;
         let (body, radius) = (&s.obstacles[k], s.position[i][3]);
         let place = head(s.position[i]);
@@ -238,12 +254,14 @@ impl<L: Law<f64>> Slow<L> {
                 radius
             },
             mass_effective: 1.0 / (self.inverse_mass(i) + body.inverse_mass),
-            materials: [0; 2],
+            inverse_masses: [self.inverse_mass(i), body.inverse_mass],
+            materials: [s.group[i].material, body.material],
             velocity: vec3::sub(head(s.velocity[i]), surface),
             spin_i: head(s.spin[i]),
             spin_j: spin,
+            turning_j: body.angular_velocity,
         };
-        (overlap > 0.0).then_some((contact, offset, share))
+        (contact, offset, share)
     }
 
     fn kick(&mut self) {
@@ -315,30 +333,31 @@ fn same<L>(fast: &World<'_, f64>, slow: &Slow<L>, step: u64) -> Result<(), TestC
         prop_assert_eq!(words(a), words(b), "obstacles at step {}", step);
         prop_assert_eq!(a.image, b.image, "crossings at step {}", step);
     }
-    let held: Vec<_> = fast
-        .contact_histories()
-        .map(|bond| words_of(&bond))
-        .collect();
+    let held: Vec<_> = fast.kept_contacts().map(|one| words_of(&one)).collect();
     let pairs = slow.pairs.iter();
-    let pairs = pairs.map(|(&(i, j), &spring)| (0, i, (j, 0), bits(spring)));
+    let pairs = pairs.map(|(&(i, j), kept)| (0, i, (j, 0), all_bits(kept)));
     let touches = slow.touches.iter();
-    let touches = touches.map(|(&(i, k, surface), &spring)| (1, i, (k, surface), bits(spring)));
+    let touches = touches.map(|(&(i, k, surface), kept)| (1, i, (k, surface), all_bits(kept)));
     let kept: Vec<_> = pairs.chain(touches).collect();
-    prop_assert_eq!(held, kept, "springs at step {}", step);
+    prop_assert_eq!(held, kept, "histories at step {}", step);
     Ok(())
 }
 
+/// Of a spring and the words of a law.
+type Words = ([u64; 3], [u64; MEMORY_MAX]);
+
+fn all_bits(kept: &Kept<f64>) -> Words {
+    (bits(kept.spring), kept.memory.map(f64::to_bits))
+}
+
 /// A pair is of kind 0, a contact on an obstacle of kind 1.
-fn words_of(bond: &ContactHistory<f64>) -> (u8, usize, (usize, u32), [u64; 3]) {
-    match *bond {
-        ContactHistory::Pair { i, j, spring } => (0, i as usize, (j as usize, 0), bits(spring)),
-        ContactHistory::Obstacle {
-            i,
-            obstacle,
-            spring,
-        } => {
+fn words_of(contact: &KeptContact<f64>) -> (u8, usize, (usize, u32), Words) {
+    let words = all_bits(&contact.kept());
+    match contact.history {
+        ContactHistory::Pair { i, j, .. } => (0, i as usize, (j as usize, 0), words),
+        ContactHistory::Obstacle { i, obstacle, .. } => {
             let on = (obstacle_of(obstacle) as usize, surface_of(obstacle));
-            (1, i as usize, on, bits(spring))
+            (1, i as usize, on, words)
         }
     }
 }
@@ -422,6 +441,66 @@ proptest! {
             }
         }
     }
+}
+
+proptest! {
+    #![proptest_config(cases(16))]
+
+    /// Both models of rolling, for each pair of three materials another one.
+    #[test]
+    fn the_step_equals_its_definition_of_laws_that_resist_rolling(
+        seed in prop::collection::vec(0.0..1.0f64, PER_GRAIN * 64),
+        packing in prop::sample::select(vec![LOOSE, DENSE]),
+        skin in 0.0..0.6f64,
+        is_history in any::<bool>(),
+    ) {
+        match is_history {
+            true => {
+                let laws = table(rolling_history);
+                let table = PairLaws::new(3, &laws).unwrap();
+                follow(&seed, &packing, (table, rolling_history), &REDUCED, skin)?;
+            }
+            false => {
+                let laws = table(rolling_tsuji);
+                let table = PairLaws::new(3, &laws).unwrap();
+                follow(&seed, &packing, (table, rolling_tsuji), &SI, skin)?;
+            }
+        }
+    }
+
+    /// A law that acts at a distance, keeps words, sees masses and materials and twists.
+    #[test]
+    fn the_step_equals_its_definition_of_a_law_that_acts_at_a_distance(
+        seed in prop::collection::vec(0.0..1.0f64, PER_GRAIN * 64),
+        packing in prop::sample::select(vec![LOOSE, DENSE]),
+        skin in 0.0..0.6f64,
+    ) {
+        follow(&seed, &packing, (STICKY, |_| STICKY), &REDUCED, skin)?;
+    }
+}
+
+/// A law of two materials that resists rolling.
+fn resisting<L: Law<f64>>([a, b]: Materials, law: L, k: f64) -> Rolling<f64, L> {
+    let spring = match a == b {
+        true => RollingSpring::Sds,
+        false => RollingSpring::Epsd2,
+    };
+    let sum = f64::from(a + b);
+    let resistance = RollingResistance {
+        spring,
+        k: k * (1.0 + sum),
+        gamma: 1e-3 * k,
+        mu: 0.05 * sum,
+    };
+    Rolling { law, resistance }
+}
+
+fn rolling_history(pair: Materials) -> Rolling<f64, HertzHistory<f64>> {
+    resisting(pair, own_history(pair), 1e3)
+}
+
+fn rolling_tsuji(pair: Materials) -> Rolling<f64, HertzTsuji<f64>> {
+    resisting(pair, own_tsuji(pair), 20.0)
 }
 
 /// The laws of three materials, in the order of a table.

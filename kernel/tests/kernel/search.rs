@@ -167,7 +167,7 @@ proptest! {
         }
         let mut world = store.world();
         // Taking up a state searches and evaluates nothing, so that grains may lie on each other.
-        resume(&mut world, []).unwrap();
+        resume(&mut world, core::iter::empty::<ContactHistory<f64>>()).unwrap();
         compare_with_all(&world, skin)?;
     }
 

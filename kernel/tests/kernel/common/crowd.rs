@@ -48,8 +48,9 @@ pub fn tsuji() -> HertzTsuji<f64> {
     HertzTsuji::new(5e6, 0.45, 0.6, 0.5)
 }
 
-/// Storage for a crowd of up to 64 grains, listed up to 0.6 diameters beyond touching.
-pub type Crowd = Store<f64, 64, 1024, 2048, 7>;
+/// Storage for a crowd of up to 64 grains, listed up to 0.6 diameters beyond touching, and for more words of a contact
+/// than any law here keeps.
+pub type Crowd = Store<f64, 64, 1024, 2048, 7, 4>;
 
 /// Random numbers from 0 to 1 that one grain takes.
 pub const PER_GRAIN: usize = 5;

@@ -3,7 +3,7 @@
 use bitgrain_kernel::phases::ObstacleShare;
 use bitgrain_kernel::{
     CellList, Clock, ContactHistory, Domain, Facet, Grains, Group, LossPolicy, NEIGHBORS, Obstacle,
-    OuterList, PairList, Real, Row, StretchList, World,
+    OuterList, PairList, Real, Row, StretchList, World, memory_columns,
 };
 
 /// What all parts of a world share.
@@ -49,9 +49,11 @@ impl<R: Real> List<R> {
             lower: &mut self.lower,
             partner: &mut self.partner,
             spring: self.spring.each_mut().map(|s| &mut s[..]),
+            memory: memory_columns([]),
             obstacle_contact_grain: &mut self.obstacle_contact_grain,
             obstacle_contact_obstacle: &mut self.obstacle_contact_obstacle,
             obstacle_contact_spring: &mut self.obstacle_contact_spring,
+            obstacle_contact_memory: memory_columns([]),
         }
     }
 }

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use bitgrain_kernel::contact::Law;
 use bitgrain_kernel::parts::{
-    GONE, GhostMotion, drift_own, is_search_due, listed_springs, renumber, restore,
-    search_and_list, take_in, take_lists,
+    GONE, GhostMotion, drift_own, is_search_due, listed_obstacle_contacts, listed_pairs, renumber,
+    restore, search_and_list, take_in, take_lists,
 };
 use bitgrain_kernel::phases::{
     After, Extent, ForceCheck, MotionCheck, NotedForces, accumulate, begin, check_forces, drift,
@@ -361,24 +361,20 @@ impl<R: Real> Parts<R> {
             let home = part.home.clone();
             let name = |place: u32| home[place as usize];
             let is_own = |k: u32| usize::from(self.frame.owner[k as usize]) == number;
-            let count = part.clock.obstacle_contacts();
             let part = part.world(&self.frame);
-            let listed = listed_springs(&part).map(|(i, j, spring)| ((name(i), name(j)), spring));
+            let listed = listed_pairs(&part).map(|(i, j, kept)| ((name(i), name(j)), kept));
             pairs.extend(listed.filter(|((i, _), _)| is_own(*i)));
-            let list = &part.pairs;
-            for t in 0..count {
-                let grain = name(list.obstacle_contact_grain[t]);
-                let word = list.obstacle_contact_obstacle[t];
+            for (grain, word, kept) in listed_obstacle_contacts(&part) {
                 let number = word & !bitgrain_kernel::TOUCHING;
-                contacts.insert((grain, number), (word, list.obstacle_contact_spring[t]));
+                contacts.insert((name(grain), number), (word, kept));
             }
         }
         let clock = &self.parts[0].clock;
         let (searches, prunes) = (clock.outer_list_rebuilds(), clock.prunes());
         world.clock.rejoin(clock, searches, prunes);
-        let pairs = pairs.into_iter().map(|((i, j), spring)| (i, j, spring));
+        let pairs = pairs.into_iter().map(|((i, j), kept)| (i, j, kept));
         let contacts = contacts.into_iter();
-        let contacts = contacts.map(|((grain, _), (word, spring))| (grain, word, spring));
+        let contacts = contacts.map(|((grain, _), (word, kept))| (grain, word, kept));
         take_lists(world, pairs, contacts)
     }
 }
