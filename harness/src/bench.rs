@@ -70,6 +70,7 @@ pub fn soft_law() -> LawSpec {
         gamma_n: gamma,
         gamma_t: gamma,
         mu: 0.5,
+        rolling: None,
     })
 }
 

@@ -153,6 +153,7 @@ pub const GLASS: LawSpec = LawSpec::HertzHistory(HertzHistoryParameters {
     gamma_n: 1e8,
     gamma_t: 1e8,
     mu: 0.5,
+    rolling: None,
 });
 
 /// A golden case by its file; `FILE:hertz_history` is the same under the other law, [`GLASS`].
@@ -260,6 +261,7 @@ pub fn hertz_history(law: &LawSpec) -> [f64; 5] {
         gamma_n,
         gamma_t,
         mu,
+        ..
     }) = *law
     else {
         panic!("Kumar's law, LAMMPS' gran/hertz/history");

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use bitgrain_kernel::contact::MEMORY_MAX;
 use bitgrain_kernel::{ContactHistory, PARTS};
 
 use bitgrain_sim::simulation::Simulation;
@@ -45,6 +46,11 @@ struct Number {
 }
 
 const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// Words that a law keeps of a contact.
+const WORDS: [&str; MEMORY_MAX] = [
+    "word 1", "word 2", "word 3", "word 4", "word 5", "word 6", "word 7", "word 8",
+];
 
 /// The first difference of two states with equally many grains and obstacles; `None` if they are
 /// the same to the bit.
@@ -130,22 +136,21 @@ fn numbers(sim: &mut Simulation) -> Vec<Number> {
     for i in 0..n {
         put(2, &grain(sim.id[i]), &AXES, &sim.spin[i]);
     }
-    for history in sim.contact_histories() {
-        let (body, spring) = match history {
-            ContactHistory::Pair { i, j, spring } => {
+    let words = sim.law.words();
+    for contact in sim.contact_histories().iter() {
+        let body = match contact.history {
+            ContactHistory::Pair { i, j, .. } => {
                 let [i, j] = [i, j].map(|place| sim.id[place as usize]);
-                (format!("grains {i} and {j}"), spring)
+                format!("grains {i} and {j}")
             }
-            ContactHistory::Obstacle {
-                i,
-                obstacle,
-                spring,
-            } => {
+            ContactHistory::Obstacle { i, obstacle, .. } => {
                 let id = sim.id[i as usize];
-                (format!("grain {id} on obstacle {obstacle}"), spring)
+                format!("grain {id} on obstacle {obstacle}")
             }
         };
-        put(3, &body, &AXES, &spring);
+        let kept = contact.kept();
+        put(3, &body, &AXES, &kept.spring);
+        put(3, &body, &WORDS[..words], &kept.memory[..words]);
     }
     for i in 0..n {
         let body = grain(sim.id[i]);

@@ -111,6 +111,9 @@ pub struct ContactState {
     pub normal_force: [f64; 3],
     /// Tangential force on `i`.
     pub tangential_force: [f64; 3],
+    /// Torque on `i` beside that of the tangential force, if the law resists rolling.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub torque: Option<[f64; 3]>,
 }
 
 /// Replays the case in `path`, or goes on from the checkpoint there, and writes JSON Lines to `out`. Steps count
@@ -323,6 +326,7 @@ fn write_sample(
             torque: body.torque,
         });
     let name = |place: u32| sim.id[place as usize];
+    let turns = sim.law.words() > 0;
     let contacts = what.contacts.then(|| {
         seen.iter()
             .map(|c| {
@@ -339,6 +343,7 @@ fn write_sample(
                     surface: has_several.then_some(c.surface),
                     normal_force: vec3::scale(c.normal, c.normal_force),
                     tangential_force: c.tangential_force,
+                    torque: turns.then_some(c.torque),
                 }
             })
             .collect()

@@ -289,6 +289,7 @@ mod tests {
             normal_force: 3.0,
             // Grains that are pushed down press the bar up.
             tangential_force: [0.0, 0.0, -2.0],
+            torque: [0.0; 3],
         };
         let seen: Vec<ContactForce<f64>> = (0..2 * PARTS).map(contact).collect();
         let body = &mut sim.obstacles[0];

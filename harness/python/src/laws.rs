@@ -38,8 +38,7 @@ impl HertzHistory {
             kt,
             gamma_n,
             gamma_t,
-            mu,
-        };
+            mu, rolling: None, };
         parameters
             .build()
             .map_err(|(key, problem)| input(key, problem))?;
@@ -82,8 +81,7 @@ impl HertzHistory {
             kt,
             gamma_n,
             gamma_t,
-            mu,
-        } = self.0;
+            mu, .. } = self.0;
         format!(
             "HertzHistory(kn={kn:?}, kt={kt:?}, gamma_n={gamma_n:?}, gamma_t={gamma_t:?}, mu={mu:?})"
         )
@@ -119,8 +117,7 @@ impl HertzTsuji {
             young,
             poisson,
             restitution,
-            mu,
-        };
+            mu, rolling: None, };
         parameters
             .build()
             .map_err(|(key, problem)| input(key, problem))?;
@@ -156,8 +153,7 @@ impl HertzTsuji {
             young,
             poisson,
             restitution,
-            mu,
-        } = self.0;
+            mu, .. } = self.0;
         format!(
             "HertzTsuji(young={young:?}, poisson={poisson:?}, restitution={restitution:?}, mu={mu:?})"
         )

@@ -10,7 +10,7 @@ use bitgrain_kernel::phases::{
     After, GrainRange, MotionPhase, accumulate, begin, ensure_pair_list_ahead, integrate, no_fetch,
     seal,
 };
-use bitgrain_kernel::{Domain, Group, Real, World};
+use bitgrain_kernel::{ContactHistory, Domain, Group, Real, World};
 use bitgrain_kernel::{resume, start, step};
 use bitgrain_sim::owned_world::OwnedWorld;
 use criterion::measurement::WallTime;
@@ -139,8 +139,9 @@ fn rebuild(c: &mut Criterion) {
     let mut group = c.benchmark_group("rebuild, per grain");
     group.throughput(Throughput::Elements(GRAINS as u64));
     let mut world = bed.world();
+    let no_histories: [ContactHistory<f64>; 0] = [];
     group.bench_function("search", |b| {
-        b.iter(|| resume(black_box(&mut world), []).expect("a sound state"));
+        b.iter(|| resume(black_box(&mut world), no_histories).expect("a sound state"));
     });
     group.finish();
 }

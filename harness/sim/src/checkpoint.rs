@@ -6,7 +6,7 @@ mod groups;
 mod head;
 
 pub use head::StageState;
-use head::{FACETS, FIELDS, FRAMES, Head, Made, PartSeal};
+use head::{FACETS, FIELDS, FRAMES, Head, Made, PartSeal, WORDS};
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -25,6 +25,9 @@ pub const FORMAT: u32 = 3;
 
 /// That of a file with obstacles that turn, move freely, or have a shape that the other one does not know.
 const BODIES_FORMAT: u32 = 4;
+
+/// That of a file with words that the law keeps of contacts, as one that resists rolling does.
+const WORDS_FORMAT: u32 = 5;
 
 const KEY: &str = "bitgrain";
 
@@ -60,10 +63,7 @@ pub fn pack(sim: &mut Simulation, note: &StageState) -> Result<Vec<u8>> {
     let arrays = arrays(sim, note);
     let part = |(name, (_, _, bytes)): &Array| PartSeal::of(name, bytes);
     let mut head = Head {
-        format: match sim.obstacles.iter().all(Obstacle::is_plain) && sim.facets.is_empty() {
-            true => FORMAT,
-            false => BODIES_FORMAT,
-        },
+        format: format_of(sim),
         bits_version: BITS_VERSION,
         step,
         dt: sim.dt,
@@ -87,28 +87,37 @@ pub fn pack(sim: &mut Simulation, note: &StageState) -> Result<Vec<u8>> {
     Ok(serialize(views, Some(metadata)).expect("views match by construction"))
 }
 
+/// The version of the layout that a state needs.
+fn format_of(sim: &Simulation) -> u32 {
+    let is_plain = sim.obstacles.iter().all(Obstacle::is_plain) && sim.facets.is_empty();
+    match (sim.law.words(), is_plain) {
+        (0, true) => FORMAT,
+        (0, false) => BODIES_FORMAT,
+        _ => WORDS_FORMAT,
+    }
+}
+
 /// A named array: its type, shape and little-endian bytes.
 type Array = (&'static str, (Dtype, Vec<usize>, Vec<u8>));
 
 /// Grains, contacts and the unfinished stage as arrays, by name.
 fn arrays(sim: &mut Simulation, note: &StageState) -> Vec<Array> {
     let (mut bodies, mut springs, mut kinds) = (Vec::new(), Vec::new(), Vec::new());
-    for bond in sim.contact_histories() {
-        let (kind, i, partner, spring) = match bond {
-            ContactHistory::Pair { i, j, spring } => (0u8, i, j, spring),
-            ContactHistory::Obstacle {
-                i,
-                obstacle,
-                spring,
-            } => (1u8, i, obstacle, spring),
+    let (mut memory, words) = (Vec::new(), sim.law.words());
+    for contact in sim.contact_histories().iter() {
+        let (kind, i, partner) = match contact.history {
+            ContactHistory::Pair { i, j, .. } => (0u8, i, j),
+            ContactHistory::Obstacle { i, obstacle, .. } => (1u8, i, obstacle),
         };
         kinds.push(kind);
         bodies.extend([i, partner]);
-        springs.extend(spring);
+        let kept = contact.kept();
+        springs.extend(kept.spring);
+        memory.extend_from_slice(&kept.memory[..words]);
     }
     let (n, m) = (sim.count(), kinds.len());
     let reals = |x: &[f64]| -> Vec<u8> { x.iter().flat_map(|x| x.to_le_bytes()).collect() };
-    let words = |x: &[u32]| -> Vec<u8> { x.iter().flat_map(|x| x.to_le_bytes()).collect() };
+    let numbers = |x: &[u32]| -> Vec<u8> { x.iter().flat_map(|x| x.to_le_bytes()).collect() };
     let rows = |rows: &[Row<f64>]| (Dtype::F64, vec![n, 4], reals(rows.as_flattened()));
     // What a simulation keeps in the last word is no part of a state.
     let torques: Vec<Row<f64>> = sim
@@ -120,19 +129,22 @@ fn arrays(sim: &mut Simulation, note: &StageState) -> Vec<Array> {
     let image: Vec<u8> = image.flat_map(|x| x.to_le_bytes()).collect();
     let course = note.course.clone().into_bytes();
     let mut all = vec![
-        ("bond_bodies", (Dtype::U32, vec![m, 2], words(&bodies))),
+        ("bond_bodies", (Dtype::U32, vec![m, 2], numbers(&bodies))),
         ("bond_kind", (Dtype::U8, vec![m], kinds)),
         ("bond_spring", (Dtype::F64, vec![m, 3], reals(&springs))),
         ("course", (Dtype::U8, vec![course.len()], course)),
         ("force", rows(&sim.force)),
         ("group", (Dtype::U8, vec![n], sim.group.clone())),
-        ("id", (Dtype::U32, vec![n], words(&sim.id))),
+        ("id", (Dtype::U32, vec![n], numbers(&sim.id))),
         ("image", (Dtype::I32, vec![n, 3], image)),
         ("position", rows(&sim.position)),
         ("spin", rows(&sim.spin)),
         ("torque", rows(&torques)),
         ("velocity", rows(&sim.velocity)),
     ];
+    if words > 0 {
+        all.push((WORDS, (Dtype::F64, vec![m, words], reals(&memory))));
+    }
     let corners = corners(&sim.facets);
     let facets = reals(corners.as_flattened().as_flattened());
     let text = |bytes: &[u8]| (Dtype::U8, vec![bytes.len()], bytes.to_vec());
@@ -220,7 +232,7 @@ pub fn unpack_foreign(bytes: &[u8], name: &str) -> Result<Simulation> {
 fn other_versions(name: &str, [format, bits]: [u32; 2]) -> Error {
     let problem = format!(
         "written in format {format} with arithmetic {bits}; this program reads formats {FORMAT} \
-         and {BODIES_FORMAT} with arithmetic {BITS_VERSION}: make it again, or use the program that wrote it"
+         to {WORDS_FORMAT} with arithmetic {BITS_VERSION}: make it again, or use the program that wrote it"
     );
     Error::input(name, problem)
 }
@@ -241,7 +253,7 @@ fn head(bytes: &[u8], name: &str) -> Result<Head> {
     let text = text.ok_or_else(|| damaged(format!("no `{KEY}` entry in its metadata")))?;
     // The versions first: another format may have other fields.
     let made: Made = serde_json::from_str(text).map_err(|e| damaged(e.to_string()))?;
-    if ![FORMAT, BODIES_FORMAT].contains(&made.format) {
+    if !(FORMAT..=WORDS_FORMAT).contains(&made.format) {
         return Err(other_versions(name, [made.format, made.bits_version]));
     }
     let head: Head = serde_json::from_str(text).map_err(|e| damaged(e.to_string()))?;
@@ -277,7 +289,9 @@ fn restore(bytes: &[u8], head: &Head, name: &str) -> Result<(Simulation, StageSt
     let file = SafeTensors::deserialize(bytes).map_err(|e| damaged(e.to_string()))?;
     let arrays = Arrays { file: &file };
     let mut sim = arrays.sim(head).map_err(&damaged)?;
-    let histories = arrays.contact_histories().map_err(&damaged)?;
+    let histories = arrays
+        .contact_histories(head.law.words())
+        .map_err(&damaged)?;
     sim.set_step_count(head.step);
     sim.resume(&histories).map_err(|fault| match fault {
         // The machine's fault, not the file's.

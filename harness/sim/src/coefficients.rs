@@ -85,6 +85,7 @@ mod tests {
             poisson: 0.45,
             restitution: 0.6,
             mu: 0.5,
+            rolling: None,
         });
         let rows = table_one(&law, 1.5e-3, 2500.0).unwrap();
         let paper = [

@@ -33,6 +33,7 @@ pub mod files;
 pub mod format;
 mod grain;
 pub mod histogram;
+pub mod histories;
 pub mod isa;
 pub mod lammps;
 pub mod law;

@@ -2,7 +2,7 @@
 
 use std::collections::TryReserveError;
 
-use bitgrain_kernel::{NEIGHBORS, PairList, Real, Row, STRETCH, StretchList};
+use bitgrain_kernel::{NEIGHBORS, PairList, Real, Row, STRETCH, StretchList, memory_columns};
 
 /// Whether there was memory for a longer list.
 pub type Grown = Result<(), TryReserveError>;
@@ -27,6 +27,8 @@ pub struct List<R> {
     pub obstacle_contact_obstacle: Vec<u32>,
     /// Springs on obstacles.
     pub obstacle_contact_spring: Vec<Row<R>>,
+    /// Words of the law of pairs and of contacts with obstacles, a column for each word.
+    pub memory: [Vec<Vec<R>>; 2],
 }
 
 /// Makes a list at least so long.
@@ -101,28 +103,62 @@ impl<R: Real> List<R> {
         }
         lengthen(&mut self.obstacle_contact_grain, touches, 0)?;
         lengthen(&mut self.obstacle_contact_obstacle, touches, 0)?;
-        lengthen(&mut self.obstacle_contact_spring, touches, [R::ZERO; 4])
+        lengthen(&mut self.obstacle_contact_spring, touches, [R::ZERO; 4])?;
+        self.fit_memory()
+    }
+
+    /// Makes room for so many words of the law of each contact.
+    ///
+    /// # Errors
+    /// As [`List::reserve`].
+    pub fn keep_words(&mut self, words: usize) -> Grown {
+        for columns in &mut self.memory {
+            columns.resize(words, Vec::new());
+        }
+        self.fit_memory()
+    }
+
+    /// How many words of each contact there is room for.
+    pub fn words(&self) -> usize {
+        self.memory[0].len()
+    }
+
+    /// Makes columns as long as the lists of their contacts.
+    fn fit_memory(&mut self) -> Grown {
+        let lengths = [self.lower.len(), self.obstacle_contact_grain.len()];
+        for (columns, length) in self.memory.iter_mut().zip(lengths) {
+            columns
+                .iter_mut()
+                .try_for_each(|word| lengthen(word, length, R::ZERO))?;
+        }
+        Ok(())
     }
 
     /// Lends it to the kernel.
     pub fn lend(&mut self) -> PairList<'_, R> {
+        let [of_pairs, on_obstacles] = self.memory.each_mut();
         PairList {
             lower: &mut self.lower,
             partner: &mut self.partner,
             spring: self.spring.each_mut().map(|s| &mut s[..]),
+            memory: memory_columns(of_pairs.iter_mut().map(|word| &mut word[..])),
             obstacle_contact_grain: &mut self.obstacle_contact_grain,
             obstacle_contact_obstacle: &mut self.obstacle_contact_obstacle,
             obstacle_contact_spring: &mut self.obstacle_contact_spring,
+            obstacle_contact_memory: memory_columns(
+                on_obstacles.iter_mut().map(|word| &mut word[..]),
+            ),
         }
     }
 
     /// Bytes that it holds.
     pub fn bytes(&self) -> usize {
-        let springs: usize = self.spring.iter().map(Vec::capacity).sum();
+        let columns = self.spring.iter().chain(self.memory.iter().flatten());
+        let columns: usize = columns.map(Vec::capacity).sum();
         4 * (self.lower.capacity()
             + self.partner.capacity()
             + 2 * self.obstacle_contact_grain.capacity())
-            + size_of::<R>() * springs
+            + size_of::<R>() * columns
             + size_of::<Row<R>>() * self.obstacle_contact_spring.capacity()
     }
 }

@@ -113,7 +113,7 @@ pub fn coordination_number(sim: &mut Simulation, top: f64) -> f64 {
         sim.role(i) == Role::Free && sim.position[i][2] < top
     };
     let mut contacts = 0usize;
-    for bond in &histories {
+    for bond in histories.contacts() {
         match *bond {
             ContactHistory::Pair { i, j, .. } => {
                 contacts += usize::from(counted(i)) + usize::from(counted(j))
@@ -228,8 +228,8 @@ pub fn neighbourhood(sim: &mut Simulation, reach: f64, front: f64) -> Neighbourh
     let mut contacts = vec![0u32; sim.count()];
     let mut angles = Vec::new();
     let body = sim.obstacles[INTRUDER as usize];
-    for bond in sim.contact_histories() {
-        match bond {
+    for bond in sim.contact_histories().contacts() {
+        match *bond {
             ContactHistory::Pair { i, j, .. } => {
                 contacts[i as usize] += 1;
                 contacts[j as usize] += 1;
@@ -262,7 +262,7 @@ pub fn neighbourhood(sim: &mut Simulation, reach: f64, front: f64) -> Neighbourh
 pub fn overlaps(sim: &mut Simulation) -> Vec<f64> {
     let body = sim.obstacles[INTRUDER as usize];
     let contacts = sim.contact_histories();
-    let overlap = |contact: ContactHistory<f64>| match contact {
+    let overlap = |contact: &ContactHistory<f64>| match *contact {
         ContactHistory::Pair { i, j, .. } => {
             let (x, y) = (sim.position[i as usize], sim.position[j as usize]);
             let d = sim
@@ -282,7 +282,7 @@ pub fn overlaps(sim: &mut Simulation) -> Vec<f64> {
         }
         ContactHistory::Obstacle { .. } => None,
     };
-    contacts.into_iter().filter_map(overlap).collect()
+    contacts.contacts().iter().filter_map(overlap).collect()
 }
 
 /// Deepest of the [`overlaps`]; 0 if none touch.

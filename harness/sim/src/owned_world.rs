@@ -180,6 +180,21 @@ impl<R: Real> OwnedWorld<R> {
             .try_for_each(|list| list.reserve(pairs, touches))
     }
 
+    /// How many words of the law of each contact there is room for.
+    pub(crate) fn words(&self) -> usize {
+        self.lists[0].words()
+    }
+
+    /// Makes room for so many words of the law of each contact: [`AnyLaw::words`](crate::law::AnyLaw::words).
+    ///
+    /// # Errors
+    /// As [`OwnedWorld::reserve`].
+    pub fn keep_words(&mut self, words: usize) -> Grown {
+        self.lists
+            .iter_mut()
+            .try_for_each(|list| list.keep_words(words))
+    }
+
     /// Enlarges the list that a call found full; `false` of other errors and if there is no memory for it.
     pub fn grow(&mut self, error: KernelError) -> bool {
         needed(error).is_some_and(|[pairs, candidates, touches]| {

@@ -3,7 +3,9 @@
 
 use std::sync::Arc;
 
-use bitgrain_kernel::contact::{HertzHistory, HertzTsuji, PairLaws};
+use bitgrain_kernel::contact::{
+    HertzHistory, HertzTsuji, PairLaws, Rolling, RollingResistance, RollingSpring,
+};
 use bitgrain_kernel::{Error as KernelError, Saved, save, save_size};
 
 use crate::law::{AnyLaw, MATERIALS_MAX, Pairs};
@@ -18,9 +20,13 @@ const LAW: usize = HEAD + NUMBERS;
 const HEAD: usize = 8 + 4;
 const NUMBERS: usize = 5 * 8;
 
-/// Bytes of a law of several: the beginning, the number of its kind, that of the materials, five numbers for each pair.
-fn table_size(materials: u8) -> usize {
-    HEAD + 4 + NUMBERS * PairLaws::<()>::pairs(materials).count()
+/// Numbers of a pair that resists rolling: those of the law, 0 for `sds` and 1 for `epsd2`, stiffness, damping and
+/// coefficient.
+const ROLLING_NUMBERS: usize = 5 + 4;
+
+/// Bytes of a law of several: the beginning, the number of its kind, that of the materials, numbers for each pair.
+fn table_size(materials: u8, numbers: usize) -> usize {
+    HEAD + 4 + 8 * numbers * PairLaws::<()>::pairs(materials).count()
 }
 
 /// Bytes of a hash.
@@ -31,6 +37,8 @@ const HISTORY: u32 = 1;
 const TSUJI: u32 = 2;
 const HISTORY_PAIRS: u32 = 3;
 const TSUJI_PAIRS: u32 = 4;
+const HISTORY_ROLLING: u32 = 5;
+const TSUJI_ROLLING: u32 = 6;
 
 impl Simulation {
     /// A simulation at rest as bytes. [`Simulation::load`] goes on from there with the same bits, on any machine.
@@ -80,13 +88,27 @@ impl Simulation {
 
 fn law_bytes(law: &AnyLaw) -> Vec<u8> {
     let (kind, materials, laws) = match law {
-        AnyLaw::HertzHistory(law) => (HISTORY, None, vec![history(law)]),
-        AnyLaw::HertzTsuji(law) => (TSUJI, None, vec![tsuji(law)]),
+        AnyLaw::HertzHistory(law) => (HISTORY, None, history(law).to_vec()),
+        AnyLaw::HertzTsuji(law) => (TSUJI, None, tsuji(law).to_vec()),
         AnyLaw::HertzHistoryPairs(laws) => {
-            (HISTORY_PAIRS, Some(laws.materials()), each(laws, history))
+            let laws = laws.laws().iter().flat_map(history).collect();
+            (HISTORY_PAIRS, law.materials().into(), laws)
         }
-        AnyLaw::HertzTsujiPairs(laws) => (TSUJI_PAIRS, Some(laws.materials()), each(laws, tsuji)),
+        AnyLaw::HertzTsujiPairs(laws) => {
+            let laws = laws.laws().iter().flat_map(tsuji).collect();
+            (TSUJI_PAIRS, law.materials().into(), laws)
+        }
+        AnyLaw::HertzHistoryRolling(laws) => {
+            let laws = laws.laws().iter().flat_map(|law| rolling(law, history));
+            (HISTORY_ROLLING, law.materials().into(), laws.collect())
+        }
+        AnyLaw::HertzTsujiRolling(laws) => {
+            let laws = laws.laws().iter().flat_map(|law| rolling(law, tsuji));
+            (TSUJI_ROLLING, law.materials().into(), laws.collect())
+        }
     };
+    let materials: Option<u8> = materials;
+    let laws: Vec<f64> = laws;
     let mut bytes = MAGIC.to_vec();
     bytes.extend(u32::to_le_bytes(kind));
     bytes.extend(
@@ -95,11 +117,7 @@ fn law_bytes(law: &AnyLaw) -> Vec<u8> {
             .iter()
             .flatten(),
     );
-    bytes.extend(
-        laws.iter()
-            .flatten()
-            .flat_map(|number| number.to_le_bytes()),
-    );
+    bytes.extend(laws.iter().flat_map(|number| number.to_le_bytes()));
     bytes
 }
 
@@ -111,9 +129,39 @@ fn tsuji(l: &HertzTsuji<f64>) -> [f64; 5] {
     [l.kn, l.kt, l.cn, l.ct, l.mu]
 }
 
-/// The numbers of each pair.
-fn each<L: Copy>(laws: &Pairs<L>, numbers: fn(&L) -> [f64; 5]) -> Vec<[f64; 5]> {
-    laws.laws().iter().map(numbers).collect()
+/// The numbers of a law that resists rolling.
+fn rolling<L>(law: &Rolling<f64, L>, own: fn(&L) -> [f64; 5]) -> [f64; ROLLING_NUMBERS] {
+    let [a, b, c, d, e] = own(&law.law);
+    let of = &law.resistance;
+    let spring = match of.spring {
+        RollingSpring::Sds => 0.0,
+        RollingSpring::Epsd2 => 1.0,
+    };
+    [a, b, c, d, e, spring, of.k, of.gamma, of.mu]
+}
+
+/// The resistance in the numbers of a law that has one.
+fn resistance([spring, k, gamma, mu]: [f64; 4]) -> Option<RollingResistance<f64>> {
+    let spring = match spring {
+        0.0 => RollingSpring::Sds,
+        1.0 => RollingSpring::Epsd2,
+        _ => return None,
+    };
+    Some(RollingResistance {
+        spring,
+        k,
+        gamma,
+        mu,
+    })
+}
+
+/// How many numbers each pair of a kind of law has; none of a law of one material.
+fn numbers_of(kind: u32) -> Option<usize> {
+    match kind {
+        HISTORY_PAIRS | TSUJI_PAIRS => Some(5),
+        HISTORY_ROLLING | TSUJI_ROLLING => Some(ROLLING_NUMBERS),
+        _ => None,
+    }
 }
 
 /// A word behind the name of the format.
@@ -132,9 +180,9 @@ fn materials(bytes: &[u8]) -> Option<u8> {
 
 /// Bytes of the law that these begin with.
 fn law_size(bytes: &[u8]) -> Option<usize> {
-    match word(bytes, MAGIC.len())? {
-        HISTORY_PAIRS | TSUJI_PAIRS => Some(table_size(materials(bytes)?)),
-        _ => Some(LAW),
+    match numbers_of(word(bytes, MAGIC.len())?) {
+        Some(numbers) => Some(table_size(materials(bytes)?, numbers)),
+        None => Some(LAW),
     }
 }
 
@@ -148,42 +196,72 @@ fn law_in(bytes: &[u8]) -> Result<AnyLaw, KernelError> {
 
 fn known_law(bytes: &[u8]) -> Option<AnyLaw> {
     let kind = word(bytes, MAGIC.len())?;
-    let is_table = matches!(kind, HISTORY_PAIRS | TSUJI_PAIRS);
-    let numbers = bytes.get(if is_table { HEAD + 4 } else { HEAD }..)?;
-    let numbers: Vec<f64> = numbers
+    let begin = HEAD + if numbers_of(kind).is_some() { 4 } else { 0 };
+    let numbers: Vec<f64> = bytes
+        .get(begin..)?
         .as_chunks()
         .0
         .iter()
         .copied()
         .map(f64::from_le_bytes)
         .collect();
-    let laws = numbers.as_chunks::<5>().0;
-    let sound = |law: &[f64; 5]| law[0] > 0.0 && law.iter().all(|x| *x >= 0.0 && x.is_finite());
-    if !laws.iter().all(sound) {
-        return None;
+    let numbers = &numbers[..];
+    match kind {
+        HISTORY => Some(AnyLaw::HertzHistory(history_of(*numbers.first_chunk()?)?)),
+        TSUJI => Some(AnyLaw::HertzTsuji(tsuji_of(*numbers.first_chunk()?)?)),
+        HISTORY_PAIRS => table(bytes, numbers, history_of).map(AnyLaw::HertzHistoryPairs),
+        TSUJI_PAIRS => table(bytes, numbers, tsuji_of).map(AnyLaw::HertzTsujiPairs),
+        HISTORY_ROLLING => {
+            table(bytes, numbers, |of| rolling_of(of, history_of)).map(AnyLaw::HertzHistoryRolling)
+        }
+        TSUJI_ROLLING => {
+            table(bytes, numbers, |of| rolling_of(of, tsuji_of)).map(AnyLaw::HertzTsujiRolling)
+        }
+        _ => None,
     }
-    let history = |[kn, kt, gamma_n, gamma_t, mu]: [f64; 5]| HertzHistory {
+}
+
+/// The laws of all pairs, each of so many numbers.
+fn table<L: Copy, const NUMBERS: usize>(
+    bytes: &[u8],
+    numbers: &[f64],
+    law: impl Fn([f64; NUMBERS]) -> Option<L>,
+) -> Option<Arc<Pairs<L>>> {
+    let laws = numbers.as_chunks().0.iter().map(|numbers| law(*numbers));
+    Pairs::new(materials(bytes)?, laws.collect::<Option<_>>()?).map(Arc::new)
+}
+
+fn is_sound(numbers: &[f64]) -> bool {
+    numbers.iter().all(|x| *x >= 0.0 && x.is_finite())
+}
+
+fn history_of(numbers: [f64; 5]) -> Option<HertzHistory<f64>> {
+    let [kn, kt, gamma_n, gamma_t, mu] = numbers;
+    let law = HertzHistory {
         kn,
         kt,
         gamma_n,
         gamma_t,
         mu,
     };
-    let tsuji = |[kn, kt, cn, ct, mu]: [f64; 5]| HertzTsuji { kn, kt, cn, ct, mu };
-    match kind {
-        HISTORY => Some(AnyLaw::HertzHistory(history(*laws.first()?))),
-        TSUJI => Some(AnyLaw::HertzTsuji(tsuji(*laws.first()?))),
-        HISTORY_PAIRS => {
-            let laws = laws.iter().copied().map(history).collect();
-            Pairs::new(materials(bytes)?, laws)
-                .map(|laws| AnyLaw::HertzHistoryPairs(Arc::new(laws)))
-        }
-        TSUJI_PAIRS => {
-            let laws = laws.iter().copied().map(tsuji).collect();
-            Pairs::new(materials(bytes)?, laws).map(|laws| AnyLaw::HertzTsujiPairs(Arc::new(laws)))
-        }
-        _ => None,
-    }
+    (is_sound(&numbers) && kn > 0.0).then_some(law)
+}
+
+fn tsuji_of(numbers: [f64; 5]) -> Option<HertzTsuji<f64>> {
+    let [kn, kt, cn, ct, mu] = numbers;
+    let law = HertzTsuji { kn, kt, cn, ct, mu };
+    (is_sound(&numbers) && kn > 0.0).then_some(law)
+}
+
+fn rolling_of<L>(
+    numbers: [f64; ROLLING_NUMBERS],
+    law: fn([f64; 5]) -> Option<L>,
+) -> Option<Rolling<f64, L>> {
+    let [a, b, c, d, e, own @ ..] = numbers;
+    Some(Rolling {
+        law: law([a, b, c, d, e])?,
+        resistance: resistance(own).filter(|_| is_sound(&own))?,
+    })
 }
 
 #[cfg(test)]

@@ -8,11 +8,12 @@ use std::ops::{Deref, DerefMut};
 use bitgrain_kernel::contact::Materials;
 use bitgrain_kernel::vec3::head;
 use bitgrain_kernel::{
-    Clock, ContactForce, ContactHistory, Digest, Domain, Error as KernelError, Group, Obstacle,
-    Partner, TOUCHING, World, check_arithmetic, obstacle_of,
+    Clock, ContactForce, Digest, Domain, Error as KernelError, Group, Obstacle, Partner, TOUCHING,
+    World, check_arithmetic, obstacle_of,
 };
 
 use crate::crowd::deep_pair;
+use crate::histories::Histories;
 use crate::law_work::Watched;
 use crate::lists::List;
 use crate::notes::{Note, ObstacleNote, Taken, Watch};
@@ -88,6 +89,8 @@ impl Simulation {
         self.fit_search();
         // What is too short grows later, or says that it cannot.
         let _ = self.reserve(3 * n + 64, 4 * n + 64, n / 8 + 64);
+        let words = self.law.words();
+        let _ = self.keep_words(words);
     }
 
     /// How many grains there are.
@@ -168,9 +171,10 @@ impl Simulation {
     /// Lends lists of this many entries, and cells, until they prove too short: speed and memory only,
     /// never a bit. Contacts are forgotten: [`Simulation::resume`] or start again.
     pub fn lend(&mut self, entries: usize) {
+        let words = self.law.words();
         for list in &mut self.lists {
             *list = List::default();
-            let made = list.reserve(entries, entries);
+            let made = list.keep_words(words).and(list.reserve(entries, entries));
             made.expect("a caller asks for what there is");
         }
         self.candidate.resize(entries, 0);
@@ -276,11 +280,9 @@ impl Simulation {
     ///
     /// # Errors
     /// What the kernel finds wrong with the world.
-    pub fn resume(&mut self, histories: &[ContactHistory<f64>]) -> Result<(), KernelError> {
+    pub fn resume(&mut self, histories: &Histories) -> Result<(), KernelError> {
         self.check_crowds()?;
-        self.grow_while_full(|sim| {
-            bitgrain_kernel::resume(&mut sim.world(), histories.iter().copied())
-        })
+        self.grow_while_full(|sim| bitgrain_kernel::resume(&mut sim.world(), histories.iter()))
     }
 
     /// Advances by `count` steps, on the threads of the rayon pool that this is called in.
@@ -376,9 +378,9 @@ impl Simulation {
         Ok(bitgrain_kernel::digest(&self.world()))
     }
 
-    /// The touching contacts, by places.
-    pub fn contact_histories(&mut self) -> Vec<ContactHistory<f64>> {
-        self.world().contact_histories().collect()
+    /// The touching contacts with what the law keeps of them, by places.
+    pub fn contact_histories(&mut self) -> Histories {
+        self.world().kept_contacts().collect()
     }
 
     /// Kinetic energy of all grains, translation and rotation, summed by id.

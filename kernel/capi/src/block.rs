@@ -75,6 +75,7 @@ pub(crate) fn capacity_of(capacity: &bg_capacity) -> Capacity {
         cells: capacity.cells as usize,
         obstacles: capacity.obstacles as usize,
         groups: capacity.groups as usize,
+        memory: 0,
     }
 }
 

@@ -74,7 +74,7 @@ impl<R: Real> Kept<R> {
     }
 
     /// Whether there is anything else than +0.
-    pub(crate) fn is_any(&self) -> bool {
+    pub fn is_any(&self) -> bool {
         let is_used = |word: &R| word.to_words() != R::ZERO.to_words();
         self.words() > 0 || self.spring.iter().any(is_used)
     }

@@ -21,6 +21,7 @@ mod fixed_worlds;
 mod heavy;
 mod hosts;
 mod images;
+mod keeping;
 mod materials;
 mod meshes;
 mod oracle;

@@ -59,6 +59,7 @@ impl Bytes<'_> {
                 gamma_n: self.zero_or_scale(0.0, 6.0),
                 gamma_t: self.zero_or_scale(0.0, 6.0),
                 mu: self.zero_or_scale(-2.0, 2.0),
+                rolling: None,
             })
         } else {
             LawSpec::HertzTsuji(HertzTsujiParameters {
@@ -66,6 +67,7 @@ impl Bytes<'_> {
                 poisson: self.between(-0.9, 0.5),
                 restitution: self.between(0.01, 1.0),
                 mu: self.zero_or_scale(-2.0, 2.0),
+                rolling: None,
             })
         }
     }

@@ -1,5 +1,6 @@
 //! Numbers, slices and worlds of any kind, sound or not.
 
+use bitgrain_kernel::contact::{Kept, MEMORY_MAX};
 use bitgrain_kernel::phases::{Extent, ForceCheck, ObstacleShare};
 use std::sync::Arc;
 
@@ -148,6 +149,25 @@ pub(super) fn list<R: Real>(bytes: &mut Bytes) -> List<R> {
         obstacle_contact_grain: many(bytes, touches, word),
         obstacle_contact_obstacle: many(bytes, touches, word),
         obstacle_contact_spring: many(bytes, touches, row),
+        memory: [Vec::new(), Vec::new()],
+    }
+}
+
+/// What a law keeps of a contact.
+pub(super) fn kept<R: Real>(bytes: &mut Bytes) -> Kept<R> {
+    Kept {
+        spring: vector(bytes),
+        memory: [0; MEMORY_MAX].map(|_| number(bytes)),
+    }
+}
+
+/// Columns of words that fit their lists as often as not.
+fn memory<R: Real>(bytes: &mut Bytes, list: &mut List<R>) {
+    let lengths = [list.lower.len(), list.obstacle_contact_grain.len()];
+    for (columns, length) in list.memory.iter_mut().zip(lengths) {
+        let words = bytes.below(MEMORY_MAX as u8 + 2);
+        let length = [length, bytes.below(ENTRIES)][bytes.below(8) / 7];
+        *columns = many(bytes, words, |bytes| many(bytes, length, number));
     }
 }
 
@@ -176,6 +196,7 @@ pub(super) fn found(bytes: &mut Bytes) -> ForceCheck {
     let [unsound, on_obstacle, of_pair] = [seldom(), seldom(), seldom()];
     let mut two = |is: bool| is.then(|| (word(bytes), word(bytes)));
     ForceCheck {
+        misfit: false,
         on_obstacle: two(on_obstacle),
         of_pair: two(of_pair),
         unsound: unsound.then(|| word(bytes)),
@@ -230,6 +251,11 @@ pub(super) fn lent<R: Real>(bytes: &mut Bytes) -> Lent<R> {
             ..body
         });
     }
+    if bytes.below(4) == 0 {
+        let lists = &mut lent.lists;
+        lists.iter_mut().for_each(|list| memory(bytes, list));
+        lent.clock.set_reach(number(bytes));
+    }
     lent
 }
 
@@ -264,7 +290,11 @@ pub(super) fn tame<R: Real>(bytes: &mut Bytes, lent: &mut Lent<R>) {
     lent.candidate_row.resize(lent.position.len() + 1, 0);
     for list in &mut lent.lists {
         *list = List::default();
+        // As many as the laws of the fuzzers keep at most.
+        let made = list.keep_words(3);
+        made.expect("no memory is asked for yet");
     }
+    lent.clock.set_reach(R::ZERO);
     reserve(lent, bytes.below(60), bytes.below(60), bytes.below(30));
 }
 

@@ -3,9 +3,13 @@
 
 use bitgrain_kernel::blake3::Hasher;
 use bitgrain_kernel::conformance::Line;
-use bitgrain_kernel::contact::{Contact, HertzHistory, HertzTsuji, Law, PairLaws, react};
+use bitgrain_kernel::contact::{
+    Contact, HertzHistory, HertzTsuji, Law, PairLaws, Rolling, RollingResistance, RollingSpring,
+    react,
+};
 use bitgrain_kernel::parts::{
-    GONE, is_search_due, listed_springs, renumber, restore, search_and_list, take_in, take_lists,
+    GONE, is_search_due, listed_obstacle_contacts, listed_pairs, renumber, restore,
+    search_and_list, take_in, take_lists,
 };
 use bitgrain_kernel::phases::{
     After, GrainRange, MotionCheck, MotionPhase, NotedForces, Owned, Sealed, accumulate, begin,
@@ -19,8 +23,8 @@ use bitgrain_kernel::{
 
 use super::bytes::Bytes;
 use super::drawn::{
-    ENTRIES, bond, domain, extent, facets, fault, found, group, lent, list, many, number, obstacle,
-    row, share, tame, vector, word,
+    ENTRIES, bond, domain, extent, facets, fault, found, group, kept, lent, list, many, number,
+    obstacle, share, tame, vector, word,
 };
 use super::lent::Lent;
 use super::lent::growing;
@@ -205,11 +209,11 @@ fn as_part<R: Real>(bytes: &mut Bytes, lent: &mut Lent<R>) {
         }
         5 => {
             let pairs = many(bytes, count, |bytes| {
-                (word(bytes), word(bytes), vector(bytes))
+                (word(bytes), word(bytes), kept(bytes))
             });
             let contacts = bytes.below(ENTRIES);
             let contacts = many(bytes, contacts, |bytes| {
-                (word(bytes), word(bytes), row(bytes))
+                (word(bytes), word(bytes), kept(bytes))
             });
             let mut world = lent.world();
             either_way(take_lists(
@@ -228,7 +232,8 @@ fn as_part<R: Real>(bytes: &mut Bytes, lent: &mut Lent<R>) {
         _ => {
             let world = lent.world();
             let _ = (is_search_due(&world), is_draining(&world));
-            assert!(listed_springs(&world).count() < 1000, "more than entries");
+            let listed = listed_pairs(&world).count() + listed_obstacle_contacts(&world).count();
+            assert!(listed < 2000, "more than entries");
         }
     }
 }
@@ -290,10 +295,12 @@ pub(super) fn plain<R: Real>(bytes: &mut Bytes) -> bool {
         radius_j: number(bytes),
         radius_effective: number(bytes),
         mass_effective: number(bytes),
+        inverse_masses: [number(bytes), number(bytes)],
         materials: [0; 2].map(|_| bytes.byte()),
         velocity: vector(bytes),
         spin_i: vector(bytes),
         spin_j: vector(bytes),
+        turning_j: vector(bytes),
     };
     let [kn, kt, gamma_n, gamma_t, mu] = [0; 5].map(|_| number(bytes));
     let history = HertzHistory {
@@ -304,13 +311,24 @@ pub(super) fn plain<R: Real>(bytes: &mut Bytes) -> bool {
         mu,
     };
     let tsuji = HertzTsuji::new(number(bytes), number(bytes), number(bytes), number(bytes));
-    react(&history, &contact, vector(bytes), number(bytes));
-    react(&tsuji, &contact, vector(bytes), number(bytes));
+    react(&history, &contact, kept(bytes), number(bytes));
+    react(&tsuji, &contact, kept(bytes), number(bytes));
+    let resistance = RollingResistance {
+        spring: [RollingSpring::Sds, RollingSpring::Epsd2][bytes.below(2)],
+        k: number(bytes),
+        gamma: number(bytes),
+        mu: number(bytes),
+    };
+    let law = Rolling {
+        law: tsuji,
+        resistance,
+    };
+    react(&law, &contact, kept(bytes), number(bytes));
     let laws = [history; 6];
     let count = bytes.byte();
     assert_eq!(PairLaws::new(count, &laws).is_some(), count == 3);
     let table = PairLaws::new(3, &laws).expect("six pairs");
-    react(&table, &contact, vector(bytes), number(bytes));
+    react(&table, &contact, kept(bytes), number(bytes));
     let mut hasher = Hasher::new();
     (0..bytes.byte()).for_each(|_| hasher.word(word(bytes)));
     let step = u64::from_le_bytes([0; 8].map(|_| bytes.byte()));
@@ -325,15 +343,16 @@ pub(super) fn plain<R: Real>(bytes: &mut Bytes) -> bool {
     if let Err(fault) = checked {
         assert!(!fault.to_string().is_empty());
     }
-    match bytes.below(2) {
+    match bytes.below(3) {
         0 => stored(bytes, domain, &table),
+        1 => stored(bytes, domain, &law),
         _ => stored(bytes, domain, &history),
     }
 }
 
 /// A store that is filled and stepped in any order.
 fn stored<R: Real, L: Law<R>>(bytes: &mut Bytes, domain: Domain<R>, law: &L) -> bool {
-    let mut store = Store::<R, 6, 16, 8, 3>::vacant();
+    let mut store = Store::<R, 6, 16, 8, 3, 3>::vacant();
     let mut stepped = false;
     for id in 0..CALLS as u32 {
         if bytes.0.is_empty() {

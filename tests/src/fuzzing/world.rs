@@ -10,7 +10,9 @@ use crate::fuzzing::lent::add;
 use crate::fuzzing::lent::growing;
 use crate::fuzzing::lent::reserve;
 use crate::fuzzing::lent::reserve_all;
-use bitgrain_kernel::contact::{HertzHistory, HertzTsuji, Law};
+use bitgrain_kernel::contact::{
+    HertzHistory, HertzTsuji, Law, Rolling, RollingResistance, RollingSpring,
+};
 use bitgrain_kernel::phases::{Sealed, begin, end, seal};
 use bitgrain_kernel::{
     Domain, Error as KernelError, Facet, Group, Obstacle, PARTS, Real, World, arrange, digest,
@@ -45,7 +47,7 @@ pub fn world(data: &[u8]) -> bool {
 }
 
 fn under_a_law<R: Real>(bytes: &mut Bytes, is_hostile: bool) -> bool {
-    let which = bytes.below(2);
+    let which = bytes.below(3);
     match (which, is_hostile) {
         (0, true) => {
             let [kn, kt, gamma_n, gamma_t, mu] = [0; 5].map(|_| drawn::number(bytes));
@@ -58,9 +60,19 @@ fn under_a_law<R: Real>(bytes: &mut Bytes, is_hostile: bool) -> bool {
             };
             hostile::world::<R, _>(bytes, &law)
         }
-        (_, true) => {
+        (1, true) => {
             let [young, poisson, restitution, mu] = [0; 4].map(|_| drawn::number(bytes));
             hostile::world::<R, _>(bytes, &HertzTsuji::new(young, poisson, restitution, mu))
+        }
+        (_, true) => {
+            let law = HertzTsuji::new(1e4, 0.3, 0.5, 0.5);
+            let resistance = RollingResistance {
+                spring: [RollingSpring::Sds, RollingSpring::Epsd2][bytes.below(2)],
+                k: drawn::number(bytes),
+                gamma: drawn::number(bytes),
+                mu: drawn::number(bytes),
+            };
+            hostile::world::<R, _>(bytes, &Rolling { law, resistance })
         }
         (0, false) => {
             let (mut lent, stiff) = bed::<R>(bytes);
@@ -79,15 +91,23 @@ fn under_a_law<R: Real>(bytes: &mut Bytes, is_hostile: bool) -> bool {
                 },
             )
         }
-        (_, false) => {
+        (rolls, false) => {
             let (mut lent, stiff) = bed::<R>(bytes);
             let (poisson, restitution) = (bytes.between(-0.9, 0.5), bytes.between(0.01, 1.0));
             let mu = bytes.zero_or_scale(-2.0, 1.0);
-            runs(
-                bytes,
-                &mut lent,
-                &HertzTsuji::new(stiff, poisson, restitution, mu),
-            )
+            let law = HertzTsuji::new(stiff, poisson, restitution, mu);
+            if rolls < 2 {
+                return runs(bytes, &mut lent, &law);
+            }
+            let resistance = RollingResistance {
+                spring: [RollingSpring::Sds, RollingSpring::Epsd2][bytes.below(2)],
+                k: R::from_f64(stiff * bytes.between(0.0, 0.1)),
+                gamma: R::from_f64(bytes.zero_or_scale(-4.0, 0.0)),
+                mu: R::from_f64(bytes.zero_or_scale(-2.0, 1.0)),
+            };
+            let made = lent.keep_words(3);
+            made.expect("memory for a few words");
+            runs(bytes, &mut lent, &Rolling { law, resistance })
         }
     }
 }
@@ -116,7 +136,7 @@ fn runs<R: Real, L: Law<R>>(bytes: &mut Bytes, lent: &mut Lent<R>, law: &L) -> b
         let mut count = 1;
         let went = match bytes.below(8) {
             0 => {
-                let histories: Vec<_> = lent.world().contact_histories().collect();
+                let histories: Vec<_> = lent.world().kept_contacts().collect();
                 let went = growing(lent, |lent| {
                     resume(&mut lent.world(), histories.iter().copied())
                 });

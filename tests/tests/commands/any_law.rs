@@ -23,7 +23,8 @@ fn law() -> impl Strategy<Value = LawSpec> {
                 kt,
                 gamma_n,
                 gamma_t,
-                mu
+                mu,
+                rolling: None,
             }
         )),
         tsuji.prop_map(|(young, poisson, restitution, mu)| LawSpec::HertzTsuji(
@@ -31,7 +32,8 @@ fn law() -> impl Strategy<Value = LawSpec> {
                 young,
                 poisson,
                 restitution,
-                mu
+                mu,
+                rolling: None,
             }
         )),
     ]
@@ -58,6 +60,7 @@ pub fn case_law() -> impl Strategy<Value = CaseLaw> {
                         between,
                         restitution: b.restitution,
                         mu: a.mu,
+                        rolling: None,
                     })
                     .into(),
             };
@@ -71,6 +74,7 @@ pub fn case_law() -> impl Strategy<Value = CaseLaw> {
                 gamma_n: a.gamma_n,
                 gamma_t: a.gamma_t,
                 mu: a.mu,
+                rolling: None,
             };
             let table = HertzHistoryTable {
                 materials: None,

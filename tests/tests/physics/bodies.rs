@@ -15,6 +15,7 @@ pub(crate) fn tsuji(mu: f64) -> LawSpec {
         poisson: 0.3,
         restitution: 0.5,
         mu,
+        rolling: None,
     })
 }
 
@@ -25,6 +26,7 @@ fn history(mu: f64) -> LawSpec {
         gamma_n: 792.0,
         gamma_t: 792.0,
         mu,
+        rolling: None,
     })
 }
 

@@ -15,6 +15,7 @@ fn heights(young: f64) -> Vec<f64> {
         poisson: 0.3,
         restitution: RESTITUTION,
         mu: 0.5,
+        rolling: None,
     });
     // Some two hundred steps a contact.
     let dt = 0.005 * law.contact_duration(1.0, 0.5, 1.0);

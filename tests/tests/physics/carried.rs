@@ -12,7 +12,7 @@ use bitgrain::motion::Moves;
 use bitgrain::progress::Stage;
 use bitgrain::scenario::{self, BedPlan, CheckedScenario, DragPlan};
 use bitgrain::simulation::{Role, Simulation};
-use bitgrain_kernel::ContactHistory;
+use bitgrain_kernel::{ContactHistory, KeptContact};
 use bitgrain_tests::{RIG, Shown, largest};
 
 const SPEED: f64 = 0.1;
@@ -181,13 +181,12 @@ fn what_floats_above_the_lid_is_counted_and_held() {
     let radius = sim.position[0][3];
     let free = places(&sim, Role::Free);
     let one = free[free.len() / 2];
-    let histories: Vec<ContactHistory<f64>> = sim.contact_histories();
-    let parts = |bond: &ContactHistory<f64>| match *bond {
+    let histories = sim.contact_histories();
+    let parts = |contact: &KeptContact<f64>| match contact.history {
         ContactHistory::Pair { i, j, .. } => i as usize == one || j as usize == one,
         ContactHistory::Obstacle { i, .. } => i as usize == one,
     };
-    let left: Vec<ContactHistory<f64>> =
-        histories.into_iter().filter(|bond| !parts(bond)).collect();
+    let left = histories.iter().filter(|contact| !parts(contact)).collect();
     sim.position[one][2] = ceiling - 1.1 * radius;
     assert!(ceiling - 2.2 * radius > top, "there is room above the lid");
     sim.velocity[one] = [SPEED, 0.0, 0.05, sim.velocity[one][3]];
@@ -256,12 +255,14 @@ fn mirrored(sim: &Simulation) -> Simulation {
         body.point[0] = width - body.point[0];
         body.force[0] = -body.force[0];
     }
-    let mut histories = other.contact_histories();
-    for bond in &mut histories {
-        let (ContactHistory::Pair { spring, .. } | ContactHistory::Obstacle { spring, .. }) = bond;
+    let histories = other.contact_histories();
+    let mirrored = histories.iter().map(|mut contact| {
+        let (ContactHistory::Pair { spring, .. } | ContactHistory::Obstacle { spring, .. }) =
+            &mut contact.history;
         spring[0] = -spring[0];
-    }
-    other.resume(&histories).unwrap();
+        contact
+    });
+    other.resume(&mirrored.collect()).unwrap();
     other
 }
 

@@ -14,6 +14,7 @@ fn elastic(kn: f64, mu: f64) -> LawSpec {
         gamma_n: 0.0,
         gamma_t: 0.0,
         mu,
+        rolling: None,
     })
 }
 
@@ -102,6 +103,7 @@ fn damping_is_of_first_order_at_least() {
             poisson: 0.3,
             restitution: asked,
             mu: 0.5,
+            rolling: None,
         });
         let error = |dt: f64| {
             let start = ball(1, [0.0, 0.0, 0.5], [0.0, 0.0, -1.0]);
@@ -154,6 +156,7 @@ fn two_grains_are_pressed_between_walls() {
         poisson: 0.3,
         restitution: 0.3,
         mu: 0.0,
+        rolling: None,
     });
     let mut upper = ball(2, [0.0, 0.0, 1.43], [0.0; 3]);
     upper.density = 3.0;

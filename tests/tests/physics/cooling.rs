@@ -52,6 +52,7 @@ fn gas(restitution: f64, seed: u64) -> (Case, f64) {
         poisson: 0.3,
         restitution,
         mu: 0.0,
+        rolling: None,
     });
     let dt = law.contact_duration(2.0, 0.5, 1.0) / 30.0;
     let case = Case {

@@ -17,6 +17,7 @@ fn kumar(kn: f64, gamma: f64, mu: f64) -> LawSpec {
         gamma_n: gamma,
         gamma_t: gamma,
         mu,
+        rolling: None,
     })
 }
 
@@ -26,6 +27,7 @@ fn guillard(young: f64, restitution: f64, mu: f64) -> LawSpec {
         poisson: 0.3,
         restitution,
         mu,
+        rolling: None,
     })
 }
 

@@ -21,12 +21,14 @@ fn laws(mu: f64) -> [LawSpec; 2] {
         gamma_n: 60.0,
         gamma_t: 60.0,
         mu,
+        rolling: None,
     };
     let tsuji = HertzTsujiParameters {
         young: 2e4,
         poisson: 0.3,
         restitution: 0.7,
         mu,
+        rolling: None,
     };
     [LawSpec::HertzHistory(history), LawSpec::HertzTsuji(tsuji)]
 }

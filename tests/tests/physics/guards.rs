@@ -18,6 +18,7 @@ fn kumar(gamma: f64) -> LawSpec {
         gamma_n: gamma,
         gamma_t: gamma,
         mu: 0.5,
+        rolling: None,
     })
 }
 
@@ -28,6 +29,7 @@ fn guillard(restitution: f64) -> LawSpec {
         poisson: 0.3,
         restitution,
         mu: 0.5,
+        rolling: None,
     })
 }
 
@@ -309,6 +311,7 @@ fn squeezed() -> Case {
         gamma_n: 792.0,
         gamma_t: 792.0,
         mu: 0.1,
+        rolling: None,
     })
     .into();
     case.grains[0].position = [3.8, 2.0, 0.499];

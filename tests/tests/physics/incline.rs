@@ -14,12 +14,14 @@ fn laws(mu: f64) -> [LawSpec; 2] {
             gamma_n: 2e3,
             gamma_t: 2e3,
             mu,
+            rolling: None,
         }),
         LawSpec::HertzTsuji(HertzTsujiParameters {
             young: 2e5,
             poisson: 0.3,
             restitution: 0.3,
             mu,
+            rolling: None,
         }),
     ]
 }

@@ -3,7 +3,8 @@
 use std::io::Write;
 
 use bitgrain::checkpoint;
-use bitgrain::simulation::{AnyLaw, Role, Simulation, hex};
+use bitgrain::law::{Sprung, WithLaw};
+use bitgrain::simulation::{Role, Simulation, hex};
 use bitgrain_kernel::contact::{HertzHistory, Law};
 use bitgrain_kernel::{ContactForce, Digest, Group, Obstacle, Partner, Store, digest, start, step};
 use bitgrain_tests::{golden, golden_case};
@@ -181,12 +182,21 @@ fn cuts_into_parts_change_nothing() {
     for name in CASES {
         let mut sim = begin(name);
         sim.steps(3000).unwrap();
-        match &sim.law {
-            AnyLaw::HertzHistory(law) => cut(&sim, law, name),
-            AnyLaw::HertzTsuji(law) => cut(&sim, law, name),
-            AnyLaw::HertzHistoryPairs(laws) => cut(&sim, &laws.lend(), name),
-            AnyLaw::HertzTsujiPairs(laws) => cut(&sim, &laws.lend(), name),
-        }
+        sim.law.with(Cut { sim: &sim, name });
+    }
+}
+
+/// A simulation to be cut, with the name of its case.
+struct Cut<'s> {
+    sim: &'s Simulation,
+    name: &'s str,
+}
+
+impl WithLaw for Cut<'_> {
+    type Output = ();
+
+    fn run<L: Law<f64> + Sprung>(self, law: &L) {
+        cut(self.sim, law, self.name);
     }
 }
 

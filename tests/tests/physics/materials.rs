@@ -7,7 +7,7 @@ use bitgrain::law::{
     AnyLaw, Elasticity, HertzHistoryPair, HertzHistoryTable, HertzTsujiPair, HertzTsujiTable,
     LawTable,
 };
-use bitgrain_kernel::contact::{Contact, react};
+use bitgrain_kernel::contact::{Contact, Kept, react};
 use bitgrain_kernel::vec3::{add, cross, dot, scale as scaled, sub};
 use bitgrain_tests::{json, largest, number, open_case, triple};
 use serde_json::Value;
@@ -43,6 +43,7 @@ fn liggghts(params: &Value) -> LawTable {
         mu: number(&params["mu"][between.concat()]),
         restitution: number(restitution),
         between,
+        rolling: None,
     };
     LawTable::HertzTsuji(HertzTsujiTable {
         materials,
@@ -59,6 +60,7 @@ fn lammps(params: &Value) -> LawTable {
         gamma_n: number(&of["eta"]),
         gamma_t: number(&of["xt"]) * number(&of["eta"]),
         mu: number(&of["mu"]),
+        rolling: None,
     };
     LawTable::HertzHistory(HertzHistoryTable {
         materials: None,
@@ -136,10 +138,12 @@ fn lammps_pair_coefficients() {
                 radius_j: b,
                 radius_effective: a * b / (a + b),
                 mass_effective: mass[0] * mass[1] / (mass[0] + mass[1]),
+                inverse_masses: mass.map(|m| 1.0 / m),
                 materials,
                 velocity: sub(v, u),
                 spin_i: w,
                 spin_j: z,
+                turning_j: z,
             };
             let (theirs, turn) = (triple(&sample[0], 10), triple(&sample[0], 13));
             if contact.overlap <= 0.0 {
@@ -155,8 +159,12 @@ fn lammps_pair_coefficients() {
                 spring = scaled(plane, long / left);
             }
             let advance = if step == 0 { 0.0 } else { dt };
-            let ours = react(&laws.lend(), &contact, spring, advance);
-            spring = ours.spring;
+            let kept = Kept {
+                spring,
+                ..Kept::NOTHING
+            };
+            let ours = react(&laws.lend(), &contact, kept, advance);
+            spring = ours.kept.spring;
             touching += 1;
             let force = add(scaled(contact.normal, ours.normal), ours.tangential);
             let off = largest(sub(force, theirs));

@@ -30,6 +30,7 @@ fn law(c: &Value) -> LawSpec {
         poisson: number(&species["nu"]),
         restitution: number(&c["params"]["e"]["11"]),
         mu: number(&c["params"]["mu"]["11"]),
+        rolling: None,
     })
 }
 

@@ -14,6 +14,7 @@ const TSUJI: LawSpec = LawSpec::HertzTsuji(HertzTsujiParameters {
     poisson: 0.45,
     restitution: 0.6,
     mu: 0.5,
+    rolling: None,
 });
 
 /// Guillard's grains: diameter, density and gravity.
@@ -94,6 +95,7 @@ fn fractions(grains: Vec<GrainSpec>) -> Case {
         gamma_n: 792.0,
         gamma_t: 792.0,
         mu: 0.5,
+        rolling: None,
     });
     Case {
         bounds: Some(BoxSpec {

@@ -11,7 +11,7 @@ use bitgrain_tests::{floor, golden, json, largest, number, numbers, open_case, t
 use serde_json::Value;
 
 pub(crate) const STEP_0: f64 = 1e-12;
-const TRAJECTORY: f64 = 1e-9;
+pub(crate) const TRAJECTORY: f64 = 1e-9;
 
 /// One row of a reference code's trajectory: step, position, velocity, spin, force, torque.
 pub(crate) type PeerRow = Vec<f64>;
@@ -44,13 +44,24 @@ fn history_law(params: &Value) -> LawSpec {
         gamma_n: get("gamma_n"),
         gamma_t: get("gamma_t"),
         mu: get("mu"),
+        rolling: None,
     })
 }
 
 /// Largest deviation of five quantities over a trajectory, each relative to its largest value in
 /// the case (spins at least to speed over radius, torques to force times radius).
 pub(crate) fn compare(name: &str, case: &Case, traj: &[Vec<PeerRow>], skip_force: &[bool]) {
-    let mut sim = case.start(name, |_| {}).expect("the peers ran it");
+    let sim = case.start(name, |_| {}).expect("the peers ran it");
+    follow(name, (case, sim), traj, skip_force);
+}
+
+/// The same of a simulation that has begun.
+pub(crate) fn follow(
+    name: &str,
+    (case, mut sim): (&Case, Simulation),
+    traj: &[Vec<PeerRow>],
+    skip_force: &[bool],
+) {
     let all = |at: usize| largest(traj.iter().flatten().flat_map(|row| triple(row, at)));
     let radius = 0.5 * largest(case.grains.iter().map(|g| g.diameter));
     let (x, v, f) = (all(1), all(4), all(10));
@@ -198,6 +209,7 @@ fn liggghts_pair_and_wall_collisions() {
         poisson: 0.45,
         restitution: 0.6,
         mu: 0.5,
+        rolling: None,
     });
     for c in cases {
         let traj = trajectory(c);
@@ -270,6 +282,7 @@ fn lammps_wall_restitution() {
             gamma_n: gamma,
             gamma_t: gamma,
             mu: 0.5,
+            rolling: None,
         });
         let start = [0.0, 0.0, 0.0, row[7], 0.0, 0.0, -v, 0.0, 0.0, 0.0];
         let ball = grain(1, 1.0, 1.0, &start, MotionSpec::Free);

@@ -12,6 +12,7 @@ const TSUJI: LawSpec = LawSpec::HertzTsuji(HertzTsujiParameters {
     poisson: 0.45,
     restitution: 0.6,
     mu: 0.5,
+    rolling: None,
 });
 
 fn kumar(mu: f64) -> LawSpec {
@@ -21,6 +22,7 @@ fn kumar(mu: f64) -> LawSpec {
         gamma_n: 5e4,
         gamma_t: 5e4,
         mu,
+        rolling: None,
     })
 }
 
@@ -31,6 +33,7 @@ fn soft(mu: f64, gamma: f64) -> LawSpec {
         gamma_n: gamma,
         gamma_t: gamma,
         mu,
+        rolling: None,
     })
 }
 
@@ -89,8 +92,8 @@ fn energy(sim: &mut Simulation, gravity: f64) -> f64 {
     for i in 0..sim.count() {
         total += sim.velocity[i][3] * gravity * sim.position[i][2];
     }
-    for bond in sim.contact_histories() {
-        let (radius, overlap) = match bond {
+    for bond in sim.contact_histories().contacts() {
+        let (radius, overlap) = match *bond {
             ContactHistory::Pair { i, j, .. } => {
                 let (x, y) = (sim.position[i as usize], sim.position[j as usize]);
                 let d = sim

@@ -28,6 +28,7 @@ fn poured() -> Simulation {
         poisson: 0.3,
         restitution: 0.3,
         mu: MU,
+        rolling: None,
     });
     let mut grains = Vec::new();
     let mut site = 0;

@@ -1,12 +1,13 @@
 //! The golden cases in the kernel's own storage: the digests of the harness, without an allocator.
 
-use bitgrain::simulation::{AnyLaw, Simulation, hex};
+use bitgrain::law::{Sprung, WithLaw};
+use bitgrain::simulation::{Simulation, hex};
 use bitgrain_kernel::contact::Law;
-use bitgrain_kernel::{Store, digest, start, step};
+use bitgrain_kernel::{Store, World, digest, start, step};
 use bitgrain_tests::{golden, golden_case};
 
-/// Room for the larger cases: 60 grains, and the five groups that a case has.
-type Room<const PAIRS: usize, const BODIES: usize> = Store<f64, 60, PAIRS, 256, BODIES>;
+/// Room for the larger cases: 60 grains, the five groups that a case has, and the words of a law that resists rolling.
+type Room<const PAIRS: usize, const BODIES: usize> = Store<f64, 60, PAIRS, 256, BODIES, 3>;
 
 /// The digests that `golden/digests` holds of a case, by step.
 fn golden_digests(name: &str) -> Vec<(u64, String)> {
@@ -45,22 +46,27 @@ fn store_of<const PAIRS: usize, const BODIES: usize>(
 
 fn follow<const PAIRS: usize, const BODIES: usize>(name: &str, sim: &Simulation, skin: f64) {
     let mut store = store_of::<PAIRS, BODIES>(sim, skin);
-    match &sim.law {
-        AnyLaw::HertzHistory(law) => steps(name, &mut store, law),
-        AnyLaw::HertzTsuji(law) => steps(name, &mut store, law),
-        AnyLaw::HertzHistoryPairs(laws) => steps(name, &mut store, &laws.lend()),
-        AnyLaw::HertzTsujiPairs(laws) => steps(name, &mut store, &laws.lend()),
+    let world = store.world();
+    sim.law.with(Steps { name, world });
+}
+
+/// A world that is to have the golden digests of a case.
+struct Steps<'s> {
+    name: &'s str,
+    world: World<'s, f64>,
+}
+
+impl WithLaw for Steps<'_> {
+    type Output = ();
+
+    fn run<L: Law<f64> + Sprung>(self, law: &L) {
+        steps(self.name, self.world, law);
     }
 }
 
-fn steps<const PAIRS: usize, const BODIES: usize>(
-    name: &str,
-    store: &mut Room<PAIRS, BODIES>,
-    law: &impl Law<f64>,
-) {
+fn steps(name: &str, mut world: World<'_, f64>, law: &impl Law<f64>) {
     let golden = golden_digests(name);
     assert!(golden.len() > 5, "{name} has golden digests");
-    let mut world = store.world();
     start(&mut world, law).expect("a sound case");
     for (at, expected) in golden {
         while world.clock.step < at {

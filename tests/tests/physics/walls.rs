@@ -14,6 +14,7 @@ const TSUJI: LawSpec = LawSpec::HertzTsuji(HertzTsujiParameters {
     poisson: 0.45,
     restitution: 0.6,
     mu: 0.4,
+    rolling: None,
 });
 
 /// The wall of a case of either file as an obstacle.
@@ -92,6 +93,7 @@ fn lammps_walls_with_hertz_history() {
             gamma_n: get("gn"),
             gamma_t: get("gt"),
             mu: get("mu"),
+            rolling: None,
         });
         check(c, law);
         count += 1;
@@ -155,6 +157,7 @@ fn liggghts_cylinder_from_inside() {
             poisson: number(&species["nu"]),
             restitution: number(&c["params"]["e"]["11"]),
             mu: number(&c["params"]["mu"]["11"]),
+            rolling: None,
         });
         check(c, law);
         count += 1;

@@ -1,7 +1,7 @@
 //! Restitution on a flat wall by the law, against the series for viscoelastic spheres
 //! (Kumar 2018, Fig. 2).
 
-use bitgrain_kernel::contact::{HertzHistory, Law, NormalState};
+use bitgrain_kernel::contact::{HertzHistory, Kept, Law, NormalState};
 
 use super::number::{Found, Number};
 use crate::analysis::Value;
@@ -59,7 +59,9 @@ fn collided(speed: f64) -> f64 {
             radius_j: 0.0,
             radius_effective: r,
             mass_effective: m,
+            inverse_masses: [1.0 / m, 0.0],
             materials: [0; 2],
+            memory: Kept::NOTHING.memory,
         };
         f = law.normal_force(&squeeze).force;
         v += 0.5 * dt * f / m;

@@ -1,8 +1,9 @@
 //! A state taken apart and put together again: grains renumbered, frozen, taken out or added, while
 //! the contacts that stay keep their springs.
 
-use bitgrain_kernel::{ContactHistory, Error as KernelError, Group, Obstacle};
+use bitgrain_kernel::{ContactHistory, Error as KernelError, Group, KeptContact, Obstacle};
 
+use bitgrain_sim::histories::Histories;
 use bitgrain_sim::simulation::{Grain, Simulation, sphere_mass};
 
 /// A grain of the new state.
@@ -65,9 +66,9 @@ pub(super) fn assemble(
         place: &place,
         number: &number,
     };
-    let kept: Vec<ContactHistory<f64>> = histories
+    let kept: Histories = histories
         .iter()
-        .filter_map(|history| renamed.history(history))
+        .filter_map(|contact| renamed.contact(contact))
         .collect();
     new.fit_storage();
     new.choose_skin();
@@ -88,38 +89,30 @@ impl Renamed<'_> {
         self.new.groups[self.new.group[k as usize] as usize].infinite_mass
     }
 
-    fn history(&self, history: &ContactHistory<f64>) -> Option<ContactHistory<f64>> {
-        match *history {
+    fn contact(&self, mut contact: KeptContact<f64>) -> Option<KeptContact<f64>> {
+        match &mut contact.history {
             ContactHistory::Pair { i, j, spring } => {
-                let (a, b) = (self.place[i as usize]?, self.place[j as usize]?);
+                let (a, b) = (self.place[*i as usize]?, self.place[*j as usize]?);
                 if self.heavy(a) && self.heavy(b) {
                     return None;
                 }
-                let turned = [-spring[0], -spring[1], -spring[2]];
-                Some(if a < b {
-                    ContactHistory::Pair { i: a, j: b, spring }
-                } else {
-                    ContactHistory::Pair {
-                        i: b,
-                        j: a,
-                        spring: turned,
-                    }
-                })
+                (*i, *j) = (a, b);
+                if a > b {
+                    (*i, *j) = (b, a);
+                    *spring = spring.map(|s| -s);
+                    contact.memory = self.new.law.seen_by_partner(contact.memory);
+                }
             }
-            ContactHistory::Obstacle {
-                i,
-                obstacle,
-                spring,
-            } => {
-                let i = self.place[i as usize]?;
-                let obstacle = self.number.iter().position(|was| *was == Some(obstacle))?;
-                let body = &self.new.obstacles[obstacle];
-                (!self.heavy(i) || body.inverse_mass > 0.0).then_some(ContactHistory::Obstacle {
-                    i,
-                    obstacle: obstacle as u32,
-                    spring,
-                })
+            ContactHistory::Obstacle { i, obstacle, .. } => {
+                *i = self.place[*i as usize]?;
+                let number = self.number.iter().position(|was| *was == Some(*obstacle))?;
+                let body = &self.new.obstacles[number];
+                if self.heavy(*i) && body.inverse_mass == 0.0 {
+                    return None;
+                }
+                *obstacle = number as u32;
             }
         }
+        Some(contact)
     }
 }

@@ -250,6 +250,7 @@ mod tests {
             poisson: 0.45,
             restitution: 1.0,
             mu: 0.5,
+            rolling: None,
         });
         let grain = |(k, &[x, z]): (usize, &[f64; 2])| Grain {
             id: k as u32 + 1,

@@ -57,8 +57,8 @@ pub fn stopped(bed: &str, sim: &Simulation, fault: KernelError) -> Error {
 /// out of one flies on.
 pub fn energy_of_borne(sim: &mut Simulation, measures: &Measures) -> f64 {
     let mut contacts = vec![0u32; sim.count()];
-    for history in sim.contact_histories() {
-        match history {
+    for history in sim.contact_histories().contacts() {
+        match *history {
             ContactHistory::Pair { i, j, .. } => {
                 contacts[i as usize] += 1;
                 contacts[j as usize] += 1;

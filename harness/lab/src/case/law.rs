@@ -46,7 +46,7 @@ impl CaseLaw {
     /// The key and what was expected of it.
     pub fn build(&self) -> Result<AnyLaw, WrongKey> {
         match self {
-            Self::One(law) => law.build().map_err(|(key, problem)| (key.into(), problem)),
+            Self::One(law) => law.build(),
             Self::Pairs(law) => law.build(),
         }
     }

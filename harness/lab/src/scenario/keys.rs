@@ -453,5 +453,6 @@ pub(super) fn kumar_law() -> LawSpec {
         gamma_n: 5e4,
         gamma_t: 5e4,
         mu: 0.5,
+        rolling: None,
     })
 }

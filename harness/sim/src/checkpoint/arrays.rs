@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
-use bitgrain_kernel::ContactHistory;
+use bitgrain_kernel::{ContactHistory, KeptContact};
 use safetensors::tensor::{Dtype, SafeTensors};
 
-use super::head::{FACETS, FIELDS, FRAMES, Head, StageState};
+use super::head::{FACETS, FIELDS, FRAMES, Head, StageState, WORDS};
+use crate::histories::Histories;
 use crate::mesh::restored;
 use crate::simulation::Simulation;
 
@@ -97,14 +98,23 @@ impl Arrays<'_> {
         }
     }
 
-    /// The contacts.
-    pub fn contact_histories(&self) -> std::result::Result<Vec<ContactHistory<f64>>, String> {
+    /// The contacts, with so many words of the law of each.
+    pub fn contact_histories(&self, words: usize) -> std::result::Result<Histories, String> {
         let kinds: Vec<[u8; 1]> = self.words("bond_kind", Dtype::U8)?;
         let bodies = self.words::<4>("bond_bodies", Dtype::U32)?;
         let bodies: Vec<u32> = bodies.into_iter().map(u32::from_le_bytes).collect();
         let springs = self.reals::<3>("bond_spring")?;
         if bodies.len() != 2 * kinds.len() || springs.len() != kinds.len() {
             return Err("its contact arrays differ in length".into());
+        }
+        let memory = match words {
+            0 => Vec::new(),
+            _ => self.reals::<1>(WORDS)?.into_flattened(),
+        };
+        if memory.len() != words * kinds.len() {
+            return Err(format!(
+                "`{WORDS}` has not {words} numbers for each contact"
+            ));
         }
         let pairs = bodies.as_chunks::<2>().0;
         let bond = |k: usize| {
@@ -123,7 +133,12 @@ impl Arrays<'_> {
                 [other] => Err(format!("contact {k} is of the unknown kind {other}")),
             }
         };
-        (0..kinds.len()).map(bond).collect()
+        let kept = |k: usize| {
+            let mut contact = KeptContact::from(bond(k)?);
+            contact.memory[..words].copy_from_slice(&memory[words * k..words * (k + 1)]);
+            Ok(contact)
+        };
+        (0..kinds.len()).map(kept).collect()
     }
 }
 

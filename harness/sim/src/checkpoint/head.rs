@@ -90,6 +90,9 @@ impl Head {
 /// The arrays that only states of drags with fields have, worlds with meshes, and states saved between two kept ones.
 pub(super) const FIELDS: &str = "fields";
 
+/// Words that the law keeps of each contact.
+pub(super) const WORDS: &str = "bond_words";
+
 pub(super) const FACETS: &str = "facets";
 
 pub(super) const FRAMES: &str = "frames";

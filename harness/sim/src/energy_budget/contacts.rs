@@ -1,7 +1,7 @@
 //! Touching contacts as the audit sees them: where two bodies meet, how they move over each other, and
 //! what their springs store.
 
-use bitgrain_kernel::contact::{Contact, Law, Materials, Reaction, react};
+use bitgrain_kernel::contact::{Contact, Kept, Law, Materials, Reaction, react};
 use bitgrain_kernel::vec3::{Vec3, add, cross, dot, head, scale, sub};
 use bitgrain_kernel::{
     ContactForce, ContactHistory, Meeting, Obstacle, Partner, Row, Shape, obstacle_of, surface_of,
@@ -155,6 +155,15 @@ impl ElasticContact {
         }
     }
 
+    /// Spin of the grain, and of its partner as a whole.
+    pub fn turning(&self, motion: &Velocities) -> [Vec3<f64>; 2] {
+        let other = match self.partner {
+            Partner::Grain(j) => head(motion.spin[j as usize]),
+            Partner::Obstacle(k) => motion.obstacles[k as usize].angular_velocity,
+        };
+        [head(motion.spin[self.i]), other]
+    }
+
     /// Velocity of the grain less that of its partner, and what the spins add to the sliding before it
     /// is crossed with the normal.
     fn relative(&self, motion: &Velocities) -> (Vec3<f64>, Vec3<f64>) {
@@ -184,12 +193,7 @@ impl ElasticContact {
     ///
     /// A spring on the cap is longer than the cap by a rounding or not at all; made longer by a part in
     /// 1e9 it slides, as it did.
-    pub fn forces(
-        &self,
-        sim: &Simulation,
-        motion: &Velocities,
-        spring: Vec3<f64>,
-    ) -> Reaction<f64> {
+    pub fn forces(&self, sim: &Simulation, motion: &Velocities, kept: Kept<f64>) -> Reaction<f64> {
         let inverse_mass = match self.partner {
             Partner::Grain(j) => sim.spin[j as usize][3],
             Partner::Obstacle(k) => sim.obstacles[k as usize].inverse_mass,
@@ -202,36 +206,35 @@ impl ElasticContact {
             radius_j: self.radii[1],
             radius_effective: self.radius_effective,
             mass_effective: 1.0 / (sim.spin[self.i][3] + inverse_mass),
+            inverse_masses: [sim.spin[self.i][3], inverse_mass],
             materials: self.materials,
             velocity,
             spin_i: head(sim.spin[self.i]),
             spin_j: self.of_partner(motion).1,
+            turning_j: self.turning(motion)[1],
         };
-        let spring = scale(spring, 1.0 + 1e-9);
-        let mut reaction = sim.law.with(React { contact, spring });
+        let kept = Kept {
+            spring: scale(kept.spring, 1.0 + 1e-9),
+            ..kept
+        };
+        let mut reaction = sim.law.with(React { contact, kept });
         reaction.normal *= self.share;
         reaction.tangential = scale(reaction.tangential, self.share);
+        reaction.torque = scale(reaction.torque, self.share);
         reaction
-    }
-}
-
-/// Tangential spring of a contact of the list.
-pub(super) fn spring_of(history: &ContactHistory<f64>) -> Vec3<f64> {
-    match *history {
-        ContactHistory::Pair { spring, .. } | ContactHistory::Obstacle { spring, .. } => spring,
     }
 }
 
 /// The force of one contact.
 struct React {
     contact: Contact<f64>,
-    spring: Vec3<f64>,
+    kept: Kept<f64>,
 }
 
 impl WithLaw for React {
     type Output = Reaction<f64>;
 
     fn run<L: Law<f64> + Sprung>(self, law: &L) -> Reaction<f64> {
-        react(law, &self.contact, self.spring, 0.0)
+        react(law, &self.contact, self.kept, 0.0)
     }
 }

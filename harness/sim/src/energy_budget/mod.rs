@@ -31,11 +31,11 @@ mod contacts;
 mod table;
 
 use bitgrain_kernel::vec3::{add, dot, head, scale, sub};
-use bitgrain_kernel::{ContactForce, ContactHistory, Error as KernelError, Partner, Row};
+use bitgrain_kernel::{ContactForce, Error as KernelError, KeptContact, Partner, Row};
 use serde::{Deserialize, Serialize};
 
 use crate::simulation::Simulation;
-use contacts::{ElasticContact, Velocities, spring_of};
+use contacts::{ElasticContact, Velocities};
 pub use table::{ENERGY, EnergyRow, energy_text};
 
 /// Energies of a state.
@@ -69,6 +69,9 @@ struct Flows {
     tangential_damping: f64,
     /// By the dampers of contacts that slide, if those are a part of friction.
     sliding: f64,
+    /// By the torques of a law that has any; what their springs store is not told apart.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    rolling: Option<f64>,
 }
 
 /// The energy budget of a simulation: it follows step by step and changes no bit.
@@ -124,11 +127,11 @@ impl Audit {
         let motion = full_step(sim);
         let mut energies = of_grains(sim);
         let mut powers = carried(sim);
-        for history in &histories {
-            let at = ElasticContact::listed(sim, history);
-            let spring = spring_of(history);
-            let r = at.forces(sim, &motion, spring);
-            powers.add_contact(sim, &at, (r.normal, r.tangential), spring);
+        for history in histories.iter() {
+            let at = ElasticContact::listed(sim, &history.history);
+            let spring = history.kept().spring;
+            let r = at.forces(sim, &motion, history.kept());
+            powers.add_contact(sim, &at, (r.normal, r.tangential, r.torque), spring);
             energies.add_contact(&at, spring);
         }
         (audit.start, audit.now, audit.powers) = (energies, energies, powers);
@@ -180,9 +183,9 @@ impl Audit {
         let mut now = of_grains(sim);
         let mut powers = carried(sim);
         let mut held = held.iter().peekable();
-        for (p, history) in pairs.iter().chain(&touches).zip(&histories) {
+        for (p, history) in pairs.iter().chain(&touches).zip(histories.iter()) {
             let at = ElasticContact::pushed(sim, p);
-            let spring = spring_of(history);
+            let spring = history.kept().spring;
             while let Some(gone) = held.next_if(|h| h.at.key() < at.key()) {
                 self.part(gone);
             }
@@ -190,7 +193,7 @@ impl Audit {
             let (_, sliding) = at.speeds(&half);
             let advance = scale(sliding, sim.dt);
             self.hold_on(before, &at, (at.stiffness(), spring), advance);
-            let forces = (p.normal_force, p.tangential_force);
+            let forces = (p.normal_force, p.tangential_force, p.torque);
             powers.add_contact(sim, &at, forces, spring);
             now.add_contact(&at, spring);
         }
@@ -244,6 +247,10 @@ impl Audit {
         done.normal_damping += over(old.normal_damping, powers.normal_damping);
         done.tangential_damping += over(old.tangential_damping, powers.tangential_damping);
         done.sliding += over(old.sliding, powers.sliding);
+        if let Some(power) = powers.rolling {
+            let taken = over(old.rolling.unwrap_or_default(), power);
+            done.rolling = Some(done.rolling.unwrap_or_default() + taken);
+        }
         let fallen = now.gravitational - self.now.gravitational;
         self.gross += obstacles.abs() + carriers.abs() + fallen.abs();
         (self.now, self.powers) = (now, powers);
@@ -260,8 +267,9 @@ impl Audit {
         let (now, done) = (&self.now, &self.done);
         let given = done.obstacles + done.carriers + self.stiffening;
         let sliding = self.sliding + done.sliding;
-        let taken =
+        let mut taken =
             done.normal_damping + done.tangential_damping + sliding + self.projection + self.erased;
+        taken += done.rolling.unwrap_or_default();
         EnergyRow {
             step,
             kinetic: now.kinetic,
@@ -276,6 +284,7 @@ impl Audit {
             stiffening: self.stiffening,
             projection: self.projection,
             erased: self.erased,
+            rolling: done.rolling,
             work: self.gross,
             residual: (now.total() - self.start.total()) - (given - taken),
         }
@@ -285,7 +294,8 @@ impl Audit {
     pub fn is_finite(&self) -> bool {
         let states = [self.start, self.now].map(|e| e.total());
         let flows = [self.powers, self.done].map(|f| {
-            f.obstacles + f.carriers + f.normal_damping + f.tangential_damping + f.sliding
+            let dampers = f.normal_damping + f.tangential_damping + f.sliding;
+            f.obstacles + f.carriers + dampers + f.rolling.unwrap_or_default()
         });
         let others = self.sliding + self.stiffening + self.projection + self.erased + self.gross;
         states.iter().chain(&flows).all(|x| x.is_finite()) && others.is_finite()
@@ -299,10 +309,17 @@ impl Flows {
         &mut self,
         sim: &Simulation,
         at: &ElasticContact,
-        (normal, tangential): (f64, [f64; 3]),
+        (normal, tangential, torque): (f64, [f64; 3], [f64; 3]),
         spring: [f64; 3],
     ) {
         let motion = full_step(sim);
+        if let Some(rolling) = &mut self.rolling {
+            let [own, other] = at.turning(&motion);
+            *rolling -= dot(torque, sub(own, other));
+            if let Partner::Obstacle(_) = at.partner {
+                self.obstacles += dot(torque, other);
+            }
+        }
         let (speed, sliding) = at.speeds(&motion);
         self.normal_damping -= (normal - at.normal_force()) * speed;
         let damped = add(tangential, scale(spring, at.stiffness()));
@@ -357,11 +374,11 @@ fn half_step(sim: &Simulation) -> (Vec<Row<f64>>, Vec<Row<f64>>) {
 /// The touching contacts with what their springs hold.
 fn held(sim: &mut Simulation, motion: &Velocities) -> Vec<Held> {
     let histories = sim.contact_histories();
-    let hold = |history: &ContactHistory<f64>| {
-        let at = ElasticContact::listed(sim, history);
+    let hold = |history: KeptContact<f64>| {
+        let at = ElasticContact::listed(sim, &history.history);
         let (_, sliding) = at.speeds(motion);
         Held {
-            spring: spring_of(history),
+            spring: history.kept().spring,
             stiffness: at.stiffness(),
             advance: scale(sliding, sim.dt),
             at,
@@ -409,6 +426,7 @@ fn carried(sim: &Simulation) -> Flows {
     Flows {
         carriers,
         obstacles: sim.obstacles.iter().map(bodies::power).sum(),
+        rolling: (sim.law.words() > 0).then_some(0.0),
         ..Flows::default()
     }
 }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::table::{Cell, Table, column};
+use crate::table::{Cell, Table, column, optional};
 use crate::units::Units;
 
 /// The energy budget of a simulation at one step: state, and sums since the budget began.
@@ -36,6 +36,9 @@ pub struct EnergyRow {
     pub projection: f64,
     /// Lost with the history of contacts that parted.
     pub erased: f64,
+    /// Taken by the torques that resist rolling, what their springs store included; none if the law has none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rolling: Option<f64>,
     /// What the residual is compared with: work of obstacles, of carriers and of gravity, each step's as
     /// a magnitude, and what kinetic and elastic energy there was at the start.
     pub work: f64,
@@ -72,6 +75,7 @@ pub const ENERGY: Table<EnergyRow> = Table(&[
     column("stiffening", |r| Cell::Real(&mut r.stiffening)),
     column("projection", |r| Cell::Real(&mut r.projection)),
     column("erased", |r| Cell::Real(&mut r.erased)),
+    optional("rolling", |r| Cell::Optional(&mut r.rolling)),
     column("work", |r| Cell::Real(&mut r.work)),
     column("residual", |r| Cell::Real(&mut r.residual)),
 ]);
@@ -79,7 +83,9 @@ pub const ENERGY: Table<EnergyRow> = Table(&[
 /// The text of an energy series: a line of units, the column names, the rows.
 pub fn energy_text(units: &Units, rows: &[EnergyRow]) -> String {
     let comment = format!("units: all energies {}, since the first step", units.energy);
-    ENERGY.text(&comment, rows)
+    let none = rows.iter().all(|row| row.rolling.is_none());
+    let left_out: &[&str] = if none { &["rolling"] } else { &[] };
+    ENERGY.text_without(left_out, &comment, rows)
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use bitgrain_kernel::contact::{HertzHistory, Materials};
 use serde::{Deserialize, Serialize};
 
 use super::parameters::{LawParameters, Springs, Sprung, Wrong, not_negative, positive};
+use super::rolling::RollingSpec;
 
 /// Keys of `kind = "hertz_history"`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -19,10 +20,13 @@ pub struct HertzHistoryParameters {
     pub gamma_t: f64,
     /// Friction coefficient, zero or more.
     pub mu: f64,
+    /// Resistance to rolling; none if it is left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rolling: Option<RollingSpec>,
 }
 
 impl HertzHistoryParameters {
-    /// The law as it is computed.
+    /// The law as it is computed, without its resistance to rolling.
     ///
     /// # Errors
     /// The key that is wrong, and what was expected of it.
@@ -33,6 +37,7 @@ impl HertzHistoryParameters {
             gamma_n,
             gamma_t,
             mu,
+            ..
         } = *self;
         positive("kn", kn)?;
         not_negative("kt", kt)?;

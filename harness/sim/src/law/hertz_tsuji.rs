@@ -4,6 +4,7 @@ use bitgrain_kernel::contact::{HertzTsuji, Materials};
 use serde::{Deserialize, Serialize};
 
 use super::parameters::{LawParameters, Springs, Sprung, Wrong, not_negative, positive};
+use super::rolling::RollingSpec;
 
 /// Keys of `kind = "hertz_tsuji"`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -17,6 +18,9 @@ pub struct HertzTsujiParameters {
     pub restitution: f64,
     /// Friction coefficient, zero or more.
     pub mu: f64,
+    /// Resistance to rolling; none if it is left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rolling: Option<RollingSpec>,
 }
 
 /// How a material yields.
@@ -62,7 +66,7 @@ pub(super) fn between(
 }
 
 impl HertzTsujiParameters {
-    /// The law as it is computed.
+    /// The law as it is computed, without its resistance to rolling.
     ///
     /// # Errors
     /// The key that is wrong, and what was expected of it.
@@ -72,6 +76,7 @@ impl HertzTsujiParameters {
             poisson,
             restitution,
             mu,
+            ..
         } = *self;
         let elasticity = Elasticity { young, poisson };
         elasticity.check()?;

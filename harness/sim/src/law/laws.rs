@@ -2,13 +2,16 @@
 
 use std::sync::Arc;
 
-use bitgrain_kernel::contact::{HertzHistory, HertzTsuji, Law, Materials};
+use bitgrain_kernel::contact::{
+    ContactMemory, HertzHistory, HertzTsuji, Law, Materials, Rolling, RollingResistance,
+};
 use serde::{Deserialize, Serialize};
 
 use super::hertz_history::HertzHistoryParameters;
 use super::hertz_tsuji::HertzTsujiParameters;
 use super::pairs::Pairs;
-use super::parameters::{LawParameters, Springs, Sprung, Wrong};
+use super::parameters::{LawParameters, Springs, Sprung, Wrong, WrongKey};
+use super::rolling::RollingSpec;
 
 /// A contact law with the parameters its paper gives.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -32,6 +35,19 @@ pub enum AnyLaw {
     HertzHistoryPairs(Arc<Pairs<HertzHistory<f64>>>),
     /// The second likewise.
     HertzTsujiPairs(Arc<Pairs<HertzTsuji<f64>>>),
+    /// The first with resistance to rolling, for each pair of materials, or for the only one.
+    HertzHistoryRolling(Arc<Pairs<Rolling<f64, HertzHistory<f64>>>>),
+    /// The second likewise.
+    HertzTsujiRolling(Arc<Pairs<Rolling<f64, HertzTsuji<f64>>>>),
+}
+
+/// The law of one material with resistance to rolling.
+fn one<L: Copy>(law: L, rolling: RollingResistance<f64>) -> Arc<Pairs<Rolling<f64, L>>> {
+    let law = Rolling {
+        law,
+        resistance: rolling,
+    };
+    Arc::new(Pairs::new(1, vec![law]).expect("one material, one law"))
 }
 
 /// Something to do with a law, whichever it is: it is compiled for each.
@@ -55,11 +71,33 @@ impl LawSpec {
     ///
     /// # Errors
     /// The key and what was expected of it.
-    pub fn build(&self) -> Result<AnyLaw, Wrong> {
+    pub fn build(&self) -> Result<AnyLaw, WrongKey> {
+        let own = |(key, problem): Wrong| (key.to_owned(), problem);
+        let rolling = self.rolling().map(|rolling| rolling.build()).transpose()?;
         Ok(match self {
-            LawSpec::HertzHistory(parameters) => AnyLaw::HertzHistory(parameters.build()?),
-            LawSpec::HertzTsuji(parameters) => AnyLaw::HertzTsuji(parameters.build()?),
+            LawSpec::HertzHistory(parameters) => {
+                let law = parameters.build().map_err(own)?;
+                match rolling {
+                    None => AnyLaw::HertzHistory(law),
+                    Some(rolling) => AnyLaw::HertzHistoryRolling(one(law, rolling)),
+                }
+            }
+            LawSpec::HertzTsuji(parameters) => {
+                let law = parameters.build().map_err(own)?;
+                match rolling {
+                    None => AnyLaw::HertzTsuji(law),
+                    Some(rolling) => AnyLaw::HertzTsujiRolling(one(law, rolling)),
+                }
+            }
         })
+    }
+
+    /// What resists rolling, if anything does.
+    pub fn rolling(&self) -> Option<RollingSpec> {
+        match self {
+            LawSpec::HertzHistory(parameters) => parameters.rolling,
+            LawSpec::HertzTsuji(parameters) => parameters.rolling,
+        }
     }
 
     /// The law with damping strong enough to take the last motion out of a bed that has fallen, in steps of `dt`,
@@ -123,6 +161,8 @@ impl AnyLaw {
             AnyLaw::HertzTsuji(law) => what.run(law),
             AnyLaw::HertzHistoryPairs(laws) => what.run(&laws.lend()),
             AnyLaw::HertzTsujiPairs(laws) => what.run(&laws.lend()),
+            AnyLaw::HertzHistoryRolling(laws) => what.run(&laws.lend()),
+            AnyLaw::HertzTsujiRolling(laws) => what.run(&laws.lend()),
         }
     }
 
@@ -132,7 +172,33 @@ impl AnyLaw {
             AnyLaw::HertzHistory(_) | AnyLaw::HertzTsuji(_) => 1,
             AnyLaw::HertzHistoryPairs(laws) => laws.materials(),
             AnyLaw::HertzTsujiPairs(laws) => laws.materials(),
+            AnyLaw::HertzHistoryRolling(laws) => laws.materials(),
+            AnyLaw::HertzTsujiRolling(laws) => laws.materials(),
         }
+    }
+
+    /// How many words of a contact it keeps beside the tangential spring.
+    pub fn words(&self) -> usize {
+        struct Words;
+        impl WithLaw for Words {
+            type Output = usize;
+            fn run<L: Law<f64> + Sprung>(self, _: &L) -> usize {
+                L::MEMORY
+            }
+        }
+        self.with(Words)
+    }
+
+    /// The words of a contact as its partner keeps them.
+    pub fn seen_by_partner(&self, memory: ContactMemory<f64>) -> ContactMemory<f64> {
+        struct Seen(ContactMemory<f64>);
+        impl WithLaw for Seen {
+            type Output = ContactMemory<f64>;
+            fn run<L: Law<f64> + Sprung>(self, law: &L) -> ContactMemory<f64> {
+                law.seen_by_partner(self.0)
+            }
+        }
+        self.with(Seen(memory))
     }
 
     /// The springs of contacts between two materials.

@@ -1,6 +1,6 @@
 //! The laws of all pairs of materials, owned.
 
-use bitgrain_kernel::contact::PairLaws;
+use bitgrain_kernel::contact::{PairLaws, Rolling, RollingResistance};
 use serde::{Deserialize, Serialize};
 
 /// The laws of all pairs of so many materials, in the order of [`PairLaws::pairs`].
@@ -35,6 +35,23 @@ impl<L: Copy> Pairs<L> {
     pub fn new(materials: u8, laws: Vec<L>) -> Option<Self> {
         PairLaws::new(materials, &laws)?;
         Some(Self { materials, laws })
+    }
+
+    /// The same laws with resistance to rolling, pair by pair.
+    ///
+    /// # Panics
+    /// If there is not one for each pair.
+    pub fn rolling(&self, resistances: &[RollingResistance<f64>]) -> Pairs<Rolling<f64, L>> {
+        assert_eq!(resistances.len(), self.laws.len(), "one for each pair");
+        let both = self.laws.iter().zip(resistances);
+        let laws = both.map(|(law, resistance)| Rolling {
+            law: *law,
+            resistance: *resistance,
+        });
+        Pairs {
+            materials: self.materials,
+            laws: laws.collect(),
+        }
     }
 
     /// How many materials.

@@ -5,6 +5,9 @@ use bitgrain_kernel::contact::{Materials, PairLaws};
 /// The key that is wrong, and what was expected of it.
 pub type Wrong = (&'static str, String);
 
+/// A key that is wrong, such as `pairs[1].mu`, and what was expected of it.
+pub type WrongKey = (String, String);
+
 /// The parameters of a law as files give them.
 pub trait LawParameters {
     /// Friction coefficient.

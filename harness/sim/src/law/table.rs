@@ -4,20 +4,18 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use bitgrain_kernel::contact::{Materials, PairLaws};
+use bitgrain_kernel::contact::{Materials, PairLaws, RollingResistance};
 use serde::{Deserialize, Serialize};
 
 use super::hertz_history::HertzHistoryParameters;
 use super::hertz_tsuji::{Elasticity, between};
 use super::laws::AnyLaw;
 use super::pairs::Pairs;
-use super::parameters::{LawParameters, Wrong};
+use super::parameters::{LawParameters, Wrong, WrongKey};
+use super::rolling::RollingSpec;
 
 /// Most materials of a world.
 pub const MATERIALS_MAX: usize = 32;
-
-/// A key that is wrong, such as `pairs[1].mu`, and what was expected of it.
-pub type WrongKey = (String, String);
 
 /// The number of the material with this name among these, which are none if there is one material only.
 ///
@@ -89,6 +87,9 @@ pub struct HertzHistoryPair {
     pub gamma_t: f64,
     /// Friction coefficient.
     pub mu: f64,
+    /// Resistance to rolling; none if it is left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rolling: Option<RollingSpec>,
 }
 
 /// Keys of `kind = "hertz_tsuji"` with several materials.
@@ -111,6 +112,9 @@ pub struct HertzTsujiPair {
     pub restitution: f64,
     /// Friction coefficient, zero or more.
     pub mu: f64,
+    /// Resistance to rolling; none if it is left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rolling: Option<RollingSpec>,
 }
 
 impl HertzHistoryPair {
@@ -121,6 +125,7 @@ impl HertzHistoryPair {
             gamma_n: self.gamma_n,
             gamma_t: self.gamma_t,
             mu: self.mu,
+            rolling: self.rolling,
         }
     }
 }
@@ -191,7 +196,11 @@ impl LawTable {
         match self {
             Self::HertzHistory(table) => {
                 let laws = table.pairs.iter().map(|pair| pair.parameters().build());
-                Ok(AnyLaw::HertzHistoryPairs(self.filled(count, laws)?))
+                let laws = self.filled(count, laws)?;
+                Ok(match self.rolling(count)? {
+                    None => AnyLaw::HertzHistoryPairs(Arc::new(laws)),
+                    Some(rolling) => AnyLaw::HertzHistoryRolling(Arc::new(laws.rolling(&rolling))),
+                })
             }
             Self::HertzTsuji(table) => {
                 for (name, elasticity) in &table.materials {
@@ -203,7 +212,11 @@ impl LawTable {
                     let [a, b] = [0, 1].map(|k| table.materials[&pair.between[k]]);
                     between([a, b], pair.restitution, pair.mu)
                 });
-                Ok(AnyLaw::HertzTsujiPairs(self.filled(count, laws)?))
+                let laws = self.filled(count, laws)?;
+                Ok(match self.rolling(count)? {
+                    None => AnyLaw::HertzTsujiPairs(Arc::new(laws)),
+                    Some(rolling) => AnyLaw::HertzTsujiRolling(Arc::new(laws.rolling(&rolling))),
+                })
             }
         }
     }
@@ -250,15 +263,42 @@ impl LawTable {
         &self,
         count: u8,
         laws: impl Iterator<Item = Result<L, Wrong>>,
-    ) -> Result<Arc<Pairs<L>>, WrongKey> {
+    ) -> Result<Pairs<L>, WrongKey> {
         let mut given = Vec::new();
         for (k, law) in laws.enumerate() {
             given.push(law.map_err(|(key, problem)| (format!("pairs[{k}].{key}"), problem))?);
         }
+        let table = Pairs::new(count, self.in_order(count, &given).collect());
+        Ok(table.expect("one law for each pair"))
+    }
+
+    /// What there is of each pair of so many materials in the order of [`PairLaws::pairs`], of what is given for those
+    /// of the file.
+    fn in_order<T: Copy>(&self, count: u8, given: &[T]) -> impl Iterator<Item = T> {
         let pairs = self.pairs();
-        let place = |[a, b]: Materials| pairs.iter().position(|p| *p == [a, b] || *p == [b, a]);
-        let all = PairLaws::<L>::pairs(count).map(|pair| given[place(pair).unwrap_or(0)]);
-        let table = Pairs::new(count, all.collect());
-        Ok(Arc::new(table.expect("one law for each pair")))
+        let place =
+            move |[a, b]: Materials| pairs.iter().position(|p| *p == [a, b] || *p == [b, a]);
+        PairLaws::<()>::pairs(count).map(move |pair| given[place(pair).unwrap_or(0)])
+    }
+
+    /// What resists rolling between each two materials, in the order of [`PairLaws::pairs`]; none if nothing does.
+    fn rolling(&self, count: u8) -> Result<Option<Vec<RollingResistance<f64>>>, WrongKey> {
+        let all: Vec<Option<RollingSpec>> = match self {
+            Self::HertzHistory(table) => table.pairs.iter().map(|pair| pair.rolling).collect(),
+            Self::HertzTsuji(table) => table.pairs.iter().map(|pair| pair.rolling).collect(),
+        };
+        if all.iter().all(Option::is_none) {
+            return Ok(None);
+        }
+        let mut given = Vec::new();
+        for (k, rolling) in all.iter().enumerate() {
+            given.push(match rolling {
+                None => RollingResistance::NONE,
+                Some(rolling) => rolling
+                    .build()
+                    .map_err(|(key, problem)| (format!("pairs[{k}].{key}"), problem))?,
+            });
+        }
+        Ok(Some(self.in_order(count, &given).collect()))
     }
 }

@@ -129,12 +129,14 @@ mod tests {
             gamma_n: 0.0,
             gamma_t: 0.0,
             mu: 0.5,
+            rolling: None,
         });
         let guillard = LawSpec::HertzTsuji(HertzTsujiParameters {
             young,
             poisson,
             restitution: 0.5,
             mu: 0.5,
+            rolling: None,
         });
         let (a, b) = (
             kumar.rayleigh_time(0.5, 1.0),
@@ -164,6 +166,7 @@ mod tests {
             poisson: 0.45,
             restitution: 0.6,
             mu: 0.5,
+            rolling: None,
         });
         let sizes = || [(1e-3, 2500.0), (7.5e-4, 2500.0)].into_iter();
         let limit = 0.1 * law.contact_duration(2.0, 7.5e-4, 2500.0);
@@ -183,6 +186,7 @@ mod tests {
             gamma_n: 5e4,
             gamma_t: 5e4,
             mu: 0.5,
+            rolling: None,
         });
         let limit = 0.2 * law.rayleigh_time(0.45, 1.0);
         let sizes = || [(0.5, 1.0), (0.45, 1.0)].into_iter();

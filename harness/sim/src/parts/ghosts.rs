@@ -2,7 +2,9 @@
 
 use bitgrain_kernel::parts::{GONE, GhostMotion, renumber};
 use bitgrain_kernel::phases::Extent;
-use bitgrain_kernel::{ContactHistory, Domain, Row};
+use bitgrain_kernel::{ContactHistory, Domain, KeptContact, Row};
+
+use crate::histories::Histories;
 
 use super::exchange::Exchange;
 use super::letter::{Letter, Offer};
@@ -73,29 +75,17 @@ impl Ghosts {
     }
 
     /// Histories in places of the part; [`u32::MAX`] of a grain that it does not have.
-    pub fn here(
-        &self,
-        histories: Vec<ContactHistory<f64>>,
-    ) -> impl Iterator<Item = ContactHistory<f64>> + '_ {
+    pub fn here(&self, histories: &Histories) -> impl Iterator<Item = KeptContact<f64>> {
         let place = |home: u32| {
             let found = self.home.binary_search(&home);
             found.map_or(u32::MAX, |place| place as u32)
         };
-        histories.into_iter().map(move |history| match history {
-            ContactHistory::Pair { i, j, spring } => ContactHistory::Pair {
-                i: place(i),
-                j: place(j),
-                spring,
-            },
-            ContactHistory::Obstacle {
-                i,
-                obstacle,
-                spring,
-            } => ContactHistory::Obstacle {
-                i: place(i),
-                obstacle,
-                spring,
-            },
+        histories.iter().map(move |mut contact| {
+            match &mut contact.history {
+                ContactHistory::Pair { i, j, .. } => (*i, *j) = (place(*i), place(*j)),
+                ContactHistory::Obstacle { i, .. } => *i = place(*i),
+            }
+            contact
         })
     }
 

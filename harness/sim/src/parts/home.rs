@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use bitgrain_kernel::parts::take_lists;
 use bitgrain_kernel::phases::sum_on_obstacles;
-use bitgrain_kernel::{ContactHistory, Error as KernelError, Obstacle, TOUCHING};
+use bitgrain_kernel::{ContactHistory, Error as KernelError, KeptContact, Obstacle, TOUCHING};
 
 use super::crew::Crew;
 use super::cut::{cut, fairer};
@@ -13,6 +13,7 @@ use super::report::{PartContacts, Report};
 use super::seed::Seed;
 use super::service::Elsewhere;
 use super::{Cutting, Gathered, Parts, Settings};
+use crate::histories::Histories;
 use crate::notes::{Taken, by_grain, join};
 use crate::owned_world::OwnedWorld;
 use crate::pass::Fallible;
@@ -25,7 +26,7 @@ impl Parts {
         home: &OwnedWorld<f64>,
         settings: &Settings,
         count: usize,
-        histories: Vec<ContactHistory<f64>>,
+        histories: Histories,
     ) {
         if self.fractions.len() != count {
             self.fractions = vec![1.0 / count as f64; count];
@@ -44,15 +45,13 @@ impl Parts {
         let seeds = places.into_iter().map(|places| Seed::of(home, places));
         let mut seeds: Vec<Seed> = seeds.collect();
         let owner = |place: u32| usize::from(self.owner[place as usize]);
-        for history in histories {
-            match history {
-                ContactHistory::Pair { i, j, .. } => {
-                    seeds[owner(i)].histories.push(history);
-                    if owner(j) != owner(i) {
-                        seeds[owner(j)].histories.push(history);
-                    }
-                }
-                ContactHistory::Obstacle { i, .. } => seeds[owner(i)].histories.push(history),
+        for contact in histories.iter() {
+            let first = owner(lower(&contact.history));
+            seeds[first].histories.push(contact);
+            if let ContactHistory::Pair { j, .. } = contact.history
+                && owner(j) != first
+            {
+                seeds[owner(j)].histories.push(contact);
             }
         }
         self.counted = [0; 2];
@@ -154,8 +153,15 @@ impl Parts {
             return Ok(());
         };
         let (pairs, contacts) = self.contacts(crew);
+        let both = |contact: KeptContact<f64>| {
+            let kept = contact.kept();
+            match contact.history {
+                ContactHistory::Pair { i, j, .. } => (i, j, kept),
+                ContactHistory::Obstacle { i, obstacle, .. } => (i, obstacle, kept),
+            }
+        };
         home.while_full(|home| {
-            let (pairs, contacts) = (pairs.iter().copied(), contacts.iter().copied());
+            let (pairs, contacts) = (pairs.iter().map(both), contacts.iter().map(both));
             take_lists(&mut home.world(), pairs, contacts)
         })
     }
@@ -180,24 +186,23 @@ impl Parts {
     }
 
     /// Histories of touching contacts in places of the whole world.
-    pub(super) fn histories(&self, crew: &Crew) -> Vec<ContactHistory<f64>> {
+    pub(super) fn histories(&self, crew: &Crew) -> Histories {
         let (pairs, contacts) = self.contacts(crew);
-        let pairs = pairs.into_iter();
-        let pairs = pairs.filter(|(.., spring)| *spring != [0.0; 3]);
-        let pairs = pairs.map(|(i, j, spring)| ContactHistory::Pair { i, j, spring });
-        let contacts = contacts.into_iter();
-        let contacts = contacts.filter(|(_, word, _)| word & TOUCHING != 0);
-        let contacts = contacts.map(|(i, word, [x, y, z, _])| ContactHistory::Obstacle {
-            i,
-            obstacle: word & !TOUCHING,
-            spring: [x, y, z],
+        let contacts = contacts.iter().filter_map(|mut contact| {
+            let ContactHistory::Obstacle { obstacle, .. } = &mut contact.history else {
+                return None;
+            };
+            let touches = *obstacle & TOUCHING != 0;
+            *obstacle &= !TOUCHING;
+            touches.then_some(contact)
         });
+        let pairs = pairs.iter().filter(|contact| contact.kept().is_any());
         pairs.chain(contacts).collect()
     }
 
-    /// The listed pairs of the whole world with their springs, those of a grain as its own part lists them; and all
-    /// listed obstacle contacts: grain, obstacle and spring, in order.
-    fn contacts(&self, crew: &Crew) -> (Vec<Pair>, Vec<Touch>) {
+    /// The listed pairs of the whole world with their histories, those of a grain as its own part lists them; and all
+    /// listed obstacle contacts, in order.
+    fn contacts(&self, crew: &Crew) -> (Histories, Histories) {
         let mut all: Vec<PartContacts> = crew
             .parts()
             .iter_mut()
@@ -206,27 +211,26 @@ impl Parts {
         if let Some(elsewhere) = &self.elsewhere {
             all.extend(elsewhere.contacts());
         }
-        let touches = by_grain(all.iter().map(|part| &part.touches), |(grain, ..)| *grain);
-        let own = all
-            .into_iter()
-            .map(|part| part.pairs.into_iter().peekable());
+        let mut touches: Vec<_> = all.iter().flat_map(|part| part.touches.iter()).collect();
+        touches.sort_by_key(|contact| lower(&contact.history));
+        let own = all.iter().map(|part| part.pairs.iter().peekable());
         let mut own: Vec<_> = own.collect();
-        let mut pairs = Vec::new();
+        let mut pairs = Histories::default();
         for (owner, i) in self.owner.iter().zip(0u32..) {
             let own = &mut own[usize::from(*owner)];
-            while let Some(pair) = own.next_if(|(lower, ..)| *lower == i) {
+            while let Some(pair) = own.next_if(|pair| lower(&pair.history) == i) {
                 pairs.push(pair);
             }
         }
-        (pairs, touches)
+        (pairs, touches.into_iter().collect())
     }
 }
 
-/// Two grains and their spring.
-type Pair = (u32, u32, [f64; 3]);
-
-/// A grain, an obstacle with the touching bit, and their spring.
-type Touch = (u32, u32, [f64; 4]);
+/// The grain of a contact, the lower one of two.
+fn lower(history: &ContactHistory<f64>) -> u32 {
+    let (ContactHistory::Pair { i, .. } | ContactHistory::Obstacle { i, .. }) = history;
+    *i
+}
 
 /// The first obstacle whose force or torque is not finite.
 fn unsound(obstacles: &[Obstacle<f64>]) -> Option<u32> {
@@ -237,9 +241,9 @@ fn unsound(obstacles: &[Obstacle<f64>]) -> Option<u32> {
 }
 
 /// What each grain costs: about as much as a pair, which belongs to both of its grains.
-fn work_of(grains: usize, histories: &[ContactHistory<f64>]) -> Vec<f64> {
+fn work_of(grains: usize, histories: &Histories) -> Vec<f64> {
     let mut work = vec![1.0; grains];
-    for history in histories {
+    for history in histories.contacts() {
         if let ContactHistory::Pair { i, j, .. } = history {
             work[*i as usize] += 0.5;
             work[*j as usize] += 0.5;

@@ -140,7 +140,7 @@ impl Parts {
     ) -> Fallible<()> {
         if self.count() != count || !self.fit(&home.clock) {
             self.come_home(home)?;
-            let histories = home.world().contact_histories().collect();
+            let histories = home.world().kept_contacts().collect();
             // Two sets of parts at once would take twice the memory.
             self.leave();
             self.enter(home, settings, count, histories);

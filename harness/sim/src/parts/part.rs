@@ -10,13 +10,14 @@ use bitgrain_kernel::parts::{is_search_due, restore, take_in};
 use bitgrain_kernel::phases::{
     After, ObstacleShare, Owned, check_forces, drift, finish, is_draining, measure,
 };
-use bitgrain_kernel::{ContactHistory, Error as KernelError, LossPolicy, check_arithmetic};
+use bitgrain_kernel::{Error as KernelError, LossPolicy, check_arithmetic};
 use serde::{Deserialize, Serialize};
 
 use super::exchange::Exchange;
 use super::ghosts::Ghosts;
 use super::letter::{Found, Letter, Told};
 use super::share::sum_on_free;
+use crate::histories::Histories;
 use crate::isa::Isa;
 use crate::law::{AnyLaw, Sprung, WithLaw};
 use crate::notes::Notebook;
@@ -95,7 +96,7 @@ pub(super) struct Part {
     /// What the host wants to know of each step.
     pub notes: Option<Notebook>,
     /// Histories to be put in after the first search, in places of the whole world.
-    pub histories: Vec<ContactHistory<f64>>,
+    pub histories: Histories,
     /// Time of work since the last cut.
     pub busy: Duration,
     /// Whether it did a search since the last cut, as then all parts did.
@@ -117,7 +118,7 @@ impl Part {
             ghosts,
             shares: Vec::new(),
             notes: None,
-            histories: Vec::new(),
+            histories: Histories::default(),
             busy: Duration::ZERO,
             has_searched: false,
             has_summed: false,
@@ -336,7 +337,7 @@ impl Part {
         self.find_watched();
         self.has_searched = true;
         let histories = std::mem::take(&mut self.histories);
-        restore(&mut self.world.world(), self.ghosts.here(histories))
+        restore(&mut self.world.world(), self.ghosts.here(&histories))
     }
 
     /// Forces, sums and the motion that follows them.

@@ -1,12 +1,13 @@
 //! What a part brings home from its way, beside the rows of its grains, and its contacts if they are wanted.
 
-use bitgrain_kernel::parts::listed_springs;
+use bitgrain_kernel::parts::{listed_obstacle_contacts, listed_pairs};
 use bitgrain_kernel::phases::Owned;
-use bitgrain_kernel::{Clock, Obstacle};
+use bitgrain_kernel::{Clock, ContactHistory, KeptContact, Obstacle};
 use serde::{Deserialize, Serialize};
 
 use super::part::{End, Part};
 use super::share::{Share, is_free};
+use crate::histories::Histories;
 use crate::notes::Notebook;
 
 /// What a part brings home.
@@ -31,10 +32,10 @@ pub(super) struct Report {
 /// Contacts in places of the whole world.
 #[derive(Serialize, Deserialize)]
 pub(super) struct PartContacts {
-    /// Pairs whose lower grain is own: both places, and the spring.
-    pub pairs: Vec<(u32, u32, [f64; 3])>,
-    /// Obstacle contacts: place, obstacle with the touching bit, spring.
-    pub touches: Vec<(u32, u32, [f64; 4])>,
+    /// Listed pairs whose lower grain is own.
+    pub pairs: Histories,
+    /// Listed obstacle contacts; the word of the obstacle has the touching bit.
+    pub touches: Histories,
 }
 
 impl Part {
@@ -57,21 +58,27 @@ impl Part {
     /// Its contacts.
     pub fn contacts(&mut self) -> PartContacts {
         let home = self.ghosts.home();
-        let list = &self.world.lists[0];
-        let listed = list
-            .obstacle_contact_grain
-            .iter()
-            .zip(&list.obstacle_contact_obstacle)
-            .zip(&list.obstacle_contact_spring);
-        let listed = listed.take(self.world.clock.obstacle_contacts());
-        let touches = listed.map(|((grain, word), spring)| (home[*grain as usize], *word, *spring));
-        let touches = touches.collect();
         let runs = self.world.owned.clone();
         let owned = Owned::new(&runs);
         let world = self.world.world();
-        let pairs = listed_springs(&world);
-        let pairs = pairs.filter(|(i, ..)| owned.has(*i as usize));
-        let pairs = pairs.map(|(i, j, spring)| (home[i as usize], home[j as usize], spring));
+        let touches = listed_obstacle_contacts(&world).map(|(grain, word, kept)| KeptContact {
+            history: ContactHistory::Obstacle {
+                i: home[grain as usize],
+                obstacle: word,
+                spring: kept.spring,
+            },
+            memory: kept.memory,
+        });
+        let touches = touches.collect();
+        let pairs = listed_pairs(&world).filter(|(i, ..)| owned.has(*i as usize));
+        let pairs = pairs.map(|(i, j, kept)| KeptContact {
+            history: ContactHistory::Pair {
+                i: home[i as usize],
+                j: home[j as usize],
+                spring: kept.spring,
+            },
+            memory: kept.memory,
+        });
         PartContacts {
             pairs: pairs.collect(),
             touches,

@@ -2,12 +2,13 @@
 
 use std::sync::Arc;
 
-use bitgrain_kernel::{Clock, ContactHistory, Domain, Facet, Group, LossPolicy, Obstacle};
+use bitgrain_kernel::{Clock, Domain, Facet, Group, LossPolicy, Obstacle};
 use serde::{Deserialize, Serialize};
 
 use super::ghosts::Ghosts;
 use super::part::{Errand, Part};
 use super::rows::Rows;
+use crate::histories::Histories;
 use crate::owned_world::OwnedWorld;
 
 /// What a part is made of.
@@ -26,7 +27,9 @@ pub(super) struct Seed {
     /// Places of its grains in the whole world, ascending.
     places: Vec<u32>,
     /// Histories in places of the whole world.
-    pub histories: Vec<ContactHistory<f64>>,
+    pub histories: Histories,
+    /// Words of the law of each contact.
+    words: usize,
 }
 
 impl Seed {
@@ -48,7 +51,8 @@ impl Seed {
             clock: home.clock.of_part(places.len()),
             rows,
             places,
-            histories: Vec::new(),
+            histories: Histories::default(),
+            words: home.words(),
         }
     }
 
@@ -73,6 +77,7 @@ impl Seed {
         let n = self.places.len();
         // What is too short grows later, or says that it cannot.
         let _ = world.reserve(3 * n + 64, 4 * n + 64, n / 8 + 64);
+        let _ = world.keep_words(self.words);
         let ghosts = Ghosts::none(number, self.places, parts);
         let mut part = Part::new(number, world, ghosts, errand.clone());
         part.histories = self.histories;

@@ -2,7 +2,7 @@
 
 use bitgrain_kernel::phases::ObstacleShare;
 use bitgrain_kernel::{
-    CellList, Clock, ContactHistory, Domain, Facet, Grains, Group, LossPolicy, NEIGHBORS, Obstacle,
+    CellList, Clock, Domain, Facet, Grains, Group, KeptContact, LossPolicy, NEIGHBORS, Obstacle,
     OuterList, PairList, Real, Row, StretchList, World, memory_columns,
 };
 
@@ -30,7 +30,12 @@ struct List<R> {
     obstacle_contact_grain: Vec<u32>,
     obstacle_contact_obstacle: Vec<u32>,
     obstacle_contact_spring: Vec<Row<R>>,
+    /// Words of a law, of pairs and of contacts with obstacles.
+    memory: [[Vec<R>; WORDS]; 2],
 }
+
+/// More words of a contact than any law here keeps.
+const WORDS: usize = 4;
 
 impl<R: Real> List<R> {
     fn new(pairs: usize, contacts: usize) -> Self {
@@ -41,19 +46,21 @@ impl<R: Real> List<R> {
             obstacle_contact_grain: vec![0; contacts],
             obstacle_contact_obstacle: vec![0; contacts],
             obstacle_contact_spring: vec![[R::ZERO; 4]; contacts],
+            memory: [pairs, contacts].map(|length| [0; WORDS].map(|_| vec![R::ZERO; length])),
         }
     }
 
     fn lend(&mut self) -> PairList<'_, R> {
+        let [of_pairs, on_obstacles] = self.memory.each_mut();
         PairList {
             lower: &mut self.lower,
             partner: &mut self.partner,
             spring: self.spring.each_mut().map(|s| &mut s[..]),
-            memory: memory_columns([]),
+            memory: memory_columns(of_pairs.iter_mut().map(|w| &mut w[..])),
             obstacle_contact_grain: &mut self.obstacle_contact_grain,
             obstacle_contact_obstacle: &mut self.obstacle_contact_obstacle,
             obstacle_contact_spring: &mut self.obstacle_contact_spring,
-            obstacle_contact_memory: memory_columns([]),
+            obstacle_contact_memory: memory_columns(on_obstacles.iter_mut().map(|w| &mut w[..])),
         }
     }
 }
@@ -81,7 +88,7 @@ pub struct Part<R> {
     /// What each listed obstacle contact took from the force on its obstacle.
     pub shares: Vec<ObstacleShare<R>>,
     /// Histories that wait for the first list, in places of the whole world.
-    pub histories: Vec<ContactHistory<R>>,
+    pub histories: Vec<KeptContact<R>>,
     pub clock: Clock<R>,
     id: Vec<u32>,
     group: Vec<u8>,

@@ -95,7 +95,7 @@ impl<R: Real> Parts<R> {
             let mut part = Part::new(owner.len(), world.obstacles, &clock);
             part.settle(&frame, number, home, rows);
             let is_own = |i: &u32| owner[*i as usize] == number;
-            let histories = world.contact_histories().filter(|one| match one {
+            let histories = world.kept_contacts().filter(|one| match &one.history {
                 ContactHistory::Pair { i, j, .. } => is_own(i) || is_own(j),
                 ContactHistory::Obstacle { i, .. } => is_own(i),
             });
@@ -174,9 +174,10 @@ impl<R: Real> Parts<R> {
         for part in &mut self.parts {
             let mut histories = std::mem::take(&mut part.histories);
             for one in &mut histories {
-                let (ContactHistory::Pair { i, .. } | ContactHistory::Obstacle { i, .. }) = one;
+                let (ContactHistory::Pair { i, .. } | ContactHistory::Obstacle { i, .. }) =
+                    &mut one.history;
                 *i = part.place_of(*i).unwrap_or(GONE);
-                if let ContactHistory::Pair { j, .. } = one {
+                if let ContactHistory::Pair { j, .. } = &mut one.history {
                     *j = part.place_of(*j).unwrap_or(GONE);
                 }
             }

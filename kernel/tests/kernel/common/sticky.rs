@@ -63,7 +63,11 @@ impl Law<f64> for Sticky {
     ) -> TangentialForce<f64> {
         // A bridge adds to what friction can hold.
         let pull = self.kn * self.gap * state.contact.memory[BRIDGE];
-        let size = if normal.force < 0.0 { -normal.force } else { normal.force };
+        let size = if normal.force < 0.0 {
+            -normal.force
+        } else {
+            normal.force
+        };
         let limit = self.mu * (size + pull);
         let trial = self.kt * dot(state.spring, state.spring).sqrt();
         let factor = if trial > limit { limit / trial } else { 1.0 };

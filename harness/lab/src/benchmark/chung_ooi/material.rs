@@ -78,6 +78,7 @@ impl Material {
             poisson: self.poisson,
             restitution,
             mu,
+            rolling: None,
         })
     }
 }

@@ -38,6 +38,7 @@ pub(super) fn law(softened: f64, restitution: Option<f64>) -> Result<AnyLaw> {
         between: [a.into(), b.into()],
         restitution: restitution.unwrap_or(e),
         mu,
+        rolling: None,
     };
     let table = LawTable::HertzTsuji(HertzTsujiTable {
         materials: [("M1", 1e9), ("steel", 2.1e11)]
