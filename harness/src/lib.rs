@@ -18,7 +18,7 @@ pub use bitgrain_lab::{
 };
 pub use bitgrain_sim::{
     block_averaging, body, chain, checkpoint, coarse_graining, coefficients, disk, energy_budget,
-    error, export, files, format, histogram, isa, lammps, law, lists, memory, mesh, motion, notes,
-    observe, observer, owned_world, parts, random, simulation, spatial_order, stepping, threads,
-    units,
+    error, export, files, format, histogram, histories, isa, lammps, law, lists, memory, mesh,
+    motion, notes, observe, observer, owned_world, parts, random, simulation, spatial_order,
+    stepping, threads, units,
 };

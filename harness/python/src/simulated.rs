@@ -1,6 +1,7 @@
 //! A simulation with what a Python world adds to it: drives of obstacles, mean forces, groups by kind, a number that
 //! says whether a view is of the present state. Nothing here knows Python.
 
+use bitgrain::histories::Histories;
 use bitgrain::mesh::{Triangle, add_mesh};
 use bitgrain::notes::Watch;
 use bitgrain::simulation::{Grain, Simulation};
@@ -157,7 +158,7 @@ impl Core {
         self.edit(|sim| {
             let histories = match started {
                 true => sim.contact_histories(),
-                false => Vec::new(),
+                false => Histories::default(),
             };
             act(sim);
             match started {

@@ -8,7 +8,7 @@
 #include <stdint.h>
 
 // The number of the functions and structures: one that is higher may have more of them, and no others.
-#define BG_ABI_VERSION 2
+#define BG_ABI_VERSION 3
 
 // A block begins at a multiple of so many bytes; `malloc` sees to that.
 #define BG_ALIGNMENT 8
@@ -63,6 +63,9 @@
 
 // A group or an obstacle is of a material that the law does not know.
 #define BG_UNKNOWN_MATERIAL 16
+
+// The law resists rolling, or has several materials, and `bg_capacity.materials` has no room for that.
+#define BG_LAW_MISFIT 17
 
 // The list of pairs is full; nothing was changed.
 #define BG_PAIR_LIST_FULL 20
@@ -144,6 +147,15 @@
 
 // `bg_law.kind`: Hertz contact with Tsuji damping, Guillard 2014, eq. A1.
 #define BG_HERTZ_TSUJI 2
+
+// `bg_law.rolling`: nothing resists rolling.
+#define BG_NO_ROLLING 0
+
+// `bg_law.rolling`: spring, damper and slider, as LAMMPS' `sds`.
+#define BG_ROLLING_SDS 1
+
+// `bg_law.rolling`: an elastic and plastic spring, as LIGGGHTS' `epsd2`.
+#define BG_ROLLING_EPSD2 2
 
 // `bg_obstacle.kind`: a ball about `point`.
 #define BG_SPHERE 0
@@ -240,6 +252,34 @@ typedef struct {
   double spin[3];
 } bg_grain;
 
+// A contact law. All fields behind `mu` may be 0: then nothing resists rolling.
+typedef struct {
+  // `sizeof(bg_law)`.
+  uint32_t size;
+  // `BG_HERTZ_HISTORY` or `BG_HERTZ_TSUJI`.
+  uint32_t kind;
+  // Normal stiffness (pressure).
+  double kn;
+  // Tangential stiffness (pressure).
+  double kt;
+  // Normal damping: `gamma_n` of `HERTZ_HISTORY` (1 / (time length)), `cn` of `HERTZ_TSUJI`.
+  double gamma_n;
+  // Tangential damping: `gamma_t` or `ct`.
+  double gamma_t;
+  // Friction coefficient.
+  double mu;
+  // `BG_NO_ROLLING`, `BG_ROLLING_SDS` or `BG_ROLLING_EPSD2`; with the last two `bg_capacity.materials` is 1 at least.
+  uint32_t rolling;
+  // Unused: 0.
+  uint32_t reserved;
+  // Stiffness of `ROLLING_SDS` (force / length).
+  double rolling_k;
+  // Damping of `ROLLING_SDS` (force / speed).
+  double rolling_gamma;
+  // Coefficient of rolling friction.
+  double rolling_mu;
+} bg_law;
+
 // A rigid body. All fields behind `mean_torque` may be 0: then it has the axes of the world and moves as prescribed.
 typedef struct {
   // `sizeof(bg_obstacle)`.
@@ -287,6 +327,10 @@ typedef struct {
   double applied_force[3];
   // Torque of the host.
   double applied_torque[3];
+  // Its material, as of a group.
+  uint32_t material;
+  // Unused: 0.
+  uint32_t reserved;
 } bg_obstacle;
 
 // A recording as it grows: see `bg_record_begin`. All of it is plain data, and it may be copied.
@@ -321,25 +365,10 @@ typedef struct {
   uint32_t groups;
   // Triangles of all meshes together.
   uint32_t facets;
+  // Materials, 32 at most; 0 for a law of one material that does not resist rolling. With any, each contact takes
+  // 48 bytes more.
+  uint32_t materials;
 } bg_capacity;
-
-// A contact law.
-typedef struct {
-  // `sizeof(bg_law)`.
-  uint32_t size;
-  // `BG_HERTZ_HISTORY` or `BG_HERTZ_TSUJI`.
-  uint32_t kind;
-  // Normal stiffness (pressure).
-  double kn;
-  // Tangential stiffness (pressure).
-  double kt;
-  // Normal damping: `gamma_n` of `HERTZ_HISTORY` (1 / (time length)), `cn` of `HERTZ_TSUJI`.
-  double gamma_n;
-  // Tangential damping: `gamma_t` or `ct`.
-  double gamma_t;
-  // Friction coefficient.
-  double mu;
-} bg_law;
 
 // What a world begins as. Any consistent units.
 typedef struct {
@@ -389,6 +418,10 @@ typedef struct {
   uint32_t infinite_mass;
   // Acceleration of gravity on them (length / time^2).
   double gravity[3];
+  // Their material, below `bg_capacity.materials`; 0 without any.
+  uint32_t material;
+  // Unused: 0.
+  uint32_t reserved;
 } bg_group;
 
 // How much there is of everything.
@@ -502,6 +535,29 @@ int32_t bg_regroup(bg_world *world, const uint32_t *ids, size_t count, uint32_t 
 // Gives a grain another velocity and angular velocity. It costs nothing to speak of.
 int32_t bg_nudge(bg_world *world, uint32_t id, const double *velocity, const double *spin);
 
+// Sets the law between two materials, in either order, from now on. `law` is of the kind of the world's; at first all
+// pairs have that of `bg_config`. Materials are numbered from 0, below `bg_capacity.materials`.
+int32_t bg_set_pair_law(bg_world *world,
+                        uint32_t a,
+                        uint32_t b,
+                        const bg_law *law);
+
+// Sets `out` to the law of Guillard 2014 from Young's modulus (pressure), Poisson's ratio (-1 to 0.5), the coefficient
+// of restitution (0 to 1, 0 excluded) and the friction coefficient.
+int32_t bg_law_hertz_tsuji(double young,
+                           double poisson,
+                           double restitution,
+                           double mu,
+                           bg_law *out);
+
+// The same between two materials, each with Young's modulus and Poisson's ratio in `a` and `b`: for
+// `bg_set_pair_law`.
+int32_t bg_law_hertz_tsuji_between(const double *a,
+                                   const double *b,
+                                   double restitution,
+                                   double mu,
+                                   bg_law *out);
+
 // Adds an obstacle before the world is started, and sets `number` to its number. Forces in the structure are not read.
 int32_t bg_add_obstacle(bg_world *world,
                         const bg_obstacle *obstacle,
@@ -594,8 +650,8 @@ int32_t bg_load(bg_world *world,
                 size_t size);
 
 // Sets `out` to room for a bed of `grains` grains among `obstacles` obstacles: 8 pairs, 8 candidates, 2 obstacle
-// contacts and 2 cells for each grain and 64 more of each, 8 groups, and no triangles. Nothing but the memory
-// depends on it.
+// contacts and 2 cells for each grain and 64 more of each, 8 groups, no triangles and no table of materials.
+// Nothing but the memory depends on it.
 int32_t bg_capacity_for_bed(uint32_t grains,
                             uint32_t obstacles,
                             bg_capacity *out);
@@ -611,14 +667,6 @@ int32_t bg_init(void *memory,
                 const bg_capacity *capacity,
                 const bg_config *config,
                 bg_world **out);
-
-// Sets `out` to the law of Guillard 2014 from Young's modulus (pressure), Poisson's ratio (-1 to 0.5), the coefficient
-// of restitution (0 to 1, 0 excluded) and the friction coefficient.
-int32_t bg_law_hertz_tsuji(double young,
-                           double poisson,
-                           double restitution,
-                           double mu,
-                           bg_law *out);
 
 // Sets `overlap` to the deepest overlap (length) and `duration` to the duration of a collision without damping: of two
 // bodies with this effective mass and effective radius (half of each for two equal grains, those of the grain on a
@@ -676,8 +724,8 @@ int32_t bg_get_digest(bg_world *world, bg_digest *out);
 const char *bg_strerror(int32_t code);
 
 // Sets `out` to room for a bed of `grains` grains among `obstacles` obstacles: 8 pairs, 8 candidates, 2 obstacle
-// contacts and 2 cells for each grain and 64 more of each, 8 groups, and no triangles. Nothing but the memory
-// depends on it.
+// contacts and 2 cells for each grain and 64 more of each, 8 groups, no triangles and no table of materials.
+// Nothing but the memory depends on it.
 int32_t bg_capacity_for_bed(uint32_t grains,
                             uint32_t obstacles,
                             bg_capacity *out);
@@ -693,14 +741,6 @@ int32_t bg_init(void *memory,
                 const bg_capacity *capacity,
                 const bg_config *config,
                 bg_world **out);
-
-// Sets `out` to the law of Guillard 2014 from Young's modulus (pressure), Poisson's ratio (-1 to 0.5), the coefficient
-// of restitution (0 to 1, 0 excluded) and the friction coefficient.
-int32_t bg_law_hertz_tsuji(double young,
-                           double poisson,
-                           double restitution,
-                           double mu,
-                           bg_law *out);
 
 // Sets `overlap` to the deepest overlap (length) and `duration` to the duration of a collision without damping: of two
 // bodies with this effective mass and effective radius (half of each for two equal grains, those of the grain on a

@@ -6,7 +6,7 @@
 use core::ffi::c_char;
 use core::ptr::{addr_of, addr_of_mut};
 
-use bitgrain_kernel::contact::{HertzHistory, HertzTsuji};
+use bitgrain_kernel::contact::{HertzHistory, HertzTsuji, Rolling};
 use bitgrain_kernel::{Capacity, Facet, Group, Head, LentStore, Memory, Obstacle};
 
 use crate::BG_ABI_VERSION;
@@ -27,6 +27,24 @@ const MAGIC: u64 = u64::from_le_bytes(*b"bitgrain");
 pub(crate) enum Law {
     History(HertzHistory<f64>),
     Tsuji(HertzTsuji<f64>),
+    /// With other numbers for each pair of so many materials, or with resistance to rolling: those of the table.
+    HistoryTable(u8),
+    TsujiTable(u8),
+}
+
+/// What a table holds of a pair: its five numbers are those of either law.
+pub(crate) type Row = Rolling<f64, HertzHistory<f64>>;
+
+/// So many pairs have so many materials.
+pub(crate) fn pairs_of(materials: u32) -> usize {
+    let count = materials as usize;
+    count * (count + 1) / 2
+}
+
+/// A table as one of the other law.
+pub(crate) fn as_tsuji(table: &[Row]) -> &[Rolling<f64, HertzTsuji<f64>>] {
+    // SAFETY: both laws are five numbers in the layout of C, and so are what holds them.
+    unsafe { core::slice::from_raw_parts(table.as_ptr().cast(), table.len()) }
 }
 
 /// What stands at the beginning of a block.
@@ -57,6 +75,7 @@ struct Layout {
     sums: usize,
     obstacles: usize,
     facets: usize,
+    table: usize,
     groups: usize,
     words: usize,
     images: usize,
@@ -64,6 +83,12 @@ struct Layout {
     mark: usize,
     bytes: usize,
 }
+
+/// Words of a contact that a law with resistance to rolling keeps.
+const WORDS: usize = <Row as bitgrain_kernel::contact::Law<f64>>::MEMORY;
+
+/// Most materials.
+const MATERIALS_MAX: u32 = if cfg!(feature = "materials") { 32 } else { 0 };
 
 /// The kernel's capacity.
 pub(crate) fn capacity_of(capacity: &bg_capacity) -> Capacity {
@@ -75,13 +100,19 @@ pub(crate) fn capacity_of(capacity: &bg_capacity) -> Capacity {
         cells: capacity.cells as usize,
         obstacles: capacity.obstacles as usize,
         groups: capacity.groups as usize,
-        memory: 0,
+        memory: match capacity.materials {
+            0 => 0,
+            _ => WORDS,
+        },
     }
 }
 
 impl Layout {
     /// `None` if no address space holds it, or without cells.
     fn of(capacity: &bg_capacity) -> Option<Self> {
+        if capacity.materials > MATERIALS_MAX {
+            return None;
+        }
         let room = capacity_of(capacity);
         let mut end = size_of::<Header>();
         // Parts of 8-byte alignment first; the others are not padded.
@@ -94,6 +125,7 @@ impl Layout {
         let sums = next(room.obstacles, size_of::<Sums>())?;
         let obstacles = next(room.obstacles, size_of::<Obstacle<f64>>())?;
         let facets = next(capacity.facets as usize, size_of::<Facet<f64>>())?;
+        let table = next(pairs_of(capacity.materials), size_of::<Row>())?;
         let groups = next(room.groups, size_of::<Group<f64>>())?;
         let words = next(room.words()?, size_of::<u32>())?;
         let images = next(room.grains, size_of::<[i32; 3]>())?;
@@ -106,6 +138,7 @@ impl Layout {
             sums,
             obstacles,
             facets,
+            table,
             groups,
             words,
             images,
@@ -125,6 +158,8 @@ pub(crate) fn bytes(capacity: &bg_capacity) -> Option<usize> {
 pub(crate) struct Parts<'a> {
     pub store: LentStore<'a, f64>,
     pub law: &'a mut Law,
+    /// The laws of all pairs of materials.
+    pub table: &'a mut [Row],
     pub sums: &'a mut [Sums],
     pub stepped: &'a mut u64,
     pub departed: &'a mut u64,
@@ -152,7 +187,7 @@ pub(crate) fn init(
     memory: *mut u8,
     bytes: usize,
     capacity: &bg_capacity,
-    law: Law,
+    (law, row): (Law, Row),
     head: Head<f64>,
 ) -> Result<*mut bg_world, bg_fault> {
     let layout = Layout::of(capacity).ok_or(fault(BG_TOO_SMALL))?;
@@ -187,6 +222,10 @@ pub(crate) fn init(
         let obstacles = memory.add(layout.obstacles).cast::<Obstacle<f64>>();
         for k in 0..capacity.obstacles as usize {
             obstacles.add(k).write(Obstacle::sphere([0.0; 3], 0.0));
+        }
+        let table = memory.add(layout.table).cast::<Row>();
+        for k in 0..pairs_of(capacity.materials) {
+            table.add(k).write(row);
         }
         let groups = memory.add(layout.groups).cast::<Group<f64>>();
         for k in 0..capacity.groups as usize {
@@ -256,6 +295,7 @@ fn open<'a>(world: *mut bg_world) -> Result<Parts<'a>, bg_fault> {
         };
         let parts = (
             &mut *addr_of_mut!((*header).law),
+            slice_mut(world.cast(), layout.table, pairs_of(capacity.materials)),
             slice_mut(world.cast(), layout.sums, room.obstacles),
             &mut *addr_of_mut!((*header).stepped),
             &mut *addr_of_mut!((*header).departed),
@@ -264,10 +304,11 @@ fn open<'a>(world: *mut bg_world) -> Result<Parts<'a>, bg_fault> {
         );
         (memory, parts)
     };
-    let (law, sums, stepped, departed, last, facets) = parts;
+    let (law, table, sums, stepped, departed, last, facets) = parts;
     Ok(Parts {
         store: LentStore::new(memory, room).map_err(|_| fault(BG_FOREIGN))?,
         law,
+        table,
         sums,
         stepped,
         departed,

@@ -7,7 +7,7 @@
 //!
 //! * [`types`]: what C sees; [`status`]: the numbers of errors and their texts;
 //! * [`block`]: the block and its parts;
-//! * [`setup`], [`grains`], [`steps`], [`rows`], [`saved`]: the functions;
+//! * [`setup`], [`laws`], [`grains`], [`steps`], [`rows`], [`saved`]: the functions;
 //! * [`record`]: recordings of any simulator, which need no world.
 //!
 //! What a pointer points to is the caller's promise, as everywhere in C. The functions are not marked `unsafe` for
@@ -23,6 +23,7 @@ extern crate std;
 
 pub mod block;
 pub mod grains;
+pub mod laws;
 pub mod obstacles;
 pub mod record;
 pub mod rows;
@@ -33,7 +34,7 @@ pub mod steps;
 pub mod types;
 
 /// The number of the functions and structures: one that is higher may have more of them, and no others.
-pub const BG_ABI_VERSION: u32 = 2;
+pub const BG_ABI_VERSION: u32 = 3;
 
 /// The `BG_ABI_VERSION` that the library was built with: compare it with the header's.
 #[unsafe(no_mangle)]

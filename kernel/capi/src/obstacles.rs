@@ -3,6 +3,7 @@
 use bitgrain_kernel::{FACETS_MAX, Facet, FreeMotion, Motion, Obstacle, Shape, arrange};
 
 use crate::block::{Parts, give, lent, put, take, vector, with};
+use crate::laws::material;
 use crate::status::{BG_BAD_ARGUMENT, BG_TOO_SMALL, fault};
 use crate::types::{
     BG_BOX, BG_CAPSULE, BG_CYLINDER, BG_DRUM, BG_FINITE_CYLINDER, BG_MESH, BG_PLANE, BG_SPHERE,
@@ -31,7 +32,7 @@ pub extern "C" fn bg_add_obstacle(
             BG_DRUM => Obstacle::drum(of.point, of.direction, of.radius, of.half[0]),
             _ => return Err(fault(BG_BAD_ARGUMENT)),
         };
-        let added = parts.store.add_obstacle(moving(&of, made))?;
+        let added = parts.store.add_obstacle(moving(&of, made)?)?;
         put(number, added)
     })
 }
@@ -66,15 +67,15 @@ pub extern "C" fn bg_add_mesh(
         }
         arrange(room);
         let made = Obstacle::mesh(of.point, room, *used as u32);
-        let added = parts.store.add_obstacle(moving(&of, made))?;
+        let added = parts.store.add_obstacle(moving(&of, made)?)?;
         *used += u64::from(facets);
         put(number, added)
     })
 }
 
 /// An obstacle of this shape and place that moves as a structure says.
-fn moving(of: &bg_obstacle, made: Obstacle<f64>) -> Obstacle<f64> {
-    Obstacle {
+fn moving(of: &bg_obstacle, made: Obstacle<f64>) -> Result<Obstacle<f64>, bg_fault> {
+    Ok(Obstacle {
         velocity: of.velocity,
         angular_velocity: of.angular_velocity,
         orientation: match of.orientation {
@@ -83,9 +84,10 @@ fn moving(of: &bg_obstacle, made: Obstacle<f64>) -> Obstacle<f64> {
         },
         inverse_mass: of.inverse_mass,
         curved: of.curved != 0,
+        material: material(of.material)?,
         motion: motion(of),
         ..made
-    }
+    })
 }
 
 /// How an obstacle is to move.
@@ -239,6 +241,8 @@ pub extern "C" fn bg_get_obstacle(world: *mut bg_world, number: u32, out: *mut b
                 gravity: free.map_or(nothing, |free| free.gravity),
                 applied_force: free.map_or(nothing, |free| free.force),
                 applied_torque: free.map_or(nothing, |free| free.torque),
+                material: body.material.into(),
+                reserved: 0,
             },
         )
     })

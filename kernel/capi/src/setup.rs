@@ -1,23 +1,23 @@
 //! Worlds: how much memory they take, and what they are made of.
 
-use bitgrain_kernel::contact::{HertzHistory, HertzTsuji};
 use bitgrain_kernel::{Capacity, Domain, Drain, Group, Head, LossPolicy};
 
-use crate::block::{Law, bytes, give, init, last_fault, put, take, with};
-use crate::status::{BG_BAD_ARGUMENT, BG_BAD_LAW, BG_OK, BG_TOO_SMALL, Done, fault};
+use crate::block::{bytes, give, init, last_fault, put, take, with};
+use crate::laws::{law_of, material, row_of, table_of};
+use crate::status::{BG_BAD_ARGUMENT, BG_LAW_MISFIT, BG_OK, BG_TOO_SMALL, Done, fault};
 use crate::types::{
-    BG_HERTZ_HISTORY, BG_HERTZ_TSUJI, bg_capacity, bg_config, bg_counts, bg_fault, bg_group,
-    bg_law, bg_policy, bg_world,
+    BG_NO_ROLLING, bg_capacity, bg_config, bg_counts, bg_fault, bg_group, bg_law, bg_policy,
+    bg_world,
 };
 
 /// The number of what came of a call that has no world.
-fn code(done: Done) -> i32 {
+pub(crate) fn code(done: Done) -> i32 {
     done.map_or_else(|fault| fault.code, |()| BG_OK)
 }
 
 /// Sets `out` to room for a bed of `grains` grains among `obstacles` obstacles: 8 pairs, 8 candidates, 2 obstacle
-/// contacts and 2 cells for each grain and 64 more of each, 8 groups, and no triangles. Nothing but the memory
-/// depends on it.
+/// contacts and 2 cells for each grain and 64 more of each, 8 groups, no triangles and no table of materials.
+/// Nothing but the memory depends on it.
 #[unsafe(no_mangle)]
 pub extern "C" fn bg_capacity_for_bed(grains: u32, obstacles: u32, out: *mut bg_capacity) -> i32 {
     let room = Capacity::for_bed(grains as usize, obstacles as usize);
@@ -33,6 +33,7 @@ pub extern "C" fn bg_capacity_for_bed(grains: u32, obstacles: u32, out: *mut bg_
             obstacles,
             groups: count(room.groups)?,
             facets: 0,
+            materials: 0,
         })
     };
     code(make().and_then(|capacity| give(out, capacity)))
@@ -58,7 +59,12 @@ pub extern "C" fn bg_init(
 ) -> i32 {
     let make = || {
         let (capacity, config) = (take(capacity)?, take(config)?);
-        let law = law_of(&config.law)?;
+        let row = row_of(&config.law)?;
+        let law = match (capacity.materials, config.law.rolling) {
+            (0, BG_NO_ROLLING) => law_of(config.law.kind, &row)?,
+            (0, _) => return Err(fault(BG_LAW_MISFIT)),
+            (materials, _) => table_of(config.law.kind, materials)?,
+        };
         let mut axes = [false; 3];
         for (a, axis) in axes.iter_mut().enumerate() {
             *axis = config.periodic >> a & 1 != 0;
@@ -69,77 +75,12 @@ pub extern "C" fn bg_init(
         };
         put(out, core::ptr::null_mut())?;
         let head = Head::new(domain, config.dt, config.skin);
-        let world = init(memory.cast(), size, &capacity, law, head)?;
+        let world = init(memory.cast(), size, &capacity, (law, row), head)?;
         let skins = (config.skin, config.outer_skin);
         bg_set_skins(world, skins.0, skins.1);
         put(out, world)
     };
     code(make())
-}
-
-/// A law, if there is one of its kind.
-pub(crate) fn law_of(law: &bg_law) -> Result<Law, bg_fault> {
-    if law.size as usize != size_of::<bg_law>() {
-        return Err(fault(crate::status::BG_BAD_SIZE));
-    }
-    let others = [law.kt, law.gamma_n, law.gamma_t, law.mu];
-    let sound = law.kn > 0.0
-        && law.kn.is_finite()
-        && others
-            .iter()
-            .all(|number| *number >= 0.0 && number.is_finite());
-    if !sound {
-        return Err(fault(BG_BAD_LAW));
-    }
-    match law.kind {
-        BG_HERTZ_HISTORY => Ok(Law::History(HertzHistory {
-            kn: law.kn,
-            kt: law.kt,
-            gamma_n: law.gamma_n,
-            gamma_t: law.gamma_t,
-            mu: law.mu,
-        })),
-        BG_HERTZ_TSUJI => Ok(Law::Tsuji(HertzTsuji {
-            kn: law.kn,
-            kt: law.kt,
-            cn: law.gamma_n,
-            ct: law.gamma_t,
-            mu: law.mu,
-        })),
-        _ => Err(fault(BG_BAD_ARGUMENT)),
-    }
-}
-
-/// A law as C sees it.
-pub(crate) fn law_for_c(law: &Law) -> bg_law {
-    let (kind, numbers) = match law {
-        Law::History(l) => (BG_HERTZ_HISTORY, [l.kn, l.kt, l.gamma_n, l.gamma_t, l.mu]),
-        Law::Tsuji(l) => (BG_HERTZ_TSUJI, [l.kn, l.kt, l.cn, l.ct, l.mu]),
-    };
-    let [kn, kt, gamma_n, gamma_t, mu] = numbers;
-    bg_law {
-        size: size_of::<bg_law>() as u32,
-        kind,
-        kn,
-        kt,
-        gamma_n,
-        gamma_t,
-        mu,
-    }
-}
-
-/// Sets `out` to the law of Guillard 2014 from Young's modulus (pressure), Poisson's ratio (-1 to 0.5), the coefficient
-/// of restitution (0 to 1, 0 excluded) and the friction coefficient.
-#[unsafe(no_mangle)]
-pub extern "C" fn bg_law_hertz_tsuji(
-    young: f64,
-    poisson: f64,
-    restitution: f64,
-    mu: f64,
-    out: *mut bg_law,
-) -> i32 {
-    let law = Law::Tsuji(HertzTsuji::new(young, poisson, restitution, mu));
-    code(give(out, law_for_c(&law)))
 }
 
 /// Sets `overlap` to the deepest overlap (length) and `duration` to the duration of a collision without damping: of two
@@ -158,7 +99,7 @@ pub extern "C" fn bg_collision(
 ) -> i32 {
     let collide = || {
         let law = take(law)?;
-        law_of(&law)?;
+        row_of(&law)?;
         let sound = [radius, mass, speed].iter().all(|number| *number > 0.0);
         if !sound {
             return Err(fault(BG_BAD_ARGUMENT));
@@ -214,7 +155,7 @@ pub extern "C" fn bg_add_group(
             spins: group.spins != 0,
             infinite_mass: group.infinite_mass != 0,
             gravity: group.gravity,
-            material: 0,
+            material: material(group.material)?,
         })?;
         put(number, u32::from(added))
     })

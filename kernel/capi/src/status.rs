@@ -40,6 +40,8 @@ pub const BG_OTHER_VERSION: i32 = 14;
 pub const BG_OTHER_FACETS: i32 = 15;
 /// A group or an obstacle is of a material that the law does not know.
 pub const BG_UNKNOWN_MATERIAL: i32 = 16;
+/// The law resists rolling, or has several materials, and `bg_capacity.materials` has no room for that.
+pub const BG_LAW_MISFIT: i32 = 17;
 /// The list of pairs is full; nothing was changed.
 pub const BG_PAIR_LIST_FULL: i32 = 20;
 /// The list of candidates is full; nothing was changed.
@@ -172,6 +174,10 @@ fn text(code: i32) -> &'static core::ffi::CStr {
         BG_BAD_SAVE => c"these bytes are no saved world as it was written",
         BG_OTHER_VERSION => c"a saved world of another layout, arithmetic or number type",
         BG_OTHER_FACETS => c"the world's triangles are not those that a mesh was made of",
+        BG_UNKNOWN_MATERIAL => c"a group or an obstacle is of a material beyond bg_capacity.materials",
+        BG_LAW_MISFIT => {
+            c"a law of several materials, or one that resists rolling, needs bg_capacity.materials (1 to 32)"
+        }
         BG_PAIR_LIST_FULL => c"the list of pairs is full",
         BG_OUTER_LIST_FULL => c"the list of candidates is full",
         BG_OBSTACLE_CONTACTS_FULL => c"the list of obstacle contacts is full",

@@ -7,7 +7,8 @@ use bitgrain_kernel::{
     Cause, Departure, Error, GrainState, World, digest, start, step, step_with, take_out,
 };
 
-use crate::block::{Law, Parts, give, with};
+use crate::block::{Parts, give, with};
+use crate::laws::{WithLaw, with_law};
 use crate::status::Done;
 use crate::types::{
     BG_CAUSE_DRAINED, BG_CAUSE_ESCAPED, BG_CAUSE_OBSTACLE_TOO_DEEP, BG_CAUSE_OVERLAP_TOO_DEEP,
@@ -18,14 +19,15 @@ use crate::types::{
 /// lessen the skin and call again.
 #[unsafe(no_mangle)]
 pub extern "C" fn bg_start(world: *mut bg_world) -> i32 {
-    with(world, |parts| {
-        let law = *parts.law;
-        let mut world = parts.store.world();
-        Ok(match &law {
-            Law::History(law) => start(&mut world, law),
-            Law::Tsuji(law) => start(&mut world, law),
-        }?)
-    })
+    with(world, |parts| with_law(parts, Start))
+}
+
+struct Start;
+
+impl WithLaw for Start {
+    fn run(self, parts: &mut Parts<'_>, law: &impl Contacts<f64>) -> Done {
+        Ok(start(&mut parts.store.world(), law)?)
+    }
 }
 
 /// Advances a world by `count` steps. Grains that its policy lets go are taken out and counted.
@@ -49,17 +51,24 @@ pub extern "C" fn bg_step_apply(
     with(world, |parts| {
         parts.sums.fill([0.0; 6]);
         *parts.stepped = 0;
-        let law = *parts.law;
         let host = Host {
             apply,
             departed,
             user,
         };
-        parts.locked(|parts| match &law {
-            Law::History(law) => host.steps(parts, count, law),
-            Law::Tsuji(law) => host.steps(parts, count, law),
-        })
+        parts.locked(|parts| with_law(parts, Steps { host, count }))
     })
+}
+
+struct Steps {
+    host: Host,
+    count: u64,
+}
+
+impl WithLaw for Steps {
+    fn run(self, parts: &mut Parts<'_>, law: &impl Contacts<f64>) -> Done {
+        self.host.steps(parts, self.count, law)
+    }
 }
 
 /// The caller's functions.

@@ -30,6 +30,9 @@ pub struct bg_capacity {
     pub groups: u32,
     /// Triangles of all meshes together.
     pub facets: u32,
+    /// Materials, 32 at most; 0 for a law of one material that does not resist rolling. With any, each contact takes
+    /// 48 bytes more.
+    pub materials: u32,
 }
 
 /// `bg_law.kind`: Hertz contact with a tangential spring, Kumar 2018, eqs. 1 and 2.
@@ -37,7 +40,14 @@ pub const BG_HERTZ_HISTORY: u32 = 1;
 /// `bg_law.kind`: Hertz contact with Tsuji damping, Guillard 2014, eq. A1.
 pub const BG_HERTZ_TSUJI: u32 = 2;
 
-/// A contact law.
+/// `bg_law.rolling`: nothing resists rolling.
+pub const BG_NO_ROLLING: u32 = 0;
+/// `bg_law.rolling`: spring, damper and slider, as LAMMPS' `sds`.
+pub const BG_ROLLING_SDS: u32 = 1;
+/// `bg_law.rolling`: an elastic and plastic spring, as LIGGGHTS' `epsd2`.
+pub const BG_ROLLING_EPSD2: u32 = 2;
+
+/// A contact law. All fields behind `mu` may be 0: then nothing resists rolling.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct bg_law {
@@ -55,6 +65,16 @@ pub struct bg_law {
     pub gamma_t: f64,
     /// Friction coefficient.
     pub mu: f64,
+    /// `BG_NO_ROLLING`, `BG_ROLLING_SDS` or `BG_ROLLING_EPSD2`; with the last two `bg_capacity.materials` is 1 at least.
+    pub rolling: u32,
+    /// Unused: 0.
+    pub reserved: u32,
+    /// Stiffness of `ROLLING_SDS` (force / length).
+    pub rolling_k: f64,
+    /// Damping of `ROLLING_SDS` (force / speed).
+    pub rolling_gamma: f64,
+    /// Coefficient of rolling friction.
+    pub rolling_mu: f64,
 }
 
 /// What a world begins as. Any consistent units.
@@ -93,6 +113,10 @@ pub struct bg_group {
     pub infinite_mass: u32,
     /// Acceleration of gravity on them (length / time^2).
     pub gravity: [f64; 3],
+    /// Their material, below `bg_capacity.materials`; 0 without any.
+    pub material: u32,
+    /// Unused: 0.
+    pub reserved: u32,
 }
 
 /// `bg_obstacle.kind`: a ball about `point`.
@@ -162,6 +186,10 @@ pub struct bg_obstacle {
     pub applied_force: [f64; 3],
     /// Torque of the host.
     pub applied_torque: [f64; 3],
+    /// Its material, as of a group.
+    pub material: u32,
+    /// Unused: 0.
+    pub reserved: u32,
 }
 
 /// A grain that comes into a world.

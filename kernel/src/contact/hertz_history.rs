@@ -18,6 +18,7 @@ use crate::math::vec3::{add, dot, either, scale, sub};
 /// angular momentum is conserved only up to overlap times `F_t`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[repr(C)]
 pub struct HertzHistory<R> {
     /// Normal stiffness `K_n` (pressure), positive. Kumar eq. 3: `4 G / (3 (1 - nu))`.
     pub kn: R,

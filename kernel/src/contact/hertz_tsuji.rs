@@ -16,6 +16,7 @@ use crate::math::vec3::{add, dot, scale};
 /// Levers are the radii less half the overlap, so a pair's angular momentum is conserved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[repr(C)]
 pub struct HertzTsuji<R> {
     /// `(4/3) Y`, of two bodies of one material with `Y = E / (2 (1 - nu^2))` (pressure): `k_n = kn sqrt(R delta)`.
     pub kn: R,

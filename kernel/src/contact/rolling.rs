@@ -29,6 +29,7 @@ pub enum RollingSpring {
 /// The numbers of a resistance to rolling.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[repr(C)]
 pub struct RollingResistance<R> {
     /// The model.
     pub spring: RollingSpring,
@@ -59,6 +60,7 @@ pub trait SpringInPlane<R: Real>: Law<R> {
 /// A law with resistance to rolling. It keeps three words of a contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[repr(C)]
 pub struct Rolling<R, L> {
     /// The law.
     pub law: L,
@@ -180,10 +182,12 @@ impl<R: Real, L: SpringInPlane<R>> Law<R> for Rolling<R, L> {
         let (epsd2, moment) = self.resistance.epsd2(&turning, old, state.dt);
         let is_sds = self.resistance.spring == RollingSpring::Sds;
         let mut memory = [R::ZERO; MEMORY_MAX];
-        let left = either(is_sds, way, moment);
+        // Pairs that nothing resists keep nothing, in a table too.
+        let resists = self.resistance.mu > R::ZERO;
+        let left = either(resists, either(is_sds, way, moment), [R::ZERO; 3]);
         (memory[0], memory[1], memory[2]) = (left[0], left[1], left[2]);
         Torque {
-            torque: either(is_sds, sds, epsd2),
+            torque: either(resists, either(is_sds, sds, epsd2), [R::ZERO; 3]),
             memory,
         }
     }

@@ -204,6 +204,7 @@ fn errors_have_their_numbers() {
         (14, Error::OtherVersion),
         (15, Error::OtherFacets { obstacle }),
         (16, Error::UnknownMaterial { material: 0 }),
+        (17, Error::LawMisfit),
         (20, Error::PairListFull { needed }),
         (21, Error::OuterListFull { needed }),
         (22, Error::ObstacleContactsFull { needed }),

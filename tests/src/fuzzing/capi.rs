@@ -5,6 +5,7 @@ use std::ffi::c_void;
 use std::ptr::{null, null_mut};
 
 use bitgrain_capi::grains::{bg_insert, bg_nudge, bg_regroup, bg_remove};
+use bitgrain_capi::laws::bg_set_pair_law;
 use bitgrain_capi::obstacles::{
     bg_add_mesh, bg_add_obstacle, bg_drive, bg_drive_to, bg_get_obstacle, bg_push, bg_turn,
 };
@@ -39,6 +40,8 @@ pub fn capi(data: &[u8]) -> bool {
         obstacles: u32::from(bytes.byte() % 4),
         groups: u32::from(bytes.byte() % 4),
         facets: 6,
+        // As many as the others leave, and now and then none.
+        materials: u32::from(data.len() as u8 % 4),
     };
     let size = bg_size(&capacity);
     let mut memory = vec![0u64; size / 8];
@@ -92,14 +95,32 @@ fn config(bytes: &mut Bytes) -> bg_config {
             gamma_n: bytes.zero_or_scale(0.0, 3.0),
             gamma_t: bytes.zero_or_scale(0.0, 3.0),
             mu: bytes.between(0.0, 1.0),
+            rolling: 0,
+            reserved: 0,
+            rolling_k: 0.0,
+            rolling_gamma: 0.0,
+            rolling_mu: 0.0,
         },
     }
+}
+
+/// A law between two materials, with resistance to rolling or without.
+fn pair_law(bytes: &mut Bytes, world: *mut bg_world) -> i32 {
+    let law = bg_law {
+        rolling: bytes.below(4) as u32,
+        rolling_k: bytes.zero_or_scale(0.0, 4.0),
+        rolling_gamma: bytes.zero_or_scale(-3.0, 1.0),
+        rolling_mu: bytes.between(0.0, 1.0),
+        ..config(bytes).law
+    };
+    let [a, b] = [0; 2].map(|_| u32::from(bytes.byte() % 5));
+    bg_set_pair_law(world, a, b, &law)
 }
 
 /// One call; whether it was a step that was done.
 fn call(bytes: &mut Bytes, world: *mut bg_world) -> bool {
     let mut number = 0;
-    match bytes.below(19) {
+    match bytes.below(20) {
         0 => {
             let group = bg_group {
                 size: sized::<bg_group>(),
@@ -107,6 +128,8 @@ fn call(bytes: &mut Bytes, world: *mut bg_world) -> bool {
                 spins: bytes.below(2) as u32,
                 infinite_mass: bytes.below(2) as u32,
                 gravity: bytes.vector(),
+                material: u32::from(bytes.byte() % 8 / 6),
+                reserved: 0,
             };
             bg_add_group(world, &group, &mut number)
         }
@@ -165,6 +188,7 @@ fn call(bytes: &mut Bytes, world: *mut bg_world) -> bool {
         }
         12 => pass(bytes, world),
         13 => nulls(world),
+        19 => pair_law(bytes, world),
         14 => look(bytes, world),
         _ => return bg_step(world, bytes.below(20) as u64) == BG_OK,
     };
@@ -195,6 +219,8 @@ fn obstacle(bytes: &mut Bytes) -> bg_obstacle {
         gravity: bytes.vector(),
         applied_force: bytes.vector(),
         applied_torque: bytes.vector(),
+        material: u32::from(bytes.byte() % 8 / 6),
+        reserved: 0,
     }
 }
 

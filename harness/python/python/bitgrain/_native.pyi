@@ -40,7 +40,15 @@ _Path = Union[str, "PathLike[str]"]
 
 @final
 class HertzHistory:
-    def __new__(cls, kn: float, kt: float, gamma_n: float, gamma_t: float, mu: float) -> HertzHistory: ...
+    def __new__(
+        cls,
+        kn: float,
+        kt: float,
+        gamma_n: float,
+        gamma_t: float,
+        mu: float,
+        rolling: Optional[Dict[str, Any]] = None,
+    ) -> HertzHistory: ...
     @property
     def kn(self) -> float: ...
     @property
@@ -51,10 +59,19 @@ class HertzHistory:
     def gamma_t(self) -> float: ...
     @property
     def mu(self) -> float: ...
+    @property
+    def rolling(self) -> Optional[Dict[str, Any]]: ...
 
 @final
 class HertzTsuji:
-    def __new__(cls, young: float, poisson: float, restitution: float, mu: float) -> HertzTsuji: ...
+    def __new__(
+        cls,
+        young: float,
+        poisson: float,
+        restitution: float,
+        mu: float,
+        rolling: Optional[Dict[str, Any]] = None,
+    ) -> HertzTsuji: ...
     @property
     def young(self) -> float: ...
     @property
@@ -63,6 +80,8 @@ class HertzTsuji:
     def restitution(self) -> float: ...
     @property
     def mu(self) -> float: ...
+    @property
+    def rolling(self) -> Optional[Dict[str, Any]]: ...
 
 @final
 class Group:

@@ -25,6 +25,7 @@ __all__ = [
     "BadSave",
     "OtherFacets",
     "UnknownMaterial",
+    "LawMisfit",
     "OtherVersion",
     "PairListFull",
     "OuterListFull",
@@ -163,6 +164,10 @@ class UnknownMaterial(KernelError):
     """A group or an obstacle is of a material that the law does not know."""
 
     material: int
+
+
+class LawMisfit(KernelError):
+    """The law keeps more words of a contact than the world has room for."""
 
 
 class PairListFull(KernelError):
