@@ -1,12 +1,15 @@
 //! Does this machine keep the bit contract? The kernel's reference worlds, run here by every way of
 //! stepping and compared with their published digests.
 
+use std::sync::Arc;
+
 use bitgrain_kernel::blake3::Hasher;
-use bitgrain_kernel::conformance::{self, EVERY, Line, Room, World};
+use bitgrain_kernel::conformance::{self, EVERY, Line, Room, StageLaw, World};
 use bitgrain_kernel::{BITS_VERSION, Error as KernelError, Real, check_arithmetic};
 
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::isa::Isa;
+use bitgrain_sim::law::Pairs;
 use bitgrain_sim::simulation::{AnyLaw, Simulation};
 use bitgrain_sim::threads::on_threads;
 
@@ -79,10 +82,9 @@ fn by_parts(registers: Isa, threads: usize) -> std::result::Result<Vec<Line>, Ke
             if let (Some(speed), Some(body)) = (stage.speed, sim.obstacles.first_mut()) {
                 body.velocity[0] = speed;
             }
-            sim.law = match stage.gamma {
-                Some(gamma) => AnyLaw::HertzHistory(conformance::history(gamma)),
-                None => AnyLaw::HertzTsuji(conformance::tsuji()),
-            };
+            sim.law = law_of(stage.law);
+            // The law has become one that keeps words, or none any more.
+            sim.fit_storage();
             let mut tell = |sim: &mut Simulation| -> std::result::Result<(), KernelError> {
                 lines.push(Line {
                     real: f64::NAME,
@@ -104,6 +106,19 @@ fn by_parts(registers: Isa, threads: usize) -> std::result::Result<Vec<Line>, Ke
         }
     }
     Ok(lines)
+}
+
+/// The law of a stage.
+fn law_of(stage: StageLaw) -> AnyLaw {
+    match stage {
+        StageLaw::History(gamma) => AnyLaw::HertzHistory(conformance::history(gamma)),
+        StageLaw::Tsuji => AnyLaw::HertzTsuji(conformance::tsuji()),
+        StageLaw::Materials => {
+            let laws = conformance::materials().to_vec();
+            let table = Pairs::new(conformance::MATERIALS, laws);
+            AnyLaw::HertzTsujiRolling(Arc::new(table.expect("one law for each pair")))
+        }
+    }
 }
 
 /// The world of a room as a simulation.

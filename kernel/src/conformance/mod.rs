@@ -9,7 +9,9 @@ mod worlds;
 pub use worlds::{GRAINS, Room};
 
 use crate::blake3::Hasher;
-use crate::contact::{HertzHistory, HertzTsuji, Law};
+use crate::contact::{
+    HertzHistory, HertzTsuji, Law, PairLaws, Rolling, RollingResistance, RollingSpring,
+};
 use crate::digest::state::digest;
 use crate::error::Error;
 use crate::math::real::Real;
@@ -102,6 +104,19 @@ pub enum World {
     /// A base and a heavy lid are carried past a bar, grains without weight between them, under a
     /// ceiling.
     Rig,
+    /// The first of two materials, each pair with another resistance to rolling.
+    Materials,
+}
+
+/// The law of a stage.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum StageLaw {
+    /// [`history`] with this damping (1 / (time length)).
+    History(f64),
+    /// [`tsuji`].
+    Tsuji,
+    /// [`materials`].
+    Materials,
 }
 
 /// A stage of a world.
@@ -109,19 +124,20 @@ pub enum World {
 pub struct Stage {
     /// Up to this step.
     pub last: u64,
-    /// Damping of [`HertzHistory`] (1 / (time length)); `None` under [`HertzTsuji`].
-    pub gamma: Option<f64>,
+    /// Under this law.
+    pub law: StageLaw,
     /// What the first obstacle's speed along x becomes, if it changes.
     pub speed: Option<f64>,
 }
 
 impl World {
     /// In the order in which they are run.
-    pub const ALL: [Self; 4] = [
+    pub const ALL: [Self; 5] = [
         Self::CollapseHistory,
         Self::CollapseTsuji,
         Self::Bed,
         Self::Rig,
+        Self::Materials,
     ];
 
     /// What a line calls it.
@@ -131,27 +147,30 @@ impl World {
             Self::CollapseTsuji => "collapse-hertz_tsuji",
             Self::Bed => "bed",
             Self::Rig => "rig",
+            Self::Materials => "materials-rolling",
         }
     }
 
     /// Its stages, one after the other.
     pub fn stages(self) -> &'static [Stage] {
-        const fn stage(last: u64, gamma: Option<f64>, speed: Option<f64>) -> Stage {
-            Stage { last, gamma, speed }
+        const fn stage(last: u64, law: StageLaw, speed: Option<f64>) -> Stage {
+            Stage { last, law, speed }
         }
+        use StageLaw::{History, Materials, Tsuji};
         match self {
-            Self::CollapseHistory => const { &[stage(600, Some(50.0), None)] },
-            Self::CollapseTsuji => const { &[stage(600, None, None)] },
+            Self::CollapseHistory => const { &[stage(600, History(50.0), None)] },
+            Self::CollapseTsuji => const { &[stage(600, Tsuji, None)] },
             // Damped at first, the bed is at rest before the ball sets off.
             Self::Bed => {
                 const {
                     &[
-                        stage(800, Some(300.0), None),
-                        stage(1300, Some(50.0), Some(1.0)),
+                        stage(800, History(300.0), None),
+                        stage(1300, History(50.0), Some(1.0)),
                     ]
                 }
             }
-            Self::Rig => const { &[stage(800, None, None)] },
+            Self::Rig => const { &[stage(800, Tsuji, None)] },
+            Self::Materials => const { &[stage(600, Materials, None)] },
         }
     }
 
@@ -163,7 +182,8 @@ impl World {
     #[inline(never)]
     pub fn lay<R: Real>(self, room: &mut Room<R>) -> Result<(), Error> {
         match self {
-            Self::CollapseHistory | Self::CollapseTsuji => worlds::collapse(room),
+            Self::CollapseHistory | Self::CollapseTsuji => worlds::collapse(room, 0),
+            Self::Materials => worlds::collapse(room, 1),
             Self::Bed => worlds::bed(room),
             Self::Rig => worlds::rig(room),
         }
@@ -198,9 +218,14 @@ pub fn run<R: Real>(
             if let (Some(speed), Some(body)) = (stage.speed, room.world().obstacles.first_mut()) {
                 body.velocity[0] = R::from_f64(speed);
             }
-            match stage.gamma {
-                Some(gamma) => follow(room, &history(gamma), stage.last, &mut tell)?,
-                None => follow(room, &tsuji(), stage.last, &mut tell)?,
+            match stage.law {
+                StageLaw::History(gamma) => follow(room, &history(gamma), stage.last, &mut tell)?,
+                StageLaw::Tsuji => follow(room, &tsuji(), stage.last, &mut tell)?,
+                StageLaw::Materials => {
+                    let laws = materials();
+                    let table = PairLaws::new(MATERIALS, &laws).ok_or(Error::BadStorage)?;
+                    follow(room, &table, stage.last, &mut tell)?;
+                }
             }
         }
     }
@@ -241,7 +266,42 @@ pub fn history<R: Real>(gamma: f64) -> HertzHistory<R> {
     }
 }
 
-/// The law of a stage without: [`HertzTsuji::new`] of 4e3, 0.3, 0.6 and 0.5.
+/// How many materials [`materials`] has.
+pub const MATERIALS: u8 = 2;
+
+/// The law of two materials for [`PairLaws`]: grains of the first resist rolling on each other by `sds`, on the second
+/// by `epsd2`, and those of the second do not; all with the numbers of [`tsuji`], but for a stiffer and less rough pair.
+pub fn materials<R: Real>() -> [Rolling<R, HertzTsuji<R>>; 3] {
+    let law = tsuji();
+    let [k, gamma, little, much, mu] = [60.0, 0.25, 0.0625, 0.125, 0.25].map(R::from_f64);
+    let resistance = |spring, mu| RollingResistance {
+        spring,
+        k,
+        gamma,
+        mu,
+    };
+    let other = HertzTsuji {
+        kn: law.kn + law.kn * R::HALF,
+        mu,
+        ..law
+    };
+    [
+        Rolling {
+            law,
+            resistance: resistance(RollingSpring::Sds, little),
+        },
+        Rolling {
+            law: other,
+            resistance: resistance(RollingSpring::Epsd2, much),
+        },
+        Rolling {
+            law,
+            resistance: RollingResistance::NONE,
+        },
+    ]
+}
+
+/// The law of a stage without damping of its own: [`HertzTsuji::new`] of 4e3, 0.3, 0.6 and 0.5.
 pub fn tsuji<R: Real>() -> HertzTsuji<R> {
     let [kn, kt, cn, ct, mu] = TSUJI.map(R::from_f64);
     HertzTsuji { kn, kt, cn, ct, mu }

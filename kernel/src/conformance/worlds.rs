@@ -10,8 +10,8 @@ use crate::state::obstacle::Obstacle;
 /// Most grains of a world.
 pub const GRAINS: usize = 30;
 
-/// Storage for any of the worlds: 13 kB in double precision.
-pub type Room<R> = Store<R, GRAINS, 54, 12, 5>;
+/// Storage for any of the worlds: 16 kB in double precision.
+pub type Room<R> = Store<R, GRAINS, 54, 12, 5, 3>;
 
 /// Groups by number, in each of the worlds.
 const FREE: u8 = 0;
@@ -20,8 +20,14 @@ const CARRIED: u8 = 2;
 const WEIGHTLESS: u8 = 3;
 const LID: u8 = 4;
 
-/// Empties the room for a box from z = -1 to 9 that is periodic along x and y, with all groups.
-fn clear<R: Real>(room: &mut Room<R>, along_x: f64, along_y: f64) -> Result<(), Error> {
+/// Empties the room for a box from z = -1 to 9 that is periodic along x and y, with all groups; those that do not fall
+/// freely are of this material.
+fn clear<R: Real>(
+    room: &mut Room<R>,
+    along_x: f64,
+    along_y: f64,
+    material: u8,
+) -> Result<(), Error> {
     let (lo, hi) = ([0.0, 0.0, -1.0], [along_x, along_y, 9.0]);
     let domain = Domain::new(
         lo.map(R::from_f64),
@@ -33,10 +39,10 @@ fn clear<R: Real>(room: &mut Room<R>, along_x: f64, along_y: f64) -> Result<(), 
     let down = [R::ZERO, R::ZERO, -R::ONE];
     for group in [
         Group::free(down),
-        Group::frozen(),
-        Group::prescribed_velocity(),
+        Group::frozen().of_material(material),
+        Group::prescribed_velocity().of_material(material),
         Group::free([R::ZERO; 3]),
-        Group::free_along_z(down),
+        Group::free_along_z(down).of_material(material),
     ] {
         room.add_group(group).map_err(|_| Error::BadStorage)?;
     }
@@ -158,8 +164,8 @@ static COLLAPSE: Crowd = {
     crowd
 };
 
-pub(super) fn collapse<R: Real>(room: &mut Room<R>) -> Result<(), Error> {
-    clear(room, 4.0, 3.0)?;
+pub(super) fn collapse<R: Real>(room: &mut Room<R>, material: u8) -> Result<(), Error> {
+    clear(room, 4.0, 3.0, material)?;
     let half = R::HALF;
     let place = |x: f64, y: f64, z: f64| [x, y, z].map(R::from_f64);
     obstacle(
@@ -169,6 +175,7 @@ pub(super) fn collapse<R: Real>(room: &mut Room<R>) -> Result<(), Error> {
     )?;
     let mut ball = Obstacle::sphere(place(1.0, 0.5, 2.0), half);
     ball.inverse_mass = R::ONE;
+    ball.material = material;
     obstacle(room, ball, [0.0, 0.25, 0.0])?;
     let bar = Obstacle::cylinder(place(3.0, 0.0, 2.0), place(0.0, 1.0, 0.0), R::from_f64(0.4));
     obstacle(room, bar, [-0.125, 0.0, 0.0])?;
@@ -195,7 +202,7 @@ static BED: Crowd = {
 };
 
 pub(super) fn bed<R: Real>(room: &mut Room<R>) -> Result<(), Error> {
-    clear(room, 3.0, 3.0)?;
+    clear(room, 3.0, 3.0, 0)?;
     let place = [1.5, 1.5, 1.6].map(R::from_f64);
     obstacle(room, Obstacle::sphere(place, R::from_f64(0.6)), [0.0; 3])?;
     add_grains(room, &BED)
@@ -228,7 +235,7 @@ static RIG: Crowd = {
 };
 
 pub(super) fn rig<R: Real>(room: &mut Room<R>) -> Result<(), Error> {
-    clear(room, 4.0, 2.25)?;
+    clear(room, 4.0, 2.25, 0)?;
     let place = |x: f64, y: f64, z: f64| [x, y, z].map(R::from_f64);
     let bar = Obstacle::cylinder(
         place(2.0, 0.0, 1.75),

@@ -201,3 +201,141 @@ impl<R: Real, L: SpringInPlane<R>> Law<R> for Rolling<R, L> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::HertzTsuji;
+    use proptest::prelude::*;
+
+    fn vector(size: f64) -> impl Strategy<Value = Vec3<f64>> {
+        prop::array::uniform3(-size..size)
+    }
+
+    fn length(v: Vec3<f64>) -> f64 {
+        dot(v, v).sqrt()
+    }
+
+    fn head(memory: ContactMemory<f64>) -> Vec3<f64> {
+        [memory[0], memory[1], memory[2]]
+    }
+
+    fn law(spring: RollingSpring, mu: f64) -> Rolling<f64, HertzTsuji<f64>> {
+        let resistance = RollingResistance {
+            spring,
+            k: 300.0,
+            gamma: 0.4,
+            mu,
+        };
+        Rolling {
+            law: HertzTsuji::new(1e5, 0.3, 0.6, 0.4),
+            resistance,
+        }
+    }
+
+    prop_compose! {
+        fn turning()(
+            direction in vector(1.0).prop_filter("a direction", |v| dot(*v, *v) > 1e-3),
+            overlap in 1e-6..0.05f64,
+            radii in prop::array::uniform2(0.3..2.0f64),
+            flat in any::<bool>(),
+            spin_i in vector(3.0),
+            spin_j in vector(3.0),
+            kept in vector(0.02),
+            dt in prop::sample::select(&[0.0, 1e-3][..]),
+        ) -> TurningState<f64> {
+            let [radius_i, other] = radii;
+            let radius_j = if flat { 0.0 } else { other };
+            let [x, y, z] = kept;
+            TurningState {
+                contact: NormalState {
+                    overlap,
+                    speed: 0.0,
+                    radius_i,
+                    radius_j,
+                    radius_effective: if flat { radius_i } else { radius_i * other / (radius_i + other) },
+                    mass_effective: 1.0,
+                    inverse_masses: [0.5; 2],
+                    materials: [0; 2],
+                    memory: [x, y, z, 0.0, 0.0, 0.0, 0.0, 0.0],
+                },
+                normal: scale(direction, 1.0 / length(direction)),
+                velocity: [0.0; 3],
+                tangential: [0.0; 3],
+                spin_i,
+                spin_j,
+                dt,
+            }
+        }
+    }
+
+    const SPRINGS: [RollingSpring; 2] = [RollingSpring::Sds, RollingSpring::Epsd2];
+
+    proptest! {
+        #![proptest_config(ProptestConfig { failure_persistence: None, ..Default::default() })]
+
+        /// Seen from the partner the torque is the exact opposite, and so is what is kept of it.
+        #[test]
+        fn both_bodies_feel_the_same_torque(state in turning()) {
+            for spring in SPRINGS {
+                let law = law(spring, 0.2);
+                let normal = law.normal_force(&state.contact);
+                let turned = TurningState {
+                    contact: NormalState {
+                        memory: law.seen_by_partner(state.contact.memory),
+                        ..state.contact
+                    },
+                    normal: scale(state.normal, -1.0),
+                    spin_i: state.spin_j,
+                    spin_j: state.spin_i,
+                    ..state
+                };
+                let (a, b) = (law.torque(&normal, &state), law.torque(&normal, &turned));
+                prop_assert_eq!(a.torque, scale(b.torque, -1.0));
+                prop_assert_eq!(a.memory, law.seen_by_partner(b.memory));
+            }
+        }
+
+        /// The torque is held to `mu R |F_n|`, and never drives what turns against a spring that is empty. 1e-12 is for
+        /// rounding.
+        #[test]
+        fn torques_are_held_to_their_limit(state in turning()) {
+            for spring in SPRINGS {
+                let law = law(spring, 0.2);
+                let normal = law.normal_force(&state.contact);
+                let limit = 0.2 * state.contact.radius_effective * magnitude(normal.force);
+                let whole = law.torque(&normal, &state);
+                prop_assert!(length(whole.torque) <= limit * (1.0 + 1e-12));
+                let empty = TurningState {
+                    contact: NormalState { memory: [0.0; 8], ..state.contact },
+                    ..state
+                };
+                let first = law.torque(&normal, &empty);
+                let power = dot(first.torque, sub(state.spin_i, state.spin_j));
+                prop_assert!(power <= 0.0, "{}", power);
+                // Twisting about the normal is not resisted.
+                prop_assert!(dot(first.torque, state.normal).abs() <= 1e-12 * limit);
+                if state.dt == 0.0 {
+                    prop_assert_eq!(first.memory, [0.0; 8]);
+                }
+            }
+        }
+
+        /// The way of `sds` keeps its length as its plane turns, and comes into the plane.
+        #[test]
+        fn a_way_keeps_its_length_as_its_plane_turns(state in turning()) {
+            let still = TurningState { spin_i: [0.0; 3], spin_j: [0.0; 3], ..state };
+            // A limit that nothing reaches.
+            let law = law(RollingSpring::Sds, 1e9);
+            let normal = law.normal_force(&still.contact);
+            let (old, new) = (head(still.contact.memory), head(law.torque(&normal, &still).memory));
+            prop_assume!(dot(old, still.normal).abs() > 1e-3 * length(old));
+            let within = sub(old, scale(still.normal, dot(old, still.normal)));
+            prop_assume!(length(within) > 1e-3 * length(old));
+            // Into the plane, unless what it is out of it by gives less than 1e-10 of the limit.
+            let is_off = dot(old, still.normal).abs() * 300.0 > 1e-1 * magnitude(normal.force);
+            prop_assert!((length(new) - length(old)).abs() < 1e-12 * length(old));
+            prop_assert!(!is_off || dot(new, still.normal).abs() < 1e-12 * length(old));
+        }
+    }
+}

@@ -9,7 +9,7 @@ fn the_c_header_is_up_to_date() {
     let mut made = Vec::new();
     let mut sources = cbindgen::Builder::new().with_config(settings);
     for name in [
-        "lib", "types", "status", "block", "setup", "grains", "steps", "rows", "saved",
+        "lib", "types", "status", "block", "setup", "laws", "grains", "steps", "rows", "saved",
     ] {
         sources = sources.with_src(library.join(format!("src/{name}.rs")));
     }
@@ -26,7 +26,7 @@ fn the_c_header_is_up_to_date() {
     );
     // Every file of the library is looked at.
     let files = std::fs::read_dir(library.join("src")).unwrap();
-    assert_eq!(files.count(), 11);
+    assert_eq!(files.count(), 12);
 }
 
 /// The page for C shows the example that is compiled and run.

@@ -5,6 +5,7 @@
 //! `target/mutants`.
 
 mod bodies;
+mod keeping;
 mod list;
 mod materials;
 
@@ -13,6 +14,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use bodies::BODIES;
+use keeping::KEEPING;
 use list::{MUTANTS, Mutant, SIM, UNIT};
 use materials::MATERIALS;
 
@@ -156,7 +158,7 @@ impl Copy {
 
 /// All mutants.
 fn all() -> impl Iterator<Item = &'static Mutant> {
-    MUTANTS.iter().chain(BODIES).chain(MATERIALS)
+    MUTANTS.iter().chain(BODIES).chain(MATERIALS).chain(KEEPING)
 }
 
 /// Found in seconds: a change that removes a mutant's text.

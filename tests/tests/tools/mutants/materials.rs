@@ -29,9 +29,9 @@ pub const MATERIALS: &[Mutant] = &[
     },
     Mutant {
         name: "sliding is of another pair than pressing",
-        file: "kernel/src/contact/block.rs",
-        from: "                length2: self.length2[k],\n                materials: self.materials_of(k),",
-        to: "                length2: self.length2[k],\n                materials: [0; 2],",
+        file: "kernel/src/contact/pair_laws.rs",
+        from: "self.of(state.contact.materials)\n            .tangential_force(normal, state)",
+        to: "self.of([0; 2])\n            .tangential_force(normal, state)",
         target: "oracle",
         red: &["the_step_equals_its_definition_of_several_materials"],
     },
