@@ -36,7 +36,7 @@ def instructions():
         return error.problem.split("has ")[1].split(", ")
 
 
-@pytest.mark.parametrize("case", ["collapse.json", "lid.json", "rig.json", "materials.json"])
+@pytest.mark.parametrize("case", ["collapse.json", "lid.json", "rig.json", "materials.json", "rolling.json"])
 def test_cases_have_their_golden_digests(case):
     w = world_of(ROOT / "golden/cases" / case)
     w.start()

@@ -142,13 +142,11 @@ fn arrays(sim: &mut Simulation, note: &StageState) -> Vec<Array> {
         ("torque", rows(&torques)),
         ("velocity", rows(&sim.velocity)),
     ];
-    if words > 0 {
-        all.push((WORDS, (Dtype::F64, vec![m, words], reals(&memory))));
-    }
     let corners = corners(&sim.facets);
     let facets = reals(corners.as_flattened().as_flattened());
     let text = |bytes: &[u8]| (Dtype::U8, vec![bytes.len()], bytes.to_vec());
     for (name, array) in [
+        (WORDS, (Dtype::F64, vec![m, words], reals(&memory))),
         (FACETS, (Dtype::F64, vec![corners.len(), 3, 3], facets)),
         (FIELDS, text(&note.fields)),
         (FRAMES, text(note.frames.as_bytes())),

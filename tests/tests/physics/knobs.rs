@@ -23,12 +23,13 @@ fn begin(name: &str) -> Simulation {
 }
 
 /// The rig comes under either law.
-const CASES: [&str; 5] = [
+const CASES: [&str; 6] = [
     "collapse.json",
     "lid.json",
     "rig.json",
     "rig.json:hertz_history",
     "materials.json",
+    "rolling.json",
 ];
 
 /// What the goldens of the rig cover: every kind of body that it has pushes every other that it

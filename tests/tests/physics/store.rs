@@ -6,7 +6,7 @@ use bitgrain_kernel::contact::Law;
 use bitgrain_kernel::{Store, World, digest, start, step};
 use bitgrain_tests::{golden, golden_case};
 
-/// Room for the larger cases: 60 grains, the five groups that a case has, and the words of a law that resists rolling.
+/// Room for the larger cases: 60 grains, all groups that a case has, and the words of a law that resists rolling.
 type Room<const PAIRS: usize, const BODIES: usize> = Store<f64, 60, PAIRS, 256, BODIES, 3>;
 
 /// The digests that `golden/digests` holds of a case, by step.
@@ -76,11 +76,12 @@ fn steps(name: &str, mut world: World<'_, f64>, law: &impl Law<f64>) {
     }
 }
 
-const CASES: [&str; 4] = [
+const CASES: [&str; 5] = [
     "collapse.json",
     "lid.json",
     "rig.json",
     "rig.json:hertz_history",
+    "rolling.json",
 ];
 
 /// Whether the lists are nearly full or nearly empty.
@@ -89,7 +90,7 @@ fn a_store_of_any_size_gives_the_golden_digests() {
     for name in CASES {
         let sim = golden_case(name).start(name, |_| {});
         let sim = sim.expect("a sound case");
-        follow::<320, 5>(name, &sim, 0.5);
-        follow::<2048, 9>(name, &sim, 3.0);
+        follow::<320, 24>(name, &sim, 0.5);
+        follow::<2048, 24>(name, &sim, 3.0);
     }
 }

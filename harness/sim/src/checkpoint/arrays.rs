@@ -107,9 +107,9 @@ impl Arrays<'_> {
         if bodies.len() != 2 * kinds.len() || springs.len() != kinds.len() {
             return Err("its contact arrays differ in length".into());
         }
-        let memory = match words {
-            0 => Vec::new(),
-            _ => self.reals::<1>(WORDS)?.into_flattened(),
+        let memory = match self.file.names().contains(&WORDS) {
+            true => self.reals::<1>(WORDS)?.into_flattened(),
+            false => Vec::new(),
         };
         if memory.len() != words * kinds.len() {
             return Err(format!(
