@@ -1,7 +1,8 @@
 //! What is done under a law.
 
 use bitgrain_kernel::contact::{
-    Contact, Law, NormalForce, NormalState, Reaction, TangentialForce, TangentialState, react,
+    Contact, ContactMemory, Kept, Law, NormalForce, NormalState, Reaction, TangentialForce,
+    TangentialState, Torque, TurningState, react,
 };
 use bitgrain_kernel::phases::{
     After, ForceCheck, GrainRange, MotionCheck, ObstacleContactRange, accumulate, no_fetch,
@@ -35,7 +36,12 @@ pub struct Calls<R: Real, L: Law<R>> {
         fn(&mut GrainRange<'_, R>, &L, Watch<'_, R>, fn(&[Row<R>], usize), After) -> Summed<R>,
     press: fn(&L, &NormalState<R>) -> NormalForce<R>,
     shear: fn(&L, &NormalForce<R>, &TangentialState<R>) -> TangentialForce<R>,
-    react: fn(&L, &Contact<R>, [R; 3], R) -> Reaction<R>,
+    acts: fn(&L, &NormalState<R>) -> bool,
+    contact_acts: fn(&Contact<R>, &L, ContactMemory<R>) -> bool,
+    torque: fn(&L, &NormalForce<R>, &TurningState<R>) -> Torque<R>,
+    seen_by_partner: fn(&L, ContactMemory<R>) -> ContactMemory<R>,
+    tells: fn(&L) -> (usize, R),
+    react: fn(&L, &Contact<R>, Kept<R>, R) -> Reaction<R>,
 }
 
 impl<R: Real, L: Law<R>> Calls<R, L> {
@@ -53,6 +59,11 @@ impl<R: Real, L: Law<R>> Calls<R, L> {
         },
         press: L::normal_force,
         shear: L::tangential_force,
+        acts: L::acts,
+        contact_acts: |contact, law, memory| contact.acts(law, memory),
+        torque: L::torque,
+        seen_by_partner: L::seen_by_partner,
+        tells: |law| (law.materials(), law.reach()),
         react: react::<R, L>,
     };
 }

@@ -12,7 +12,7 @@ mod hosts;
 mod parts;
 mod state;
 
-use bitgrain_kernel::contact::{HertzHistory, HertzTsuji, PairLaws};
+use bitgrain_kernel::contact::{HertzHistory, HertzTsuji, PairLaws, Rolling};
 use bitgrain_kernel::fixed_point::I32F32;
 
 use bodies::Bodies;
@@ -53,6 +53,12 @@ pub static TSUJI_F32: Calls<f32, HertzTsuji<f32>> = Calls::ALL;
 /// Steps and their phases under a law of several materials.
 #[unsafe(no_mangle)]
 pub static PAIRS_F64: Calls<f64, PairLaws<'static, HertzTsuji<f64>>> = Calls::ALL;
+/// Steps and their phases under a law that resists rolling.
+#[unsafe(no_mangle)]
+pub static ROLLING_F64: Calls<f64, PairLaws<'static, Rolling<f64, HertzTsuji<f64>>>> = Calls::ALL;
+/// The same in fixed point, of one material.
+#[unsafe(no_mangle)]
+pub static ROLLING_FIXED: Calls<I32F32, Rolling<I32F32, HertzHistory<I32F32>>> = Calls::ALL;
 
 /// Worlds and their parts in fixed point.
 #[unsafe(no_mangle)]

@@ -1,17 +1,20 @@
 //! What hosts of parts of a world do.
 
+use bitgrain_kernel::contact::Kept;
 use bitgrain_kernel::parts::{
-    GhostMotion, drift_own, is_search_due, listed_springs, renumber, restore, search_and_list,
-    take_in, take_lists,
+    GhostMotion, drift_own, is_search_due, listed_obstacle_contacts, listed_pairs, renumber,
+    restore, search_and_list, take_in, take_lists,
 };
 use bitgrain_kernel::phases::{
     Extent, MotionCheck, ObstacleShare, Owned, measure, sum_on_obstacles,
 };
-use bitgrain_kernel::{Clock, ContactHistory, Error as KernelError, Obstacle, Real, Row, World};
+use bitgrain_kernel::{
+    Clock, ContactHistory, Error as KernelError, KeptContact, Obstacle, Real, World,
+};
 
 type Ended = Result<(), KernelError>;
-type Pairs<'l, R> = &'l mut dyn Iterator<Item = (u32, u32, [R; 3])>;
-type Contacts<'l, R> = &'l mut dyn Iterator<Item = (u32, u32, Row<R>)>;
+type Pairs<'l, R> = &'l mut dyn Iterator<Item = (u32, u32, Kept<R>)>;
+type Contacts<'l, R> = &'l mut dyn Iterator<Item = (u32, u32, Kept<R>)>;
 
 /// Functions over one number type.
 pub struct Parts<R: Real + 'static> {
@@ -27,8 +30,9 @@ pub struct Parts<R: Real + 'static> {
     renumber: fn(&mut World<'_, R>, &[u32], usize) -> Ended,
     search_and_list: fn(&mut World<'_, R>, &Extent<R>) -> Ended,
     restore: fn(&mut World<'_, R>, &[ContactHistory<R>]) -> Ended,
-    restore_any: fn(&mut World<'_, R>, &mut dyn Iterator<Item = ContactHistory<R>>) -> Ended,
-    listed_springs: fn(&World<'_, R>, &mut dyn FnMut((u32, u32, [R; 3]))),
+    restore_any: fn(&mut World<'_, R>, &mut dyn Iterator<Item = KeptContact<R>>) -> Ended,
+    listed_pairs: fn(&World<'_, R>, &mut dyn FnMut((u32, u32, Kept<R>))),
+    listed_obstacle_contacts: fn(&World<'_, R>, &mut dyn FnMut((u32, u32, Kept<R>))),
     take_lists: fn(&mut World<'_, R>, Pairs<'_, R>, Contacts<'_, R>) -> Ended,
     sum_on_obstacles: fn(&mut [Obstacle<R>], &[ObstacleShare<R>]),
     sum_any: fn(&mut [Obstacle<R>], &mut dyn Iterator<Item = ObstacleShare<R>>),
@@ -50,7 +54,8 @@ impl<R: Real + 'static> Parts<R> {
         search_and_list,
         restore: |world, histories| restore(world, histories.iter().copied()),
         restore_any: |world, histories| restore(world, histories),
-        listed_springs: |world, show| listed_springs(world).for_each(show),
+        listed_pairs: |world, show| listed_pairs(world).for_each(show),
+        listed_obstacle_contacts: |world, show| listed_obstacle_contacts(world).for_each(show),
         take_lists: |world, pairs, contacts| take_lists(world, pairs, contacts),
         sum_on_obstacles: |bodies, shares| sum_on_obstacles(bodies, shares.iter().copied()),
         sum_any: |bodies, shares| sum_on_obstacles(bodies, shares),

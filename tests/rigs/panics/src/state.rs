@@ -7,6 +7,7 @@ use crate::parts::Parts;
 use bitgrain_kernel::blake3::Hasher;
 use bitgrain_kernel::conformance::{self, Line, Room};
 use bitgrain_kernel::contact::{HertzHistory, HertzTsuji, Materials, PairLaws};
+use bitgrain_kernel::contact::{Kept, Rolling};
 use bitgrain_kernel::fixed_point::I32F32;
 use bitgrain_kernel::phases::{
     ForceCheck, GrainMotion, GrainRange, MotionCheck, MotionPhase, ObstacleContactRange, Sealed,
@@ -18,7 +19,8 @@ use bitgrain_kernel::scaling::{self, Margin, PRODUCTS, Refusal, Scales};
 use bitgrain_kernel::vec3::{self, Vec3};
 use bitgrain_kernel::{
     ArithmeticDefect, Clock, ContactHistory, Digest, Domain, Error as KernelError, Grains, Group,
-    Obstacle, Real, Row, Store, World, check_arithmetic, digest, resume,
+    KeptContact, MemoryColumns, Obstacle, PairList, Real, Row, Store, World, check_arithmetic,
+    digest, memory_columns, resume,
 };
 use fixed::FixedI64;
 use fixed::types::extra::U32;
@@ -103,7 +105,7 @@ impl Records {
 /// Functions over one number type.
 pub struct State<R: Real + 'static> {
     resume: fn(&mut World<'_, R>, &[ContactHistory<R>]) -> Ended,
-    resume_any: fn(&mut World<'_, R>, &mut dyn Iterator<Item = ContactHistory<R>>) -> Ended,
+    resume_any: fn(&mut World<'_, R>, &mut dyn Iterator<Item = KeptContact<R>>) -> Ended,
     begin: fn(&mut World<'_, R>, Sealed) -> Ended,
     end: fn(&mut World<'_, R>, Sealed) -> Ended,
     ensure_pair_list_ahead: fn(&mut World<'_, R>) -> Ended,
@@ -118,6 +120,11 @@ pub struct State<R: Real + 'static> {
     and_sealed: fn(Sealed, Sealed) -> Sealed,
     digest: fn(&World<'_, R>) -> Digest,
     contact_histories: fn(&World<'_, R>, &mut dyn FnMut(ContactHistory<R>)),
+    kept_contacts: fn(&World<'_, R>, &mut dyn FnMut(KeptContact<R>)),
+    kept: fn(&KeptContact<R>) -> (Kept<R>, bool),
+    words: fn(&PairList<'_, R>) -> usize,
+    memory_columns: for<'m> fn([&'m mut [R]; 3]) -> MemoryColumns<'m, R>,
+    reach: fn(&mut Clock<R>, R) -> R,
     listed_pairs: fn(&World<'_, R>, &mut dyn FnMut((u32, u32))),
     moving: for<'w> fn(&'w mut World<'_, R>) -> GrainMotion<'w, R>,
     pushing:
@@ -153,6 +160,14 @@ impl<R: Real + 'static> State<R> {
         and_sealed: Sealed::and,
         digest,
         contact_histories: |world, show| world.contact_histories().for_each(show),
+        kept_contacts: |world, show| world.kept_contacts().for_each(show),
+        kept: |contact| (contact.kept(), contact.kept().is_any()),
+        words: |list| list.words(),
+        memory_columns: |columns| memory_columns(columns),
+        reach: |clock, reach| {
+            clock.set_reach(reach);
+            clock.reach()
+        },
         listed_pairs: |world, show| world.listed_pairs().for_each(show),
         moving: |world| world.grain_motion(),
         pushing: |world, dt| world.force_ranges(dt),
@@ -191,6 +206,7 @@ pub struct Pieces<R: Real> {
     wrap: fn(&Domain<R>, &mut Vec3<R>, &mut [i32; 3]) -> bool,
     groups: fn(Vec3<R>) -> [Group<R>; 4],
     of_material: fn(Group<R>, u8) -> Group<R>,
+    materials: fn() -> [Rolling<R, HertzTsuji<R>>; 3],
     tsuji: fn(f64, f64, f64, f64) -> HertzTsuji<R>,
     between: fn([[f64; 2]; 2], f64, f64) -> HertzTsuji<R>,
     table: fn(u8, &'static [HertzTsuji<R>]) -> Option<PairLaws<'static, HertzTsuji<R>>>,
@@ -218,6 +234,7 @@ impl<R: Real> Pieces<R> {
             ]
         },
         of_material: Group::of_material,
+        materials: conformance::materials,
         tsuji: HertzTsuji::new,
         between: HertzTsuji::between,
         table: |materials, laws| PairLaws::new(materials, laws),
