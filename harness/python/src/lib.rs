@@ -20,6 +20,7 @@ mod saved;
 mod settings;
 mod simulated;
 mod steps;
+mod stiffness;
 mod views;
 mod world;
 
@@ -38,6 +39,8 @@ mod _native {
     use super::obstacles::Obstacle;
     #[pymodule_export]
     use super::recordings::{Writer, is_recording, part_recordings};
+    #[pymodule_export]
+    use super::stiffness::contact_duration;
     #[pymodule_export]
     use super::views::Window;
     #[pymodule_export]

@@ -51,6 +51,11 @@ impl Obstacle {
         Self { shared, number }
     }
 
+    /// The world that it is in.
+    pub fn shared(&self) -> &Shared {
+        &self.shared
+    }
+
     fn body(&self) -> PyResult<Body<f64>> {
         Ok(read(&self.shared)?.sim.obstacles[self.number])
     }
@@ -80,7 +85,7 @@ impl Obstacle {
 impl Obstacle {
     /// Its number: errors name obstacles by it.
     #[getter]
-    fn number(&self) -> usize {
+    pub fn number(&self) -> usize {
         self.number
     }
 

@@ -6,7 +6,17 @@ folders that they are run into. A :class:`Recorder` records the arrays of any pr
 """
 
 from . import errors
-from ._native import BITS_VERSION, Departed, Edit, Group, HertzHistory, HertzTsuji, Obstacle, World
+from ._native import (
+    BITS_VERSION,
+    Departed,
+    Edit,
+    Group,
+    HertzHistory,
+    HertzTsuji,
+    Obstacle,
+    World,
+    contact_duration,
+)
 from .errors import (
     Error,
     KernelError,
@@ -136,6 +146,7 @@ __all__ = [
     "World",
     "WriteFailed",
     "bisect",
+    "contact_duration",
     "errors",
     "read",
     "run",

@@ -1,0 +1,108 @@
+"""Geoms of MuJoCo as obstacles of a world; for `bitgrain.mujoco`."""
+
+import math
+from typing import Any, Optional, Tuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._native import Obstacle, World
+from .errors import BadObstacle, wrong
+
+try:
+    import mujoco  # type: ignore[import-untyped, import-not-found, unused-ignore]
+except ImportError as missing:
+    raise ImportError("bitgrain.mujoco needs the package mujoco: pip install 'bitgrain[mujoco]'") from missing
+
+__all__ = ["Array", "Part", "add_obstacle", "length_of", "mujoco", "pose_of"]
+
+Array = NDArray[np.float64]
+
+
+class Part:
+    """A geom and its obstacle."""
+
+    def __init__(self, model: Any, name: str, obstacle: Obstacle) -> None:
+        self.name = name
+        self.obstacle = obstacle
+        self.geom = _geom(model, name)
+        self.body = int(model.geom_bodyid[self.geom])
+        offset = model.geom_pos[self.geom] - model.body_ipos[self.body]
+        #: How far its surface is from the body's centre of mass at most.
+        self.reach = length_of(offset) + float(model.geom_rbound[self.geom])
+        #: Mean force and torque of the last step on the body, about its centre of mass.
+        self.wrench: Array = np.zeros(6)
+        #: The force at which the stiffness of its contacts was looked at, and that stiffness.
+        self.looked = 0.0
+        self.stiffness = 0.0
+
+
+def length_of(vector: Any) -> float:
+    x, y, z = (float(component) for component in vector)
+    return math.sqrt(x * x + y * y + z * z)
+
+
+def _geom(model: Any, name: str) -> int:
+    number = int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_GEOM, name))
+    if number < 0:
+        there = [model.geom(k).name for k in range(model.ngeom)]
+        raise wrong("geoms", f"has {name!r}, which is no geom of the model; its geoms are {there}")
+    return number
+
+
+def pose_of(data: Any, geom: int) -> Tuple[Array, Array]:
+    """Centre and unit quaternion of a geom."""
+    quaternion = np.zeros(4)
+    mujoco.mju_mat2Quat(quaternion, data.geom_xmat[geom])
+    return data.geom_xpos[geom].copy(), quaternion
+
+
+def add_obstacle(model: Any, data: Any, world: World, name: str, material: Optional[str]) -> Obstacle:
+    """Adds the obstacle of a geom, where the geom is."""
+    geom = _geom(model, name)
+    size = [float(x) for x in model.geom_size[geom]]
+    point, quaternion = pose_of(data, geom)
+    weight = float(model.body_invweight0[model.geom_bodyid[geom], 0])
+    kinds = mujoco.mjtGeom
+    kind = kinds(int(model.geom_type[geom]))
+
+    def density(volume: float) -> Optional[float]:
+        """That gives a contact the mass which the body opposes to a push; none of a body that does not yield."""
+        return 1.0 / (weight * volume) if weight > 0.0 else None
+
+    round_area = math.pi * size[0] * size[0]
+    ball = round_area * size[0] * 4.0 / 3.0
+    axis = (0.0, 0.0, 1.0)
+    try:
+        if kind == kinds.mjGEOM_SPHERE:
+            made = world.sphere(size[0], point, density=density(ball), material=material)
+        elif kind == kinds.mjGEOM_CAPSULE:
+            weighed = density(ball + round_area * 2.0 * size[1])
+            made = world.capsule(size[0], axis, size[1], point, density=weighed, material=material)
+        elif kind == kinds.mjGEOM_CYLINDER:
+            length = 2.0 * size[1]
+            weighed = density(round_area * length)
+            made = world.cylinder(size[0], axis, point, length=length, density=weighed, material=material)
+        elif kind == kinds.mjGEOM_BOX:
+            weighed = density(8.0 * size[0] * size[1] * size[2])
+            made = world.cuboid(size, point, density=weighed, material=material)
+        elif kind == kinds.mjGEOM_MESH:
+            made = world.mesh(_triangles(model, geom), point, material=material)
+        else:
+            problem = f"has {name!r}, a {kind.name}; spheres, capsules, cylinders, boxes and meshes push grains"
+            raise wrong("geoms", problem)
+        made.orientation = quaternion
+    except BadObstacle as error:
+        place = [round(float(x), 6) for x in point]
+        problem = f"has {name!r}, at {place}, which does not fit the world's box: make the box larger"
+        raise wrong("geoms", problem) from error
+    return made
+
+
+def _triangles(model: Any, geom: int) -> Array:
+    """Corners of the triangles of a geom's mesh in its own axes, shape (n, 3, 3)."""
+    mesh = int(model.geom_dataid[geom])
+    first, face = int(model.mesh_vertadr[mesh]), int(model.mesh_faceadr[mesh])
+    corners = model.mesh_vert[first : first + int(model.mesh_vertnum[mesh])]
+    faces = model.mesh_face[face : face + int(model.mesh_facenum[mesh])]
+    return np.asarray(corners[faces], dtype=np.float64)

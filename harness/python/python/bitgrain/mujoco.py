@@ -1,0 +1,434 @@
+"""Bodies of MuJoCo in a world of grains.
+
+    sand = couple(model, data, world, ["wheel", "blade"])
+    while data.time < 10:
+        data.ctrl[:] = ...
+        sand.step()
+
+A step of MuJoCo, of the length h, is N steps of the grains. In :meth:`Coupling.step`
+
+1. ``mj_step1`` finds where the geoms are and how they move;
+2. each geom's obstacle goes in N steps of the grains to where the geom would be after h at that velocity;
+3. the mean of the grains' force on it over those steps, and its moment about the body's centre of mass, are added to
+   ``xfrc_applied`` of the geom's body; what you set there stays and acts as well;
+4. ``mj_step2`` moves MuJoCo with that. Both are at the same time then.
+
+Force times h is the impulse on the body, and minus that on the grains, to rounding: the mean is a trapezoid, as the
+grains' own integration takes it. Bodies begin each step where MuJoCo has them but for h^2 times their acceleration,
+which the next step makes good by a velocity, without a jump.
+
+The force lags behind by a part of a step. On a body held by contacts of stiffness K it acts as a damper, and from a
+certain h on it drives the body instead. So couplings that are too coarse are refused, and those that are nearly so are
+remarked on: see `LIMITS`.
+"""
+
+import hashlib
+import json
+import math
+import warnings
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+
+import numpy as np
+
+from ._geoms import Array, Part, add_obstacle, length_of, mujoco, pose_of
+from ._native import Obstacle, World, contact_duration
+from .errors import BadSave, Error, wrong
+
+__all__ = ["CoarseCoupling", "CoarseCouplingWarning", "Coupling", "LIMITS", "Limit", "couple", "grain_step", "load"]
+
+class Limit(NamedTuple):
+    """A number that says how coarse a coupling is: what it is, from where on it is remarked on, and refused."""
+
+    meaning: str
+    remark: float
+    refuse: float
+    remedy: str
+
+
+#: How coarse a coupling may be.
+#:
+#: * `"time_step"`: at a tenth of a collision the coefficient of restitution is off by 0.02, at a fifth collisions make
+#:   energy.
+#: * `"travel"`: within a step of MuJoCo a body goes straight on, whatever the grains do.
+#: * `"stiffness"`: S = h^2 K / m. The lag of the force damps the body's motion on its contacts by the ratio sqrt(S)/4
+#:   of the critical damping; from S = 2/3 on that motion grows.
+LIMITS: Dict[str, Limit] = {
+    "time_step": Limit(
+        "world.dt over the duration of a collision at the speed of the fastest body",
+        0.1,
+        0.2,
+        "take {}, or softer grains (see grain_step)",
+    ),
+    "travel": Limit(
+        "way of a body's surface in a step of MuJoCo over the smallest grain's radius",
+        0.5,
+        1.0,
+        "take {}, or move slower; after a leap of data.qpos couple anew",
+    ),
+    "stiffness": Limit(
+        "timestep^2 times the stiffness of a body's contacts over its mass as they feel it",
+        0.1,
+        2.0 / 3.0,
+        "take {}, softer grains, or a heavier body",
+    ),
+}
+
+
+class CoarseCoupling(Error):
+    """A coupling that is too coarse: which of `LIMITS`, its value, and where it is refused."""
+
+    limit: str
+    value: float
+    most: float
+
+
+class CoarseCouplingWarning(UserWarning):
+    """A coupling that is nearly too coarse; the message has the number."""
+
+
+def grain_step(model: Any, law: Any, radius: float, density: float, speed: float) -> float:
+    """Time step for a world of grains that `model` is to be coupled to.
+
+    The longest whole part of ``model.opt.timestep`` that is at most a tenth of the duration of a collision.
+
+    Parameters
+    ----------
+    model : mujoco.MjModel
+    law : HertzHistory, HertzTsuji or dict
+        Contact law of the world.
+    radius, density : float
+        Of the smallest grain (length, mass / length^3).
+    speed : float
+        The fastest relative speed that matters (length / time).
+
+    Raises
+    ------
+    InputError
+    """
+    duration = contact_duration(law, speed, radius, density)
+    timestep = float(model.opt.timestep)
+    return timestep / math.ceil(timestep / (LIMITS["time_step"].remark * duration))
+
+
+class Coupling:
+    """A model of MuJoCo and a world of grains that go on together; `couple` and `load` make one.
+
+    Attributes
+    ----------
+    model, data : mujoco.MjModel, mujoco.MjData
+    world : World
+    substeps : int
+        Steps of the grains in a step of MuJoCo.
+    worst : dict of float
+        The coarsest that each of `LIMITS` was so far. `"stiffness"` is looked at whenever the force on a geom exceeds
+        all before by a tenth.
+    """
+
+    def __init__(self, model: Any, data: Any, world: World, parts: Sequence[Part], strict: bool) -> None:
+        self.model, self.data, self.world = model, data, world
+        self.worst: Dict[str, float] = {name: 0.0 for name in LIMITS}
+        self._parts, self._strict = list(parts), strict
+        self._remarked: List[str] = []
+        self._timestep = float(model.opt.timestep)
+        if model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4:
+            raise wrong("model.opt.integrator", "is RK4, which does not stop for forces; expected another integrator")
+        self.substeps = max(1, round(self._timestep / world.dt))
+        if abs(self.substeps * world.dt - self._timestep) > 1e-9 * self._timestep:
+            fitting = self._timestep / math.ceil(self._timestep / world.dt)
+            problem = f"is {world.dt!r}; expected model.opt.timestep / a whole number, as {fitting!r}"
+            raise wrong("world.dt", problem)
+        world.start()
+        self._measure_grains()
+        box, periodic = world.box, world.periodic
+        lengths = np.zeros(3) if box is None else box[1] - box[0]
+        #: Periods; zero along other axes.
+        self._periods = [float(length) if turns else 0.0 for length, turns in zip(lengths, periodic)]
+        self._bodies = sorted({part.body for part in self._parts})
+
+    def __repr__(self) -> str:
+        return f"<bitgrain.mujoco.Coupling: {self.names} in {self.world!r}>"
+
+    @property
+    def names(self) -> List[str]:
+        """Names of the geoms."""
+        return [part.name for part in self._parts]
+
+    def obstacle(self, geom: str) -> Obstacle:
+        """The obstacle of a geom."""
+        return self._part(geom).obstacle
+
+    def wrench(self, geom: str) -> Array:
+        """Mean force of the grains on a geom in the last step, and its moment about the centre of mass of the geom's
+        body, in the axes of the world, shape (6,): as ``xfrc_applied`` has it."""
+        return self._part(geom).wrench.copy()
+
+    def _part(self, geom: str) -> Part:
+        for part in self._parts:
+            if part.name == geom:
+                return part
+        raise wrong("geom", f"is {geom!r}; the coupled ones are {self.names}")
+
+    def step(self, n: int = 1) -> None:
+        """Does `n` steps of MuJoCo, each with its steps of the grains.
+
+        Raises
+        ------
+        CoarseCoupling
+            One of `LIMITS` is exceeded; nothing has moved in this step.
+        KernelError
+            What stopped the grains. MuJoCo has not moved in this step; grains and obstacles may have.
+        InputError
+            ``model.opt.timestep`` was changed.
+        """
+        model, data = self.model, self.data
+        if model.opt.timestep != self._timestep:
+            problem = f"is {model.opt.timestep!r} and was {self._timestep!r}; couple anew after a change"
+            raise wrong("model.opt.timestep", problem)
+        for _ in range(n):
+            mujoco.mj_step1(model, data)
+            self._move_grains()
+            own = data.xfrc_applied[self._bodies].copy()
+            for part in self._parts:
+                data.xfrc_applied[part.body] += part.wrench
+            mujoco.mj_step2(model, data)
+            data.xfrc_applied[self._bodies] = own
+
+    def _move_grains(self) -> None:
+        """Steps the grains through a step of MuJoCo, and works out the wrenches."""
+        motions = [self._motion(part) for part in self._parts]
+        self._check(motions)
+        before = []
+        for part, (spin, velocity) in zip(self._parts, motions):
+            before.append((part.obstacle.force, part.obstacle.torque))
+            self._drive(part, spin, velocity)
+        self.world.step(self.substeps)
+        for part, (spin, _), (force, torque) in zip(self._parts, motions, before):
+            obstacle = part.obstacle
+            # The grains' velocities change by half a step's force at either end.
+            force = obstacle.mean_force + (force - obstacle.force) * (0.5 / self.substeps)
+            torque = obstacle.mean_torque + (torque - obstacle.torque) * (0.5 / self.substeps)
+            # Where the geom is from the body's centre of mass, in the middle of the step.
+            arm = self.data.geom_xpos[part.geom] - self.data.xipos[part.body]
+            arm = arm + 0.5 * self._timestep * np.cross(spin, arm)
+            part.wrench = np.concatenate([force, torque + np.cross(arm, force)])
+
+    def _measure_grains(self) -> None:
+        self._count = len(self.world)
+        self._smallest = float(np.min(self.world.radii.copy())) if self._count else math.inf
+        #: Duration of a collision at the speed 1; it falls with the fifth root of the speed.
+        self._duration = self.world.contact_duration(1.0)
+
+    def _motion(self, part: Part) -> Tuple[Array, Array]:
+        """Angular velocity of a geom, and the velocity of its centre."""
+        both = np.zeros(6)
+        mujoco.mj_objectVelocity(self.model, self.data, mujoco.mjtObj.mjOBJ_GEOM, part.geom, both, 0)
+        return both[:3], both[3:]
+
+    def _drive(self, part: Part, spin: Array, velocity: Array) -> None:
+        """Sends an obstacle to where its geom would be after the step at the present velocity."""
+        here, point = part.obstacle.point, self._target(part, velocity)
+        quaternion = pose_of(self.data, part.geom)[1]
+        turn, turned, speed = np.zeros(4), np.zeros(4), length_of(spin)
+        mujoco.mju_axisAngle2Quat(turn, spin / speed if speed > 0.0 else spin, speed * self._timestep)
+        mujoco.mju_mulQuat(turned, turn, quaternion)
+        mujoco.mju_normalize4(turned)
+        part.obstacle.drive(here + self._way(here, point), self._timestep, turned)
+
+    def _target(self, part: Part, velocity: Array) -> Array:
+        target: Array = self.data.geom_xpos[part.geom] + self._timestep * velocity
+        return target
+
+    def _way(self, here: Array, there: Array) -> Array:
+        """The way to the nearest image of a point."""
+        way = there - here
+        for axis, period in enumerate(self._periods):
+            if period > 0.0:
+                way[axis] -= period * round(float(way[axis]) / period)
+        return way
+
+    def _check(self, motions: Sequence[Tuple[Array, Array]]) -> None:
+        """Looks at all limits before anything moves."""
+        if len(self.world) != self._count:
+            self._measure_grains()
+        if self._count == 0:
+            return
+        fastest, travel = 0.0, 0.0
+        for part, (spin, velocity) in zip(self._parts, motions):
+            # A turn by a radian counts as a way of at least a radius.
+            rim = max(float(self.model.geom_rbound[part.geom]), self._smallest) * length_of(spin)
+            fastest = max(fastest, length_of(velocity) + rim)
+            way = length_of(self._way(part.obstacle.point, self._target(part, velocity)))
+            travel = max(travel, way + rim * self._timestep)
+        stiffness = max(self._stiffness(body) for body in self._bodies)
+        h, dt = self._timestep, self.world.dt
+        self._judge("time_step", dt * fastest**0.2 / self._duration, "world.dt", dt, 1.0)
+        self._judge("travel", travel / self._smallest, "model.opt.timestep", h, 1.0)
+        self._judge("stiffness", h * h * stiffness, "model.opt.timestep", h, 0.5)
+
+    def _stiffness(self, body: int) -> float:
+        """Stiffness of a body's contacts over its mass, if one of its geoms is pressed harder than ever; else zero."""
+        parts = [part for part in self._parts if part.body == body]
+        pressed = [part for part in parts if length_of(part.wrench[:3]) > 1.1 * part.looked]
+        for part in pressed:
+            part.looked = length_of(part.wrench[:3])
+            part.stiffness = part.obstacle.contact_stiffness()
+        push, turn = (float(x) for x in self.model.body_invweight0[body])
+        over_mass = [part.stiffness * (push + part.reach * part.reach * turn) for part in parts]
+        return sum(over_mass) if pressed else 0.0
+
+    def _judge(self, name: str, value: float, time: str, now: float, power: float) -> None:
+        """Holds a value against its limit. A shorter time, by its name and what it is now, makes it smaller: `power` is
+        that of the value which the time goes with."""
+        limit = LIMITS[name]
+        self.worst[name] = max(self.worst[name], value)
+        if value <= limit.remark:
+            return
+        refused = value > limit.refuse and self._strict
+        border = f"at most {limit.refuse:.3g} is taken" if refused else f"above {limit.remark:.3g} results depend on it"
+        remedy = limit.remedy.format(f"{time} {now * (limit.remark / value) ** power:.3g}")
+        message = f"{name} is {value:.3g}, {limit.meaning}; {border}: {remedy}"
+        if refused:
+            error = CoarseCoupling(message)
+            error.limit, error.value, error.most = name, value, limit.refuse
+            raise error
+        if name not in self._remarked:
+            self._remarked.append(name)
+            # Of the line that calls `step`.
+            warnings.warn(message, CoarseCouplingWarning, stacklevel=5)
+
+    def save(self) -> bytes:
+        """MuJoCo's state and the world as bytes, from which `load` goes on with the same bits: MuJoCo on the same
+        architecture and of the same version, which the bytes name.
+
+        Raises
+        ------
+        KernelError, Busy
+        """
+        world, state = self.world.save(), _state(self.model, self.data)
+        head = {
+            "mujoco": mujoco.mj_versionString(),
+            "model": _model_digest(self.model),
+            "geoms": [[part.name, part.obstacle.number] for part in self._parts],
+            "state": len(state),
+            "sha256": hashlib.sha256(state + world).hexdigest(),
+        }
+        return _MAGIC + json.dumps(head).encode() + b"\n" + state + world
+
+
+#: The first line of what is saved.
+_MAGIC = b"bitgrain with mujoco, format 1\n"
+
+
+def _state(model: Any, data: Any) -> bytes:
+    kind = mujoco.mjtState.mjSTATE_INTEGRATION
+    state = np.zeros(mujoco.mj_stateSize(model, kind))
+    mujoco.mj_getState(model, data, state, kind)
+    return state.astype("<f8").tobytes()
+
+
+def _model_digest(model: Any) -> str:
+    buffer = np.zeros(mujoco.mj_sizeModel(model), np.uint8)
+    mujoco.mj_saveModel(model, None, buffer)
+    return hashlib.sha256(buffer.tobytes()).hexdigest()
+
+
+def couple(
+    model: Any,
+    data: Any,
+    world: World,
+    geoms: Sequence[str],
+    *,
+    material: Union[str, Mapping[str, str], None] = None,
+    strict: bool = True,
+) -> Coupling:
+    """Puts geoms of a model of MuJoCo into a world of grains.
+
+    Each becomes an obstacle of the world, where `data` has it: spheres, capsules, cylinders, boxes and meshes. MuJoCo
+    itself takes a mesh for its convex hull; grains touch its triangles, on both sides. A contact counts a body's mass
+    as MuJoCo's joints let it answer a push (``body_invweight0``), and a mesh as infinitely heavy. Gravity of the two
+    is set in each of them.
+
+    Parameters
+    ----------
+    model, data : mujoco.MjModel, mujoco.MjData
+    world : World
+        Grains, with room for the geoms; its dt is a whole part of ``model.opt.timestep``: see `grain_step`.
+    geoms : sequence of str
+        Names of the geoms.
+    material : str or mapping of str to str, optional
+        Name of the geoms' material, or of each by the geom's name, if the world's law has several.
+    strict : bool
+        Whether a coupling beyond `LIMITS` is refused. If not, it is remarked on.
+
+    Raises
+    ------
+    InputError
+        A geom is unknown, of another kind or outside the box; dt does not fit; the integrator is RK4.
+    BadObstacle, ObstacleTooDeep, Busy
+
+    Warns
+    -----
+    CoarseCouplingWarning
+        In a step, when one of `LIMITS` is reached; once for each.
+    """
+    if isinstance(geoms, str) or len(geoms) == 0 or len(set(geoms)) < len(geoms):
+        raise wrong("geoms", f"is {geoms!r}; expected a list of names of geoms, each once")
+    mujoco.mj_kinematics(model, data)
+    parts = []
+    for name in geoms:
+        own = material if material is None or isinstance(material, str) else material.get(name)
+        parts.append(Part(model, name, add_obstacle(model, data, world, name, own)))
+    return Coupling(model, data, world, parts, strict)
+
+
+def load(
+    model: Any,
+    data: Any,
+    saved: bytes,
+    *,
+    threads: Optional[int] = None,
+    instructions: Optional[str] = None,
+    strict: bool = True,
+) -> Coupling:
+    """The coupling that `Coupling.save` wrote, with a world of its own; `data` gets the saved state.
+
+    Parameters
+    ----------
+    model, data : mujoco.MjModel, mujoco.MjData
+        The same model.
+    saved : bytes
+    threads, instructions
+        As of `World.load`.
+    strict : bool
+        As of `couple`.
+
+    Raises
+    ------
+    BadSave
+        The bytes are not as they were written.
+    InputError
+        They are of another model, or of another version of MuJoCo.
+    OtherVersion
+        Another version of this package, with other bits, wrote them.
+    """
+    begin, _, rest = bytes(saved).partition(_MAGIC)
+    line, _, payload = rest.partition(b"\n")
+    try:
+        head: Dict[str, Any] = json.loads(line)
+    except ValueError:
+        head = {}
+    if begin or head.get("sha256") != hashlib.sha256(payload).hexdigest():
+        raise BadSave("these bytes are not as Coupling.save wrote them: changed, cut off, or something else")
+    if head["mujoco"] != mujoco.mj_versionString():
+        problem = f"is of MuJoCo {head['mujoco']}, and this is {mujoco.mj_versionString()}: its bits differ"
+        raise wrong("saved", problem)
+    if head["model"] != _model_digest(model):
+        raise wrong("model", "is not the one that was saved, or was changed since: make it as it was then")
+    length = int(head["state"])
+    world = World.load(payload[length:], threads=threads, instructions=instructions)
+    state = np.frombuffer(payload[:length], "<f8").astype(np.float64)
+    mujoco.mj_setState(model, data, state, mujoco.mjtState.mjSTATE_INTEGRATION)
+    mujoco.mj_kinematics(model, data)
+    obstacles = world.obstacles
+    parts = [Part(model, name, obstacles[number]) for name, number in head["geoms"]]
+    return Coupling(model, data, world, parts, strict)
