@@ -30,7 +30,7 @@ from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tup
 
 import numpy as np
 
-from ._geoms import Array, Part, add_obstacle, length_of, mujoco, pose_of
+from ._geoms import Array, Part, add_obstacle, cross, length_of, mujoco, pose_of
 from ._native import Obstacle, World, contact_duration
 from .errors import BadSave, Error, wrong
 
@@ -209,8 +209,8 @@ class Coupling:
             torque = obstacle.mean_torque + (torque - obstacle.torque) * (0.5 / self.substeps)
             # Where the geom is from the body's centre of mass, in the middle of the step.
             arm = self.data.geom_xpos[part.geom] - self.data.xipos[part.body]
-            arm = arm + 0.5 * self._timestep * np.cross(spin, arm)
-            part.wrench = np.concatenate([force, torque + np.cross(arm, force)])
+            arm = arm + 0.5 * self._timestep * cross(spin, arm)
+            part.wrench = np.concatenate([force, torque + cross(arm, force)])
 
     def _measure_grains(self) -> None:
         self._count = len(self.world)
