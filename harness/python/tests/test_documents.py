@@ -26,7 +26,7 @@ def members():
         for name, member in vars(kind).items():
             if not name.startswith("_"):
                 yield f"{kind.__name__}.{name}", member
-    for name in ("run", "read", "verify", "bisect"):
+    for name in ("run", "read", "verify", "bisect", "contact_duration"):
         yield name, getattr(bitgrain, name)
 
 
@@ -95,8 +95,12 @@ def test_types_of_package_and_examples():
     assert (PACKAGE / "py.typed").exists()
 
 
-def test_stubs_are_what_is_there():
-    done = mypy("mypy.stubtest", "bitgrain", "--concise")
+def test_stubs_are_what_is_there(tmp_path):
+    allowed = tmp_path / "allowed"
+    # What cannot be imported without MuJoCo.
+    there = importlib.util.find_spec("mujoco") is not None
+    allowed.write_text("" if there else "bitgrain.mujoco\nbitgrain._geoms\n")
+    done = mypy("mypy.stubtest", "bitgrain", "--concise", "--allowlist", str(allowed))
     assert done.returncode == 0, done.stdout + done.stderr
 
 

@@ -13,6 +13,7 @@ from typing import Any, Dict, List, Optional
 import mujoco  # type: ignore[import-untyped, unused-ignore]
 import numpy as np
 
+import pictures
 import sand
 from bitgrain import mujoco as coupling
 
@@ -39,13 +40,13 @@ def dropped(
     # The spin of a free joint is in the axes of the body.
     data.qvel[:] = 0.0, 0.0, -1.0, 0.0, 16.0, 12.0
     bed = coupling.couple(model, data, w, ["ball"])
-    pictures = sand.Pictures(bed, 0.5 * side, top + 4 * RADIUS) if frames else None
+    slices = pictures.Slices(bed, 0.5 * side, top + 4 * RADIUS) if frames else None
     rows: List[Dict[str, float]] = []
     steps = round(seconds / TIMESTEP)
     every, before = max(1, steps // 25), data.qpos[3:].copy()
     for step in range(steps + 1):
-        if pictures and step % max(1, steps // frames) == 0:
-            pictures.take(f"t = {data.time:5.2f} s   {math.hypot(*data.qvel[3:]):6.2f} rad/s")
+        if slices and step % max(1, steps // frames) == 0:
+            slices.take(f"t = {data.time:5.2f} s   {math.hypot(*data.qvel[3:]):6.2f} rad/s")
         if step % every == 0:
             angle = 2.0 * math.acos(min(1.0, abs(float(np.dot(before, data.qpos[3:])))))
             before = data.qpos[3:].copy()
@@ -61,8 +62,8 @@ def dropped(
         if step < steps:
             bed.step()
     sand.table(rows, out / "ball.csv")
-    if pictures:
-        pictures.write(out / "ball.png", out / "ball.gif")
+    if slices:
+        slices.write(out / "ball.png", out / "ball.gif")
     weight = float(model.body_mass[1]) * sand.GRAVITY
     print(f"weight {weight:.3f} N; coupling {bed.worst}, {bed.substeps} steps of the grains in one of MuJoCo")
     print("digest", w.digest)
@@ -77,10 +78,12 @@ def main(words: Optional[List[str]] = None) -> None:
     parser.add_argument("--seconds", type=float, default=2.0)
     parser.add_argument("--density", type=float, default=5000.0)
     parser.add_argument("--threads", type=int, default=1)
+    parser.add_argument("--frames", type=int, default=60)
     given = parser.parse_args(words)
-    rows = dropped(given.grains, given.seconds, given.out, given.threads, given.density)
+    rows = dropped(given.grains, given.seconds, given.out, given.threads, given.density, given.frames)
     end = rows[-1]
-    print(f"at the end: speed {end['speed']:.1e} m/s, spin {end['spin']:.1e} rad/s, turned by {end['turned']:.1e} since the row before, depth {end['depth']:.4f} m")
+    print(f"at the end: speed {end['speed']:.1e} m/s, spin {end['spin']:.1e} rad/s, depth {end['depth']:.4f} m;")
+    print(f"since the row before it turned by {end['turned']:.1e} rad")
 
 
 if __name__ == "__main__":

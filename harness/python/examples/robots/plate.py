@@ -3,11 +3,11 @@
     python plate.py --out plate          # a table and a picture; two minutes
 
 Slow vertical pressing into dry grains is resisted in proportion to the depth, after a beginning that is steeper: of
-plates by C. Li, T. Zhang and D. Goldman, Science 339, 1408 (2013), of solids of many shapes by W. Kang, Y. Feng, C. Liu
-and R. Blumenfeld, Nature Communications 9, 1101 (2018), who find that the slope depends on the grains' angle of internal
-friction alone. The slope is given here in units of the bed's own pressure per depth, rho g. What theory has for a square
-footing is `exp(pi tan phi) tan^2(45 deg + phi/2) (1 + tan phi)` (H. Reissner 1924, E. De Beer 1970), which is told for
-some angles phi.
+plates by C. Li, T. Zhang and D. Goldman, Science 339, 1408 (2013), of solids of many shapes by W. Kang, Y. Feng,
+C. Liu and R. Blumenfeld, Nature Communications 9, 1101 (2018), who find that the slope depends on the grains' angle of
+internal friction alone. The slope is given here in units of the bed's own pressure per depth, rho g. What theory has
+for a square footing, `exp(pi tan phi) tan^2(45 deg + phi/2) (1 + tan phi)` (H. Reissner 1924, E. De Beer 1970), is told
+for some angles phi.
 """
 
 import argparse
@@ -18,11 +18,12 @@ from typing import Any, Dict, List, Optional, Tuple
 import mujoco  # type: ignore[import-untyped, unused-ignore]
 import numpy as np
 
+import pictures
 import sand
 from bitgrain import mujoco as coupling
 
 #: Side of the stamp, its height, the speed, and MuJoCo's step.
-SIDE, HEIGHT, SPEED, TIMESTEP = 5 * sand.D, 0.08, 0.03, 1e-3
+SIDE, HEIGHT, SPEED, TIMESTEP = 5 * sand.D, 0.06, 0.03, 8e-4
 
 
 def model_of(side: float) -> Any:
@@ -53,7 +54,7 @@ def pressed(
     clear = float(w.positions[:, 2].max()) + sand.D
     data.qpos[0] = clear + 0.5 * HEIGHT
     bed = coupling.couple(model, data, w, ["stamp"])
-    pictures = sand.Pictures(bed, 0.5 * box, clear + 0.6 * HEIGHT) if picture else None
+    slices = pictures.Slices(bed, 0.5 * box, clear + 0.6 * HEIGHT) if picture else None
     rows: List[Dict[str, float]] = []
     every, sums = round(0.05 * sand.D / SPEED / TIMESTEP), []
     target = clear
@@ -66,13 +67,17 @@ def pressed(
             at = top - (float(data.qpos[0]) - 0.5 * HEIGHT)
             rows.append({"depth": at, "force": float(np.mean(sums)), "pressure": float(np.mean(sums)) / side**2})
             sums.clear()
-            if pictures and len(rows) % 2 == 0:
-                pictures.take(f"depth {1000 * at:5.1f} mm   {rows[-1]['pressure'] / 1000:5.1f} kPa")
+            if slices and len(rows) % 2 == 0:
+                slices.take(f"depth {1000 * at:5.1f} mm   {rows[-1]['pressure'] / 1000:5.1f} kPa")
     fit = fitted(rows, bulk, side)
     sand.table(rows[::6], out / "plate.csv")
-    if pictures:
-        pictures.write(out / "plate.png", out / "plate.gif")
-        chart(rows, fit, bulk, out / "pressure.png")
+    if slices:
+        slices.write(out / "plate.png", out / "plate.gif")
+        depths = np.array([max(0.0, row["depth"]) for row in rows])
+        line = fit["slope"] * bulk * sand.GRAVITY * depths + fit["at_zero_depth"]
+        words = "depth / mm", "pressure / kPa", "stamp", f"{fit['slope']:.1f} rho g z + constant"
+        pressure = np.array([row["pressure"] for row in rows])
+        pictures.chart(1000 * depths, pressure / 1000, line / 1000, words, out / "pressure.png")
     print("; ".join(f"{name} {value:.4g}" for name, value in fit.items()), f"; coupling {bed.worst}")
     print("slopes of footings by phi: " + ", ".join(f"{phi} deg {footing(phi):.0f}" for phi in (20, 25, 30)))
     print("digest", w.digest)
@@ -80,10 +85,12 @@ def pressed(
 
 
 def fitted(rows: List[Dict[str, float]], bulk: float, side: float) -> Dict[str, float]:
-    """A line through the pressures from half the side on; its slope in rho g, and the part of the variance it has."""
+    """A line through the pressures from 0.3 of the side on; its slope in rho g, and the part of the variance it has."""
     depth = np.array([row["depth"] for row in rows])
     pressure = np.array([row["pressure"] for row in rows])
     deep = depth > 0.3 * side
+    if deep.sum() < 3:
+        raise SystemExit(f"--depth: the line is fitted beyond {0.3 * side} m; press deeper")
     slope, offset = np.polyfit(depth[deep], pressure[deep], 1)
     rest = pressure[deep] - (slope * depth[deep] + offset)
     return {
@@ -93,25 +100,6 @@ def fitted(rows: List[Dict[str, float]], bulk: float, side: float) -> Dict[str, 
         "bulk_density": bulk,
         "from_depth": 0.3 * side,
     }
-
-
-def chart(rows: List[Dict[str, float]], fit: Dict[str, float], bulk: float, path: Path) -> None:
-    from matplotlib import pyplot
-
-    figure, axes = pyplot.subplots(figsize=(5, 3.6), dpi=100)
-    depth = np.array([row["depth"] for row in rows])
-    axes.plot(1000 * depth, [row["pressure"] / 1000 for row in rows], color="#8a6a34", label="stamp")
-    line = fit["slope"] * bulk * sand.GRAVITY * depth + fit["at_zero_depth"]
-    axes.plot(1000 * depth, line / 1000, "--", color="#20303f", label=f"{fit['slope']:.1f} rho g z + constant")
-    axes.axvline(1000 * fit["from_depth"], color="#bbbbbb", linewidth=0.8)
-    axes.set_xlabel("depth / mm")
-    axes.set_ylabel("pressure / kPa")
-    axes.set_xlim(left=0)
-    axes.set_ylim(bottom=0)
-    axes.legend(frameon=False)
-    figure.tight_layout()
-    figure.savefig(path)
-    pyplot.close(figure)
 
 
 def main(words: Optional[List[str]] = None) -> None:

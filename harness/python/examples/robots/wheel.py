@@ -13,12 +13,16 @@ from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 import mujoco  # type: ignore[import-untyped, unused-ignore]
 import numpy as np
+from numpy.typing import NDArray
 
+import pictures
 import sand
 from bitgrain import mujoco as coupling
 
-RADIUS, WIDTH, MASS, SPIN, TIMESTEP = 0.04, 0.03, 0.4, 5.0, 5e-4
+RADIUS, WIDTH, MASS, SPIN, TIMESTEP = 0.04, 0.03, 0.4, 5.0, 3e-4
 GROUSERS = 12
+#: A period must be longer than twice what the largest body's sizes add up to.
+BED_WIDTH = 0.13
 
 
 def model_of(slope: float) -> Tuple[Any, List[str]]:
@@ -39,10 +43,17 @@ def model_of(slope: float) -> Tuple[Any, List[str]]:
     return model, ["rim"] + [f"grouser{k}" for k in range(GROUSERS)]
 
 
+def mean(series: NDArray[np.float64]) -> Tuple[float, float]:
+    """The mean, and its standard error by the means of four parts."""
+    parts = [part.mean() for part in np.array_split(series, 4)]
+    return float(np.mean(parts)), float(np.std(parts, ddof=1) / 2.0)
+
+
 def climb(
-    slope: float, grains: int, seconds: float, threads: int, pictures_of: int, length: float = 0.36, width: float = 0.13
-) -> Tuple[Dict[str, float], str, Optional[sand.Pictures]]:
+    slope: float, grains: int, seconds: float, length: float, threads: int, frames: int
+) -> Tuple[Dict[str, float], str, Optional[pictures.Slices]]:
     """Lets the wheel drive up one slope; returns its row, the digest, and the pictures if some are wanted."""
+    width = BED_WIDTH
     model, geoms = model_of(slope)
     w = sand.bed(model, grains, length, width, slope, threads)
     top = sand.surface(w)
@@ -52,31 +63,32 @@ def climb(
     # The model's bodies are about the origin; the bed's middle is at half its width.
     model.body_pos[1, 1] = 0.5 * width
     bed = coupling.couple(model, data, w, geoms)
-    pictures = sand.Pictures(bed, 0.5 * width, top + 2.5 * RADIUS, slope) if pictures_of else None
+    slices = pictures.Slices(bed, 0.5 * width, top + 2.5 * RADIUS, slope) if frames else None
     steps = round(seconds / TIMESTEP)
     ways, torques, heights = [], [], []
     for step in range(steps):
         # The motor starts when the wheel has come down.
         data.ctrl[0] = SPIN * min(1.0, max(0.0, (data.time - 0.15) / 0.1))
-        if pictures and step % max(1, steps // pictures_of) == 0:
-            pictures.take(f"slope {slope:4.1f} deg   t = {data.time:4.2f} s")
+        if slices and step % max(1, steps // frames) == 0:
+            slices.take(f"slope {slope:4.1f} deg   t = {data.time:4.2f} s")
         bed.step()
         ways.append(float(data.qpos[0]))
         torques.append(float(data.actuator_force[0]))
         heights.append(float(data.qpos[1]))
     half = steps // 2
-    speed = (ways[-1] - ways[half]) / (TIMESTEP * (steps - 1 - half))
-    halves = [np.mean(part) for part in np.array_split(np.array(torques[half:]), 4)]
+    speeds = np.diff(np.array(ways[half:])) / TIMESTEP
+    torque, torque_error = mean(np.array(torques[half:]))
+    slip, slip_error = mean(1.0 - speeds / (SPIN * RADIUS))
     row = {
         "slope": slope,
-        "torque": float(np.mean(halves)),
-        "error": float(np.std(halves, ddof=1) / 2.0),
-        "slip": 1.0 - speed / (SPIN * RADIUS),
-        "speed": speed,
+        "torque": torque,
+        "torque_error": torque_error,
+        "slip": slip,
+        "slip_error": slip_error,
         "sinkage": top - (float(np.mean(heights[half:])) - RADIUS),
         "stiffness": bed.worst["stiffness"],
     }
-    return row, w.digest, pictures
+    return row, w.digest, slices
 
 
 def main(words: Optional[List[str]] = None) -> None:
@@ -84,28 +96,35 @@ def main(words: Optional[List[str]] = None) -> None:
     parser.add_argument("--out", type=Path, default=Path("wheel"))
     parser.add_argument("--grains", type=int, default=4000)
     parser.add_argument("--seconds", type=float, default=2.4)
+    parser.add_argument("--length", type=float, default=0.36, help="of the bed, in metres")
     parser.add_argument("--slopes", type=float, nargs="+", default=[0.0, 4.0, 8.0, 12.0, 16.0, 20.0])
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--frames", type=int, default=50)
     given = parser.parse_args(words)
-    drive(given.slopes, given.grains, given.seconds, given.out, given.threads, given.frames)
+    drive(given.slopes, given.grains, given.seconds, given.out, given.length, given.threads, given.frames)
 
 
 def drive(
-    slopes: Sequence[float], grains: int, seconds: float, out: Path, threads: int = 1, frames: int = 50
+    slopes: Sequence[float],
+    grains: int,
+    seconds: float,
+    out: Path,
+    length: float = 0.36,
+    threads: int = 1,
+    frames: int = 50,
 ) -> List[Dict[str, float]]:
     """All slopes, with pictures of the one in the middle; returns the rows."""
     out.mkdir(parents=True, exist_ok=True)
     rows, digests = [], []
     for number, slope in enumerate(slopes):
-        row, digest, pictures = climb(slope, grains, seconds, threads, frames if number == len(slopes) // 2 else 0)
+        row, digest, slices = climb(slope, grains, seconds, length, threads, frames * (number == len(slopes) // 2))
         rows.append(row)
         digests.append(digest)
-        if pictures:
-            pictures.write(out / "wheel.png", out / "wheel.gif")
+        if slices:
+            slices.write(out / "wheel.png", out / "wheel.gif")
     sand.table(rows, out / "wheel.csv")
     for slope, digest in zip(slopes, digests):
-        print(f"digest of {slope}: {digest}")
+        print(f"slope {slope}: digest {digest}")
     return rows
 
 

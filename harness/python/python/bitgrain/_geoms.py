@@ -11,8 +11,8 @@ from .errors import BadObstacle, PeriodTooShort, wrong
 
 try:
     import mujoco  # type: ignore[import-untyped, import-not-found, unused-ignore]
-except ImportError as missing:
-    raise ImportError("bitgrain.mujoco needs the package mujoco: pip install 'bitgrain[mujoco]'") from missing
+except ImportError as _missing:
+    raise ImportError("bitgrain.mujoco needs the package mujoco: pip install 'bitgrain[mujoco]'") from _missing
 
 __all__ = ["Array", "Part", "add_obstacle", "cross", "length_of", "mujoco", "pose_of"]
 
