@@ -1,9 +1,11 @@
 """Bodies of MuJoCo in worlds of grains: shapes, impulses, states, the same bits, what is too coarse."""
 
+import re
 import warnings
 
 import numpy as np
 import pytest
+from conftest import ROOT
 
 import bitgrain
 
@@ -447,3 +449,44 @@ def test_a_material_of_its_own():
         c.step(10)
         spins.append(data.qvel[3])
     assert spins[0] < 1 and spins[1] == 1
+
+
+def test_a_force_sensor_feels_the_grains_and_a_touch_sensor_does_not():
+    body = """<body><joint type="slide" axis="0 0 1"/><geom size="0.01" mass="1"/><body name="foot" pos="0 0 -0.1">
+        <site name="ankle"/><geom name="foot" size="0.02" mass="0.1"/></body></body>"""
+    sensors = '<sensor><force site="ankle"/><touch site="ankle"/></sensor>'
+    model = mujoco.MjModel.from_xml_string(
+        f'<mujoco><option gravity="0 0 0"/><worldbody>{body}</worldbody>{sensors}</mujoco>'
+    )
+    data = mujoco.MjData(model)
+    w = bitgrain.World(None, (0, 0, 0), 1e-4, soft(mu=0.0))
+    w.add([[0, 0, -0.1 - 0.02 - 0.5 * D + 1e-4]], 0.5 * D, DENSITY, group="frozen")
+    c = coupling.couple(model, data, w, ["foot"])
+    c.step()
+    force = c.wrench("foot")[2]
+    assert force > 0.01
+    # What the ankle puts on the foot: its mass times its acceleration, less the force of the grains.
+    assert data.sensordata[2] == pytest.approx(0.1 * data.qacc[0] - force, rel=1e-9)
+    assert data.sensordata[3] == 0
+
+
+def test_everything_public_is_documented():
+    assert sorted(coupling.__all__) == coupling.__all__
+    for name in coupling.__all__:
+        member = getattr(coupling, name)
+        # A dictionary has a comment.
+        assert isinstance(member, dict) or member.__doc__
+        parts = vars(member).items() if isinstance(member, type) else ()
+        bare = [part for part, value in parts if callable(value) and not part.startswith("_") and not value.__doc__]
+        assert bare == []
+
+
+def test_the_page_of_the_guide_runs(tmp_path, monkeypatch):
+    """Its blocks, one after the other, as one program; `assert` lines in them are tests."""
+    page = (ROOT / "harness/guide/src/robots.md").read_text()
+    blocks = re.findall(r"^```python\n(.*?)^```", page, re.S | re.M)
+    assert len(blocks) >= 3 and sum(block.count("assert ") for block in blocks) >= 3
+    monkeypatch.chdir(tmp_path)
+    names = {}
+    for k, block in enumerate(blocks):
+        exec(compile(block, f"robots.md, block {k + 1}", "exec"), names)
