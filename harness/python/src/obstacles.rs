@@ -39,8 +39,9 @@ pub fn weighed(mut body: Body<f64>, density: Option<f64>) -> PyResult<Body<f64>>
     Ok(body)
 }
 
-/// The orientation that four numbers name.
-fn turned(numbers: [f64; 4]) -> PyResult<[f64; 4]> {
+/// The orientation that four numbers name; upright without.
+pub fn turned(numbers: Option<[f64; 4]>) -> PyResult<[f64; 4]> {
+    let numbers = numbers.unwrap_or([1.0, 0.0, 0.0, 0.0]);
     orientation(numbers).map_err(|problem| input("orientation", problem))
 }
 
@@ -180,7 +181,7 @@ impl Obstacle {
 
     #[setter]
     fn set_orientation(&self, value: [f64; 4]) -> PyResult<()> {
-        let turned = turned(value)?;
+        let turned = turned(Some(value))?;
         let turn = |body: &mut Body<f64>| body.orientation = turned;
         write(&self.shared)?
             .change_obstacle(self.number, turn)
@@ -317,7 +318,7 @@ impl Obstacle {
         orientation: Option<[f64; 4]>,
     ) -> PyResult<()> {
         let point = vector(pos, "pos")?;
-        let orientation = orientation.map(turned).transpose()?;
+        let orientation = orientation.map(|one| turned(Some(one))).transpose()?;
         let mut core = write(&self.shared)?;
         let steps = (over / core.sim.dt).round();
         if !(1.0..=1e15).contains(&steps) {

@@ -190,7 +190,7 @@ impl Core {
     /// [`KernelError::BadObstacle`] if it does not fit the box.
     pub fn add_mesh(
         &mut self,
-        point: [f64; 3],
+        (point, orientation): ([f64; 3], [f64; 4]),
         velocity: [f64; 3],
         material: u8,
         triangles: &[Triangle],
@@ -199,6 +199,7 @@ impl Core {
         self.rearrange(|sim| {
             let mut body = add_mesh(sim, point, triangles);
             (body.velocity, body.material) = (velocity, material);
+            body.orientation = orientation;
             let domain = sim.domain;
             domain.wrap(&mut body.point, &mut [0; 3]);
             sim.obstacles.push(body);

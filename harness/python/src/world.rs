@@ -17,7 +17,7 @@ use crate::grains::{
     material as material_number,
 };
 use crate::laws::law as law_of;
-use crate::obstacles::{Obstacle, weighed};
+use crate::obstacles::{Obstacle, turned, weighed};
 use crate::settings::{processors, registers};
 use crate::simulated::Core;
 use crate::views::{Shared, read, write};
@@ -216,11 +216,14 @@ impl World {
     ///     Its length; endless without.
     /// density : float, optional
     ///     As of a sphere; of a bar with a length.
+    /// orientation : array_like, shape (4,), optional
+    ///     Unit quaternion (w, x, y, z) by which it is turned from there; likewise of a capsule, a box and a mesh.
     ///
     /// Raises
     /// ------
     /// BadObstacle, InputError, Busy
-    #[pyo3(signature = (radius, axis, point=None, velocity=None, length=None, density=None, material=None))]
+    #[pyo3(signature = (radius, axis, point=None, velocity=None, length=None, density=None, material=None,
+        orientation=None))]
     #[allow(clippy::too_many_arguments)]
     fn cylinder(
         &self,
@@ -231,12 +234,14 @@ impl World {
         length: Option<f64>,
         density: Option<f64>,
         material: Option<&str>,
+        orientation: Option<[f64; 4]>,
     ) -> PyResult<Obstacle> {
         let (axis, point) = (direction(axis, "axis")?, or_zero(point, "point")?);
-        let body = match length {
+        let mut body = match length {
             Some(length) => Body::finite_cylinder(point, axis, radius, 0.5 * length),
             None => Body::cylinder(point, axis, radius),
         };
+        body.orientation = turned(orientation)?;
         self.obstacle(body, velocity, density, material)
     }
 
@@ -246,7 +251,8 @@ impl World {
     /// Raises
     /// ------
     /// BadObstacle, InputError, Busy
-    #[pyo3(signature = (radius, axis, half_length, point=None, velocity=None, density=None, material=None))]
+    #[pyo3(signature = (radius, axis, half_length, point=None, velocity=None, density=None, material=None,
+        orientation=None))]
     #[allow(clippy::too_many_arguments)]
     fn capsule(
         &self,
@@ -257,9 +263,11 @@ impl World {
         velocity: Option<&Bound<'_, PyAny>>,
         density: Option<f64>,
         material: Option<&str>,
+        orientation: Option<[f64; 4]>,
     ) -> PyResult<Obstacle> {
         let (axis, point) = (direction(axis, "axis")?, or_zero(point, "point")?);
-        let body = Body::capsule(point, axis, radius, half_length);
+        let mut body = Body::capsule(point, axis, radius, half_length);
+        body.orientation = turned(orientation)?;
         self.obstacle(body, velocity, density, material)
     }
 
@@ -268,7 +276,8 @@ impl World {
     /// Raises
     /// ------
     /// BadObstacle, InputError, Busy
-    #[pyo3(signature = (half, point=None, velocity=None, density=None, material=None))]
+    #[pyo3(signature = (half, point=None, velocity=None, density=None, material=None, orientation=None))]
+    #[allow(clippy::too_many_arguments)]
     fn cuboid(
         &self,
         half: &Bound<'_, PyAny>,
@@ -276,8 +285,10 @@ impl World {
         velocity: Option<&Bound<'_, PyAny>>,
         density: Option<f64>,
         material: Option<&str>,
+        orientation: Option<[f64; 4]>,
     ) -> PyResult<Obstacle> {
-        let body = Body::cuboid(or_zero(point, "point")?, vector(half, "half")?);
+        let mut body = Body::cuboid(or_zero(point, "point")?, vector(half, "half")?);
+        body.orientation = turned(orientation)?;
         self.obstacle(body, velocity, density, material)
     }
 
@@ -315,19 +326,21 @@ impl World {
     /// Raises
     /// ------
     /// BadObstacle, InputError, Busy
-    #[pyo3(signature = (triangles, point=None, velocity=None, material=None))]
+    #[pyo3(signature = (triangles, point=None, velocity=None, material=None, orientation=None))]
     fn mesh(
         &self,
         triangles: &Bound<'_, PyAny>,
         point: Option<&Bound<'_, PyAny>>,
         velocity: Option<&Bound<'_, PyAny>>,
         material: Option<&str>,
+        orientation: Option<[f64; 4]>,
     ) -> PyResult<Obstacle> {
         let corners = corners(triangles)?;
         let (point, velocity) = (or_zero(point, "point")?, or_zero(velocity, "velocity")?);
         let material = material_number(material, &self.shared)?;
+        let orientation = turned(orientation)?;
         let mut core = write(&self.shared)?;
-        let number = core.add_mesh(point, velocity, material, &corners);
+        let number = core.add_mesh((point, orientation), velocity, material, &corners);
         let number = number.map_err(kernel)?;
         Ok(Obstacle::of(&self.shared, number))
     }

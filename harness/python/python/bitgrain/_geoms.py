@@ -14,7 +14,7 @@ try:
 except ImportError as _missing:
     raise ImportError("bitgrain.mujoco needs the package mujoco: pip install 'bitgrain[mujoco]'") from _missing
 
-__all__ = ["Array", "Part", "add_obstacle", "cross", "length_of", "mujoco", "pose_of"]
+__all__ = ["Array", "Part", "add_obstacle", "check_geom", "cross", "length_of", "mujoco", "pose_of"]
 
 Array = NDArray[np.float64]
 
@@ -56,6 +56,16 @@ def _geom(model: Any, name: str) -> int:
     return number
 
 
+def check_geom(model: Any, name: str) -> None:
+    """Refuses a geom that there is not, or that cannot push grains."""
+    kinds = mujoco.mjtGeom
+    pushing = [kinds.mjGEOM_SPHERE, kinds.mjGEOM_CAPSULE, kinds.mjGEOM_CYLINDER, kinds.mjGEOM_BOX, kinds.mjGEOM_MESH]
+    kind = kinds(int(model.geom_type[_geom(model, name)]))
+    if kind not in pushing:
+        problem = f"has {name!r}, a {kind.name}; spheres, capsules, cylinders, boxes and meshes push grains"
+        raise wrong("geoms", problem)
+
+
 def pose_of(data: Any, geom: int) -> Tuple[Array, Array]:
     """Centre and unit quaternion of a geom."""
     quaternion = np.zeros(4)
@@ -64,13 +74,12 @@ def pose_of(data: Any, geom: int) -> Tuple[Array, Array]:
 
 
 def add_obstacle(model: Any, data: Any, world: World, name: str, material: Optional[str]) -> Obstacle:
-    """Adds the obstacle of a geom, where the geom is."""
+    """Adds the obstacle of a geom that `check_geom` took, where the geom is."""
     geom = _geom(model, name)
     size = [float(x) for x in model.geom_size[geom]]
     point, quaternion = pose_of(data, geom)
     weight = float(model.body_invweight0[model.geom_bodyid[geom], 0])
-    kinds = mujoco.mjtGeom
-    kind = kinds(int(model.geom_type[geom]))
+    kind, kinds = int(model.geom_type[geom]), mujoco.mjtGeom
 
     def density(volume: float) -> Optional[float]:
         """That gives a contact the mass which the body opposes to a push; none of a body that does not yield."""
@@ -79,25 +88,22 @@ def add_obstacle(model: Any, data: Any, world: World, name: str, material: Optio
     round_area = math.pi * size[0] * size[0]
     ball = round_area * size[0] * 4.0 / 3.0
     axis = (0.0, 0.0, 1.0)
+    more: Any = {"material": material, "orientation": quaternion}
     try:
         if kind == kinds.mjGEOM_SPHERE:
             made = world.sphere(size[0], point, density=density(ball), material=material)
         elif kind == kinds.mjGEOM_CAPSULE:
             weighed = density(ball + round_area * 2.0 * size[1])
-            made = world.capsule(size[0], axis, size[1], point, density=weighed, material=material)
+            made = world.capsule(size[0], axis, size[1], point, density=weighed, **more)
         elif kind == kinds.mjGEOM_CYLINDER:
             length = 2.0 * size[1]
             weighed = density(round_area * length)
-            made = world.cylinder(size[0], axis, point, length=length, density=weighed, material=material)
+            made = world.cylinder(size[0], axis, point, length=length, density=weighed, **more)
         elif kind == kinds.mjGEOM_BOX:
             weighed = density(8.0 * size[0] * size[1] * size[2])
-            made = world.cuboid(size, point, density=weighed, material=material)
-        elif kind == kinds.mjGEOM_MESH:
-            made = world.mesh(_triangles(model, geom), point, material=material)
+            made = world.cuboid(size, point, density=weighed, **more)
         else:
-            problem = f"has {name!r}, a {kind.name}; spheres, capsules, cylinders, boxes and meshes push grains"
-            raise wrong("geoms", problem)
-        made.orientation = quaternion
+            made = world.mesh(_triangles(model, geom), point, **more)
     except (BadObstacle, PeriodTooShort) as error:
         place = [round(float(x), 6) for x in point]
         problem = f"has {name!r}, at {place}, for which the world's box is too small: {error}"

@@ -225,6 +225,7 @@ class World:
         length: Optional[float] = None,
         density: Optional[float] = None,
         material: Optional[str] = None,
+        orientation: Optional[_Array] = None,
     ) -> Obstacle: ...
     def capsule(
         self,
@@ -235,6 +236,7 @@ class World:
         velocity: Optional[_Array] = None,
         density: Optional[float] = None,
         material: Optional[str] = None,
+        orientation: Optional[_Array] = None,
     ) -> Obstacle: ...
     def cuboid(
         self,
@@ -243,6 +245,7 @@ class World:
         velocity: Optional[_Array] = None,
         density: Optional[float] = None,
         material: Optional[str] = None,
+        orientation: Optional[_Array] = None,
     ) -> Obstacle: ...
     def drum(
         self,
@@ -258,6 +261,7 @@ class World:
         point: Optional[_Array] = None,
         velocity: Optional[_Array] = None,
         material: Optional[str] = None,
+        orientation: Optional[_Array] = None,
     ) -> Obstacle: ...
     def plane(
         self,

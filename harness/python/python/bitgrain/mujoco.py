@@ -30,11 +30,12 @@ from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tup
 
 import numpy as np
 
-from ._geoms import Array, Part, add_obstacle, cross, length_of, mujoco, pose_of
+from ._geoms import Array, Part, add_obstacle, check_geom, cross, length_of, mujoco, pose_of
 from ._native import Obstacle, World, contact_duration
 from .errors import BadSave, Error, wrong
 
 __all__ = ["CoarseCoupling", "CoarseCouplingWarning", "Coupling", "LIMITS", "Limit", "couple", "grain_step", "load"]
+
 
 class Limit(NamedTuple):
     """A number that says how coarse a coupling is: what it is, from where on it is remarked on, and refused."""
@@ -130,13 +131,7 @@ class Coupling:
         self._parts, self._strict = list(parts), strict
         self._remarked: List[str] = []
         self._timestep = float(model.opt.timestep)
-        if model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4:
-            raise wrong("model.opt.integrator", "is RK4, which does not stop for forces; expected another integrator")
-        self.substeps = max(1, round(self._timestep / world.dt))
-        if abs(self.substeps * world.dt - self._timestep) > 1e-9 * self._timestep:
-            fitting = self._timestep / math.ceil(self._timestep / world.dt)
-            problem = f"is {world.dt!r}; expected model.opt.timestep / a whole number, as {fitting!r}"
-            raise wrong("world.dt", problem)
+        self.substeps = _substeps(model, world)
         world.start()
         self._measure_grains()
         box, periodic = world.box, world.periodic
@@ -332,6 +327,18 @@ def _model_digest(model: Any) -> str:
     return hashlib.sha256(buffer.tobytes()).hexdigest()
 
 
+def _substeps(model: Any, world: World) -> int:
+    """Steps of the world in a step of the model, if the two fit."""
+    if model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4:
+        raise wrong("model.opt.integrator", "is RK4, which does not stop for forces; expected another integrator")
+    timestep, dt = float(model.opt.timestep), world.dt
+    substeps = max(1, round(timestep / dt))
+    if abs(substeps * dt - timestep) > 1e-9 * timestep:
+        fitting = timestep / math.ceil(timestep / dt)
+        raise wrong("world.dt", f"is {dt!r}; expected model.opt.timestep / a whole number, as {fitting!r}")
+    return substeps
+
+
 def couple(
     model: Any,
     data: Any,
@@ -363,7 +370,8 @@ def couple(
     Raises
     ------
     InputError
-        A geom is unknown, of another kind or outside the box; dt does not fit; the integrator is RK4.
+        A geom is unknown, of another kind or outside the box; dt does not fit; the integrator is RK4. Before geoms that
+        do not fit the box, or lie in grains, others may have been added to the world: make it anew.
     BadObstacle, ObstacleTooDeep, Busy
 
     Warns
@@ -373,6 +381,9 @@ def couple(
     """
     if isinstance(geoms, str) or len(geoms) == 0 or len(set(geoms)) < len(geoms):
         raise wrong("geoms", f"is {geoms!r}; expected a list of names of geoms, each once")
+    _substeps(model, world)
+    for name in geoms:
+        check_geom(model, name)
     mujoco.mj_kinematics(model, data)
     parts = []
     for name in geoms:
