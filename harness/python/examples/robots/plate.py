@@ -42,12 +42,12 @@ def footing(degrees: float) -> float:
 
 
 def pressed(
-    grains: int, box: float, depth: float, out: Path, threads: int = 1, side: float = SIDE, picture: bool = True
+    grains: int, box: float, depth: float, out: Path, threads: int = 1, side: float = SIDE, seed: int = 1, picture: bool = True
 ) -> Tuple[List[Dict[str, float]], Dict[str, float]]:
     """Presses the stamp to a depth; returns the rows, and what was fitted to them."""
     out.mkdir(parents=True, exist_ok=True)
     model = model_of(side)
-    w = sand.bed(model, grains, box, box, threads=threads)
+    w = sand.bed(model, grains, box, box, threads=threads, seed=seed)
     top, bulk = sand.surface(w), sand.bulk_density(w)
     data = mujoco.MjData(model)
     model.body_pos[1, :2] = 0.5 * box
@@ -110,8 +110,9 @@ def main(words: Optional[List[str]] = None) -> None:
     parser.add_argument("--depth", type=float, default=0.05)
     parser.add_argument("--side", type=float, default=SIDE)
     parser.add_argument("--threads", type=int, default=1)
+    parser.add_argument("--seed", type=int, default=1, help="of the bed")
     given = parser.parse_args(words)
-    pressed(given.grains, given.box, given.depth, given.out, given.threads, given.side)
+    pressed(given.grains, given.box, given.depth, given.out, given.threads, given.side, given.seed)
 
 
 if __name__ == "__main__":

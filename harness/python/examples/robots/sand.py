@@ -32,10 +32,10 @@ def gravity(slope: float) -> Tuple[float, float, float]:
 
 
 def bed(
-    model: Any, grains: int, length: float, width: float, slope: float = 0.0, threads: int = 1, seconds: float = 0.6
+    model: Any, grains: int, length: float, width: float, slope: float = 0.0, threads: int = 1, seed: int = 1
 ) -> bitgrain.World:
     """So many grains at rest, periodic along x and y, on grains that stay; its dt fits the model."""
-    chance = np.random.default_rng(1)
+    chance = np.random.default_rng(seed)
     dt = coupling.grain_step(model, LAW, 0.45 * D, DENSITY, SPEED)
     nx, ny = int(length / D), int(width / D)
     spacing = np.array([length / nx, width / ny])
@@ -58,7 +58,7 @@ def bed(
     places += chance.uniform(-0.04 * D, 0.04 * D, places.shape)
     motion = chance.uniform(-0.3, 0.3, places.shape)
     w.add(places, 0.5 * D * chance.uniform(0.9, 1.1, grains), DENSITY, velocities=motion)
-    w.step(round(seconds / dt))
+    w.step(round(0.6 / dt))
     return w
 
 
