@@ -14,7 +14,7 @@ try:
 except ImportError as _missing:
     raise ImportError("bitgrain.mujoco needs the package mujoco: pip install 'bitgrain[mujoco]'") from _missing
 
-__all__ = ["Array", "Part", "add_obstacle", "check_geom", "cross", "length_of", "mujoco", "pose_of"]
+__all__ = ["Array", "Part", "add_obstacle", "after", "check_geom", "cross", "lengths", "mujoco", "turned"]
 
 Array = NDArray[np.float64]
 
@@ -29,23 +29,39 @@ class Part:
         self.body = int(model.geom_bodyid[self.geom])
         offset = model.geom_pos[self.geom] - model.body_ipos[self.body]
         #: How far its surface is from the body's centre of mass at most.
-        self.reach = length_of(offset) + float(model.geom_rbound[self.geom])
-        #: Mean force and torque of the last step on the body, about its centre of mass.
-        self.wrench: Array = np.zeros(6)
-        #: The force at which the stiffness of its contacts was looked at, and that stiffness.
-        self.looked = 0.0
-        self.stiffness = 0.0
+        self.reach = float(lengths(offset[None])[0]) + float(model.geom_rbound[self.geom])
 
 
-def length_of(vector: Any) -> float:
-    x, y, z = vector.tolist()
-    return math.sqrt(x * x + y * y + z * z)
+def lengths(a: Array) -> Array:
+    """Lengths of the rows."""
+    x, y, z = a.T
+    found: Array = np.sqrt(x * x + y * y + z * z)
+    return found
 
 
-def cross(a: Any, b: Any) -> Array:
-    """The product of two vectors: numpy's own takes ten times as long for one."""
-    (x, y, z), (u, v, w) = a.tolist(), b.tolist()
-    return np.array([y * w - z * v, z * u - x * w, x * v - y * u])
+def cross(a: Array, b: Array) -> Array:
+    """Products of the rows: numpy's own takes some times as long."""
+    (x, y, z), (u, v, w) = a.T, b.T
+    return np.array([y * w - z * v, z * u - x * w, x * v - y * u]).T
+
+
+def after(q: Array, p: Array) -> Array:
+    """Rows of quaternions: the turn p and then q."""
+    (a, x, y, z), (b, u, v, w) = q.T, p.T
+    return np.array([
+        a * b - x * u - y * v - z * w,
+        a * u + x * b + y * w - z * v,
+        a * v - x * w + y * b + z * u,
+        a * w + x * v - y * u + z * b,
+    ]).T
+
+
+def turned(q: Array, spin: Array, time: float) -> Array:
+    """Rows of unit quaternions after a time at a spin: as the world turns obstacles, by a rational rotation."""
+    turn = np.concatenate([np.ones((len(q), 1)), 0.5 * time * spin], axis=1)
+    a, x, y, z = (found := after(turn, q)).T
+    unit: Array = found / np.sqrt(a * a + x * x + y * y + z * z)[:, None]
+    return unit
 
 
 def _geom(model: Any, name: str) -> int:
@@ -66,18 +82,12 @@ def check_geom(model: Any, name: str) -> None:
         raise wrong("geoms", problem)
 
 
-def pose_of(data: Any, geom: int) -> Tuple[Array, Array]:
-    """Centre and unit quaternion of a geom."""
-    quaternion = np.zeros(4)
-    mujoco.mju_mat2Quat(quaternion, data.geom_xmat[geom])
-    return data.geom_xpos[geom].copy(), quaternion
-
-
 def add_obstacle(model: Any, data: Any, world: World, name: str, material: Optional[str]) -> Obstacle:
     """Adds the obstacle of a geom that `check_geom` took, where the geom is."""
     geom = _geom(model, name)
     size = [float(x) for x in model.geom_size[geom]]
-    point, quaternion = pose_of(data, geom)
+    point, quaternion = data.geom_xpos[geom].copy(), np.zeros(4)
+    mujoco.mju_mat2Quat(quaternion, data.geom_xmat[geom])
     weight = float(model.body_invweight0[model.geom_bodyid[geom], 0])
     kind, kinds = int(model.geom_type[geom]), mujoco.mjtGeom
 

@@ -30,7 +30,7 @@ from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tup
 
 import numpy as np
 
-from ._geoms import Array, Part, add_obstacle, check_geom, cross, length_of, mujoco, pose_of
+from ._geoms import Array, Part, add_obstacle, after, check_geom, cross, lengths, mujoco, turned
 from ._native import Obstacle, World, contact_duration
 from .errors import BadSave, Error, wrong
 
@@ -135,10 +135,19 @@ class Coupling:
         world.start()
         self._measure_grains()
         box, periodic = world.box, world.periodic
-        lengths = np.zeros(3) if box is None else box[1] - box[0]
-        #: Periods; zero along other axes.
-        self._periods = [float(length) if turns else 0.0 for length, turns in zip(lengths, periodic)]
-        self._bodies = sorted({part.body for part in self._parts})
+        edges = np.zeros(3) if box is None else box[1] - box[0]
+        #: Periods, and one over them; zero along other axes.
+        self._periods = np.where(periodic, edges, 0.0)
+        self._per_period = np.array([1.0 / period if period > 0.0 else 0.0 for period in self._periods.tolist()])
+        self._geoms = [part.geom for part in self._parts]
+        self._of = [part.body for part in self._parts]
+        self._roots = [int(model.body_rootid[body]) for body in self._of]
+        self._bodies = sorted(set(self._of))
+        #: Mean force and torque of the last step on the bodies of the geoms, about their centres of mass.
+        self._wrenches = np.zeros((len(self._parts), 6))
+        #: The forces at which contacts were looked at, and by body and geom how stiff they were over the mass.
+        self._looked = np.zeros(len(self._parts))
+        self._stiffnesses: Dict[int, Dict[str, float]] = {body: {} for body in self._bodies}
 
     def __repr__(self) -> str:
         return f"<bitgrain.mujoco.Coupling: {self.names} in {self.world!r}>"
@@ -150,18 +159,18 @@ class Coupling:
 
     def obstacle(self, geom: str) -> Obstacle:
         """The obstacle of a geom."""
-        return self._part(geom).obstacle
+        return self._parts[self._number(geom)].obstacle
 
     def wrench(self, geom: str) -> Array:
         """Mean force of the grains on a geom in the last step, and its moment about the centre of mass of the geom's
         body, in the axes of the world, shape (6,): as ``xfrc_applied`` has it."""
-        return self._part(geom).wrench.copy()
+        wrench: Array = self._wrenches[self._number(geom)].copy()
+        return wrench
 
-    def _part(self, geom: str) -> Part:
-        for part in self._parts:
-            if part.name == geom:
-                return part
-        raise wrong("geom", f"is {geom!r}; the coupled ones are {self.names}")
+    def _number(self, geom: str) -> int:
+        if geom not in self.names:
+            raise wrong("geom", f"is {geom!r}; the coupled ones are {self.names}")
+        return self.names.index(geom)
 
     def step(self, n: int = 1) -> None:
         """Does `n` steps of MuJoCo, each with its steps of the grains.
@@ -183,29 +192,39 @@ class Coupling:
             mujoco.mj_step1(model, data)
             self._move_grains()
             own = data.xfrc_applied[self._bodies].copy()
-            for part in self._parts:
-                data.xfrc_applied[part.body] += part.wrench
+            for part, wrench in zip(self._parts, self._wrenches):
+                data.xfrc_applied[part.body] += wrench
             mujoco.mj_step2(model, data)
             data.xfrc_applied[self._bodies] = own
 
     def _move_grains(self) -> None:
-        """Steps the grains through a step of MuJoCo, and works out the wrenches."""
-        motions = [self._motion(part) for part in self._parts]
-        self._check(motions)
-        before = []
-        for part, (spin, velocity) in zip(self._parts, motions):
-            before.append((part.obstacle.force, part.obstacle.torque))
-            self._drive(part, spin, velocity)
+        """Steps the grains through a step of MuJoCo, and works out the wrenches. Arrays have one row a geom."""
+        h, data = self._timestep, self.data
+        velocity = data.cvel[self._of]
+        spin, places = velocity[:, :3], data.geom_xpos[self._geoms]
+        # MuJoCo's velocities are those of the centre of mass of a body's whole tree.
+        velocity = velocity[:, 3:] + cross(spin, places - data.subtree_com[self._roots])
+        here = np.array([part.obstacle.point for part in self._parts])
+        way = places + h * velocity - here
+        # To the nearest image.
+        way -= self._periods * np.round(way * self._per_period)
+        self._check(way, spin, velocity)
+        quaternions = turned(after(data.xquat[self._of], self.model.geom_quat[self._geoms]), spin, h)
+        before = self._forces("force", "torque")
+        for part, there, quaternion in zip(self._parts, here + way, quaternions):
+            part.obstacle.drive(there, h, quaternion)
         self.world.step(self.substeps)
-        for part, (spin, _), (force, torque) in zip(self._parts, motions, before):
-            obstacle = part.obstacle
-            # The grains' velocities change by half a step's force at either end.
-            force = obstacle.mean_force + (force - obstacle.force) * (0.5 / self.substeps)
-            torque = obstacle.mean_torque + (torque - obstacle.torque) * (0.5 / self.substeps)
-            # Where the geom is from the body's centre of mass, in the middle of the step.
-            arm = self.data.geom_xpos[part.geom] - self.data.xipos[part.body]
-            arm = arm + 0.5 * self._timestep * cross(spin, arm)
-            part.wrench = np.concatenate([force, torque + cross(arm, force)])
+        # The grains' velocities change by half a step's force at either end.
+        ends = (before - self._forces("force", "torque")) * (0.5 / self.substeps)
+        force, torque = self._forces("mean_force", "mean_torque") + ends
+        # Where geoms are from their bodies' centres of mass, in the middle of the step.
+        arm = places - data.xipos[self._of]
+        arm = arm + 0.5 * h * cross(spin, arm)
+        self._wrenches = np.concatenate([force, torque + cross(arm, force)], axis=1)
+
+    def _forces(self, force: str, torque: str) -> Array:
+        """Such a force and torque on all obstacles, shape (2, n, 3)."""
+        return np.array([[getattr(part.obstacle, name) for part in self._parts] for name in (force, torque)])
 
     def _measure_grains(self) -> None:
         self._count = len(self.world)
@@ -213,63 +232,30 @@ class Coupling:
         #: Duration of a collision at the speed 1; it falls with the fifth root of the speed.
         self._duration = self.world.contact_duration(1.0)
 
-    def _motion(self, part: Part) -> Tuple[Array, Array]:
-        """Angular velocity of a geom, and the velocity of its centre."""
-        both = np.zeros(6)
-        mujoco.mj_objectVelocity(self.model, self.data, mujoco.mjtObj.mjOBJ_GEOM, part.geom, both, 0)
-        return both[:3], both[3:]
-
-    def _drive(self, part: Part, spin: Array, velocity: Array) -> None:
-        """Sends an obstacle to where its geom would be after the step at the present velocity."""
-        here, point = part.obstacle.point, self._target(part, velocity)
-        quaternion = pose_of(self.data, part.geom)[1]
-        turn, turned, speed = np.zeros(4), np.zeros(4), length_of(spin)
-        mujoco.mju_axisAngle2Quat(turn, spin / speed if speed > 0.0 else spin, speed * self._timestep)
-        mujoco.mju_mulQuat(turned, turn, quaternion)
-        mujoco.mju_normalize4(turned)
-        part.obstacle.drive(here + self._way(here, point), self._timestep, turned)
-
-    def _target(self, part: Part, velocity: Array) -> Array:
-        target: Array = self.data.geom_xpos[part.geom] + self._timestep * velocity
-        return target
-
-    def _way(self, here: Array, there: Array) -> Array:
-        """The way to the nearest image of a point."""
-        way = there - here
-        for axis, period in enumerate(self._periods):
-            if period > 0.0:
-                way[axis] -= period * round(float(way[axis]) / period)
-        return way
-
-    def _check(self, motions: Sequence[Tuple[Array, Array]]) -> None:
+    def _check(self, way: Array, spin: Array, velocity: Array) -> None:
         """Looks at all limits before anything moves."""
         if len(self.world) != self._count:
             self._measure_grains()
         if self._count == 0:
             return
-        fastest, travel = 0.0, 0.0
-        for part, (spin, velocity) in zip(self._parts, motions):
-            # A turn by a radian counts as a way of at least a radius.
-            rim = max(float(self.model.geom_rbound[part.geom]), self._smallest) * length_of(spin)
-            fastest = max(fastest, length_of(velocity) + rim)
-            way = length_of(self._way(part.obstacle.point, self._target(part, velocity)))
-            travel = max(travel, way + rim * self._timestep)
-        stiffness = max(self._stiffness(body) for body in self._bodies)
+        # A turn by a radian counts as a way of at least a radius.
+        rim = np.maximum(self.model.geom_rbound[self._geoms], self._smallest) * lengths(spin)
+        fastest = float((lengths(velocity) + rim).max())
+        travel = float((lengths(way) + rim * self._timestep).max())
         h, dt = self._timestep, self.world.dt
         self._judge("time_step", dt * fastest**0.2 / self._duration, "world.dt", dt, 1.0)
         self._judge("travel", travel / self._smallest, "model.opt.timestep", h, 1.0)
-        self._judge("stiffness", h * h * stiffness, "model.opt.timestep", h, 0.5)
+        self._judge("stiffness", h * h * self._stiffness(), "model.opt.timestep", h, 0.5)
 
-    def _stiffness(self, body: int) -> float:
-        """Stiffness of a body's contacts over its mass, if one of its geoms is pressed harder than ever; else zero."""
-        parts = [part for part in self._parts if part.body == body]
-        pressed = [part for part in parts if length_of(part.wrench[:3]) > 1.1 * part.looked]
-        for part in pressed:
-            part.looked = length_of(part.wrench[:3])
-            part.stiffness = part.obstacle.contact_stiffness()
-        push, turn = (float(x) for x in self.model.body_invweight0[body])
-        over_mass = [part.stiffness * (push + part.reach * part.reach * turn) for part in parts]
-        return sum(over_mass) if pressed else 0.0
+    def _stiffness(self) -> float:
+        """The largest stiffness of a body's contacts over its mass, if a geom is pressed harder than ever; else zero."""
+        pressed = lengths(self._wrenches[:, :3])
+        for k in np.flatnonzero(pressed > 1.1 * self._looked):
+            part, self._looked[k] = self._parts[k], pressed[k]
+            push, turn = (float(x) for x in self.model.body_invweight0[part.body])
+            over_mass = part.obstacle.contact_stiffness() * (push + part.reach * part.reach * turn)
+            self._stiffnesses[part.body][part.name] = over_mass
+        return max(sum(of_body.values()) for of_body in self._stiffnesses.values())
 
     def _judge(self, name: str, value: float, time: str, now: float, power: float) -> None:
         """Holds a value against its limit. A shorter time, by its name and what it is now, makes it smaller: `power` is
