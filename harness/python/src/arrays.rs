@@ -55,18 +55,22 @@ fn numbers(array: &PyReadonlyArrayDyn<'_, f64>, name: &str, width: usize) -> PyR
     Ok(numbers)
 }
 
-/// Rows of three numbers; of `count`, if there must be so many.
+/// Rows of so many numbers; `count` rows, if there must be so many.
 ///
 /// # Errors
 /// `InputError` for another shape or a number that is not finite.
-pub fn rows(value: &Bound<'_, PyAny>, name: &str, count: Option<usize>) -> PyResult<Vec<[f64; 3]>> {
+pub fn rows<const WIDTH: usize>(
+    value: &Bound<'_, PyAny>,
+    name: &str,
+    count: Option<usize>,
+) -> PyResult<Vec<[f64; WIDTH]>> {
     let array = array(value, name)?;
     let found = array.shape().to_vec();
-    if found.len() != 2 || found[1] != 3 || count.is_some_and(|count| count != found[0]) {
+    if found.len() != 2 || found[1] != WIDTH || count.is_some_and(|count| count != found[0]) {
         let rows = count.map_or("n".to_string(), |count| count.to_string());
-        return refuse(name, &found, &format!("({rows}, 3)"));
+        return refuse(name, &found, &format!("({rows}, {WIDTH})"));
     }
-    let numbers = numbers(&array, name, 3)?;
+    let numbers = numbers(&array, name, WIDTH)?;
     Ok(numbers.as_chunks().0.to_vec())
 }
 

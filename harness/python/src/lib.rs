@@ -18,6 +18,7 @@ mod readings;
 mod recordings;
 mod saved;
 mod settings;
+mod several;
 mod simulated;
 mod steps;
 mod stiffness;
@@ -39,6 +40,8 @@ mod _native {
     use super::obstacles::Obstacle;
     #[pymodule_export]
     use super::recordings::{Writer, is_recording, part_recordings};
+    #[pymodule_export]
+    use super::several::Obstacles;
     #[pymodule_export]
     use super::stiffness::contact_duration;
     #[pymodule_export]

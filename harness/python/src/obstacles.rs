@@ -9,6 +9,7 @@ use pyo3::prelude::*;
 
 use crate::arrays::{fixed, vector};
 use crate::errors::{input, kernel};
+use crate::simulated::Core;
 use crate::views::{Shared, read, write};
 
 type Vector<'py> = PyResult<Bound<'py, PyArray1<f64>>>;
@@ -43,6 +44,22 @@ pub fn weighed(mut body: Body<f64>, density: Option<f64>) -> PyResult<Body<f64>>
 pub fn turned(numbers: Option<[f64; 4]>) -> PyResult<[f64; 4]> {
     let numbers = numbers.unwrap_or([1.0, 0.0, 0.0, 0.0]);
     orientation(numbers).map_err(|problem| input("orientation", problem))
+}
+
+/// Steps of a drive that takes so long.
+pub fn steps_over(core: &Core, over: f64) -> PyResult<u64> {
+    let dt = core.sim.dt;
+    let steps = (over / dt).round();
+    match (1.0..=1e15).contains(&steps) {
+        true => Ok(steps as u64),
+        false => Err(input(
+            "over",
+            format!(
+                "is {over}; expected at least half a time step, {}",
+                0.5 * dt
+            ),
+        )),
+    }
 }
 
 impl Obstacle {
@@ -320,16 +337,8 @@ impl Obstacle {
         let point = vector(pos, "pos")?;
         let orientation = orientation.map(|one| turned(Some(one))).transpose()?;
         let mut core = write(&self.shared)?;
-        let steps = (over / core.sim.dt).round();
-        if !(1.0..=1e15).contains(&steps) {
-            let dt = core.sim.dt;
-            let problem = format!(
-                "is {over}; expected at least half a time step, {}",
-                0.5 * dt
-            );
-            return Err(input("over", problem));
-        }
-        core.drive(self.number, point, orientation, steps as u64);
+        let steps = steps_over(&core, over)?;
+        core.drive(self.number, point, orientation, steps);
         Ok(())
     }
 

@@ -14,7 +14,7 @@ import bitgrain
 
 PACKAGE = Path(bitgrain.__file__).parent
 EXAMPLES = sorted((ROOT / "harness/python/examples").glob("*.py"))
-CLASSES = [bitgrain.World, bitgrain.Obstacle, bitgrain.Edit, bitgrain.Group, bitgrain.Departed, bitgrain.View,
+CLASSES = [bitgrain.World, bitgrain.Obstacle, bitgrain.Obstacles, bitgrain.Edit, bitgrain.Group, bitgrain.Departed, bitgrain.View,
            bitgrain.Folder, bitgrain.HertzHistory, bitgrain.HertzTsuji, bitgrain.Divergence,
            bitgrain.Recorder, bitgrain.Parting]
 

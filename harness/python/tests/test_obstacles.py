@@ -135,3 +135,39 @@ def test_an_obstacle_of_its_own_mass():
         w.step(20)
         digests.add(w.digests["velocities"])
     assert len(digests) == 2
+
+
+def test_several_obstacles_at_once_are_as_each_by_itself():
+    """Two worlds with the same bodies, driven by each and together: the same bits, and the same numbers in rows."""
+    ends = []
+    for together in (False, True):
+        w = falling()
+        bodies = [w.cuboid((0.5, 0.4, 0.3), (2, 2, 12)), w.sphere(1.0, (4, 4, 12))]
+        turn = (0.8, 0, 0.6, 0)
+        if together:
+            several = w.select(bodies[::-1])
+            assert several.numbers == [2, 1]
+            several.drive([[4, 4, 9], [2, 2, 9]], 0.5, [turn, turn])
+        else:
+            for body, place in zip(bodies, ([2, 2, 9], [4, 4, 9])):
+                body.drive(place, 0.5, turn)
+        w.step(1000)
+        ends.append(w.digest)
+    assert ends[0] == ends[1]
+    assert any(body.force.any() for body in bodies)
+    rows = {"points": "point", "forces": "force", "torques": "torque", "mean_forces": "mean_force",
+            "mean_torques": "mean_torque"}
+    for name, one in rows.items():
+        assert np.array_equal(getattr(several, name), [getattr(body, one) for body in bodies[::-1]])
+
+
+def test_several_obstacles_are_refused_together():
+    w, other = falling(), falling()
+    with pytest.raises(bitgrain.InputError, match="another world in row 1"):
+        w.select([w.sphere(1.0, (3, 3, 12)), other.sphere(1.0, (3, 3, 12))])
+    several = w.select([w.obstacles[0], w.obstacles[1]])
+    for places, over, turns in (([[0, 0, 0]], 1, [[1, 0, 0, 0]] * 2), ([[3, 3, 9]] * 2, 0, [[1, 0, 0, 0]] * 2),
+                                ([[3, 3, 9]] * 2, 1, [[1, 0, 0]] * 2), ([[3, 3, 9]] * 2, 1, [[1, 1, 0, 0]] * 2)):
+        with pytest.raises(bitgrain.InputError):
+            several.drive(places, over, turns)
+    assert w.obstacles[1].steps_left == 0

@@ -14,6 +14,7 @@ from ._native import (
     HertzHistory,
     HertzTsuji,
     Obstacle,
+    Obstacles,
     World,
     contact_duration,
 )
@@ -121,6 +122,7 @@ __all__ = [
     "ObstacleTooDeep",
     "ObstacleTooFast",
     "ObstacleTooSlow",
+    "Obstacles",
     "OtherFacets",
     "UnknownMaterial",
     "LawMisfit",

@@ -139,6 +139,7 @@ class Coupling:
         #: Periods, and one over them; zero along other axes.
         self._periods = np.where(periodic, edges, 0.0)
         self._per_period = np.array([1.0 / period if period > 0.0 else 0.0 for period in self._periods.tolist()])
+        self._obstacles = world.select([part.obstacle for part in self._parts])
         self._geoms = [part.geom for part in self._parts]
         self._of = [part.body for part in self._parts]
         self._roots = [int(model.body_rootid[body]) for body in self._of]
@@ -204,27 +205,23 @@ class Coupling:
         spin, places = velocity[:, :3], data.geom_xpos[self._geoms]
         # MuJoCo's velocities are those of the centre of mass of a body's whole tree.
         velocity = velocity[:, 3:] + cross(spin, places - data.subtree_com[self._roots])
-        here = np.array([part.obstacle.point for part in self._parts])
+        here = self._obstacles.points
         way = places + h * velocity - here
         # To the nearest image.
         way -= self._periods * np.round(way * self._per_period)
         self._check(way, spin, velocity)
         quaternions = turned(after(data.xquat[self._of], self.model.geom_quat[self._geoms]), spin, h)
-        before = self._forces("force", "torque")
-        for part, there, quaternion in zip(self._parts, here + way, quaternions):
-            part.obstacle.drive(there, h, quaternion)
+        obstacles = self._obstacles
+        force, torque = obstacles.forces, obstacles.torques
+        obstacles.drive(here + way, h, quaternions)
         self.world.step(self.substeps)
         # The grains' velocities change by half a step's force at either end.
-        ends = (before - self._forces("force", "torque")) * (0.5 / self.substeps)
-        force, torque = self._forces("mean_force", "mean_torque") + ends
+        force = obstacles.mean_forces + (force - obstacles.forces) * (0.5 / self.substeps)
+        torque = obstacles.mean_torques + (torque - obstacles.torques) * (0.5 / self.substeps)
         # Where geoms are from their bodies' centres of mass, in the middle of the step.
         arm = places - data.xipos[self._of]
         arm = arm + 0.5 * h * cross(spin, arm)
         self._wrenches = np.concatenate([force, torque + cross(arm, force)], axis=1)
-
-    def _forces(self, force: str, torque: str) -> Array:
-        """Such a force and torque on all obstacles, shape (2, n, 3)."""
-        return np.array([[getattr(part.obstacle, name) for part in self._parts] for name in (force, torque)])
 
     def _measure_grains(self) -> None:
         self._count = len(self.world)
