@@ -1,8 +1,8 @@
 //! The native part of the Python package `bitgrain`: worlds, laws, and the laboratory's commands as functions.
 //!
 //! A call goes from Python's arrays (`arrays`, `grains`) to `simulated`, which owns a simulation and knows no Python,
-//! and back through views (`views`, `readings`), handles (`obstacles`, `several`) and exceptions (`errors`). The laboratory's
-//! functions are in `laboratory`, recordings of any arrays in `recordings`.
+//! and back through views (`views`, `readings`), handles (`obstacles`, `several`) and exceptions (`errors`). The
+//! laboratory's functions are in `laboratory`, recordings of any arrays in `recordings`.
 
 mod arrays;
 mod changes;
