@@ -14,8 +14,8 @@ use crate::world::World;
 
 type Rows<'py> = PyResult<Bound<'py, PyArray2<f64>>>;
 
-/// Some obstacles of a world, in an order; `World.select` makes it. Arrays have one row an obstacle; what stands in them
-/// is as of an `Obstacle`.
+/// Some obstacles of a world, in an order; `World.select` makes it. Arrays have one row an obstacle; what stands in
+/// them is as of an `Obstacle`.
 #[pyclass(frozen, module = "bitgrain")]
 pub struct Obstacles {
     shared: Shared,
