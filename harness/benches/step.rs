@@ -1,4 +1,4 @@
-//! Whole steps of settled beds: sizes from 3,200 to a million grains, one thread and two, both laws, several materials.
+//! Whole steps of settled beds: sizes from 3,200 to a million grains, one thread and two, both laws, several materials, rolling.
 //! `cargo bench -p bitgrain`; a part of it with `cargo bench -p bitgrain -- "3200"`.
 
 use std::hint::black_box;
@@ -10,7 +10,7 @@ use bitgrain::bench::{read_bed, tiled};
 use bitgrain::law::Pairs;
 use bitgrain::simulation::{AnyLaw, Simulation};
 use bitgrain::threads::on_threads;
-use bitgrain_kernel::contact::HertzTsuji;
+use bitgrain_kernel::contact::{HertzTsuji, RollingResistance, RollingSpring};
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 
 /// The golden bed of 200 grains, repeated along x and along y, started and stepped so that its lists
@@ -72,6 +72,20 @@ fn laws(c: &mut Criterion) {
             AnyLaw::HertzTsujiPairs(table(tsuji)),
         ),
     ];
+    let rolling = |spring| {
+        let resistance = RollingResistance {
+            spring,
+            k: 2e3,
+            gamma: 1.0,
+            mu: 0.1,
+        };
+        let one = Pairs::new(1, vec![tsuji]).expect("one law");
+        AnyLaw::HertzTsujiRolling(Arc::new(one.rolling(&[resistance])))
+    };
+    let laws = laws.into_iter().chain([
+        ("hertz_tsuji, sds", rolling(RollingSpring::Sds)),
+        ("hertz_tsuji, epsd2", rolling(RollingSpring::Epsd2)),
+    ]);
     for (name, law) in laws {
         let mut sim = bed(7, Some(law));
         group.throughput(Throughput::Elements(sim.count() as u64));

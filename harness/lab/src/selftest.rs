@@ -83,8 +83,6 @@ fn by_parts(registers: Isa, threads: usize) -> std::result::Result<Vec<Line>, Ke
                 body.velocity[0] = speed;
             }
             sim.law = law_of(stage.law);
-            // The law has become one that keeps words, or none any more.
-            sim.fit_storage();
             let mut tell = |sim: &mut Simulation| -> std::result::Result<(), KernelError> {
                 lines.push(Line {
                     real: f64::NAME,

@@ -89,7 +89,13 @@ impl Simulation {
         self.fit_search();
         // What is too short grows later, or says that it cannot.
         let _ = self.reserve(3 * n + 64, 4 * n + 64, n / 8 + 64);
+        self.fit_words();
+    }
+
+    /// Makes room for what the law keeps of each contact: a host may have put another law in its place.
+    fn fit_words(&mut self) {
         let words = self.law.words();
+        // If there is no memory for them the kernel says so.
         let _ = self.keep_words(words);
     }
 
@@ -236,6 +242,7 @@ impl Simulation {
         mut watch: impl FnMut(ContactForce<f64>),
     ) -> Result<(), KernelError> {
         self.check_crowds()?;
+        self.fit_words();
         self.shown(true, &mut watch)
     }
 
@@ -282,6 +289,7 @@ impl Simulation {
     /// What the kernel finds wrong with the world.
     pub fn resume(&mut self, histories: &Histories) -> Result<(), KernelError> {
         self.check_crowds()?;
+        self.fit_words();
         self.grow_while_full(|sim| bitgrain_kernel::resume(&mut sim.world(), histories.iter()))
     }
 

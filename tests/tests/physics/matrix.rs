@@ -7,6 +7,7 @@ use bitgrain::bench::read_bed;
 use bitgrain::checkpoint;
 use bitgrain::compare::first_difference;
 use bitgrain::isa::Isa;
+use bitgrain::law::{HertzTsujiParameters, LawSpec, RollingSpec};
 use bitgrain::parts::Cutting;
 use bitgrain::simulation::{AnyLaw, Simulation};
 use bitgrain::threads::on_threads;
@@ -24,6 +25,24 @@ fn large() -> Simulation {
 /// The same grains under the other law, without history, about as stiff.
 fn tsuji(mut sim: Simulation) -> Simulation {
     sim.law = AnyLaw::HertzTsuji(HertzTsuji::new(2e5, 0.3, 0.6, 0.5));
+    sim.start().expect("the golden bed is sound");
+    sim
+}
+
+/// The same with resistance to rolling.
+fn rolling(mut sim: Simulation) -> Simulation {
+    let law = LawSpec::HertzTsuji(HertzTsujiParameters {
+        young: 2e5,
+        poisson: 0.3,
+        restitution: 0.6,
+        mu: 0.5,
+        rolling: Some(RollingSpec::Sds {
+            k: 2e3,
+            gamma: 1.0,
+            mu: 0.1,
+        }),
+    });
+    sim.law = law.build().expect("a sound law");
     sim.start().expect("the golden bed is sound");
     sim
 }
@@ -166,6 +185,7 @@ fn steps(release: usize) -> usize {
 fn no_knob_changes_a_bit_of_the_quick_bed() {
     compare("quick", steps(240), &settled_quick());
     compare("quick, hertz_tsuji", steps(240), &tsuji(settled_quick()));
+    compare("quick, rolling", steps(240), &rolling(settled_quick()));
 }
 
 /// In calls of several steps, each on another number of threads, with other grains for each thread after every search.

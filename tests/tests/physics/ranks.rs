@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::thread;
 use std::time::Duration;
 
+use bitgrain::law::{HertzTsujiParameters, LawSpec, RollingSpec};
 use bitgrain::notes::Watch;
 use bitgrain::parts::{Carrier, Channels, Cutting, Message, Ranks, Sharing, on_ranks};
 use bitgrain::simulation::Simulation;
@@ -87,7 +88,24 @@ fn steps(release: u64) -> u64 {
 /// Calls of several steps, digests, edits of rows and copies in between.
 #[test]
 fn ranks_change_no_bit() {
-    let mut plain = settled_quick();
+    for rolls in [false, true] {
+        let mut sim = settled_quick();
+        if rolls {
+            let rolling = RollingSpec::Epsd2 { mu: 0.1 };
+            let law = LawSpec::HertzTsuji(HertzTsujiParameters {
+                young: 2e5,
+                poisson: 0.3,
+                restitution: 0.6,
+                mu: 0.5,
+                rolling: Some(rolling),
+            });
+            sim.law = law.build().unwrap();
+        }
+        change_no_bit(sim);
+    }
+}
+
+fn change_no_bit(mut plain: Simulation) {
     plain.start().unwrap();
     let begin = plain.clone();
     let watch = Watch {
