@@ -26,6 +26,7 @@ fn stiffest(law: &AnyLaw) -> LawSpec {
         gamma_n: 0.0,
         gamma_t: 0.0,
         mu: 0.0,
+        rolling: None,
     })
 }
 
