@@ -212,6 +212,8 @@ pub fn hang() -> Result<(f64, bool), Error> {
     Ok((f64::INFINITY, false))
 }
 
+/// # Errors
+/// What the kernel refuses.
 pub fn main() -> Result<(), Error> {
     let (load, holds) = hang()?;
     println!("the uppermost contact broke at {load:.3} of 3 pi w R; the others hold: {holds}");

@@ -62,9 +62,8 @@ impl<R: Real> GrainRange<'_, R> {
     #[inline(always)]
     fn fits<L: Law<R>>(&self, law: &L) -> bool {
         let listed = self.pairs.lower.len();
-        let used = self.pairs.memory.iter().take(L::MEMORY);
-        used.fold(true, |fits, word| fits && word.len() >= listed)
-            && (!L::ACTS_APART || law.reach() <= self.reach)
+        let mut used = self.pairs.memory.iter().take(L::MEMORY);
+        used.all(|word| word.len() >= listed) && (!L::ACTS_APART || law.reach() <= self.reach)
     }
 }
 
