@@ -1,19 +1,18 @@
 //! From the files of a run directory to its report.
 
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 mod picture;
+mod snapshot;
 
 use picture::picture;
+use snapshot::{Still, flow, panel_of, scene};
 
-use crate::report::{
-    self, BedPicture, Drawings, FieldPicture, Film, FlowGrain, FlowPicture, FlowSeries, TankSeries,
-};
+use crate::report::{self, BedPicture, Drawings, FieldPicture, Film, FlowSeries, TankSeries};
 use bitgrain_lab::bed::library::BedCache;
 use bitgrain_lab::flow::{FLOW, PROFILE};
 use bitgrain_lab::folder::Folder;
-use bitgrain_lab::frames::{self, Frame, Slice};
+use bitgrain_lab::frames::{self, Frame};
 use bitgrain_lab::manifest::{FolderKind, Vouched};
 use bitgrain_lab::progress::Progress;
 use bitgrain_lab::run::{self, Setting};
@@ -22,14 +21,10 @@ use bitgrain_lab::series::{SeriesRow, parse_series};
 use bitgrain_lab::summary::{BedSummary, DragSummary, Summary, read_folder};
 use bitgrain_lab::tank_tables::{BAR, VELOCITY};
 use bitgrain_sim::checkpoint;
+use bitgrain_sim::coarse_graining::intruder_outline;
 use bitgrain_sim::coarse_graining::read::plane;
-use bitgrain_sim::coarse_graining::{IntruderOutline, intruder_outline};
 use bitgrain_sim::disk::write_whole;
 use bitgrain_sim::error::{Error, Result};
-use bitgrain_sim::export::{FROZEN_TYPE, OBSTACLE_TYPE};
-use bitgrain_sim::files::packed_name;
-use bitgrain_sim::lammps::{Atom, parse_dump};
-use bitgrain_sim::motion::Moves;
 use bitgrain_sim::simulation::Role;
 use bitgrain_sim::table::Table;
 
@@ -80,6 +75,10 @@ pub fn write_report(folder: &Folder<'_>) -> Result<()> {
             });
         }
     }
+    let scene = match planned.last() {
+        Some(last) => scene(folder, vouched, last, still_of(last.0)?, (packed, d))?,
+        None => None,
+    };
     let maps = whole
         .runs
         .iter()
@@ -101,6 +100,7 @@ pub fn write_report(folder: &Folder<'_>) -> Result<()> {
     };
     let drawings = Drawings {
         maps: &maps,
+        scene: scene.as_ref(),
         ..drawings
     };
     let page = page(folder, vouched, (&whole, &text), drawings)?;
@@ -193,13 +193,6 @@ fn unplanned(name: &str) -> Error {
         name,
         "does not belong to the scenario beside it; was summary.json changed?",
     )
-}
-
-/// A settled bed: its picture, its intruder, and which of its grains are the lid's, which dumps do not say.
-struct Still {
-    picture: BedPicture,
-    hole: IntruderOutline,
-    lid: BTreeSet<u32>,
 }
 
 fn still(
@@ -340,100 +333,4 @@ fn frames_of(
         all.extend(found);
     }
     Ok(all)
-}
-
-/// A frame as a picture.
-fn panel_of(frame: &Frame, run: &DragSummary, still: &Still, d: f64) -> FlowPicture {
-    let bed = &still.picture;
-    let (centre, radius) = bed.intruder;
-    let half = 0.5 * (bed.hi[0] - bed.lo[0]);
-    // Each grain once: the picture draws its images itself.
-    let once = frame.cuts.iter().filter(|cut| cut.x.abs() * d <= half);
-    let grain = |cut: &Slice| FlowGrain {
-        position: [centre[0] + cut.x * d, centre[1], centre[2] + cut.z * d],
-        radius: cut.radius * d,
-        velocity: {
-            let rest = cut.speed * cut.speed - cut.u * cut.u - cut.w * cut.w;
-            [cut.u, rest.max(0.0).sqrt(), cut.w].map(|v| v * run.speed)
-        },
-        role: cut.role,
-    };
-    FlowPicture {
-        run: run.name.clone(),
-        froude: run.froude,
-        speed: run.speed,
-        travel: frame.travel * d,
-        lo: bed.lo,
-        hi: bed.hi,
-        intruder: (centre, radius),
-        reach: frames::reach(radius / d) * d,
-        moves: bed.moves,
-        grains: once.map(grain).collect(),
-    }
-}
-
-/// The snapshot nearest to the travel at which all drags are compared; `None` for a drag without snapshots.
-fn flow(
-    folder: &Folder<'_>,
-    vouched: &Vouched,
-    (run, plan): (&DragSummary, &DragPlan),
-    still: &Still,
-    (packed, d): (bool, f64),
-) -> Result<Option<FlowPicture>> {
-    let off = |step: &&u64| step.abs_diff(plan.panel);
-    let Some(&step) = plan.snapshots.iter().min_by_key(off) else {
-        return Ok(None);
-    };
-    let mut path = folder.snapshot(&run.name, "grains", step, "dump");
-    if packed {
-        path = packed_name(&path);
-    }
-    let damaged = |what: &str| Error::input(path.display().to_string(), what);
-    let frame = parse_dump(&vouched.text(&path)?, &path.display().to_string())?
-        .pop()
-        .ok_or_else(|| damaged("holds no frame"))?;
-    let (ball, grains): (Vec<&Atom>, Vec<&Atom>) =
-        frame.atoms.iter().partition(|a| a.kind == OBSTACLE_TYPE);
-    let travel = step as f64 / run.steps as f64 * run.distance;
-    let picture = &still.picture;
-    let intruder = match ball.first() {
-        Some(ball) => (ball.position, 0.5 * ball.diameter),
-        // A cylinder has no place in a dump; it is where it was, or as far on as it moved.
-        None if run.flow.is_some() => {
-            let ([x, y, z], radius) = picture.intruder;
-            let way = match picture.moves {
-                Moves::Intruder => travel,
-                Moves::Bed => 0.0,
-            };
-            ([x + way, y, z], radius)
-        }
-        None => return Err(damaged("holds no intruder (type 2)")),
-    };
-    let frame_speed = match picture.moves {
-        Moves::Intruder => 0.0,
-        Moves::Bed => run.speed,
-    };
-    let grain = |a: &&Atom| FlowGrain {
-        position: a.position,
-        radius: 0.5 * a.diameter,
-        // Of the base, or of the box if the base is at rest.
-        velocity: [a.velocity[0] - frame_speed, a.velocity[1], a.velocity[2]],
-        role: match a.kind {
-            FROZEN_TYPE => Role::Base,
-            _ if still.lid.contains(&a.id) => Role::Lid,
-            _ => Role::Free,
-        },
-    };
-    Ok(Some(FlowPicture {
-        run: run.name.clone(),
-        froude: run.froude,
-        speed: run.speed,
-        travel,
-        lo: [frame.lo[0], frame.lo[1], 0.0],
-        hi: frame.hi,
-        intruder,
-        reach: frames::reach(intruder.1 / d) * d,
-        moves: picture.moves,
-        grains: grains.iter().map(grain).collect(),
-    }))
 }

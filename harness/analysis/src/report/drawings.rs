@@ -6,6 +6,7 @@ use crate::report::BedPicture;
 use crate::report::FieldPicture;
 use crate::report::Film;
 use crate::report::FlowPicture;
+use crate::report::Scene;
 use bitgrain_lab::series::SeriesRow;
 
 /// What a page draws beside the numbers of a summary; if one is missing, the page says so.
@@ -29,4 +30,6 @@ pub struct Drawings<'a> {
     pub courses: &'a [FlowSeries],
     /// Fields of the runs they name.
     pub maps: &'a [FieldPicture],
+    /// The last snapshot of the last run.
+    pub scene: Option<&'a Scene>,
 }

@@ -7,7 +7,7 @@ use super::page::{Top, assembled};
 use super::picture::BedPicture;
 use super::sections::{bed_figure, numbers, repeat, span};
 use super::text::{escape, typeset};
-use super::{before, chart, course, fields, film, near_field};
+use super::{before, chart, course, fields, film, near_field, scene};
 use super::{inputs, loads, means, player, rig_table, scaling};
 use crate::claims::book::Book;
 use crate::claims::{Group, Verdict, drag_slope, evidence, groups};
@@ -39,6 +39,7 @@ pub fn flowing_page(summary: &Summary, scenario_text: &str, drawings: &Drawings<
     out.push_str(&bed_figures(summary, drawings.beds, &first));
     out.push_str(&course::section(summary, &groups, drawings.courses));
     out.push_str(&near_field::section(summary, drawings.flows, &first));
+    out.push_str(&scene::section(summary, drawings.scene));
     out.push_str(&fields::section(summary, &groups, drawings.maps));
     out.push_str(&loads::section(summary, &groups));
     out.push_str(&numbers(

@@ -2,6 +2,7 @@
 //! contents, its sections.
 
 use super::player;
+use super::scene;
 use super::text::escape;
 
 const CSS: &str = include_str!("style.css");
@@ -42,10 +43,13 @@ pub(super) fn assembled(top: &Top<'_>, sections: &str) -> String {
         true => "<p>No check found anything against these numbers.</p>\n".to_owned(),
         false => format!("<ul>\n{}</ul>\n", top.remarks.concat()),
     };
-    let script = match sections.contains("<figure class=\"played") {
+    let mut script = match sections.contains("<figure class=\"played") {
         true => player::script(),
         false => String::new(),
     };
+    if sections.contains("<figure class=\"scene") {
+        script.push_str(&scene::script());
+    }
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\

@@ -5,7 +5,7 @@ use super::scale::{Cut, Scale};
 use super::text::escape;
 
 /// Signs of which two make a number and which mean nothing in HTML or JSON.
-const SIGNS: &str =
+pub(super) const SIGNS: &str =
     "()*+,-./0123456789:;=>?@ABCDEFGHIJKLMNOPQRSTUVWXYZ[]^_`abcdefghijklmnopqrstuvwxyz{|}~";
 /// Parts of a unit of the drawing, and what is added so that no number is below zero.
 const PARTS: f64 = 9.0;

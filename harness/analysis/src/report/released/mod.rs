@@ -9,7 +9,7 @@ use super::drawings::Drawings;
 use super::page::{Top, assembled};
 use super::sections::{numbers, repeat, span};
 use super::text::{escape, typeset};
-use super::{before, inputs, picture};
+use super::{before, inputs, picture, scene};
 use crate::released::{FreeRun, free_runs};
 use bitgrain_lab::scenario::IntruderMotion;
 use bitgrain_lab::summary::Summary;
@@ -24,6 +24,7 @@ pub fn released_page(summary: &Summary, scenario_text: &str, drawings: &Drawings
         _ => float::sections(summary, &runs),
     };
     out.push_str(&pictures(summary, drawings));
+    out.push_str(&scene::section(summary, drawings.scene));
     out.push_str(&numbers(summary, "", ""));
     out.push_str(&inputs::section(scenario_text, &summary.units));
     out.push_str(&repeat(summary, scenario_text));
