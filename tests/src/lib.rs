@@ -6,6 +6,7 @@ pub mod extended;
 pub mod fuzzing;
 pub mod gather;
 pub mod notices;
+pub mod page;
 pub mod processes;
 pub mod reference_scheme;
 pub mod tank;

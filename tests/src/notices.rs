@@ -1,5 +1,5 @@
-//! Notices of the crates that are linked into the command or the Python package: names, versions, licences, and the
-//! texts of these.
+//! Notices of the crates that are linked into the command, the Python package or the live page: names, versions,
+//! licences, and the texts of these.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
@@ -9,6 +9,8 @@ use std::process::Command;
 use serde_json::Value;
 
 use crate::root;
+
+const LINUX: &str = "x86_64-unknown-linux-gnu";
 
 /// What crates are linked into.
 #[derive(Clone, Copy, Debug)]
@@ -22,6 +24,8 @@ pub struct Product {
     package: &'static str,
     /// The argument of the program `notices` that chooses it.
     argument: &'static str,
+    /// The system that the crates are linked for: others need a few others.
+    target: &'static str,
 }
 
 /// The command.
@@ -31,6 +35,7 @@ pub const COMMAND: Product = Product {
     manifest: "Cargo.toml",
     package: "bitgrain",
     argument: "",
+    target: LINUX,
 };
 
 /// The Python package.
@@ -40,10 +45,18 @@ pub const PYTHON: Product = Product {
     manifest: "harness/python/Cargo.toml",
     package: "bitgrain-python",
     argument: " -- python",
+    target: LINUX,
 };
 
-/// The system that the crates are linked for: others need a few others.
-pub const TARGET: &str = "x86_64-unknown-linux-gnu";
+/// The live page.
+pub const PAGE: Product = Product {
+    file: "harness/page/THIRD-PARTY.md",
+    name: "the live page of `bitgrain`",
+    manifest: "harness/page/Cargo.toml",
+    package: "bitgrain-page",
+    argument: " -- page",
+    target: "wasm32-unknown-unknown",
+};
 
 /// A crate that is linked into a product.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -74,7 +87,7 @@ fn cargo(args: &[&str]) -> String {
 pub fn linked(product: &Product) -> Vec<Linked> {
     let tree = "tree -e normal,no-proc-macro --prefix none --format {p}|{l} --target";
     let own = ["-p", product.package, "--manifest-path", product.manifest];
-    let args: Vec<&str> = tree.split(' ').chain([TARGET]).chain(own).collect();
+    let args: Vec<&str> = tree.split(' ').chain([product.target]).chain(own).collect();
     let mut found = BTreeSet::new();
     for line in cargo(&args).lines() {
         let line = line.trim_end_matches(" (*)");
@@ -100,7 +113,7 @@ fn folders(product: &Product) -> BTreeMap<(String, String), PathBuf> {
         "--format-version",
         "1",
         "--filter-platform",
-        TARGET,
+        product.target,
         "--manifest-path",
         product.manifest,
     ]);
@@ -167,9 +180,14 @@ fn texts(folder: &Path, licence: &str) -> Vec<String> {
 /// The notices: a table of the crates, and each text once with the crates that have it.
 pub fn text(product: &Product) -> String {
     let (linked, folders) = (linked(product), folders(product));
-    let Product { name, argument, .. } = product;
+    let Product {
+        name,
+        argument,
+        target,
+        ..
+    } = product;
     let mut out = format!(
-        "# Third-party notices\n\nCrates linked into {name} for {TARGET}, with what they are licensed under, and \
+        "# Third-party notices\n\nCrates linked into {name} for {target}, with what they are licensed under, and \
          the texts of these licences. The Rust standard library is linked too (MIT OR Apache-2.0). Written by \
          `cargo run -p bitgrain-tests --bin notices{argument}`.\n\n| crate | version | licence |\n| --- | --- | --- |\n"
     );

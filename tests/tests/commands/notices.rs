@@ -1,21 +1,28 @@
-//! The notices beside the command name the crates that it links, and no others.
+//! The notices beside the command and the live page name the crates that these link, and no others.
 #![cfg(target_os = "linux")]
 
-use bitgrain_tests::notices::{COMMAND, linked, text};
+use bitgrain_tests::notices::{COMMAND, PAGE, Product, linked, text};
 use bitgrain_tests::root;
 
-const RECIPE: &str = "`cargo run -p bitgrain-tests --bin notices` rewrites it";
+const RECIPE: &str =
+    "`cargo run -p bitgrain-tests --bin notices` rewrites it, with `-- page` that of the page";
 
 #[test]
 fn notices_name_what_is_linked() {
-    let written = std::fs::read_to_string(root().join(COMMAND.file)).expect(RECIPE);
+    check(&COMMAND, 50);
+    check(&PAGE, 30);
+}
+
+/// Looks at the notices of a product that links at least so many crates.
+fn check(product: &Product, least: usize) {
+    let written = std::fs::read_to_string(root().join(product.file)).expect(RECIPE);
     let rows = written
         .lines()
         .filter(|line| line.starts_with("| "))
         .skip(2);
     let rows: Vec<String> = rows.map(str::to_string).collect();
-    let linked = linked(&COMMAND);
-    assert!(linked.len() > 50);
+    let linked = linked(product);
+    assert!(linked.len() > least);
     let expected: Vec<String> = linked
         .iter()
         .map(|l| format!("| {} | {} | {} |", l.name, l.version, l.licence))
@@ -31,5 +38,5 @@ fn notices_name_what_is_linked() {
         let has = |head: &&&str| head.split(", ").any(|word| word == own);
         assert!(heads.iter().any(|head| has(&head)), "{own}: {RECIPE}");
     }
-    assert_eq!(written, text(&COMMAND), "{RECIPE}");
+    assert_eq!(written, text(product), "{RECIPE}");
 }

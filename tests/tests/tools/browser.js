@@ -1,4 +1,4 @@
-// Looks through the report in the frame `page` and writes what is wrong into `finds`, a line each.
+// What can be wrong with how a page looks, as texts in `finds`.
 
 const finds = [];
 const say = (what) => finds.push(what.replace(/\s+/g, " "));
@@ -87,17 +87,12 @@ function letters({ left, right, top, bottom }) {
   return { left: left + x, right: right - x, top: top + y, bottom: bottom - y };
 }
 
-const frame = document.getElementById("page");
-// Before the page is read there is an empty one, whose window stays: errors of loading arrive too.
-frame.contentWindow.onerror = (message) => say(`page error: ${message}`);
-window.onerror = (message) => say(`wrapper error: ${message}`);
-frame.onload = () => {
-  const view = frame.contentWindow;
+// Looks through all of a page.
+function look(view) {
   checkWidth(view);
   checkTextSizes(view);
   const drawings = [...view.document.querySelectorAll("svg:not(.key)")];
   drawings.forEach(checkDrawing);
   const texts = view.document.querySelectorAll("svg text").length;
   say(`looked at ${drawings.length} drawings with ${texts} texts`);
-  document.getElementById("finds").textContent = "\n" + finds.join("\n") + "\n";
-};
+}

@@ -9,12 +9,16 @@ use std::process::Command;
 
 use bitgrain::frames::{Frame, Slice};
 use bitgrain::motion::Moves;
-use bitgrain::report::{self, BedPicture, Drawings, Film, FlowGrain, FlowPicture, PictureGrain};
+use bitgrain::report::{
+    self, BedPicture, Drawings, Film, FlowGrain, FlowPicture, PictureGrain, Scene,
+};
 use bitgrain::scenario::{self};
 use bitgrain::series::SeriesRow;
 use bitgrain::simulation::Role;
 use bitgrain::summary::{Summary, parse_summary};
 use bitgrain_tests::golden;
+
+use crate::chromium::Browser;
 
 /// Widths of a desk's and a phone's window, in CSS pixels.
 const WIDTHS: [u32; 2] = [1280, 390];
@@ -22,7 +26,7 @@ const WIDTHS: [u32; 2] = [1280, 390];
 const SMALLEST: f64 = 9.0;
 
 /// Looks through the page in the frame and writes what is wrong into the document, a line each.
-const SCRIPT: &str = include_str!("browser.js");
+const SCRIPT: &str = concat!(include_str!("browser.js"), include_str!("frame.js"));
 
 /// A made-up number between 0 and 1 for each `n`; neighbours are unlike.
 fn noise(n: u64) -> f64 {
@@ -183,7 +187,12 @@ fn pages() -> Vec<(&'static str, String)> {
             .map(|run| flow_picture(&run.name, run.froude, unit))
             .collect();
         let films: Vec<_> = runs.iter().map(|run| film(&run.name)).collect();
+        let scene = Scene {
+            state: flows[0].clone(),
+            half_length: None,
+        };
         let drawings = Drawings {
+            scene: Some(&scene),
             series: &rows,
             beds: &beds,
             flows: &flows,
@@ -260,6 +269,35 @@ fn a_report_can_be_read_on_a_desk_and_on_a_phone() {
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// The last snapshot is drawn: where WebGL is, its canvas is not empty; where it is not, the page says so.
+#[test]
+#[ignore = "needs a Chromium"]
+fn the_last_snapshot_is_seen_from_every_side() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("report.html");
+    let (_, page) = &pages()[0];
+    std::fs::write(&file, page).unwrap();
+    let mut browser = Browser::start(&[]);
+    browser.open(&file, "");
+    // A picture is kept until the next frame: it is drawn by a key and read in the same one.
+    let picture = "new Promise((done) => requestAnimationFrame(() => { \
+         const canvas = document.querySelector('figure.scene canvas'), copy = document.createElement('canvas'); \
+         canvas.dispatchEvent(new KeyboardEvent('keydown', {key: 'ArrowLeft'})); \
+         requestAnimationFrame(() => { [copy.width, copy.height] = [60, 40]; \
+         const flat = copy.getContext('2d'); flat.drawImage(canvas, 0, 0, 60, 40); \
+         const {data} = flat.getImageData(0, 0, 60, 40); \
+         done([...data].filter((x, k) => k % 4 === 3 && x > 0).length); }); }))";
+    let seen = browser.value(picture).as_u64().unwrap();
+    // The bed fills about a fifth of its canvas, and neither all nor nothing of it.
+    assert!((200..2000).contains(&seen), "{seen} of 2,400 parts");
+    assert_eq!(browser.errors(), Vec::<String>::new());
+    assert_eq!(browser.requests(), Vec::<String>::new());
+    let mut blind = Browser::start(&["--disable-3d-apis"]);
+    blind.open(&file, "");
+    let note = blind.value("document.querySelector('figure.scene .none').textContent");
+    assert_eq!(note, "There is no picture: this browser shows no WebGL 2.");
 }
 
 /// The checks themselves: a page with one fault of each kind has each of them found.

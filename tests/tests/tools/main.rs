@@ -3,6 +3,7 @@
 
 mod browser;
 mod capi;
+mod chromium;
 mod count;
 mod instructions;
 // The modules of the program `targets`, which uses the rest.
@@ -12,6 +13,7 @@ mod machines;
 mod models;
 mod mpi;
 mod mutants;
+mod page;
 mod panics;
 mod recordings;
 mod schedulers;
