@@ -34,6 +34,7 @@ fn law(restitution: f64) -> LawSpec {
         poisson: 0.3,
         restitution,
         mu: 0.5,
+        rolling: None,
     })
 }
 
