@@ -1,5 +1,5 @@
-//! Whole steps of settled beds: sizes from 3,200 to a million grains, one thread and two, both laws, several materials, rolling.
-//! `cargo bench -p bitgrain`; a part of it with `cargo bench -p bitgrain -- "3200"`.
+//! Whole steps of settled beds: sizes from 3,200 to a million grains, one thread and two, both laws, several materials,
+//! rolling. `cargo bench -p bitgrain`; a part of it with `cargo bench -p bitgrain -- "3200"`.
 
 use std::hint::black_box;
 use std::path::Path;

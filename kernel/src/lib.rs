@@ -70,6 +70,7 @@ extern crate std;
 compile_error!("x87 arithmetic rounds twice, so its bits differ: build for a target with SSE2");
 
 pub mod blake3;
+mod clock;
 pub mod conformance;
 pub mod contact;
 mod digest;

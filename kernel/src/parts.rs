@@ -23,7 +23,7 @@
 //! A pair of two parts is evaluated in both, from the same numbers in the same orientation. So any cut gives the bits
 //! of the whole world.
 
-use crate::contact::law::Kept;
+use crate::contact::kept::Kept;
 use crate::edit::renumber::{NewPlaces, renumber_contacts};
 use crate::error::Error;
 use crate::integrate::{MotionCheck, MotionPhase, integrate, travel_at};

@@ -318,7 +318,8 @@ fn rebuild_outer_list<R: Real>(
 /// The joint after [`obstacle_forces`] and [`accumulate`], which say what they found.
 ///
 /// # Errors
-/// A world that does not fit its law; a force on an obstacle that is not finite; one of the overlaps, unless the policy takes such grains out.
+/// A world that does not fit its law; a force on an obstacle that is not finite; one of the overlaps, unless the policy
+/// takes such grains out.
 pub fn check_forces<R: Real>(world: &mut World<'_, R>, found: ForceCheck) -> Result<(), Error> {
     if found.misfit {
         return Err(Error::LawMisfit);

@@ -268,7 +268,7 @@ typedef struct {
   double gamma_t;
   // Friction coefficient.
   double mu;
-  // `BG_NO_ROLLING`, `BG_ROLLING_SDS` or `BG_ROLLING_EPSD2`; with the last two `bg_capacity.materials` is 1 at least.
+  // `BG_NO_ROLLING`, `BG_ROLLING_SDS` or `BG_ROLLING_EPSD2`; the last two need `bg_capacity.materials`, 1 at least.
   uint32_t rolling;
   // Unused: 0.
   uint32_t reserved;
@@ -770,6 +770,29 @@ int32_t bg_get_counts(bg_world *world, bg_counts *out);
 
 // Sets `out` to the last error of a call with this world; its code is 0 if there was none.
 int32_t bg_get_fault(bg_world *world, bg_fault *out);
+
+// Sets the law between two materials, in either order, from now on. `law` is of the kind of the world's; at first all
+// pairs have that of `bg_config`. Materials are numbered from 0, below `bg_capacity.materials`.
+int32_t bg_set_pair_law(bg_world *world,
+                        uint32_t a,
+                        uint32_t b,
+                        const bg_law *law);
+
+// Sets `out` to the law of Guillard 2014 from Young's modulus (pressure), Poisson's ratio (-1 to 0.5), the coefficient
+// of restitution (0 to 1, 0 excluded) and the friction coefficient.
+int32_t bg_law_hertz_tsuji(double young,
+                           double poisson,
+                           double restitution,
+                           double mu,
+                           bg_law *out);
+
+// The same between two materials, each with Young's modulus and Poisson's ratio in `a` and `b`: for
+// `bg_set_pair_law`.
+int32_t bg_law_hertz_tsuji_between(const double *a,
+                                   const double *b,
+                                   double restitution,
+                                   double mu,
+                                   bg_law *out);
 
 // Puts `count` grains into a world, by ids that ascend: before it is started each must follow the grains that are
 // there, between two steps each goes where its id belongs.

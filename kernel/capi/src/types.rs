@@ -65,7 +65,7 @@ pub struct bg_law {
     pub gamma_t: f64,
     /// Friction coefficient.
     pub mu: f64,
-    /// `BG_NO_ROLLING`, `BG_ROLLING_SDS` or `BG_ROLLING_EPSD2`; with the last two `bg_capacity.materials` is 1 at least.
+    /// `BG_NO_ROLLING`, `BG_ROLLING_SDS` or `BG_ROLLING_EPSD2`; the last two need `bg_capacity.materials`, 1 at least.
     pub rolling: u32,
     /// Unused: 0.
     pub reserved: u32,

@@ -270,7 +270,7 @@ pub fn history<R: Real>(gamma: f64) -> HertzHistory<R> {
 pub const MATERIALS: u8 = 2;
 
 /// The law of two materials for [`PairLaws`]: grains of the first resist rolling on each other by `sds`, on the second
-/// by `epsd2`, and those of the second do not; all with the numbers of [`tsuji`], but for a stiffer and less rough pair.
+/// by `epsd2`, and those of the second do not; all with the numbers of [`tsuji`], but for a stiffer, less rough pair.
 pub fn materials<R: Real>() -> [Rolling<R, HertzTsuji<R>>; 3] {
     let law = tsuji();
     let [k, gamma, little, much, mu] = [60.0, 0.25, 0.0625, 0.125, 0.25].map(R::from_f64);

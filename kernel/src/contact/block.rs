@@ -6,9 +6,11 @@
 //! for the next one lie in columns that stay in the nearest cache. Nothing here branches on the data:
 //! a pair that does not touch is evaluated too and gives +0.0, which changes no sum.
 
+pub(crate) use crate::contact::columns::{BLOCK, Bodies};
+use crate::contact::columns::{Column, Columns, NormalForces, Rows, STRIDE, put, taken};
+use crate::contact::kept::{ContactMemory, MEMORY_MAX};
 use crate::contact::law::{
-    ContactMemory, Law, MEMORY_MAX, NormalForce, NormalState, TangentialState, TurningState,
-    has_torque,
+    Law, NormalForce, NormalState, TangentialState, TurningState, has_torque,
 };
 use crate::contact::slide::{slide, surface_spin};
 use crate::math::real::{Real, smaller};
@@ -16,36 +18,7 @@ use crate::math::rows::Row;
 use crate::math::rows::{copy, get_or_default, less, min, part, part_mut, prefix};
 use crate::math::vec3::{Vec3, add, cross, dot, either, head, scale};
 use crate::state::domain::Domain;
-use crate::state::grains::{Group, material_of};
-
-/// Pairs of a block: enough that filling and emptying it costs little, few enough for the nearest
-/// cache; fewer if the stack is small. A multiple of [`STRIDE`].
-pub(crate) const BLOCK: usize = if cfg!(any(target_arch = "arm", target_arch = "riscv32")) {
-    1
-} else {
-    64
-};
-
-/// A block is evaluated in whole strides, so that no register is left partly filled: what fills up the
-/// last one is not read.
-const STRIDE: usize = if BLOCK < 8 { BLOCK } else { 8 };
-
-type Column<R> = [R; BLOCK];
-type Columns<R> = [Column<R>; 3];
-type Rows<R> = [Row<R>; BLOCK];
-
-/// Rows of grains.
-#[derive(Clone, Copy)]
-pub(crate) struct Bodies<'a, R> {
-    /// Positions and radii.
-    pub position: &'a [Row<R>],
-    /// Velocities and masses.
-    pub velocity: &'a [Row<R>],
-    /// Spins and inverse contact masses.
-    pub spin: &'a [Row<R>],
-    /// Groups of the grains, and all groups.
-    pub group: (&'a [u8], &'a [Group<R>]),
-}
+use crate::state::grains::material_of;
 
 /// The columns of a block.
 #[cfg_attr(
@@ -84,27 +57,6 @@ pub(crate) struct Block<R> {
     torque: Rows<R>,
     /// The law's words, as they were and then as they are left; only as many columns as it has are used.
     memory: [Column<R>; MEMORY_MAX],
-}
-
-/// [`NormalForce`] in columns.
-struct NormalForces<R> {
-    force: Column<R>,
-    contact_radius: Column<R>,
-    damping: Column<R>,
-    lever_arm_i: Column<R>,
-    lever_arm_j: Column<R>,
-}
-
-#[inline(always)]
-fn taken<R: Real>(columns: &Columns<R>, k: usize) -> Vec3<R> {
-    [columns[0][k], columns[1][k], columns[2][k]]
-}
-
-#[inline(always)]
-fn put<R: Real>(columns: &mut Columns<R>, k: usize, v: Vec3<R>) {
-    columns[0][k] = v[0];
-    columns[1][k] = v[1];
-    columns[2][k] = v[2];
 }
 
 impl<R: Real> Block<R> {

@@ -1,8 +1,9 @@
 //! A law with other numbers for each pair of materials: any of Kumar 2018, eqs. 1 and 2, or Guillard 2014, eq. A1.
 
+use super::kept::ContactMemory;
 use super::law::{
-    ContactMemory, Law, Materials, NormalForce, NormalState, TangentialForce, TangentialState,
-    Torque, TurningState,
+    Law, Materials, NormalForce, NormalState, TangentialForce, TangentialState, Torque,
+    TurningState,
 };
 use crate::math::real::{Real, larger};
 

@@ -4,9 +4,9 @@
 //! Both models turn two bodies against each other with a spring that is held to a limit: `sds` as LAMMPS computes it,
 //! and `epsd2` as LIGGGHTS does. The order of evaluation written here is part of the bit contract.
 
+use super::kept::{ContactMemory, MEMORY_MAX};
 use super::law::{
-    ContactMemory, Law, MEMORY_MAX, NormalForce, NormalState, TangentialForce, TangentialState,
-    Torque, TurningState,
+    Law, NormalForce, NormalState, TangentialForce, TangentialState, Torque, TurningState,
 };
 use crate::math::real::{Real, magnitude};
 use crate::math::vec3::{Vec3, add, cross, dot, either, scale, sub};
@@ -16,7 +16,7 @@ use crate::math::vec3::{Vec3, add, cross, dot, either, scale, sub};
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum RollingSpring {
-    /// Spring, damper and slider: `f = -k r - gamma v` with `|f| <= mu |F_n|`, `r` the way that the surfaces have rolled
+    /// Spring, damper and slider: `f = -k r - gamma v` with `|f| <= mu |F_n|`, `r` the way that surfaces have rolled
     /// and `v = R (w_i - w_j) x n`; the torque is `R n x f`. The way keeps its length as its plane turns.
     #[default]
     Sds,

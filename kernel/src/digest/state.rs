@@ -21,8 +21,8 @@ pub struct Digest {
     pub velocities: [u8; 32],
     /// Spins.
     pub spins: [u8; 32],
-    /// Tangential springs of the touching contacts, with the ids of their bodies; of a law that keeps words of a contact
-    /// those too, up to the last one that is not zero.
+    /// Tangential springs of the touching contacts, with the ids of their bodies; of a law that keeps words of
+    /// contacts those too, up to the last one that is not zero.
     pub histories: [u8; 32],
     /// Contact forces and torques on the grains.
     pub forces: [u8; 32],

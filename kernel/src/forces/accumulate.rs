@@ -200,13 +200,7 @@ pub fn accumulate<R: Real, L: Law<R>>(
         block.evaluate(&domain, &law, dt);
         let (mut again, mut kept) = (begin, 0);
         while let Some(piece) = again.take(stretches, BLOCK - kept) {
-            let springs = pairs.spring.each_mut();
-            let memory = pairs.memory.each_mut();
-            block.keep::<L>(
-                kept,
-                springs.map(|s| part_mut(s, piece.start, piece.end)),
-                memory.map(|s| part_mut(s, piece.start, piece.end)),
-            );
+            keep::<R, L>(&block, kept, pairs, piece.start, piece.end);
             kept += piece.len();
         }
         add_shares::<R, L>(grains, &block);
@@ -276,6 +270,20 @@ fn show<R: Real, L: Law<R>>(block: &Block<R>, watch: &mut impl FnMut(ContactForc
             });
         },
     );
+}
+
+/// Puts what is left of the pairs of a block, from one of them on, back among the pairs from `from` to `to`.
+#[inline(always)]
+fn keep<R: Real, L: Law<R>>(
+    block: &Block<R>,
+    begin: usize,
+    pairs: &mut PairRange<'_, R>,
+    from: usize,
+    to: usize,
+) {
+    let springs = pairs.spring.each_mut().map(|s| part_mut(s, from, to));
+    let memory = pairs.memory.each_mut().map(|s| part_mut(s, from, to));
+    block.keep::<L>(begin, springs, memory);
 }
 
 /// Fills a block up with the pairs from `from` to `to`.

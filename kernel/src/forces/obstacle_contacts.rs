@@ -1,7 +1,9 @@
 //! Forces on obstacles and of obstacles on grains: the first part of every grain's sum. An obstacle's
 //! own sum runs over grains by ascending id.
 
-use crate::contact::law::{Contact, Kept, Law, MEMORY_MAX, react};
+use crate::contact::kept::{Kept, MEMORY_MAX};
+use crate::contact::law::Law;
+use crate::contact::react::{Contact, Reaction, react};
 use crate::forces::accumulate::{ContactForce, GrainRange, Partner};
 use crate::forces::force_check::ForceCheck;
 use crate::forces::mesh_histories::hand_on;
@@ -45,6 +47,16 @@ pub struct ObstacleShare<R> {
     pub force: Vec3<R>,
     /// Its moment about the obstacle's point.
     pub torque: Vec3<R>,
+}
+
+impl<R> ObstacleShare<R> {
+    fn of(obstacle: u32, force: Vec3<R>, torque: Vec3<R>) -> Self {
+        Self {
+            obstacle,
+            force,
+            torque,
+        }
+    }
 }
 
 /// Sets the force and torque on each obstacle to the sum of these shares, which come in the order of the contract: by
@@ -114,12 +126,7 @@ pub fn obstacle_forces<R: Real, L: Law<R>>(
             spring: head(*spring),
             memory,
         };
-        let mut r = react(law, &contact, kept, dt);
-        if met.share < R::ONE {
-            r.normal = r.normal * met.share;
-            r.tangential = scale(r.tangential, met.share);
-            r.torque = scale(r.torque, met.share);
-        }
+        let r = shared(react(law, &contact, kept, dt), met.share);
         let push = add(scale(contact.normal, r.normal), r.tangential);
         let couple = cross(contact.normal, r.tangential);
         // A ball's lever is the law's, as for two grains. Elsewhere the force acts where the grain's
@@ -142,12 +149,7 @@ pub fn obstacle_forces<R: Real, L: Law<R>>(
         }
         body.force = sub(body.force, push);
         body.torque = sub(body.torque, moment);
-        let share = ObstacleShare {
-            obstacle: k,
-            force: push,
-            torque: moment,
-        };
-        set(touch.shares, t, share);
+        set(touch.shares, t, ObstacleShare::of(k, push, moment));
         watch(ContactForce {
             i: i as u32,
             partner: Partner::Obstacle(k),
@@ -168,6 +170,17 @@ pub fn obstacle_forces<R: Real, L: Law<R>>(
         misfit: words(&touch.memory) < L::MEMORY && !touch.grain.is_empty(),
         ..ForceCheck::NONE
     }
+}
+
+/// The part of a reaction that counts; all of it but at a hollow crease of a mesh.
+#[inline(always)]
+fn shared<R: Real>(mut r: Reaction<R>, share: R) -> Reaction<R> {
+    if share < R::ONE {
+        r.normal = r.normal * share;
+        r.tangential = scale(r.tangential, share);
+        r.torque = scale(r.torque, share);
+    }
+    r
 }
 
 /// The contact of grain `i` on a surface of an obstacle, and where it meets it.

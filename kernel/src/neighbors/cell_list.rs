@@ -5,7 +5,7 @@
 //! ones around it. What it finds are candidates, kept for many steps; the pairs that a step
 //! evaluates are picked from them, more often, in `prune.rs`.
 
-use crate::contact::law::Kept;
+use crate::contact::kept::Kept;
 use crate::error::Error;
 use crate::math::real::Real;
 use crate::math::rows::Row;

@@ -1,7 +1,7 @@
 //! Words that a law keeps of contacts, in columns: one for each word, as long as the list of the contacts, and none for
 //! laws without words, which need no storage for them.
 
-use crate::contact::law::{ContactMemory, MEMORY_MAX};
+use crate::contact::kept::{ContactMemory, MEMORY_MAX};
 use crate::math::real::Real;
 use crate::math::rows::{get_or_default, set};
 

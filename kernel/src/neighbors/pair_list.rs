@@ -5,7 +5,7 @@
 //! together, with room between stretches. Obstacle contacts are a separate list, by grain and then obstacle. A pair
 //! keeps its history as long as it acts; which further pairs are listed has no effect on any result.
 
-use crate::contact::law::{ContactMemory, Kept};
+use crate::contact::kept::{ContactMemory, Kept};
 use crate::math::real::Real;
 use crate::math::rows::{Row, row};
 use crate::math::rows::{front_mut, get_or_default, min, part, prefix, set};

@@ -8,7 +8,7 @@
 use core::ops::Range;
 
 use crate::contact::block::BLOCK;
-use crate::contact::law::Kept;
+use crate::contact::kept::Kept;
 use crate::error::Error;
 use crate::math::real::{Real, larger};
 use crate::math::rows::Row;

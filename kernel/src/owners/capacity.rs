@@ -1,6 +1,6 @@
 //! How much room a world needs.
 
-use crate::contact::law::MEMORY_MAX;
+use crate::contact::kept::MEMORY_MAX;
 use crate::neighbors::stretch::{NEIGHBORS, STRETCH};
 
 /// How many bodies and list entries there is room for.

@@ -8,7 +8,7 @@ use super::layout::{
 };
 use super::write::checksum;
 use crate::blake3::Hasher;
-use crate::contact::law::MEMORY_MAX;
+use crate::contact::kept::MEMORY_MAX;
 use crate::digest::BITS_VERSION;
 use crate::error::Error;
 use crate::math::real::Real;

@@ -7,6 +7,7 @@ mod common {
     pub mod parts;
     pub mod slow_bodies;
     pub mod slow_mesh;
+    pub mod slow_world;
     pub mod sticky;
 }
 

@@ -251,7 +251,7 @@ pub(super) fn lent<R: Real>(bytes: &mut Bytes) -> Lent<R> {
             ..body
         });
     }
-    if bytes.below(4) == 0 {
+    if lent.id.len() % 4 == 3 {
         let lists = &mut lent.lists;
         lists.iter_mut().for_each(|list| memory(bytes, list));
         lent.clock.set_reach(number(bytes));

@@ -374,7 +374,7 @@ fn what_does_not_belong_is_refused() {
     let told = String::from_utf8_lossy(&out.stderr);
     assert_eq!(out.status.code(), Some(2), "{told}");
     assert!(
-        told.contains("written in format 2 with arithmetic 1; this program reads formats 3 and 4")
+        told.contains("written in format 2 with arithmetic 1; this program reads formats 3 to 5")
     );
 }
 

@@ -1,5 +1,5 @@
-//! Resistance to rolling, as files give it: an option of both laws, beyond Kumar 2018 and Guillard 2014, whose laws have
-//! none.
+//! Resistance to rolling, as files give it: an option of both laws, beyond Kumar 2018 (eqs. 1, 2) and Guillard 2014
+//! (eq. A1), which have none.
 
 use bitgrain_kernel::contact::{Materials, Rolling, RollingResistance, RollingSpring};
 use serde::{Deserialize, Serialize};

@@ -154,8 +154,8 @@ pub const MUTANTS: &[Mutant] = &[
     Mutant {
         name: "kept history: who parted remembers",
         file: "kernel/src/contact/block.rs",
-        from: "either(touches, tangential_force.spring, [R::ZERO; 3])",
-        to: "either(touches, tangential_force.spring, state.spring)",
+        from: "either(self.acts::<L>(k), tangential_force.spring, [R::ZERO; 3])",
+        to: "either(self.acts::<L>(k), tangential_force.spring, state.spring)",
         target: "images",
         red: &["a_contact_that_parted_begins_anew"],
     },
