@@ -9,9 +9,9 @@ use crate::neighbors::pair_list::{TOUCHING, obstacle_of, surface_of};
 use crate::state::facet::{Facet, to_shared};
 use crate::state::obstacle::Obstacle;
 
-/// Gives each contact on a triangle that begins the spring and the words that the grain has on a triangle beside it, if
-/// what both share, an edge or a corner, reaches into the grain: the contact has come from there. Of several the nearest
-/// counts.
+/// Gives each contact on a triangle that begins the spring and the words that the grain has on a triangle beside it,
+/// if what both share, an edge or a corner, reaches into the grain: the contact has come from there. Of several the
+/// nearest counts.
 #[inline(never)]
 pub(crate) fn hand_on<R: Real>(
     grains: &GrainMotion<'_, R>,
