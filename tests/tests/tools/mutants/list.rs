@@ -132,8 +132,8 @@ pub const MUTANTS: &[Mutant] = &[
     Mutant {
         name: "lost history: a pair's spring at a rebuild",
         file: "kernel/src/neighbors/prune.rs",
-        from: "part(spring, from, from + count),",
-        to: "part(spring, count, count),",
+        from: "copy(part_mut(new, to, to + count), part(old, from, from + count));",
+        to: "copy(part_mut(new, to, to + count), part(old, count, count));",
         target: "search",
         red: &[
             "springs_survive_a_rebuild_hertz_history",
@@ -143,8 +143,8 @@ pub const MUTANTS: &[Mutant] = &[
     Mutant {
         name: "lost history: an obstacle's spring at a rebuild",
         file: "kernel/src/neighbors/cell_list.rs",
-        from: "get_or_default(old.obstacle_contact_spring, from)",
-        to: "[R::ZERO; 4]",
+        from: "old.kept_on_obstacle(from)",
+        to: "Kept::NOTHING",
         target: "search",
         red: &[
             "springs_survive_a_rebuild_hertz_history",
@@ -266,8 +266,8 @@ pub const MUTANTS: &[Mutant] = &[
     Mutant {
         name: "springs stay where they were when pairs move",
         file: "kernel/src/edit/renumber.rs",
-        from: "list.set_spring(to, spring);",
-        to: "list.set_spring(p, spring);",
+        from: "list.keep(to, kept);",
+        to: "list.keep(p, kept);",
         target: "comings",
         red: &["histories_of_others_stay"],
     },
@@ -362,16 +362,16 @@ pub const MUTANTS: &[Mutant] = &[
     Mutant {
         name: "lost history: springs that a part begins with",
         file: "kernel/src/parts.rs",
-        from: "world.pairs.restore(&world.stretches, &history, listed);",
-        to: "let _ = listed;",
+        from: "            .restore(&world.stretches, &history.into(), listed);",
+        to: "            .words();\n        let _ = (listed, history.into());",
         target: "sums",
         red: &["any_cut_into_parts_gives_the_same_steps"],
     },
     Mutant {
         name: "lost history: springs that parts give back",
         file: "kernel/src/parts.rs",
-        from: "list.set_spring(count, spring);",
-        to: "list.set_spring(count, spring.map(|_| R::ZERO));",
+        from: "list.keep(count, kept);",
+        to: "list.keep(count, Kept { spring: [R::ZERO; 3], ..kept });",
         target: "sums",
         red: &["any_cut_into_parts_gives_the_same_steps"],
     },
