@@ -107,8 +107,8 @@ impl<R: Real> Clock<R> {
         self.count
     }
 
-    /// Whether grains have left under a [`LossPolicy`] and must be taken out, with [`crate::take_out`], before the
-    /// next step.
+    /// Whether grains have left under a [`LossPolicy`](crate::LossPolicy) and must be taken out, with
+    /// [`crate::take_out`], before the next step.
     pub fn is_losing(&self) -> bool {
         self.losing
     }
@@ -137,7 +137,7 @@ impl<R: Real> Clock<R> {
     }
 
     /// Stops a world that was computed wrongly, as its host found: all further steps are refused
-    /// with [`Error::NotStarted`].
+    /// with [`NotStarted`](crate::Error::NotStarted).
     pub fn stop(&mut self) {
         self.stage = Stage::Stopped;
     }

@@ -7,7 +7,7 @@ use crate::math::vec3::Vec3;
 pub const MEMORY_MAX: usize = 8;
 
 /// The words that a law keeps of a contact beside its tangential spring, in units of its own; those beyond
-/// [`Law::MEMORY`] are zero. All are zero as a contact begins.
+/// [`Law::MEMORY`](crate::contact::Law::MEMORY) are zero. All are zero as a contact begins.
 pub type ContactMemory<R> = [R; MEMORY_MAX];
 
 /// What a law keeps of a contact from step to step.
