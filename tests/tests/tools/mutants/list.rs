@@ -101,8 +101,8 @@ pub const MUTANTS: &[Mutant] = &[
         to: "spring: grown,",
         target: UNIT,
         red: &[
-            "contact::law::tests::springs_lie_in_the_tangent_plane_hertz_history",
-            "contact::law::tests::springs_lie_in_the_tangent_plane_hertz_tsuji",
+            "contact::react::tests::springs_lie_in_the_tangent_plane_hertz_history",
+            "contact::react::tests::springs_lie_in_the_tangent_plane_hertz_tsuji",
         ],
     },
     Mutant {
@@ -111,7 +111,7 @@ pub const MUTANTS: &[Mutant] = &[
         from: "let slides = ft > cap;",
         to: "let slides = ft > cap + R::MAX;",
         target: UNIT,
-        red: &["contact::law::tests::friction_is_capped_hertz_history"],
+        red: &["contact::react::tests::friction_is_capped_hertz_history"],
     },
     Mutant {
         name: "cap not applied: hertz_tsuji",
@@ -119,7 +119,7 @@ pub const MUTANTS: &[Mutant] = &[
         from: "let slides = pull > cap;",
         to: "let slides = pull > cap + R::MAX;",
         target: UNIT,
-        red: &["contact::law::tests::friction_is_capped_hertz_tsuji"],
+        red: &["contact::react::tests::friction_is_capped_hertz_tsuji"],
     },
     Mutant {
         name: "damping puts energy in",
@@ -127,7 +127,7 @@ pub const MUTANTS: &[Mutant] = &[
         from: "* c.overlap - (self.cn * damp) * c.speed",
         to: "* c.overlap + (self.cn * damp) * c.speed",
         target: UNIT,
-        red: &["contact::law::tests::damping_takes_energy_out_hertz_tsuji"],
+        red: &["contact::react::tests::damping_takes_energy_out_hertz_tsuji"],
     },
     Mutant {
         name: "lost history: a pair's spring at a rebuild",
