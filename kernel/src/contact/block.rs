@@ -15,7 +15,7 @@ use crate::contact::law::{
 use crate::contact::slide::{slide, surface_spin};
 use crate::math::real::{Real, smaller};
 use crate::math::rows::Row;
-use crate::math::rows::{copy, get_or_default, less, min, part, part_mut, prefix};
+use crate::math::rows::{copy, get_or_default, less, min, part, part_mut, prefix, row};
 use crate::math::vec3::{Vec3, add, cross, dot, either, head, scale};
 use crate::state::domain::Domain;
 use crate::state::grains::material_of;
@@ -247,7 +247,7 @@ impl<R: Real> Block<R> {
             };
             let tangential_force = law.tangential_force(&normal_force, &state);
             put(&mut self.tangential, k, tangential_force.force);
-            // Only the law's own overlap opens or erases a history.
+            // Only whether a contact acts opens or erases a history, not whether it is listed.
             let left = either(self.acts::<L>(k), tangential_force.spring, [R::ZERO; 3]);
             put(&mut self.spring, k, left);
         }
@@ -268,7 +268,7 @@ impl<R: Real> Block<R> {
             let acts = self.acts::<L>(k);
             let turned = law.torque(&self.normal_force_of(k), &state);
             let torque = either(acts, turned.torque, [R::ZERO; 3]);
-            self.torque[k] = [torque[0], torque[1], torque[2], R::ZERO];
+            self.torque[k] = row(torque);
             for (column, word) in self.memory.iter_mut().zip(turned.memory).take(L::MEMORY) {
                 column[k] = if acts { word } else { R::ZERO };
             }

@@ -28,14 +28,17 @@ impl<R: Real> Kept<R> {
 
     /// How many words there are up to the last one that is not +0.
     pub(crate) fn words(&self) -> usize {
-        let is_used = |word: &R| word.to_words() != R::ZERO.to_words();
         let last = self.memory.iter().rposition(is_used);
         last.map_or(0, |last| last + 1)
     }
 
     /// Whether there is anything else than +0.
     pub fn is_any(&self) -> bool {
-        let is_used = |word: &R| word.to_words() != R::ZERO.to_words();
         self.words() > 0 || self.spring.iter().any(is_used)
     }
+}
+
+/// Whether a word is another one than +0.
+fn is_used<R: Real>(word: &R) -> bool {
+    word.to_words() != R::ZERO.to_words()
 }

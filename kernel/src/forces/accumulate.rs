@@ -24,7 +24,7 @@ use crate::math::real::Real;
 use crate::math::rows::Row;
 use crate::math::rows::{add_at, get_or_default, min, part, part_mut, set, sub_at, times};
 use crate::math::vec3::Vec3;
-use crate::neighbors::memory::MemoryColumns;
+use crate::neighbors::memory::{MemoryColumns, has_room};
 use crate::state::owned::Owned;
 
 /// Listed pairs, one after the other, with their springs.
@@ -61,9 +61,8 @@ impl<R: Real> GrainRange<'_, R> {
     /// Whether there is room for the law's words, and pairs are listed as far as it reaches.
     #[inline(always)]
     fn fits<L: Law<R>>(&self, law: &L) -> bool {
-        let listed = self.pairs.lower.len();
-        let mut used = self.pairs.memory.iter().take(L::MEMORY);
-        used.all(|word| word.len() >= listed) && (!L::ACTS_APART || law.reach() <= self.reach)
+        has_room(&self.pairs.memory, L::MEMORY, self.pairs.lower.len())
+            && (!L::ACTS_APART || law.reach() <= self.reach)
     }
 }
 

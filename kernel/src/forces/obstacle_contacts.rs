@@ -12,7 +12,7 @@ use crate::math::real::Real;
 use crate::math::rows::Row;
 use crate::math::rows::{add_at, get_or_default, row, set, sub_at};
 use crate::math::vec3::{Vec3, add, cross, head, scale, sub};
-use crate::neighbors::memory::{MemoryColumns, put, taken, words};
+use crate::neighbors::memory::{MemoryColumns, has_room, put, taken};
 use crate::neighbors::pair_list::{PLACE, TOUCHING, obstacle_of, surface_of};
 use crate::state::facet::Facet;
 use crate::state::grains::material_of;
@@ -118,7 +118,9 @@ pub fn obstacle_forces<R: Real, L: Law<R>>(
         if !contact.acts(law, memory) {
             *obstacle = word;
             *spring = [R::ZERO; 4];
-            put(&mut touch.memory, t, [R::ZERO; MEMORY_MAX]);
+            if L::MEMORY > 0 {
+                put(&mut touch.memory, t, [R::ZERO; MEMORY_MAX]);
+            }
             set(touch.shares, t, ObstacleShare::default());
             continue;
         }
@@ -167,7 +169,7 @@ pub fn obstacle_forces<R: Real, L: Law<R>>(
     ForceCheck {
         unsound: ForceCheck::of_obstacles(touch.obstacles),
         on_obstacle: deep,
-        misfit: words(&touch.memory) < L::MEMORY && !touch.grain.is_empty(),
+        misfit: !has_room(&touch.memory, L::MEMORY, touch.grain.len()),
         ..ForceCheck::NONE
     }
 }

@@ -23,6 +23,13 @@ pub(crate) fn words<R>(columns: &MemoryColumns<'_, R>) -> usize {
     used.count()
 }
 
+/// Whether there is storage for so many words of each of these contacts.
+#[inline(always)]
+pub(crate) fn has_room<R>(columns: &MemoryColumns<'_, R>, words: usize, contacts: usize) -> bool {
+    let mut used = columns.iter().take(words);
+    used.all(|word| word.len() >= contacts)
+}
+
 /// Whether the first columns are so long and the others empty.
 pub(crate) fn is_whole<R>(columns: &MemoryColumns<'_, R>, length: usize) -> bool {
     let used = words(columns);
