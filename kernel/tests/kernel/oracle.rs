@@ -118,6 +118,19 @@ fn follow<L: Law<f64>>(
     Ok(())
 }
 
+/// [`follow`] with another law for each pair of three materials.
+fn follow_table<L: Law<f64>>(
+    seed: &[f64],
+    packing: &Packing,
+    laws: fn(Materials) -> L,
+    units: &Units,
+    skin: f64,
+) -> Result<(), TestCaseError> {
+    let table = table(laws);
+    let table = PairLaws::new(3, &table).unwrap();
+    follow(seed, packing, (table, laws), units, skin)
+}
+
 proptest! {
     #![proptest_config(cases(24))]
 
@@ -150,16 +163,8 @@ proptest! {
         is_history in any::<bool>(),
     ) {
         match is_history {
-            true => {
-                let laws = table(own_history);
-                let table = PairLaws::new(3, &laws).unwrap();
-                follow(&seed, &packing, (table, own_history), &REDUCED, skin)?;
-            }
-            false => {
-                let laws = table(own_tsuji);
-                let table = PairLaws::new(3, &laws).unwrap();
-                follow(&seed, &packing, (table, own_tsuji), &SI, skin)?;
-            }
+            true => follow_table(&seed, &packing, own_history, &REDUCED, skin)?,
+            false => follow_table(&seed, &packing, own_tsuji, &SI, skin)?,
         }
     }
 }
@@ -176,16 +181,8 @@ proptest! {
         is_history in any::<bool>(),
     ) {
         match is_history {
-            true => {
-                let laws = table(rolling_history);
-                let table = PairLaws::new(3, &laws).unwrap();
-                follow(&seed, &packing, (table, rolling_history), &REDUCED, skin)?;
-            }
-            false => {
-                let laws = table(rolling_tsuji);
-                let table = PairLaws::new(3, &laws).unwrap();
-                follow(&seed, &packing, (table, rolling_tsuji), &SI, skin)?;
-            }
+            true => follow_table(&seed, &packing, rolling_history, &REDUCED, skin)?,
+            false => follow_table(&seed, &packing, rolling_tsuji, &SI, skin)?,
         }
     }
 

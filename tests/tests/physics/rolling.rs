@@ -329,18 +329,21 @@ fn rolling_ball(rolling: RollingSpec, speed: f64, dt: f64) -> Simulation {
         .expect("a sound case")
 }
 
+/// Both models, with one limit.
+const MODELS: [RollingSpec; 2] = [
+    RollingSpec::Epsd2 { mu: 0.05 },
+    RollingSpec::Sds {
+        k: 2e3,
+        gamma: 1.0,
+        mu: 0.05,
+    },
+];
+
 /// A ball that rolls without sliding against the moment `mu r N` is slowed down by `(5/7) mu g` and stops for good; the
 /// first tenth is left to the settling of the contact, and a hundredth is for the overlap in the levers.
 #[test]
 fn a_rolling_ball_is_slowed_down_by_the_moment_of_its_limit() {
-    for rolling in [
-        RollingSpec::Epsd2 { mu: 0.05 },
-        RollingSpec::Sds {
-            k: 2e3,
-            gamma: 1.0,
-            mu: 0.05,
-        },
-    ] {
+    for rolling in MODELS {
         let mut sim = rolling_ball(rolling, 0.5, 1e-4);
         sim.steps(2000).unwrap();
         let (before, at) = (sim.velocity[0][0], sim.step_count());
@@ -374,14 +377,7 @@ fn without_resistance_a_ball_rolls_on() {
 /// What resists rolling takes energy, all that is missing of it: the budget closes within a thousandth.
 #[test]
 fn the_energy_that_rolling_takes_is_accounted_for() {
-    for rolling in [
-        RollingSpec::Epsd2 { mu: 0.05 },
-        RollingSpec::Sds {
-            k: 2e3,
-            gamma: 1.0,
-            mu: 0.05,
-        },
-    ] {
+    for rolling in MODELS {
         let mut sim = rolling_ball(rolling, 0.5, 1e-4);
         sim.steps(2000).unwrap();
         let energy = sim.kinetic_energy();

@@ -47,6 +47,15 @@ fn check_against_the_command(browser: &mut Browser) {
     assert_eq!((last, digest), (steps, browser.text("digest")));
 }
 
+/// The part of the address to share that tells the open case, its step and its digest.
+fn shared_fragment(browser: &mut Browser) -> String {
+    click(browser, "share");
+    browser.wait("!document.getElementById('shared').hidden");
+    let address = browser.value("document.getElementById('address').value");
+    let (_, fragment) = address.as_str().unwrap().split_once('#').unwrap();
+    fragment.to_string()
+}
+
 #[test]
 #[ignore = "needs a Chromium"]
 fn after_ten_thousand_steps_the_digest_is_the_commands_with_and_without_wide_instructions() {
@@ -89,16 +98,7 @@ fn what_a_visitor_does_is_a_case_and_fits_an_address() {
     pause(&mut browser);
     check_against_the_command(&mut browser);
     let (last, digest) = (step(&mut browser), browser.text("digest"));
-    click(&mut browser, "share");
-    browser.wait("!document.getElementById('shared').hidden");
-    let address = browser.value("document.getElementById('address').value");
-    let fragment = address
-        .as_str()
-        .unwrap()
-        .split_once('#')
-        .unwrap()
-        .1
-        .to_string();
+    let fragment = shared_fragment(&mut browser);
     assert!(
         fragment.len() < 400 && fragment.contains("bed=cylinder"),
         "{fragment}"
@@ -186,16 +186,7 @@ fn files_are_dropped_replayed_and_refused_with_a_reason() {
         true
     );
     // An address holds a small case whole.
-    click(&mut browser, "share");
-    browser.wait("!document.getElementById('shared').hidden");
-    let address = browser.value("document.getElementById('address').value");
-    let fragment = address
-        .as_str()
-        .unwrap()
-        .split_once('#')
-        .unwrap()
-        .1
-        .to_string();
+    let fragment = shared_fragment(&mut browser);
     browser.open(&page(), &format!("#{fragment}"));
     browser
         .wait("document.getElementById('said').textContent.includes('and the digest is the same')");
