@@ -1,23 +1,27 @@
 //! What a scenario would take, before it runs: sizes, dimensionless groups, and the time, from the
 //! speed of this machine on a small settled bed.
 
-mod disk;
 mod ranks;
+mod space;
+mod work;
 
 use std::fmt::Write;
 use std::time::Instant;
 
-pub(crate) use disk::disk;
-use disk::{SUMS, points};
+pub(crate) use space::space;
+use space::{SUMS, points};
+pub(crate) use work::side_by_side;
+use work::{Work, range};
 
 use crate::bed;
 use crate::bed::library::BedCache;
-use crate::bed::recipe::Recipe;
+use crate::folder::Folder;
+use crate::pace::StageKind;
 use crate::progress::Stage;
 use crate::scenario::{self, BedPlan, CheckedScenario, DragPlan, PACKING_GUESS, UnitSystem};
 use bitgrain_sim::coefficients::table_text;
 use bitgrain_sim::error::{Error, Result};
-use bitgrain_sim::format::{bytes, duration, short};
+use bitgrain_sim::format::{bytes, short};
 use bitgrain_sim::law::{CONTACT_FRACTION_MAX, RAYLEIGH_FRACTION_MAX};
 use bitgrain_sim::memory::{PER_GRAIN, PER_GRAIN_ON_THREADS};
 
@@ -25,7 +29,7 @@ use bitgrain_sim::memory::{PER_GRAIN, PER_GRAIN_ON_THREADS};
 const TRIAL: f64 = 0.5;
 
 /// The forecast of a scenario as text: `threads` jobs run side by side, beds come from `library`. `words` name
-/// the scenario on a command line.
+/// the scenario on a command line. If it was begun in `folder`, the forecast is of the rest, at the speed so far.
 ///
 /// # Errors
 /// A fault of the trial run.
@@ -33,10 +37,11 @@ pub fn forecast(
     scenario: &CheckedScenario,
     words: &str,
     library: &BedCache,
+    folder: Folder<'_>,
     threads: usize,
 ) -> Result<String> {
     let speed = trial(scenario)?;
-    let work = Work::of(scenario, library)?;
+    let work = Work::of(scenario, library, Some(folder))?;
     let mut out = Lines::default();
     let needs = cost(scenario, &work, threads, speed, &mut out);
     if let Some(advice) = ranks::advice(&needs, bitgrain_sim::memory::of_machine()) {
@@ -57,52 +62,6 @@ pub fn forecast(
     }
     groups(scenario, speed, &mut out);
     Ok(out.text)
-}
-
-/// What has to be done before the drags.
-#[derive(Default)]
-struct Work {
-    /// Names of the beds that are not at hand.
-    missing: Vec<String>,
-    /// Steps of each pouring.
-    poured: Vec<u64>,
-    /// Steps of each settling under a lid.
-    covered: Vec<u64>,
-}
-
-impl Work {
-    /// For a scenario whose beds may be in a library.
-    fn of(scenario: &CheckedScenario, library: &BedCache) -> Result<Self> {
-        let mut work = Work::default();
-        if scenario.source.is_none() {
-            let absent = |plan: &BedPlan| {
-                let found = library.find(&Recipe::new(scenario, plan))?;
-                Ok::<bool, Error>(found.is_none())
-            };
-            for plan in scenario.beds() {
-                if !absent(plan)? {
-                    continue;
-                }
-                if plan.lid.is_some() {
-                    work.covered.push(bed::covering_steps(scenario, plan));
-                }
-                work.missing.push(plan.name.clone());
-            }
-            for plan in scenario.bare_beds() {
-                if absent(plan)? {
-                    work.poured.push(bed::pouring_steps(scenario, plan));
-                }
-            }
-        }
-        Ok(work)
-    }
-
-    /// Steps that the last of this many threads has done when all is done.
-    fn longest(&self, runs: &[DragPlan], threads: usize) -> u64 {
-        let dragged: Vec<u64> = runs.iter().map(|run| run.steps()).collect();
-        let stages = [&self.poured, &self.covered, &dragged];
-        stages.iter().map(|jobs| side_by_side(jobs, threads)).sum()
-    }
 }
 
 /// A shipped scenario: its sizes, and its time in words.
@@ -136,7 +95,10 @@ pub fn shipped(threads: usize) -> Result<Vec<Size>> {
         };
         let (beds, runs) = (scenario.beds(), scenario.drags());
         let grains = largest(&scenario, beds);
-        let steps = Work::of(&scenario, &none)?.longest(runs, threads);
+        let steps = Work::of(&scenario, &none, None)?
+            .longest(threads)
+            .iter()
+            .sum();
         sizes.push(Size {
             name,
             grains,
@@ -152,16 +114,6 @@ pub fn shipped(threads: usize) -> Result<Vec<Size>> {
 fn largest(scenario: &CheckedScenario, beds: &[BedPlan]) -> usize {
     let sizes = beds.iter().map(|plan| scenario.grain_count(plan.diameter));
     sizes.max().unwrap_or(0)
-}
-
-/// How much longer than at the speed of the trial a run takes at most: quick took 1 to 2.1 times as long, beds of
-/// ten thousand grains and more 1.1 to 1.6.
-const SLOWER: f64 = 2.0;
-
-/// The time of this many steps of this many grains, in words.
-fn range(steps: u64, grains: usize, speed: f64) -> String {
-    let least = steps as f64 * grains as f64 / speed;
-    format!("{} to {}", duration(least), duration(SLOWER * least))
 }
 
 /// Lines of a name and a value.
@@ -191,8 +143,7 @@ fn cost(
 ) -> ranks::Needs {
     let (beds, runs) = (scenario.beds(), scenario.drags());
     let grains = largest(scenario, beds);
-    let whole = work.longest(runs, threads);
-    let drags: u64 = runs.iter().map(|run| run.steps()).sum();
+    let drags: u64 = work.dragged.iter().sum();
     let beds_steps: u64 = work.poured.iter().chain(&work.covered).sum();
     let steps = beds_steps + drags;
 
@@ -225,6 +176,9 @@ fn cost(
     };
     out.add("beds to pour", pour);
     out.add("steps in all", format!("{steps} (drags {drags})"));
+    if work.done > 0 {
+        out.add("drags that are done", work.done);
+    }
     let at_once = threads.min(runs.len());
     // Sums of fields, and twice as much when a state is saved.
     let sums = 3.0 * SUMS * points(scenario).iter().product::<f64>();
@@ -234,13 +188,20 @@ fn cost(
     };
     let memory = (per_grain * grains as f64 + sums) * at_once as f64;
     out.add("memory", bytes(memory));
-    out.add("disk", bytes(disk(scenario, runs, grains, beds.len())));
+    out.add("disk", bytes(space(scenario, runs, grains, beds.len())));
     let million = 1e-6 * speed;
     out.add(
         "speed of this machine",
         format!("{million:.1} million grain-steps/s (a settled bed of {TRIAL_GRAINS}, one thread)"),
     );
-    let time = range(whole, grains, speed);
+    if let Some(pace) = work.pace.speed(StageKind::Dragging) {
+        let pace = format!(
+            "{:.1} million grain-steps/s (of a small bed, one thread)",
+            1e-6 * pace
+        );
+        out.add("speed in this folder so far", pace);
+    }
+    let time = work.time(grains, threads, speed);
     out.add("time", format!("{time} on {threads} thread(s)"));
     let longest = runs.iter().map(|run| run.steps()).max().unwrap_or(0);
     ranks::Needs {
@@ -362,19 +323,6 @@ fn system(scenario: &CheckedScenario) -> &'static str {
     }
 }
 
-/// Steps that the busiest of `threads` workers does, the longest job first.
-pub(crate) fn side_by_side(jobs: &[u64], threads: usize) -> u64 {
-    let mut jobs = jobs.to_vec();
-    jobs.sort_unstable_by(|a, b| b.cmp(a));
-    let mut load = vec![0u64; threads.max(1)];
-    for job in jobs {
-        if let Some(least) = load.iter_mut().min() {
-            *least += job;
-        }
-    }
-    load.into_iter().max().unwrap_or(0)
-}
-
 /// Grains of the trial's bed.
 pub(crate) const TRIAL_GRAINS: usize = 300;
 
@@ -413,16 +361,4 @@ fn stiffness(scenario: &CheckedScenario) -> f64 {
 fn inertial(scenario: &CheckedScenario, run: &DragPlan, diameter: f64, depth: f64) -> f64 {
     let rate = run.motion.speed / diameter;
     rate * scenario.mean_diameter() / (PACKING_GUESS * scenario.gravity * depth).sqrt()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_longest_jobs_are_shared_out_first() {
-        assert_eq!(side_by_side(&[3, 5, 4, 2], 2), 7);
-        assert_eq!(side_by_side(&[3, 5], 1), 8);
-        assert_eq!(side_by_side(&[], 2), 0);
-    }
 }

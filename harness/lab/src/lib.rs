@@ -12,7 +12,8 @@
 //!   [`changes`]); [`case`](mod@case) is the smallest unit of work, [`selftest`](mod@selftest) tests the machine;
 //! * [`benchmark`]: cases that others published, beside theory and their points;
 //! * [`recording`]: named arrays of any program, by step, and where two programs part;
-//! * below them [`progress`], [`plain`] (text for a terminal), [`json`] and [`parse_errors`].
+//! * below them [`progress`], [`performance`] and [`pace`] (how fast stages went), [`plain`] (text for a terminal),
+//!   [`json`] and [`parse_errors`].
 
 #![forbid(unsafe_code)]
 
@@ -32,6 +33,7 @@ pub mod frames;
 pub mod json;
 pub mod manifest;
 pub mod near_field;
+pub mod pace;
 pub mod parse_errors;
 pub mod performance;
 pub mod plain;

@@ -1,5 +1,6 @@
 //! How fast stages went on this machine.
 
+use crate::pace::Pace;
 use crate::progress::Stage;
 use bitgrain_sim::simulation::Simulation;
 use serde::Serialize;
@@ -15,6 +16,9 @@ pub struct Performance {
     pub seconds: f64,
     /// Its parts.
     pub stages: Vec<StagePerformance>,
+    /// All that was done in the folder, in all its runs: what a forecast of the rest learns from.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pace: Option<Pace>,
 }
 
 /// How one stage went on this machine.

@@ -3,12 +3,14 @@
 //! checks.
 
 use std::io::Write;
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 
+use crate::pace::{Pace, PaceLog, Paced, Settled, StageKind};
 use crate::plain::plain;
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::simulation::Simulation;
@@ -24,6 +26,8 @@ pub struct Progress {
     stop: Arc<AtomicBool>,
     /// Grain-steps done by all stages, and the bar that shows them if many stages make one whole.
     work: Arc<Work>,
+    /// How fast stages go, for the next forecast.
+    pace: Arc<PaceLog>,
     /// What stands before every stage and line: of which run it is.
     label: String,
 }
@@ -76,6 +80,8 @@ pub struct Stage {
     work: Arc<Work>,
     /// Step up to which its grain-steps are in the work done.
     counted: AtomicU64,
+    /// What it tells the next forecast, if it is one that a forecast knows.
+    paced: Option<Paced>,
 }
 
 impl Progress {
@@ -87,6 +93,7 @@ impl Progress {
             verbose,
             stop: Arc::new(AtomicBool::new(false)),
             work: Arc::default(),
+            pace: Arc::default(),
             label: String::new(),
         }
     }
@@ -98,6 +105,7 @@ impl Progress {
             verbose: self.verbose,
             stop: Arc::clone(&self.stop),
             work: Arc::clone(&self.work),
+            pace: Arc::clone(&self.pace),
             label: format!("{name} "),
         }
     }
@@ -162,7 +170,37 @@ impl Progress {
             stop: Arc::clone(&self.stop),
             work: Arc::clone(&self.work),
             counted: AtomicU64::new(0),
+            paced: None,
         }
+    }
+
+    /// Begins a stage that the next forecast learns from.
+    pub fn paced_stage(&self, name: &str, steps: u64, kind: StageKind) -> Stage {
+        Stage {
+            paced: Some(Paced::new(kind, Arc::clone(&self.pace))),
+            ..self.stage(name, steps)
+        }
+    }
+
+    /// Keeps in a folder how fast stages go, together with what it says already.
+    pub(crate) fn keep_pace(&self, folder: &Path) {
+        self.pace.keep_in(folder);
+    }
+
+    /// Adds what another folder says of how fast stages went.
+    pub(crate) fn add_pace(&self, folder: &Path) {
+        self.pace.add(Pace::read(folder));
+    }
+
+    /// A bed of so many grains settled in that many steps instead of those planned.
+    pub(crate) fn settled(&self, grains: usize, planned: u64, taken: u64) {
+        let [planned, taken] = [planned, taken].map(|steps| steps as f64 * grains as f64);
+        self.pace.settled(Settled { planned, taken });
+    }
+
+    /// How fast stages went.
+    pub(crate) fn pace(&self) -> Pace {
+        self.pace.pace()
     }
 
     /// Prints a line that must be seen, above the bars if there are any.
@@ -262,6 +300,7 @@ impl Stage {
             stop: Arc::new(AtomicBool::new(false)),
             work: Arc::default(),
             counted: AtomicU64::new(0),
+            paced: None,
         }
     }
 
@@ -269,6 +308,9 @@ impl Stage {
     pub fn resume(&mut self, step: u64) {
         self.first = step;
         self.counted.store(step, Ordering::Relaxed);
+        if let Some(paced) = &self.paced {
+            paced.begin();
+        }
         self.bar.set_position(step);
         self.bar.reset_eta();
     }
@@ -280,7 +322,11 @@ impl Stage {
     pub fn at(&self, step: u64, grains: usize, message: &str) -> Result<()> {
         self.stop_at(step)?;
         let counted = self.counted.swap(step, Ordering::Relaxed);
-        self.work.add(step.saturating_sub(counted) * grains as u64);
+        let steps = step.saturating_sub(counted);
+        self.work.add(steps * grains as u64);
+        if let Some(paced) = &self.paced {
+            paced.did(steps, grains, false);
+        }
         let done = step.saturating_sub(self.first) as f64;
         let speed = done * grains as f64 / self.began.elapsed().as_secs_f64();
         if self.is_line_due() {

@@ -29,7 +29,7 @@ impl ThreadsError {
 }
 
 /// Threads of the pool that this is called in; 1 outside of any.
-pub(crate) fn threads() -> usize {
+pub fn threads() -> usize {
     if rayon::current_thread_index().is_some() {
         rayon::current_num_threads()
     } else {

@@ -73,6 +73,7 @@ pub(super) fn run(what: Benchmark) -> Result<()> {
         threads,
         seconds: done.performance.iter().map(|part| part.seconds).sum(),
         stages: done.performance.clone(),
+        pace: None,
     };
     write(&done, &performance, &folder)?;
     let lines: String = done.tests.iter().map(line).collect();

@@ -99,7 +99,10 @@ pub(super) fn run_scenario(run: Run, home: &Path, this: &Path, program: &str) ->
         };
         let sets = run.sets.iter().map(|set| format!(" --set '{set}'"));
         let words = named + &sets.collect::<String>();
-        return print(&forecast::forecast(&scenario, &words, &library, threads)?);
+        let folder = Folder(&out);
+        return print(&forecast::forecast(
+            &scenario, &words, &library, folder, threads,
+        )?);
     }
     let progress = stoppable(run.verbose);
     hint.iter().for_each(|hint| progress.warn(hint));

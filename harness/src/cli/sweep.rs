@@ -23,7 +23,7 @@ use bitgrain_sim::error::{Error, Result};
 #[derive(Args)]
 pub(super) struct Sweep {
     /// A campaign's TOML file, or the name of a shipped one: kumar-small, kumar-middle, kumar-yield, kumar-table-1,
-    /// kumar-fig-5, kumar-depth, kumar-2018.
+    /// kumar-fig-5, kumar-depth, kumar-deep, kumar-2018, guillard-tanks.
     campaign: String,
     /// Folder for the results [default: out/NAME, NAME the campaign's name].
     #[arg(long)]

@@ -9,7 +9,7 @@ use bitgrain_tests::{golden, printed};
 use crate::PROGRAM;
 
 /// Goldens that the book's measurements come from.
-const GOLDENS: [&str; 10] = [
+const GOLDENS: [&str; 11] = [
     "guillard-small/summary.json",
     "guillard-medium/summary.json.gz",
     "guillard-axis/summary.json.gz",
@@ -20,6 +20,7 @@ const GOLDENS: [&str; 10] = [
     "kumar-middle/results.csv.gz",
     "kumar-table-1/results.csv.gz",
     "kumar-fig-5/results.csv.gz",
+    "kumar-deep/results.csv.gz",
 ];
 
 fn book() -> (Book, String) {

@@ -21,6 +21,7 @@ mod documents;
 mod errors;
 mod export;
 mod figures;
+mod forecasts;
 mod foreign;
 mod forged;
 mod formats;

@@ -176,6 +176,7 @@ fn nothing_of_the_machine_can_reach_a_result() {
     let allowed = [
         ("bench.rs", "Instant"),
         ("forecast.rs", "Instant"),
+        ("pace.rs", "Instant"),
         ("progress.rs", "Instant"),
         ("run/mod.rs", "Instant"),
         ("skin.rs", "Instant"),

@@ -273,7 +273,7 @@ fn what_the_table_cannot_carry_is_refused_in_words() {
     let text = describe(&found);
     for sentence in [
         "no run is below Fr = 1",
-        "takes two speeds below Fr = 1",
+        "takes two speeds below Fr = 1, a factor of 1.6 apart",
         "takes the exponent phi, which was not found",
     ] {
         assert!(text.contains(sentence), "{sentence}:\n{text}");

@@ -57,7 +57,7 @@ pub fn measure(claim: &Claim, analysis: &Analysis) -> Option<Found> {
 }
 
 fn speeds(id: &str, of: &Of) -> Option<Found> {
-    let none = "no curve has two speeds below Fr = 1";
+    let none = "no curve has two speeds below Fr = 1 that lie a factor of 1.6 apart";
     let together = |all, none| of.claim.together(all, none);
     Some(match id {
         "flat" => together(flat(of, |mu| (mu - MU).abs() < 1e-9), none),

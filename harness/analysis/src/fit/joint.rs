@@ -224,6 +224,21 @@ pub fn joint(curves: &[Vec<Datum>], shape: Shape) -> Result<Joint, Refusal> {
             shape.onset()
         )));
     }
+    if let Shape::Kink { from, at } = shape {
+        // Without points before the kink their slope would be what the points beyond it leave over.
+        let before: Vec<Datum> = points
+            .data
+            .iter()
+            .filter(|d| d.x > from && d.x <= at)
+            .copied()
+            .collect();
+        let there = distinct(&before);
+        if there < least {
+            return Err(Refusal(format!(
+                "a joint fit takes {least} values of x or more from {from} to {at}; there are {there}"
+            )));
+        }
+    }
     super::enough(points.data.len(), points.curves + 2, Exact::Refused)?;
     let (numbers, chi_square) = points.polished(shape, points.start(shape));
     let apart = || Refusal("the points do not tell the strength of the shape from its form".into());
@@ -378,6 +393,19 @@ mod tests {
         let slow: Vec<Vec<Datum>> = all.iter().map(|c| c[..2].to_vec()).collect();
         assert!(
             told(&slow).starts_with("a joint fit takes 3 values of x or more beyond 1; there are")
+        );
+        let apart = |c: &Vec<Datum>| {
+            c.iter()
+                .filter(|d| d.x < 1.0 || d.x > 3.0)
+                .copied()
+                .collect()
+        };
+        let kinked = curves(KINK, 0.2, 1.5, 0.02);
+        let gap: Vec<Vec<Datum>> = kinked.iter().map(apart).collect();
+        let refused = joint(&gap, KINK).unwrap_err().0;
+        assert!(
+            refused.starts_with("a joint fit takes 2 values of x or more from 1 to 3; there are 0"),
+            "{refused}"
         );
         let vague = curves(POWER, 0.2, 1.0, 0.5);
         assert!(told(&vague).contains("standard error"), "{}", told(&vague));

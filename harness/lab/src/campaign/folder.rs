@@ -9,6 +9,7 @@ use super::written;
 use crate::changes;
 use crate::folder::{Contents, DirectoryLock, SUBMITTED, refuse_others};
 use crate::manifest::{self, FolderKind, Ledger, Vouched};
+use crate::pace::Pace;
 use bitgrain_sim::disk::{self, Kind};
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::files::bits;
@@ -26,7 +27,7 @@ pub const CAMPAIGN: Contents = Contents {
         "members",
         "results.csv",
         "results.parquet",
-        super::pace::NAME,
+        crate::pace::NAME,
         "analysis.json",
         "report.html",
         TASKS,
@@ -137,6 +138,23 @@ impl CampaignFolder<'_> {
     /// The run directory of one task.
     pub fn task(&self, member: &str, stage: &str) -> PathBuf {
         self.tasks().join(member).join(stage)
+    }
+
+    /// How fast its stages went on this machine, those of tasks included that were not gathered yet.
+    pub fn pace(&self) -> Pace {
+        let mut pace = Pace::read(self.0);
+        let folders = |folder: &Path| {
+            let found = disk::list(folder).unwrap_or_default();
+            let found = found.into_iter().filter(|(_, kind)| *kind == Kind::Folder);
+            found.map(|(name, _)| folder.join(name)).collect::<Vec<_>>()
+        };
+        for task in folders(&self.tasks())
+            .iter()
+            .flat_map(|member| folders(member))
+        {
+            pace.add(Pace::read(&task));
+        }
+        pace
     }
 
     /// Makes the folder one of this campaign, in which several processes may work, each in a folder of its own: all

@@ -1,15 +1,15 @@
 //! What a campaign would take, before it runs: its members, their work in grain-steps, and the time.
 
 use std::fmt::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::folder::CampaignFolder;
 use super::only::Only;
-use super::pace::Pace;
 use super::plan::Plan;
 use crate::bed::{self, library::BedCache, recipe::Recipe};
 use crate::folder::Folder;
-use crate::forecast::{TRIAL_GRAINS, disk as space, side_by_side, trial};
+use crate::forecast::{TRIAL_GRAINS, side_by_side, space, trial};
+use crate::pace::{StageKind, gain, of_small};
 use crate::scenario::{CheckedScenario, DragPlan};
 use bitgrain_sim::disk;
 use bitgrain_sim::error::Result;
@@ -18,9 +18,10 @@ use bitgrain_sim::format::short;
 /// Grain-steps of a job that are counted as one, so that sums stay far below 2^64.
 const GRAIN_STEPS: f64 = 1e6;
 
-/// Speed of beds of that many grains and more, over that of a small bed: the rows of grains leave the
-/// caches one after the other.
-const LARGE: [(usize, f64); 3] = [(5_000, 0.85), (50_000, 0.7), (500_000, 0.6)];
+/// Hours that stages take, so many side by side, at a speed of a small bed.
+fn hours(jobs: &[u64], side: usize, speed: f64) -> f64 {
+    side_by_side(jobs, side) as f64 / 1000.0 * GRAIN_STEPS / speed / 3600.0
+}
 
 /// What is left of a campaign.
 struct Left {
@@ -51,15 +52,14 @@ pub fn forecast(
 ) -> Result<String> {
     let speed = trial(&plan.members[0].scenario)?;
     let left = left(plan, only, CampaignFolder(out), library, speed)?;
-    let whole = (left.pours.iter().sum::<u64>() + left.drags.iter().sum::<u64>()) as f64;
-    let whole = whole / 1000.0 * GRAIN_STEPS;
     let side = jobs.min(threads).max(1);
-    let longest = side_by_side(&left.pours, side) + side_by_side(&left.drags, side);
-    // If there are fewer jobs than threads, a job runs on several at half their speed each.
-    let gain = 1.0 + 0.5 * (threads as f64 / side as f64 - 1.0);
-    let hours = longest as f64 / 1000.0 * GRAIN_STEPS / speed / gain / 3600.0;
-    let pace = Pace::read(out, threads).speed();
-    let hours = pace.map_or(hours, |pace| left.work * GRAIN_STEPS / pace / 3600.0);
+    let pace = CampaignFolder(out).pace();
+    let measured = [StageKind::Pouring, StageKind::Dragging].map(|kind| pace.speed(kind));
+    let [pouring, dragging] = measured.map(|measured| measured.unwrap_or(speed));
+    let pours = hours(&left.pours, side, pouring) * pace.of_plan();
+    let hours = pours + hours(&left.drags, side, dragging);
+    // If there are fewer jobs than threads, a job runs on several.
+    let hours = hours / gain(threads as f64 / side as f64);
     let mut text = head(plan) + &left.text + "\n";
     let mut line = |name: &str, value: String| {
         let _ = writeln!(text, "{name:<32} {value}");
@@ -72,7 +72,7 @@ pub fn forecast(
     line("beds to pour", left.pours.len().to_string());
     line(
         "work",
-        format!("{} G grain-steps of a small bed", short(whole * 1e-9)),
+        format!("{} G grain-steps", short(left.work * GRAIN_STEPS * 1e-9)),
     );
     line("disk", format!("{:.1} GB", left.bytes * 1e-9));
     let million = |speed: f64| format!("{:.1} million grain-steps/s", speed * 1e-6);
@@ -83,10 +83,14 @@ pub fn forecast(
             million(speed)
         ),
     );
-    if let Some(pace) = pace {
+    if let [Some(pouring), Some(dragging)] = measured {
         line(
             "speed in this folder so far",
-            format!("{} ({threads} thread(s) together)", million(pace)),
+            format!(
+                "pouring {}, dragging {} (of a small bed, one thread)",
+                million(pouring),
+                million(dragging)
+            ),
         );
     }
     line(
@@ -121,8 +125,15 @@ fn left(
         let wanted = |run: &DragPlan| only.wants(&member.name, &run.name);
         let plans = scenario.drags().iter();
         let mut plans: Vec<DragPlan> = plans.filter(|run| wanted(run)).cloned().collect();
-        let (place, asked) = (folder.member(&member.name), plans.len());
-        plans.retain(|run| !disk::is_there(&Folder(&place).of_run(&run.name, "summary.json")));
+        let asked = plans.len();
+        plans.retain(|run| {
+            let places = [
+                folder.member(&member.name),
+                folder.task(&member.name, &run.name),
+            ];
+            let done = |place: &PathBuf| Folder(place).of_run(&run.name, "summary.json");
+            !places.iter().any(|place| disk::is_there(&done(place)))
+        });
         left.done += asked - plans.len();
         if plans.is_empty() {
             continue;
@@ -132,7 +143,6 @@ fn left(
         let sizes = scenario.beds().iter();
         let sizes = sizes.map(|bed| scenario.grain_count(bed.diameter));
         let grains = sizes.max().unwrap_or(0);
-        let slower = slower(grains);
         // An empty sum is -0.
         let [pours, drags] = [&poured, &runs].map(|work| work.iter().sum::<f64>() + 0.0);
         let _ = writeln!(
@@ -140,11 +150,11 @@ fn left(
             "{:<32} {grains:>8} {:>5} {pours:>14.0} {drags:>14.0} {:>9.2}",
             member.name,
             runs.len(),
-            (pours + drags) * GRAIN_STEPS / (speed * slower) / 3600.0
+            of_small(pours + drags, grains) * GRAIN_STEPS / speed / 3600.0
         );
-        left.work += pours + drags;
         left.bytes += space(scenario, &plans, grains, scenario.beds().len());
-        let job = |work: &f64| (1000.0 * work / slower) as u64;
+        left.work += pours + drags;
+        let job = |work: &f64| (1000.0 * of_small(*work, grains)) as u64;
         left.pours.extend(poured.iter().map(job));
         left.drags.extend(runs.iter().map(job));
     }
@@ -206,10 +216,4 @@ fn dragging(scenario: &CheckedScenario, runs: &[DragPlan]) -> Vec<f64> {
             run.steps() as f64 * grains / GRAIN_STEPS
         })
         .collect()
-}
-
-/// Speed of a bed of this many grains, over that of the small one of the trial.
-fn slower(grains: usize) -> f64 {
-    let below = LARGE.iter().rev().find(|(least, _)| grains >= *least);
-    below.map_or(1.0, |(_, part)| *part)
 }

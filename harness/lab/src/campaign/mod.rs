@@ -11,7 +11,6 @@ pub mod folder;
 pub mod forecast;
 pub mod keys;
 pub mod only;
-mod pace;
 pub mod parquet;
 pub mod plan;
 pub mod rules;
@@ -29,7 +28,7 @@ use bitgrain_sim::error::{Error, Result};
 use plan::Plan;
 
 /// Names and texts of the campaigns that ship with the program.
-pub const SHIPPED: [(&str, &str); 8] = [
+pub const SHIPPED: [(&str, &str); 9] = [
     (
         "kumar-small",
         include_str!("../../campaigns/kumar-small.toml"),
@@ -53,6 +52,10 @@ pub const SHIPPED: [(&str, &str); 8] = [
     (
         "kumar-depth",
         include_str!("../../campaigns/kumar-depth.toml"),
+    ),
+    (
+        "kumar-deep",
+        include_str!("../../campaigns/kumar-deep.toml"),
     ),
     (
         "kumar-2018",

@@ -10,7 +10,6 @@ use std::sync::{Mutex, MutexGuard};
 use super::columns::Status;
 use super::folder::{CampaignFolder, FAILURE, Failure};
 use super::only::Only;
-use super::pace::Pace;
 use super::plan::Plan;
 use super::tasks;
 use crate::bed::recipe::Recipe;
@@ -101,6 +100,7 @@ pub fn sweep(what: &Sweep<'_>) -> Result<Outcome> {
     for claim in claims.iter().chain([&claim]) {
         claim.warn_of_damage(what.progress);
     }
+    what.progress.keep_pace(what.out);
     let taken = tasks::gather(folder, what.plan, &claims, what.progress)?;
     if let (Some(first), false) = (taken.first(), what.merge) {
         let problem = format!(
@@ -129,7 +129,7 @@ pub fn sweep(what: &Sweep<'_>) -> Result<Outcome> {
     }
     let outcome = under.conclude()?;
     if under.slots().iter().all(Option::is_some) {
-        tasks::clear(folder)?;
+        tasks::clear(folder, what.progress)?;
     }
     Ok(outcome)
 }
@@ -278,25 +278,7 @@ impl Under<'_> {
     fn go_on(&self) -> Result<()> {
         let open = self.open();
         let overall = self.overall(&open);
-        let pace = Pace::read(self.what.out, self.what.threads);
-        let went = self.stages(open, &overall, pace);
-        // Also of an interrupted campaign: the next forecast learns from it.
-        let kept = self.keep(pace, &overall);
-        went.and(kept)
-    }
-
-    /// Writes down how fast it went.
-    fn keep(&self, before: Pace, overall: &Overall) -> Result<()> {
-        let (grain_steps, seconds) = overall.so_far();
-        match grain_steps {
-            0 => Ok(()),
-            done => before.and(done, seconds).write(self.what.out),
-        }
-    }
-
-    fn stages(&self, open: [Vec<usize>; 2], overall: &Overall, pace: Pace) -> Result<()> {
-        let beds = self.beds(open, overall)?;
-        self.keep(pace, overall)?;
+        let beds = self.beds(open, &overall)?;
         let open: Vec<usize> = {
             let slots = self.slots();
             (0..self.jobs.len())
@@ -315,7 +297,6 @@ impl Under<'_> {
             let dragged = dragged.map(|(run, _)| run);
             let ended = self.end(dragged, ledger, &self.run_folder(job))?;
             overall.run_ended(ended.is_err());
-            self.keep(pace, overall)?;
             self.record(open[k], ended, &found[job.plan.bed])
         })?;
         first_cause(ended).map(|_| ())

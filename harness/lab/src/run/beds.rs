@@ -9,6 +9,7 @@ use crate::bed::recipe::Recipe;
 use crate::bed::{Pouring, PouringState};
 use crate::folder::Folder;
 use crate::manifest::Ledger;
+use crate::pace::StageKind;
 use crate::performance::{StagePerformance, timed};
 use crate::progress::Stage;
 use crate::scenario::{BedPlan, CheckedScenario};
@@ -40,7 +41,8 @@ pub(super) fn pour_bare(
     let Setting {
         scenario, progress, ..
     } = setting;
-    let mut stage = progress.stage(&plan.name, bed::pouring_steps(scenario, plan));
+    let steps = planned_steps(scenario, plan);
+    let mut stage = progress.paced_stage(&plan.name, steps, StageKind::Pouring);
     let (how, steps) = fetch_bed(setting, ledger, plan, &mut stage)?;
     let (sim, note) = read_settled(setting, ledger, plan)?;
     ledger.finish_stage(&plan.name, &note.link)?;
@@ -54,6 +56,14 @@ pub(super) fn pour_bare(
     Ok(performance)
 }
 
+/// About how many steps a bed takes, or a lid on it.
+fn planned_steps(scenario: &CheckedScenario, plan: &BedPlan) -> u64 {
+    match plan.lid {
+        Some(_) => bed::covering_steps(scenario, plan),
+        None => bed::pouring_steps(scenario, plan),
+    }
+}
+
 /// A settled bed in the run directory: from the library, poured and kept there, or imported.
 pub(super) fn settle_one(
     setting: Setting<'_>,
@@ -63,11 +73,8 @@ pub(super) fn settle_one(
     let Setting {
         scenario, progress, ..
     } = setting;
-    let steps = match plan.lid {
-        Some(_) => bed::covering_steps(scenario, plan),
-        None => bed::pouring_steps(scenario, plan),
-    };
-    let mut stage = progress.stage(&plan.name, steps);
+    let steps = planned_steps(scenario, plan);
+    let mut stage = progress.paced_stage(&plan.name, steps, StageKind::Pouring);
     let (how, steps) = fetch_bed(setting, ledger, plan, &mut stage)?;
     let (mut sim, note) = read_settled(setting, ledger, plan)?;
     let (path, bytes) = data_file(setting.folder, scenario, plan, &sim)?;
@@ -216,6 +223,11 @@ fn fetch_bed(
             saver.save(&mut bed.sim, &bed.course.note())?;
         }
         return Err(error.saved());
+    }
+    if began == 0 {
+        let planned = planned_steps(scenario, plan);
+        let (grains, taken) = (bed.sim.count(), bed.sim.step_count());
+        setting.progress.settled(grains, planned, taken);
     }
     let bytes = checkpoint::pack(&mut bed.sim, &bed.course.note())?;
     // First in the folder that uses it: days of pouring are not lost if there is no library.

@@ -14,6 +14,7 @@ use crate::flow;
 use crate::folder::Folder;
 use crate::json::json_text;
 use crate::manifest::Ledger;
+use crate::pace::StageKind;
 use crate::performance::{StagePerformance, timed};
 use crate::progress::Progress;
 use crate::scenario::CheckedScenario;
@@ -45,9 +46,10 @@ pub(super) fn drag_one(
         plan,
         ..
     } = drag;
-    let mut stage = progress.stage(
+    let mut stage = progress.paced_stage(
         &format!("{} Fr {:.2}", plan.name, plan.froude),
         plan.steps(),
+        StageKind::Dragging,
     );
     // Asked to stop before it began.
     stage.look().map_err(Error::saved)?;

@@ -73,6 +73,7 @@ pub fn run_in(setting: Setting<'_>) -> Result<Option<Done>> {
     refuse_own_library(setting)?;
     let claim = claimed(setting)?;
     let ledger = &claim.ledger;
+    progress.keep_pace(folder.0);
     let plans = scenario.beds();
     let dragged_through = |k: &usize| runs.iter().any(|run| run.bed == *k);
     let places: Vec<usize> = (0..plans.len()).filter(dragged_through).collect();
@@ -117,6 +118,7 @@ pub fn run_in(setting: Setting<'_>) -> Result<Option<Done>> {
         threads,
         seconds: began.elapsed().as_secs_f64(),
         stages,
+        pace: Some(progress.pace()),
     };
     let path = folder.performance();
     write_whole(&path, json_text(&path, &performance)?.as_bytes())?;

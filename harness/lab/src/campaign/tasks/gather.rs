@@ -81,6 +81,7 @@ fn take_in(
         }
         ledger.save()?;
     }
+    progress.add_pace(&from);
     remove_all(&from)
 }
 
@@ -124,7 +125,7 @@ fn remove_all(folder: &Path) -> Result<()> {
 ///
 /// # Errors
 /// [`Error::Write`].
-pub(in crate::campaign) fn clear(folder: CampaignFolder<'_>) -> Result<()> {
+pub(in crate::campaign) fn clear(folder: CampaignFolder<'_>, progress: &Progress) -> Result<()> {
     let tasks = folder.tasks();
     for (member, kind) in disk::list(&tasks)? {
         let member = tasks.join(member);
@@ -137,6 +138,7 @@ pub(in crate::campaign) fn clear(folder: CampaignFolder<'_>) -> Result<()> {
             if kind == Kind::Folder
                 && let Some(_held) = hold(&place, &RUN)
             {
+                progress.add_pace(&place);
                 remove_all(&place)?;
             }
         }

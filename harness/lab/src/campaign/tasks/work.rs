@@ -95,6 +95,7 @@ impl Worker<'_> {
     fn take(&self, member: &Member, place: &Path) -> Result<Option<DirectoryLock>> {
         let claim = run::try_claim(&Folder(place), &member.scenario)?;
         if let Some(claim) = &claim {
+            self.progress.keep_pace(place);
             claim.warn_of_damage(self.progress);
             if !claim.sure {
                 self.progress.warn(&format!(

@@ -27,7 +27,7 @@ pub(super) fn points(scenario: &CheckedScenario) -> [f64; 3] {
 }
 
 /// Bytes of all files of these drags and so many beds.
-pub(crate) fn disk(
+pub(crate) fn space(
     scenario: &CheckedScenario,
     runs: &[DragPlan],
     grains: usize,
