@@ -4,6 +4,7 @@ use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
 use crate::manifest::{self, FolderKind, Ledger, Manifest};
+use crate::pace;
 use crate::progress::Progress;
 use crate::scenario::{self, CheckedScenario};
 use bitgrain_sim::disk::{self, Kind, make_folder};
@@ -34,7 +35,7 @@ pub(crate) const RUN: Contents = Contents {
         "runs",
         "summary.json",
         "report.html",
-        "performance.json",
+        pace::NAME,
         "analysis.json",
         SUBMITTED,
     ],
@@ -276,7 +277,7 @@ impl Folder<'_> {
 
     /// Timings and other facts of the machine.
     pub fn performance(&self) -> PathBuf {
-        self.0.join("performance.json")
+        self.0.join(pace::NAME)
     }
 
     /// The scenario of the run that this folder holds.

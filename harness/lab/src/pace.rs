@@ -83,17 +83,13 @@ impl Pace {
     pub fn read(folder: &Path) -> Self {
         let bytes = disk::read_if_there(&folder.join(NAME)).ok().flatten();
         let kept = bytes.and_then(|bytes| serde_json::from_slice::<Kept>(&bytes).ok());
-        let sound = |work: TimedWork| {
-            let positive = work.grain_steps >= 0.0 && work.seconds >= 0.0;
-            positive && (work.grain_steps + work.seconds).is_finite()
+        let sound = |a: f64, b: f64| a >= 0.0 && b >= 0.0 && (a + b).is_finite();
+        let works = |work: TimedWork| sound(work.grain_steps, work.seconds);
+        let holds = |pace: &Pace| {
+            let beds = pace.settled;
+            works(pace.pouring) && works(pace.dragging) && sound(beds.planned, beds.taken)
         };
-        let settled = |beds: Settled| {
-            let positive = beds.planned >= 0.0 && beds.taken >= 0.0;
-            positive && (beds.planned + beds.taken).is_finite()
-        };
-        let pace = kept.map(|kept| kept.pace);
-        pace.filter(|pace| sound(pace.pouring) && sound(pace.dragging) && settled(pace.settled))
-            .unwrap_or_default()
+        kept.map(|kept| kept.pace).filter(holds).unwrap_or_default()
     }
 
     /// The same and what another folder says.
@@ -142,11 +138,10 @@ pub(crate) fn of_small(grain_steps: f64, grains: usize) -> f64 {
 pub(crate) struct PaceLog(Mutex<(Pace, Option<PathBuf>)>);
 
 impl PaceLog {
-    /// Keeps it in this folder from now on, together with what the folder says.
+    /// Goes on from what this folder says, and keeps it there from now on: what was done in another is told there.
     pub fn keep_in(&self, folder: &Path) {
         if let Ok(mut log) = self.0.lock() {
-            log.0.add(Pace::read(folder));
-            log.1 = Some(folder.join(NAME));
+            *log = (Pace::read(folder), Some(folder.join(NAME)));
         }
     }
 

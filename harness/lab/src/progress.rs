@@ -182,7 +182,7 @@ impl Progress {
         }
     }
 
-    /// Keeps in a folder how fast stages go, together with what it says already.
+    /// Keeps in a folder how fast stages go from now on, after what it says already.
     pub(crate) fn keep_pace(&self, folder: &Path) {
         self.pace.keep_in(folder);
     }
@@ -236,7 +236,7 @@ impl Overall<'_> {
     }
 
     /// Grain-steps done since it began, and its seconds.
-    pub fn so_far(&self) -> (u64, f64) {
+    fn so_far(&self) -> (u64, f64) {
         let done = self.progress.work.done.load(Ordering::Relaxed);
         (
             done.saturating_sub(self.before),

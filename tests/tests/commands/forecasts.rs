@@ -82,6 +82,11 @@ fn a_campaign_tells_of_the_rest_at_the_speed_of_its_tasks() {
     task("mu0.3/run-1");
     let place = "camp/tasks/mu0.3/run-1/performance.json";
     assert_eq!(done(&room, place, "dragging")[0], 130.0 * 4000.0);
+    // A task that pours its bed itself tells of it in the bed's folder alone.
+    room.done("sweep weecamp.toml --out own --beds own-beds --task mu0.3/run-1");
+    let own = "own/tasks/mu0.3/run-1/performance.json";
+    assert_eq!(done(&room, own, "pouring"), [0.0, 0.0]);
+    assert!(done(&room, "own/tasks/mu0.3/bed/performance.json", "pouring")[0] > 0.0);
     let plan = "sweep weecamp.toml --out camp --threads 1 --dry-run";
     let text = room.done(plan);
     assert_eq!(value(&text, "runs"), Some("3 (1 are done)"), "{text}");

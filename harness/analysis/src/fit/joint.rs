@@ -207,37 +207,25 @@ pub fn joint(curves: &[Vec<Datum>], shape: Shape) -> Result<Joint, Refusal> {
         points.curves += 1;
     }
     check(&points.data)?;
-    let beyond: Vec<Datum> = points
-        .data
-        .iter()
-        .filter(|d| d.x > shape.onset())
-        .copied()
-        .collect();
     let least = match shape {
         Shape::Power { .. } => 3,
         Shape::Kink { .. } => 2,
     };
-    let there = distinct(&beyond);
-    if there < least {
-        return Err(Refusal(format!(
-            "a joint fit takes {least} values of x or more beyond {}; there are {there}",
-            shape.onset()
-        )));
-    }
+    let enough = |above: f64, up_to: f64, place: String| {
+        let within = |d: &&Datum| d.x > above && d.x <= up_to;
+        let own: Vec<Datum> = points.data.iter().filter(within).copied().collect();
+        match distinct(&own) {
+            there if there < least => Err(Refusal(format!(
+                "a joint fit takes {least} values of x or more {place}; there are {there}"
+            ))),
+            _ => Ok(()),
+        }
+    };
+    let onset = shape.onset();
+    enough(onset, f64::INFINITY, format!("beyond {onset}"))?;
     if let Shape::Kink { from, at } = shape {
         // Without points before the kink their slope would be what the points beyond it leave over.
-        let before: Vec<Datum> = points
-            .data
-            .iter()
-            .filter(|d| d.x > from && d.x <= at)
-            .copied()
-            .collect();
-        let there = distinct(&before);
-        if there < least {
-            return Err(Refusal(format!(
-                "a joint fit takes {least} values of x or more from {from} to {at}; there are {there}"
-            )));
-        }
+        enough(from, at, format!("from {from} to {at}"))?;
     }
     super::enough(points.data.len(), points.curves + 2, Exact::Refused)?;
     let (numbers, chi_square) = points.polished(shape, points.start(shape));

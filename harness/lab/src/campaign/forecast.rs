@@ -19,7 +19,7 @@ use bitgrain_sim::format::short;
 const GRAIN_STEPS: f64 = 1e6;
 
 /// Hours that stages take, so many side by side, at a speed of a small bed.
-fn hours(jobs: &[u64], side: usize, speed: f64) -> f64 {
+fn hours_of(jobs: &[u64], side: usize, speed: f64) -> f64 {
     side_by_side(jobs, side) as f64 / 1000.0 * GRAIN_STEPS / speed / 3600.0
 }
 
@@ -56,8 +56,8 @@ pub fn forecast(
     let pace = CampaignFolder(out).pace();
     let measured = [StageKind::Pouring, StageKind::Dragging].map(|kind| pace.speed(kind));
     let [pouring, dragging] = measured.map(|measured| measured.unwrap_or(speed));
-    let pours = hours(&left.pours, side, pouring) * pace.of_plan();
-    let hours = pours + hours(&left.drags, side, dragging);
+    let pours = hours_of(&left.pours, side, pouring) * pace.of_plan();
+    let hours = pours + hours_of(&left.drags, side, dragging);
     // If there are fewer jobs than threads, a job runs on several.
     let hours = hours / gain(threads as f64 / side as f64);
     let mut text = head(plan) + &left.text + "\n";

@@ -2,12 +2,14 @@
 
 use std::path::Path;
 
+use crate::pace;
+
 use super::record::{Departure, FolderKind, Manifest, NAME, RESULTS};
 use bitgrain_sim::disk::{self, Kind, is_partial};
 use bitgrain_sim::error::Result;
 
 /// Files beside the results: they can be rebuilt at any time, or hold facts of the machine.
-const BESIDE: [&str; 4] = [NAME, "performance.json", "report.html", "analysis.json"];
+const BESIDE: [&str; 4] = [NAME, pace::NAME, "report.html", "analysis.json"];
 
 /// What was found.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
