@@ -32,9 +32,9 @@ pub enum StageKind {
 /// Work of one kind, and the time that one thread took for it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TimedWork {
-    /// Grain-steps of a small bed: those of a large one count for more, as [`of_small`] says.
+    /// Grain-steps of a small bed: those of a large one count for more per step.
     pub grain_steps: f64,
-    /// Seconds of one thread; a stage on several counts as so many threads as [`gain`] says.
+    /// Seconds of one thread; a stage on several counts as the threads that it gains.
     pub seconds: f64,
 }
 

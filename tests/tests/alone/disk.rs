@@ -291,7 +291,7 @@ pub fn spoil_all(work: &impl Work, nth: usize) {
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
 fn a_run_survives_a_call_that_fails() {
-    spoil_all(&run(), 97);
+    spoil_all(&run(), 197);
 }
 
 #[test]

@@ -32,7 +32,7 @@ use bitgrain_sim::error::{Error, Result};
 use keys::kumar_law;
 
 /// Names and texts of the scenarios that ship with the program.
-pub const SHIPPED: [(&str, &str); 14] = [
+pub const SHIPPED: [(&str, &str); 15] = [
     ("quick", include_str!("../../scenarios/quick.toml")),
     (
         "kumar-system-1",
@@ -57,6 +57,10 @@ pub const SHIPPED: [(&str, &str); 14] = [
     (
         "guillard-wake",
         include_str!("../../scenarios/guillard-wake.toml"),
+    ),
+    (
+        "guillard-deep",
+        include_str!("../../scenarios/guillard-deep.toml"),
     ),
     (
         "guillard-centred",
