@@ -65,8 +65,8 @@ pub enum Error {
     #[error(
         "{bed} did not settle: after {step} steps its kinetic energy per grain is {energy:.2e} (to be \
          below {bound:.0e}) and {carried:.4} of its weight is carried (to be within 0.0005 of 1); \
-         if the first is wrong raise bed.settled or the friction, if the second is, see that \
-         the grains have a base or a floor under them"
+         if the first is wrong raise bed.settled or the friction, or lower drag.dt if the energy has long stopped \
+         falling; if the second is, see that the grains have a base or a floor under them"
     )]
     Unsettled {
         /// Which bed.

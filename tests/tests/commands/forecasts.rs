@@ -97,6 +97,10 @@ fn a_campaign_tells_of_the_rest_at_the_speed_of_its_tasks() {
     let text = room.done(plan);
     let time = "about 60 minutes on 1 thread(s), 1 stages at a time";
     assert_eq!(value(&text, "time"), Some(time), "{text}");
+    // So are the hours of the members: a quarter of those steps are the one's, the rest the other's.
+    for (member, hours) in [("mu0.3", " 0.25"), ("mu0.5", " 0.75")] {
+        assert!(value(&text, member).unwrap().ends_with(hours), "{text}");
+    }
     // What was put together is not forgotten with the task.
     room.says("sweep weecamp.toml --out camp --merge", 3);
     assert!(!room.path(place).exists());

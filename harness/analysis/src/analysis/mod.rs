@@ -31,7 +31,7 @@ pub(crate) use exponents::near;
 pub use finding::Finding;
 pub use near_field::{Contacts, Floating, KappaWithin, NearField, Offset};
 pub use point::{ErrorOf, Point, Within};
-pub use scaling::{AtSpeed, Collapse, Exponent, Scaling, Spread};
+pub use scaling::{AtSpeed, Collapse, Exponent, SHALLOW, Scaling, Spread};
 pub use speeds::{Flatness, Growth, Pooled, Reading, Speeds};
 pub use stiffness::{Level, Stiffness};
 pub use table_one::{TableOne, law as table_one_law};

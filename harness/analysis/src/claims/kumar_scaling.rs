@@ -6,7 +6,7 @@ use super::combine::weighted_mean;
 use super::kumar_curves::{MU, Of, found, name, parameter};
 use super::number::{Found, Number};
 use crate::analysis::{
-    Collapse, Curve, Exponent, Finding, Scaling, Speeds, Stiffness, Value, Yield,
+    Collapse, Curve, Exponent, Finding, SHALLOW, Scaling, Speeds, Stiffness, Value, Yield,
 };
 
 pub(super) fn yields(id: &str, of: &Of) -> Option<Found> {
@@ -136,7 +136,7 @@ fn alpha(own: &Scaling) -> Found {
         .iter()
         .filter(|at| at.fit.found().is_some());
     let note = format!(
-        "mean over {} speeds, h = {} to {} d{beside}",
+        "mean of {} fits at a size and a speed, h = {} to {} d{beside}",
         speeds.count(),
         short(least),
         short(most)
@@ -181,38 +181,51 @@ pub(super) fn exponents(id: &str, of: &Of) -> Option<Found> {
                 _ => Err("the runs have one K_n".into()),
             }
         }
-        "sum" => {
-            let all = of.analysis.scaling.iter().filter_map(|s| {
-                let phi = exponent(&s.phi, "phi").or_else(|why| slow(s, "phi", why));
-                let (phi, alpha) = (phi.ok()?, alpha(s).ok()?);
-                let sum = Value::new(
-                    phi.value.value + alpha.value.value,
-                    (phi.value.error * phi.value.error + alpha.value.error * alpha.value.error)
-                        .sqrt(),
-                );
-                let own = s
-                    .both
-                    .found()
-                    .or(s.slow.found())
-                    .map_or(String::new(), |both| {
-                        format!("; {} of yield forces or slow drags", number(both.sum))
-                    });
-                let words = format!(
-                    "mu = {}, phi {}, alpha {}: {}{own}",
-                    s.material.mu,
-                    number(phi.value),
-                    number(alpha.value),
-                    alpha.note
-                );
-                Some((sum, words))
-            });
-            of.claim.together(
-                all.collect(),
-                "no material has yield forces or slow drags at several sizes and depths",
-            )
-        }
+        "sum" => of.claim.together(
+            of.analysis.scaling.iter().flat_map(sums).collect(),
+            "no material has yield forces or slow drags at several sizes and depths",
+        ),
         _ => return None,
     })
+}
+
+/// phi + alpha of a material, with the phi of each depth from 25 d on, where the paper has it (system I), or else of
+/// each that there is.
+fn sums(own: &Scaling) -> Vec<(Value, String)> {
+    let Ok(alpha) = alpha(own) else {
+        return Vec::new();
+    };
+    let both = own.both.found().or(own.slow.found());
+    let both = both.map_or(String::new(), |both| {
+        format!("; {} of yield forces or slow drags", number(both.sum))
+    });
+    let found = own.phi.iter().filter_map(|phi| {
+        let value = parameter(phi.fit.found()?, "p").ok()?;
+        Some((phi.at, value))
+    });
+    let found: Vec<(f64, Value)> = found.collect();
+    let deep = found.iter().copied().filter(|(at, _)| *at >= SHALLOW);
+    let deep: Vec<(f64, Value)> = deep.collect();
+    let mut all: Vec<(String, Value)> = if deep.is_empty() { &found } else { &deep }
+        .iter()
+        .map(|(at, phi)| (format!(" at {} d", short(*at)), *phi))
+        .collect();
+    if let (true, Ok(phi)) = (all.is_empty(), slow(own, "phi", String::new())) {
+        all.push((String::new(), phi.value));
+    }
+    let sum = |(place, phi): (String, Value)| {
+        let [a, b] = [phi.error, alpha.value.error];
+        let error = (a * a + b * b).sqrt();
+        let words = format!(
+            "mu = {}, phi {}{place}, alpha {}: {}{both}",
+            own.material.mu,
+            number(phi),
+            number(alpha.value),
+            alpha.note
+        );
+        (Value::new(phi.value + alpha.value.value, error), words)
+    };
+    all.into_iter().map(sum).collect()
 }
 
 type Exponents = fn(&Scaling) -> &Vec<Exponent>;

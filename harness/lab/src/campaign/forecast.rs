@@ -51,13 +51,14 @@ pub fn forecast(
     jobs: usize,
 ) -> Result<String> {
     let speed = trial(&plan.members[0].scenario)?;
-    let left = left(plan, only, CampaignFolder(out), library, speed)?;
-    let side = jobs.min(threads).max(1);
     let pace = CampaignFolder(out).pace();
     let measured = [StageKind::Pouring, StageKind::Dragging].map(|kind| pace.speed(kind));
     let [pouring, dragging] = measured.map(|measured| measured.unwrap_or(speed));
-    let pours = hours_of(&left.pours, side, pouring) * pace.of_plan();
-    let hours = pours + hours_of(&left.drags, side, dragging);
+    // A bed that takes more steps than planned is poured so much more slowly.
+    let speeds = [pouring / pace.of_plan(), dragging];
+    let left = left(plan, only, CampaignFolder(out), library, speeds)?;
+    let side = jobs.min(threads).max(1);
+    let hours = hours_of(&left.pours, side, speeds[0]) + hours_of(&left.drags, side, speeds[1]);
     // If there are fewer jobs than threads, a job runs on several.
     let hours = hours / gain(threads as f64 / side as f64);
     let mut text = head(plan) + &left.text + "\n";
@@ -103,13 +104,13 @@ pub fn forecast(
     Ok(text)
 }
 
-/// What is left to do in a folder, on a machine of this speed.
+/// What is left to do in a folder, at these speeds of pouring and dragging a small bed.
 fn left(
     plan: &Plan,
     only: &Only,
     folder: CampaignFolder<'_>,
     library: &BedCache,
-    speed: f64,
+    speeds: [f64; 2],
 ) -> Result<Left> {
     let mut left = Left {
         text: String::new(),
@@ -150,7 +151,7 @@ fn left(
             "{:<32} {grains:>8} {:>5} {pours:>14.0} {drags:>14.0} {:>9.2}",
             member.name,
             runs.len(),
-            of_small(pours + drags, grains) * GRAIN_STEPS / speed / 3600.0
+            of_small(pours / speeds[0] + drags / speeds[1], grains) * GRAIN_STEPS / 3600.0
         );
         left.bytes += space(scenario, &plans, grains, scenario.beds().len());
         left.work += pours + drags;
