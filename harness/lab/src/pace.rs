@@ -32,9 +32,9 @@ pub enum StageKind {
 /// Work of one kind, and the time that one thread took for it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TimedWork {
-    /// Grain-steps of a small bed: those of a large one count for more per step.
+    /// Grain-steps of a small bed that take as long: each of a large bed counts as more than one.
     pub grain_steps: f64,
-    /// Seconds of one thread; a stage on several counts as the threads that it gains.
+    /// Seconds that one thread would take: of a stage on several, each thread after the first counts half.
     pub seconds: f64,
 }
 

@@ -16,6 +16,7 @@ pub const CROSSOVERS: [f64; 2] = [1.0, 5.0];
 /// Least ratio of the speeds below the first crossover that are compared: that of Fr = 0.5 and 0.8, over which Table I
 /// rises by a tenth. Nearer ones would differ by less than a bound of half of that, whatever the law.
 const LEVER: f64 = 1.6;
+
 /// Part by which the paper's crossovers may be off: they are whole numbers that it calls approximate.
 const APPROXIMATE: f64 = 0.1;
 

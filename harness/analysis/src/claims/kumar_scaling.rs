@@ -131,13 +131,13 @@ fn alpha(own: &Scaling) -> Found {
         format!("; {} {}", number(own.value), own.note)
     });
     let [least, most] = own.depths;
-    let speeds = own
+    let fits = own
         .alpha_at_speed
         .iter()
         .filter(|at| at.fit.found().is_some());
     let note = format!(
         "mean of {} fits at a size and a speed, h = {} to {} d{beside}",
-        speeds.count(),
+        fits.count(),
         short(least),
         short(most)
     );
@@ -203,13 +203,13 @@ fn sums(own: &Scaling) -> Vec<(Value, String)> {
         let value = parameter(phi.fit.found()?, "p").ok()?;
         Some((phi.at, value))
     });
-    let found: Vec<(f64, Value)> = found.collect();
-    let deep = found.iter().copied().filter(|(at, _)| *at >= SHALLOW);
-    let deep: Vec<(f64, Value)> = deep.collect();
-    let mut all: Vec<(String, Value)> = if deep.is_empty() { &found } else { &deep }
-        .iter()
-        .map(|(at, phi)| (format!(" at {} d", short(*at)), *phi))
-        .collect();
+    let mut found: Vec<(f64, Value)> = found.collect();
+    let is_deep = |(at, _): &(f64, Value)| *at >= SHALLOW;
+    if found.iter().any(is_deep) {
+        found.retain(is_deep);
+    }
+    let named = |(at, phi): (f64, Value)| (format!(" at {} d", short(at)), phi);
+    let mut all: Vec<(String, Value)> = found.into_iter().map(named).collect();
     if let (true, Ok(phi)) = (all.is_empty(), slow(own, "phi", String::new())) {
         all.push((String::new(), phi.value));
     }
