@@ -298,12 +298,14 @@ fn overlap(summary: &Summary) -> Option<Remark> {
     if deepest <= LARGE_OVERLAP {
         return None;
     }
-    let share = share.map_or(String::new(), |share| {
-        format!(
+    let share = match share {
+        None => String::new(),
+        Some(0.0) => " In the last state of no drag is a contact beyond it.".into(),
+        Some(share) => format!(
             " Of the contacts in the last state of a drag up to {} are beyond it.",
             percent(share)
-        )
-    });
+        ),
+    };
     let by_depth = match overlaps_by_depth(summary) {
         all if all.is_empty() => String::new(),
         all => format!(" By effective depth: {}.", all.join("; ")),

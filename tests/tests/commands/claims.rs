@@ -9,10 +9,11 @@ use bitgrain_tests::{golden, printed};
 use crate::PROGRAM;
 
 /// Goldens that the book's measurements come from.
-const GOLDENS: [&str; 11] = [
+const GOLDENS: [&str; 12] = [
     "guillard-small/summary.json",
     "guillard-medium/summary.json.gz",
     "guillard-axis/summary.json.gz",
+    "guillard-deep/summary.json.gz",
     "guillard-wake/summary.json.gz",
     "guillard-tank-small/summary.json.gz",
     "guillard-tanks/results.csv.gz",

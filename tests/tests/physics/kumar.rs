@@ -6,7 +6,9 @@
 use bitgrain::analysis::{self, describe};
 use bitgrain::campaign;
 use bitgrain::campaign::table::CampaignTable;
+use bitgrain::claims::book::Book;
 use bitgrain::claims::evidence::Evidence;
+use bitgrain::claims::kumar::measure;
 use bitgrain::files::write_text;
 use bitgrain::folder::Folder;
 use bitgrain::manifest::FolderKind;
@@ -170,6 +172,25 @@ fn tables_say_what_they_said() {
         settings.set_omit_expression(true);
         settings.bind(|| insta::assert_snapshot!("analysis", describe(&evidence.analysis)));
     }
+}
+
+/// phi + alpha takes phi of each depth from 25 d on, where the paper has it, and a shallower one only if there is no
+/// other.
+#[test]
+fn the_sum_takes_phi_of_deep_intruders() {
+    let mut analysis = evidence("kumar-deep").analysis;
+    let book = Book::shipped().claim;
+    let claim = book.iter().find(|claim| claim.id == "kumar-sum").unwrap();
+    let deep = measure(claim, &analysis).unwrap().unwrap();
+    assert_eq!(deep.of, 2, "{}", deep.note);
+    assert!(!deep.note.contains(" at 10 d"), "{}", deep.note);
+    for scaling in &mut analysis.scaling {
+        scaling.phi.retain(|phi| phi.at < 20.0);
+    }
+    let shallow = measure(claim, &analysis).unwrap().unwrap();
+    assert_eq!(shallow.of, 1, "{}", shallow.note);
+    assert!(shallow.note.contains(" at 10 d"), "{}", shallow.note);
+    assert!(shallow.value.value < deep.value.value);
 }
 
 /// The page shows every section, draws no invalid number, and is small enough to be opened.

@@ -71,6 +71,28 @@ fn drags_with_the_axis_elsewhere_are_those_of_the_scenario() {
     assert_eq!((above(0.0355), above(0.0365), above(0.041)), (8, 4, 4));
 }
 
+/// Of `guillard-deep` the drags that are done are those of the scenario, under 53 D to a fortieth, through beds that
+/// follow their base, with the axis in the middle.
+#[test]
+fn drags_in_the_deeper_bed_are_those_of_the_scenario() {
+    let whole = read_summary(&golden("guillard-deep/summary.json.gz")).unwrap();
+    let shipped = scenario::load("guillard-deep", &[]).unwrap();
+    assert_eq!(whole.inputs, shipped);
+    let with_gradient = |run: &&DragSummary| run.flow.as_ref().unwrap().pressure_gradient;
+    assert_eq!(whole.runs.iter().filter(with_gradient).count(), 4);
+    for run in &whole.runs {
+        let flow = run.flow.as_ref().unwrap();
+        assert!(flow.load.is_some() && flow.far_field > 0.95, "{}", run.name);
+        let bed = whole.beds.iter().find(|bed| bed.name == run.bed).unwrap();
+        let depth = bed.rig.as_ref().unwrap().effective_depth / run.diameter;
+        assert!((depth - 53.0).abs() < 53.0 / 40.0, "{}: {depth}", run.name);
+        // Above the floor and below the surface, in D.
+        let below = (bed.surface - run.depth) / run.diameter;
+        let above = run.depth / run.diameter;
+        assert!((above - below).abs() < 0.5, "{}: {above} {below}", run.name);
+    }
+}
+
 /// Poured with less friction, the bed of `guillard-small` is denser in flow too, and drags more, with a gradient and
 /// without one.
 #[test]

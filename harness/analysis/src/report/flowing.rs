@@ -241,6 +241,4 @@ pub(super) fn force_grid(
 }
 
 /// What this page has in addition.
-pub(super) const STYLE: &str = "\nsvg.scale{width:22rem;max-width:100%;vertical-align:middle}\n\
-    \n.statements td{min-width:14rem;max-width:24rem}\n\
-    .statements td:nth-child(2){min-width:6rem}\n";
+pub(super) const STYLE: &str = "\nsvg.scale{width:22rem;max-width:100%;vertical-align:middle}\n";
