@@ -419,6 +419,10 @@ mod tests {
             !said.contains('%') && said.contains("a lighter lid"),
             "{said}"
         );
+        let mut none = whole.clone();
+        none.runs[0].large_overlaps = Some(0.0);
+        let said = overlap(&none).unwrap().words;
+        assert!(said.contains("of no drag is a contact beyond"), "{said}");
         for (run, share) in whole.runs.iter_mut().filter(deep).zip([0.02, 0.031]) {
             run.large_overlaps = Some(share);
         }
