@@ -9,11 +9,12 @@ use bitgrain_tests::{golden, printed};
 use crate::PROGRAM;
 
 /// Goldens that the book's measurements come from.
-const GOLDENS: [&str; 12] = [
+const GOLDENS: [&str; 13] = [
     "guillard-small/summary.json",
     "guillard-medium/summary.json.gz",
     "guillard-axis/summary.json.gz",
     "guillard-deep/summary.json.gz",
+    "guillard-cover/summary.json.gz",
     "guillard-wake/summary.json.gz",
     "guillard-tank-small/summary.json.gz",
     "guillard-tanks/results.csv.gz",

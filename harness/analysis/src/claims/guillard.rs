@@ -12,6 +12,7 @@ use super::points::{FAR_FIELD_LEAST, TRAVEL_LEAST, least};
 use super::points::{Group, Point, Spread, Way, groups};
 use super::wake;
 use crate::analysis::Value;
+use crate::fit::plural;
 use bitgrain_lab::scenario::IntruderShape;
 use bitgrain_lab::summary::{DragSummary, Summary};
 
@@ -75,7 +76,8 @@ fn drag(group: &Group) -> Found {
             fit.slope, fit.error
         )
     });
-    let note = format!("slope of the drag over {} depths{by_weight}", fit.depths);
+    let depths = plural(fit.depths, "depth");
+    let note = format!("slope of the drag over {depths}{by_weight}");
     Ok(Number::one(Value::new(fit.slope, fit.error), note))
 }
 
@@ -94,8 +96,8 @@ fn zone(summary: &Summary, group: &Group) -> Found {
         return Err(NO_PAIR.into());
     }
     let note = format!(
-        "mean of {} effective depths; {} with gradient alone",
-        both.len(),
+        "mean of {}; {} with gradient alone",
+        plural(both.len(), "effective depth"),
         with.iter()
             .map(|(_, v)| format!("{:.2}", v.value))
             .collect::<Vec<_>>()

@@ -11,8 +11,8 @@ use super::points::Spread;
 use super::points::{DEEP, SEEDS};
 use super::shape::{ALIKE, share};
 use crate::analysis::Value;
-use crate::fit::Datum;
 use crate::fit::linear::line;
+use crate::fit::{Datum, plural};
 use bitgrain_sim::coarse_graining::load::POINTS;
 use bitgrain_sim::format::number_with_error;
 
@@ -30,7 +30,7 @@ pub(super) fn measure(id: &str, claim: &Claim, loads: &[PointLoad]) -> Option<Fo
             ),
             n => Ok(Number::one(
                 Spread::of(&values).into(),
-                format!("mean of {n} effective depths"),
+                format!("mean of {}", plural(n, "effective depth")),
             )),
         }
     };
@@ -181,8 +181,8 @@ fn over_equation_4(pairs: &[(&PointLoad, &PointLoad)]) -> Found {
     };
     let odd = mean(&|pair| odd_part(pair.0));
     let note = format!(
-        "mean of {} effective depths; {:.1} +- {:.1} of the odd part with gradient alone",
-        pairs.len(),
+        "mean of {}; {:.1} +- {:.1} of the odd part with gradient alone",
+        plural(pairs.len(), "effective depth"),
         odd.value,
         odd.error
     );

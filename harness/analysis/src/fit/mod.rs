@@ -288,7 +288,7 @@ fn enough(points: usize, numbers: usize, exact: Exact) -> Result<(), Refusal> {
 }
 
 /// A count with its noun.
-fn plural(n: usize, noun: &str) -> String {
+pub(crate) fn plural(n: usize, noun: &str) -> String {
     format!("{n} {noun}{}", if n == 1 { "" } else { "s" })
 }
 

@@ -32,7 +32,7 @@ use bitgrain_sim::error::{Error, Result};
 use keys::kumar_law;
 
 /// Names and texts of the scenarios that ship with the program.
-pub const SHIPPED: [(&str, &str); 15] = [
+pub const SHIPPED: [(&str, &str); 16] = [
     ("quick", include_str!("../../scenarios/quick.toml")),
     (
         "kumar-system-1",
@@ -61,6 +61,10 @@ pub const SHIPPED: [(&str, &str); 15] = [
     (
         "guillard-deep",
         include_str!("../../scenarios/guillard-deep.toml"),
+    ),
+    (
+        "guillard-cover",
+        include_str!("../../scenarios/guillard-cover.toml"),
     ),
     (
         "guillard-centred",
