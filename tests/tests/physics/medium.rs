@@ -75,41 +75,28 @@ fn drags_with_the_axis_elsewhere_are_those_of_the_scenario() {
 /// through beds that follow their base, with the axis in the middle and as deep as the guide says.
 #[test]
 fn drags_in_deeper_beds_are_those_of_the_scenarios() {
-    // Of each the drags with a pressure gradient, those without, and the depth of the axis in D.
-    for (name, with, without, deep) in [
-        ("guillard-deep", 4, 2, 12.0),
-        ("guillard-cover", 0, 2, 16.0),
-    ] {
+    // Of each: drags with a pressure gradient and in all, and the depth of the axis in D.
+    let deeper = [
+        ("guillard-deep", (4, 6), 12.0),
+        ("guillard-cover", (0, 2), 16.0),
+    ];
+    for (name, drags, deep) in deeper {
         let whole = read_summary(&golden(&format!("{name}/summary.json.gz"))).unwrap();
         assert_eq!(whole.inputs, scenario::load(name, &[]).unwrap());
         let has_gradient = |run: &&DragSummary| run.flow.as_ref().unwrap().pressure_gradient;
         let gradients = whole.runs.iter().filter(has_gradient).count();
-        assert_eq!(
-            (gradients, whole.runs.len()),
-            (with, with + without),
-            "{name}"
-        );
+        assert_eq!((gradients, whole.runs.len()), drags, "{name}");
         for run in &whole.runs {
             let flow = run.flow.as_ref().unwrap();
             assert!(flow.load.is_some() && flow.far_field > 0.95, "{}", run.name);
             let bed = whole.beds.iter().find(|bed| bed.name == run.bed).unwrap();
             let depth = bed.rig.as_ref().unwrap().effective_depth / run.diameter;
             assert!((depth - 53.0).abs() < 53.0 / 40.0, "{}: {depth}", run.name);
-            // Of the axis, in D, to a thousandth. The bed settles a fortieth denser at most than the 0.6 at
-            // which the surface is expected.
+            // Of the axis, in D. The bed is lower than is expected, by a fiftieth at most: it settles above 0.6.
             let above_floor = (bed.surface - run.depth) / run.diameter;
-            let below_surface = run.depth / run.diameter;
-            assert!(
-                (above_floor - deep).abs() < 1e-3,
-                "{}: {above_floor}",
-                run.name
-            );
-            let sunk = deep - below_surface;
-            assert!(
-                sunk > 0.0 && sunk < 2.0 * deep / 40.0,
-                "{}: {sunk}",
-                run.name
-            );
+            let sunk = deep - run.depth / run.diameter;
+            let placed = (above_floor - deep).abs() < 1e-3 && sunk > 0.0 && sunk < deep / 25.0;
+            assert!(placed, "{}: {above_floor} {sunk}", run.name);
         }
     }
 }
