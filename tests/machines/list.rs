@@ -100,7 +100,7 @@ const HOST: Target = Target {
     expect: Expect::Same,
 };
 
-/// All targets, in the order in which they run.
+/// All targets, in the order in which they are reported.
 pub static TARGETS: &[Target] = &[
     HOST,
     Target {

@@ -89,6 +89,11 @@ pub fn round10(x: f64) -> f64 {
     format!("{x:.9e}").parse().unwrap_or(x)
 }
 
+/// A count with its noun.
+pub fn plural(n: usize, noun: &str) -> String {
+    format!("{n} {noun}{}", if n == 1 { "" } else { "s" })
+}
+
 /// Seconds in words.
 pub fn duration(seconds: f64) -> String {
     match seconds {
@@ -123,6 +128,10 @@ mod tests {
         assert_eq!(shown(-0.31, 0.0514), "\u{2212}0.310 \u{b1} 0.051");
         assert_eq!(shown(1.5, 0.0), "1.5 \u{b1} 0");
         assert_eq!(shown(1234.4, 560.0), "1234 \u{b1} 560");
+        assert_eq!(
+            [0, 1, 2].map(|n| plural(n, "link")),
+            ["0 links", "1 link", "2 links"]
+        );
         assert_eq!(
             shown(2.5e-8, 1.2e-9),
             "(2.50 \u{b1} 0.12) \u{d7} 10\u{207b}\u{2078}"

@@ -12,9 +12,9 @@ use super::points::{FAR_FIELD_LEAST, TRAVEL_LEAST, least};
 use super::points::{Group, Point, Spread, Way, groups};
 use super::wake;
 use crate::analysis::Value;
-use crate::fit::plural;
 use bitgrain_lab::scenario::IntruderShape;
 use bitgrain_lab::summary::{DragSummary, Summary};
+use bitgrain_sim::format::plural;
 
 /// D/d of the paper's simulations (Guillard 2014, Fig. 8).
 const THIN: f64 = 3.3;

@@ -5,7 +5,7 @@ use super::kumar_curves::{MU, Of, found, parameter};
 use super::number::{Found, Number};
 use crate::analysis::{Finding, Growth, Reading};
 use crate::fit::Fit;
-use bitgrain_sim::format::number_with_error;
+use bitgrain_sim::format::{number_with_error, plural};
 
 pub(super) fn drags(id: &str, of: &Of) -> Option<Found> {
     let second = |reading| growth(of, reading, "p", |growth| &growth.second);
@@ -55,11 +55,13 @@ fn table_one(id: &str, of: &Of) -> Option<Found> {
             let [shallow, deep] = one.at_depths.map(|v| number_with_error(v.value, v.error));
             let [least, most] = one.depths;
             let note = format!(
-                "{} drags at Fr {} to {}, at h = {:.1} brought to the paper's depth by h^{}; {shallow} if that is \
+                "{} at Fr {}, at h = {:.1} brought to the paper's depth by h^{}; {shallow} if that is \
                  {least} d, {deep} if it is {most} d",
-                one.points.len(),
-                one.points.first().map_or(0.0, |p| p.0),
-                one.points.last().map_or(0.0, |p| p.0),
+                plural(one.points.len(), "drag"),
+                match &one.points[..] {
+                    [first, .., last] => format!("{} to {}", first.0, last.0),
+                    few => few.iter().map(|point| point.0.to_string()).collect(),
+                },
                 one.depth,
                 number_with_error(one.alpha.value, one.alpha.error),
             );

@@ -11,10 +11,10 @@ use super::points::Spread;
 use super::points::{DEEP, SEEDS};
 use super::shape::{ALIKE, share};
 use crate::analysis::Value;
+use crate::fit::Datum;
 use crate::fit::linear::line;
-use crate::fit::{Datum, plural};
 use bitgrain_sim::coarse_graining::load::POINTS;
-use bitgrain_sim::format::number_with_error;
+use bitgrain_sim::format::{number_with_error, plural};
 
 const NO_LOAD: &str = "no run has a load: measure.fields asks for them";
 

@@ -26,7 +26,7 @@ pub(crate) mod synthetic;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-use bitgrain_sim::format::number_with_error;
+use bitgrain_sim::format::{number_with_error, plural};
 
 /// Exponents known worse than this are not reported.
 pub const EXPONENT_ERROR_MAX: f64 = 0.25;
@@ -285,11 +285,6 @@ fn enough(points: usize, numbers: usize, exact: Exact) -> Result<(), Refusal> {
         )));
     }
     Ok(())
-}
-
-/// A count with its noun.
-pub(crate) fn plural(n: usize, noun: &str) -> String {
-    format!("{n} {noun}{}", if n == 1 { "" } else { "s" })
 }
 
 /// `J C J^T`: the covariance of numbers whose derivatives by the fitted ones are the rows of `J`.

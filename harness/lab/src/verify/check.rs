@@ -9,6 +9,7 @@ use crate::run::DragTask;
 use bitgrain_sim::chain::{Link, differing};
 use bitgrain_sim::disk;
 use bitgrain_sim::error::Result;
+use bitgrain_sim::format::plural;
 use bitgrain_sim::observer::Observer;
 use bitgrain_sim::simulation::Simulation;
 
@@ -111,7 +112,7 @@ impl Check<'_> {
     /// What to say of the piece, whose last state was found `same`.
     pub fn finding(&self, name: &str, [from, to]: [u64; 2], same: bool, more: &str) -> Finding {
         let mut text = format!("{name}: steps {from} to {to}: ");
-        let links = |n: usize| format!("{n} link{}", if n == 1 { "" } else { "s" });
+        let links = |n: usize| plural(n, "link");
         let holds = match &self.broken {
             Some(broken) => {
                 let _ = write!(text, "{broken}; {} before it hold", links(self.held));
