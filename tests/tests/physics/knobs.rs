@@ -245,7 +245,7 @@ fn after_steps_in_parts(
     digest(&world)
 }
 
-/// The digests of every build, in debug too: without `--release` it takes seconds longer.
+/// The digests of every build: run these in debug and in release.
 #[test]
 fn digests_are_the_golden_ones() {
     let mut text = String::new();

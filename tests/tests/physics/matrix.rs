@@ -1,6 +1,6 @@
 //! Every setting that must not change a bit, on beds in motion, step by step: threads, lanes and
 //! instructions, skins and search schedules, what is watched and saved, and how much storage is lent.
-//! The beds are `quick/settled.safetensors.gz`, `peers/bedA_D4.data.gz` and
+//! Run in debug and in release. The beds are `quick/settled.safetensors.gz`, `peers/bedA_D4.data.gz` and
 //! that of a rig.
 
 use bitgrain::bench::read_bed;
