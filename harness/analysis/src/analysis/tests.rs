@@ -68,6 +68,10 @@ fn normal(k: u32) -> f64 {
 
 impl Made {
     fn table(&self) -> CampaignTable {
+        CampaignTable::parse(&self.text(), "made").unwrap()
+    }
+
+    fn text(&self) -> String {
         let names = "member,run,status,reason,digest,mu,kn,gamma_n,diameter,diameter_least,diameter_most,\
                      depth_asked,depth,speed,froude,drag,drag_error,plug,plug_ratio,contact_angle,\
                      contact_angle_error,kappa,kappa_error,floating,floating_error,discard,drag_uncut,\
@@ -119,7 +123,7 @@ impl Made {
                 }
             }
         }
-        CampaignTable::parse(&text, "made").unwrap()
+        text
     }
 }
 
@@ -181,6 +185,36 @@ fn known_exponents_and_yield_forces_are_found() {
         }
         assert!(scaling.by_depth_deep.found().is_none());
     }
+}
+
+/// Intruders at one height ask for depths that differ a little by their size: they are at one depth.
+#[test]
+fn depths_that_nearly_agree_are_one() {
+    let at = |diameter: f64, depth: f64| {
+        let (diameters, depths) = (vec![diameter], vec![depth]);
+        let made = Made {
+            diameters,
+            depths,
+            ..Made::default()
+        };
+        made.text()
+    };
+    let depths_of_phi = |step: f64| {
+        let mut text = at(1.0, 8.0);
+        for (diameter, depth) in [(2.0, 8.0 * step), (4.0, 8.0 / step)] {
+            let rows = at(diameter, depth);
+            text.push_str(rows.split_once('\n').unwrap().1);
+        }
+        let found = analyse(&CampaignTable::parse(&text, "made").unwrap(), false);
+        let phi = found.scaling.iter().map(|scaling| {
+            let fits = scaling.phi.iter();
+            fits.filter(|one| one.fit.found().is_some()).count()
+        });
+        let sizes = found.pooled.iter().map(|pooled| pooled.scales.len());
+        (phi.collect::<Vec<_>>(), sizes.collect::<Vec<_>>())
+    };
+    assert_eq!(depths_of_phi(1.004), (vec![1, 1], vec![3, 3]));
+    assert_eq!(depths_of_phi(1.05), (vec![0, 0], vec![1, 1]));
 }
 
 /// A run at V = 0.05 is the slow limit with friction; without friction only one at 0.01 is.
