@@ -158,18 +158,20 @@ fn symbols(bytes: &[u8]) -> Result<Vec<String>, String> {
     Ok(names)
 }
 
-/// Symbols that a library takes from elsewhere.
+/// Symbols that a library takes from elsewhere, and those that it offers.
 ///
 /// # Errors
 /// What is wrong with the file, or that it exports nothing.
-pub fn undefined(library: &[u8]) -> Result<Vec<String>, String> {
+pub fn asked_and_offered(library: &[u8]) -> Result<[Vec<String>; 2], String> {
     let file = parse(library)?;
     let (asked, given): (Vec<_>, Vec<_>) = file.dynamic_symbols().partition(|s| s.is_undefined());
     if given.is_empty() {
         return Err("the library exports nothing".into());
     }
-    let names = asked.iter().filter_map(|symbol| symbol.name().ok());
-    Ok(names.map(str::to_string).collect())
+    Ok([asked, given].map(|symbols| {
+        let names = symbols.iter().filter_map(|symbol| symbol.name().ok());
+        names.map(str::to_string).collect()
+    }))
 }
 
 fn banned(names: &[String]) -> Vec<String> {

@@ -114,11 +114,12 @@ pub fn build(target: &Target) -> Result<PathBuf, String> {
     Ok(products().join(target.triple).join(kind).join(file))
 }
 
-/// Builds the library of `tests/rigs/panics`, with a feature or none, and says what it asks of others.
+/// Builds the library of `tests/rigs/panics`, with a feature or none, and says what it asks of others, and what it
+/// offers.
 ///
 /// # Errors
 /// What the compiler said, or what is wrong with the library.
-pub fn asked_by_the_kernel(features: &str) -> Result<Vec<String>, String> {
+pub fn rig_of_the_kernel(features: &str) -> Result<[Vec<String>; 2], String> {
     let mut command = cargo(false);
     command.current_dir(root().join("tests/rigs/panics"));
     command.args([
@@ -136,7 +137,7 @@ pub fn asked_by_the_kernel(features: &str) -> Result<Vec<String>, String> {
     }
     let library = products().join("release/libbitgrain_rig_panics.so");
     let bytes = std::fs::read(library).map_err(|why| format!("no library: {why}"))?;
-    firmware::undefined(&bytes)
+    firmware::asked_and_offered(&bytes)
 }
 
 /// The workspace's cargo, or Debian's. What the cargo that runs this program has set for it, and what

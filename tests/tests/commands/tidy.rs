@@ -317,6 +317,26 @@ fn every_golden_has_a_recipe_and_a_test() {
     }
 }
 
+/// `.ci/run debug` builds each of our crates with checks.
+#[test]
+fn every_crate_is_built_for_debugging() {
+    let profiles: toml::Table = text(".ci/debug.toml").parse().unwrap();
+    let packages = profiles["profile"]["release"]["package"]
+        .as_table()
+        .unwrap();
+    let workspace: toml::Table = text("Cargo.toml").parse().unwrap();
+    let members = workspace["workspace"]["members"].as_array().unwrap();
+    let members = members.iter().map(|member| member.as_str().unwrap());
+    for member in members.chain(["tests/rigs/capi"]) {
+        let manifest: toml::Table = text(&format!("{member}/Cargo.toml")).parse().unwrap();
+        let name = manifest["package"]["name"].as_str().unwrap();
+        let profile = packages.get(name).unwrap_or_else(|| panic!("{name}"));
+        for check in ["debug-assertions", "overflow-checks"] {
+            assert_eq!(profile[check].as_bool(), Some(true), "{check} of {name}");
+        }
+    }
+}
+
 /// Laws and observables name their source; every public item is documented, by lint.
 #[test]
 fn physics_names_its_source() {

@@ -302,3 +302,11 @@ fn column_f32() -> [u8; 32] {
     assert!(contacts > 6000, "grains hit and rest on each other");
     bitgrain_kernel::digest(&world).whole
 }
+
+/// The verb `debug` of `.ci/run` builds what it says.
+#[test]
+#[ignore = "for `.ci/run debug`, whose build has such checks"]
+#[should_panic(expected = "overflow")]
+fn overflow_is_looked_for() {
+    std::hint::black_box(std::hint::black_box(i32::MAX) + 1);
+}

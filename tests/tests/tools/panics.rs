@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 
 use bitgrain_tests::root;
 
-use crate::machines::machine::asked_by_the_kernel;
+use crate::machines::machine::rig_of_the_kernel;
 
 /// The function that the rig's panic handler calls, and nobody defines.
 const PANICS: &str = "a_panic_is_reachable";
@@ -14,10 +14,22 @@ const PANICS: &str = "a_panic_is_reachable";
 /// The library of all public functions needs no panic handler; with one careless function more, it does.
 #[test]
 fn no_public_function_of_the_kernel_can_panic() {
-    let careless = asked_by_the_kernel("control").unwrap();
+    let [careless, _] = rig_of_the_kernel("control").unwrap();
     assert!(careless.contains(&PANICS.into()), "the check cannot fail");
-    let asked = asked_by_the_kernel("").unwrap();
+    let [asked, offered] = rig_of_the_kernel("").unwrap();
     assert!(!asked.contains(&PANICS.into()), "a panic can be reached");
+    let tables = std::fs::read_to_string(root().join("tests/rigs/panics/src/tables.rs")).unwrap();
+    let tables = tables.lines().filter_map(|line| {
+        let (name, _) = line.strip_prefix("pub static ")?.split_once(':')?;
+        Some(name.to_string())
+    });
+    let tables: BTreeSet<String> = tables.collect();
+    assert!(tables.len() > 15, "{tables:?}");
+    let missing: Vec<_> = tables
+        .difference(&offered.into_iter().collect())
+        .cloned()
+        .collect();
+    assert!(missing.is_empty(), "not in the library: {missing:?}");
 }
 
 /// Names after `pub fn` or `pub const fn` in a source, before its tests.

@@ -12,8 +12,8 @@ use bitgrain_lab::plug_flow::PlugFlow;
 /// Least D/d of an intruder with enough contacts for a law: the paper's smallest scatters too.
 const LEAST_DIAMETER: f64 = 2.0;
 
-/// Depths that differ by less than this share are one: beds settle by more than that off what was asked.
-const SAME_DEPTH: f64 = 0.01;
+/// Depths asked for that differ by less than this share are one: beds settle by more than that off what was asked.
+const SAME_DEPTH: f64 = 0.02;
 
 /// What the columns of kappa within a distance begin with.
 const KAPPA_WITHIN: &str = "kappa_within_";
@@ -110,7 +110,7 @@ pub(super) fn read(table: &CampaignTable, plugs: bool) -> Read {
         let same = |c: &&mut Curve| {
             c.material == material
                 && c.diameter == diameter
-                && (c.depth_asked - asked).abs() < SAME_DEPTH * asked
+                && (c.depth_asked - asked).abs() <= 1e-6 * asked
         };
         match curves.iter_mut().find(same) {
             Some(curve) => curve.runs.push(point),
@@ -154,13 +154,17 @@ pub(super) fn read(table: &CampaignTable, plugs: bool) -> Read {
     }
 }
 
-/// Depths asked for that are one get the least of them: an intruder at a height asks for another depth under other
-/// grains, and for another than a thicker intruder.
+/// Depths asked for that are one get the least of them, in each material: at one height above the floor a thicker
+/// intruder asks for another depth.
 fn join_depths(curves: &mut [Curve]) {
-    let mut depths: Vec<f64> = curves.iter().map(|c| c.depth_asked).collect();
-    depths.sort_by(f64::total_cmp);
-    depths.dedup_by(|next, least| *next - *least < SAME_DEPTH * *least);
+    let known: Vec<(Material, f64)> = curves.iter().map(|c| (c.material, c.depth_asked)).collect();
     for curve in curves {
+        let own = known
+            .iter()
+            .filter(|(material, _)| *material == curve.material);
+        let mut depths: Vec<f64> = own.map(|(_, depth)| *depth).collect();
+        depths.sort_by(f64::total_cmp);
+        depths.dedup_by(|next, least| *next - *least < SAME_DEPTH * *least);
         let least = depths.iter().rfind(|least| **least <= curve.depth_asked);
         curve.depth_asked = *least.expect("the least of all is among them");
     }

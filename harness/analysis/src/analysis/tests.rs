@@ -214,6 +214,8 @@ fn depths_that_nearly_agree_are_one() {
         (phi.collect::<Vec<_>>(), sizes.collect::<Vec<_>>())
     };
     assert_eq!(depths_of_phi(1.004), (vec![1, 1], vec![3, 3]));
+    // As far apart as those of D = 1 and 10 d at one height in Kumar's box.
+    assert_eq!(depths_of_phi(1.0065), (vec![1, 1], vec![3, 3]));
     assert_eq!(depths_of_phi(1.05), (vec![0, 0], vec![1, 1]));
 }
 
