@@ -157,16 +157,17 @@ pub(super) fn read(table: &CampaignTable, plugs: bool) -> Read {
 /// Depths asked for that are one get the least of them, in each material: at one height above the floor a thicker
 /// intruder asks for another depth.
 fn join_depths(curves: &mut [Curve]) {
-    let known: Vec<(Material, f64)> = curves.iter().map(|c| (c.material, c.depth_asked)).collect();
-    for curve in curves {
-        let own = known
-            .iter()
-            .filter(|(material, _)| *material == curve.material);
-        let mut depths: Vec<f64> = own.map(|(_, depth)| *depth).collect();
-        depths.sort_by(f64::total_cmp);
-        depths.dedup_by(|next, least| *next - *least < SAME_DEPTH * *least);
-        let least = depths.iter().rfind(|least| **least <= curve.depth_asked);
-        curve.depth_asked = *least.expect("the least of all is among them");
+    curves.sort_by(|a, b| a.depth_asked.total_cmp(&b.depth_asked));
+    for k in 1..curves.len() {
+        let (before, rest) = curves.split_at_mut(k);
+        let curve = &mut rest[0];
+        // The next shallower one has the least depth of those that it is one with.
+        let own = before.iter().rfind(|c| c.material == curve.material);
+        if let Some(least) = own.map(|c| c.depth_asked)
+            && curve.depth_asked - least < SAME_DEPTH * least
+        {
+            curve.depth_asked = least;
+        }
     }
 }
 
