@@ -13,7 +13,7 @@ use bitgrain_lab::plug_flow::PlugFlow;
 const LEAST_DIAMETER: f64 = 2.0;
 
 /// Depths asked for that differ by less than this share are one: beds settle by more than that off what was asked.
-const SAME_DEPTH: f64 = 0.02;
+pub(super) const SAME_DEPTH: f64 = 0.02;
 
 /// What the columns of kappa within a distance begin with.
 const KAPPA_WITHIN: &str = "kappa_within_";

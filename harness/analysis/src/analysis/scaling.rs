@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::beds::larger;
 use super::exponents::{Force, Scaled, distinct, geometric_mean, near, scaled};
 use super::yields::EXTRAPOLATED_FROUDE;
-use super::{Curve, Finding, Material, Point, Value, Yield};
+use super::{Curve, Finding, Material, Value, Yield};
 use crate::fit::power::power;
 use crate::fit::{Datum, Fit, Refusal};
 
@@ -43,7 +43,7 @@ pub struct Spread {
     pub froude: f64,
     /// How many.
     pub runs: usize,
-    /// Root mean square deviation from their mean, over it.
+    /// Root mean square deviation from their mean (of shallow runs from that of deep ones), over it.
     pub spread: f64,
     /// The same from the errors of the runs alone.
     pub expected: f64,
@@ -57,6 +57,8 @@ pub struct Collapse {
     pub exponents: [f64; 2],
     /// By Froude number.
     pub speeds: Vec<Spread>,
+    /// How many independent deviations there are.
+    pub deviations: f64,
     /// Root mean square over all.
     pub spread: f64,
     /// The same from errors alone.
@@ -94,8 +96,8 @@ pub struct Scaling {
     pub by_depth: Finding<Collapse>,
     /// The same of depths beyond 25 d alone, where the paper finds its collapse.
     pub by_depth_deep: Finding<Collapse>,
-    /// And of those up to 25 d, where it finds none.
-    pub by_depth_shallow: Finding<Collapse>,
+    /// How far drags at depths up to 25 d, which the paper finds off that curve, lie from the mean of the deep ones.
+    pub shallow_off_deep: Finding<Collapse>,
 }
 
 impl Scaling {
@@ -130,13 +132,15 @@ pub(super) fn scaling(material: Material, curves: &[Pair]) -> Scaling {
     let by_size = size.map_or_else(no_phi, |phi| {
         collapse(curves, |c| c.depth_asked, [phi.value, slope]).into()
     });
-    let by_depth = |wanted: fn(f64) -> bool| {
-        let deep = |(c, _): &&Pair| wanted(c.depth_asked / c.mean_diameter);
-        let own: Vec<Pair> = curves.iter().filter(deep).copied().collect();
+    let by_depth = |wanted: fn(&Curve) -> bool| {
+        let own: Vec<Pair> = curves.iter().filter(|(c, _)| wanted(c)).copied().collect();
         depth.map_or_else(no_alpha, |alpha| {
             collapse(&own, |c| c.diameter, [0.0, alpha.value]).into()
         })
     };
+    let shallow_off_deep = depth.map_or_else(no_alpha, |alpha| {
+        off_deep(curves, [0.0, alpha.value]).into()
+    });
     let alpha_at_speed = alpha_at_speed(curves);
     let speeds: Vec<Value> = alpha_at_speed
         .iter()
@@ -151,8 +155,8 @@ pub(super) fn scaling(material: Material, curves: &[Pair]) -> Scaling {
         brought_by: slope,
         by_size,
         by_depth: by_depth(|_| true),
-        by_depth_deep: by_depth(|h| h > SHALLOW),
-        by_depth_shallow: by_depth(|h| h <= SHALLOW),
+        by_depth_deep: by_depth(is_deep),
+        shallow_off_deep,
         phi,
         alpha,
         alpha_at_speed,
@@ -301,33 +305,85 @@ fn collapse(
             .filter(|c| near(group(c), kind))
             .collect();
         for froude in distinct(own.iter().flat_map(|c| c.points.iter().map(|p| p.froude))) {
-            let at = |c: &&Curve| -> Vec<Value> {
-                let scale = c.scale(exponents);
-                let points = c.points.iter().filter(|p: &&Point| near(p.froude, froude));
-                points.map(|p| p.drag.divided(scale)).collect()
-            };
+            let at = |c: &&Curve| over_scale(c, froude, exponents).collect::<Vec<Value>>();
             let values: Vec<Value> = own.iter().flat_map(at).collect();
             if own.iter().filter(|c| !at(c).is_empty()).count() > 1 {
                 speeds.push(spread(froude, &values));
             }
         }
     }
-    let n: f64 = speeds.iter().map(|s| s.runs as f64 - 1.0).sum();
     if speeds.is_empty() {
         return Err(Refusal(
             "a collapse takes two curves or more with runs at equal Froude numbers".into(),
         ));
     }
+    // One of the runs at each speed fixes their mean.
+    Ok(whole(exponents, speeds, |s| s.runs as f64 - 1.0))
+}
+
+/// Root mean squares over all speeds, each of which has so many independent deviations.
+fn whole(exponents: [f64; 2], speeds: Vec<Spread>, independent: fn(&Spread) -> f64) -> Collapse {
+    let deviations: f64 = speeds.iter().map(independent).sum();
     let whole = |of: fn(&Spread) -> f64| {
-        let squares = speeds.iter().map(|s| (s.runs as f64 - 1.0) * of(s) * of(s));
-        (squares.sum::<f64>() / n).sqrt()
+        let squares = speeds.iter().map(|s| independent(s) * of(s) * of(s));
+        (squares.sum::<f64>() / deviations).sqrt()
     };
-    Ok(Collapse {
+    Collapse {
         exponents,
+        deviations,
         spread: whole(|s| s.spread),
         expected: whole(|s| s.expected),
         speeds,
-    })
+    }
+}
+
+fn is_deep(curve: &Curve) -> bool {
+    curve.depth_asked / curve.mean_diameter > SHALLOW
+}
+
+/// Drags over their scale.
+fn over_scale(curve: &Curve, froude: f64, exponents: [f64; 2]) -> impl Iterator<Item = Value> {
+    let scale = curve.scale(exponents);
+    let points = curve.points.iter().filter(move |p| near(p.froude, froude));
+    points.map(move |p| p.drag.divided(scale))
+}
+
+/// Drags over their scale at the lesser depths, over the mean of the deep ones of their diameter and Froude number.
+fn off_deep(curves: &[Pair], exponents: [f64; 2]) -> Result<Collapse, Refusal> {
+    let mut speeds = Vec::new();
+    for diameter in distinct(curves.iter().map(|(c, _)| c.diameter)) {
+        let own = curves.iter().map(|(c, _)| *c);
+        let (deep, shallow): (Vec<&Curve>, Vec<&Curve>) = own
+            .filter(|c| near(c.diameter, diameter))
+            .partition(|c| is_deep(c));
+        for froude in distinct(
+            shallow
+                .iter()
+                .flat_map(|c| c.points.iter().map(|p| p.froude)),
+        ) {
+            let at = |c: &&Curve| over_scale(c, froude, exponents).collect::<Vec<Value>>();
+            let Some(mean) = Value::mean(deep.iter().flat_map(at)) else {
+                continue;
+            };
+            let ratios: Vec<Value> = shallow.iter().flat_map(at).map(|v| v.over(mean)).collect();
+            let rms = |of: fn(&Value) -> f64| {
+                let squares = ratios.iter().map(|ratio| of(ratio) * of(ratio));
+                (squares.sum::<f64>() / ratios.len() as f64).sqrt()
+            };
+            speeds.push(Spread {
+                froude,
+                runs: ratios.len(),
+                spread: rms(|ratio| ratio.value - 1.0),
+                expected: rms(|ratio| ratio.error),
+            });
+        }
+    }
+    if speeds.is_empty() {
+        return Err(Refusal(
+            "no intruder has drags at one Froude number both down to 25 d and deeper".into(),
+        ));
+    }
+    Ok(whole(exponents, speeds, |s| s.runs as f64))
 }
 
 fn spread(froude: f64, values: &[Value]) -> Spread {

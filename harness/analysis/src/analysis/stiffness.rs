@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::curves::SAME_DEPTH;
 use super::{Curve, Point, Value, Yield};
 use bitgrain_lab::campaign::rules::RESTITUTION;
 
@@ -67,7 +68,7 @@ fn group(
 ) -> Vec<Stiffness> {
     let alike = |a: &Curve, b: &Curve| {
         let place = |c: &Curve| (c.material.mu, c.diameter);
-        let depth = (a.depth_asked - b.depth_asked).abs() < SAME * b.depth_asked;
+        let depth = (a.depth_asked - b.depth_asked).abs() < SAME_DEPTH * b.depth_asked;
         place(a) == place(b) && depth && (same(a) - same(b)).abs() <= SAME * same(b)
     };
     let mut groups: Vec<Vec<Pair>> = Vec::new();

@@ -19,6 +19,8 @@ struct Made {
     froudes: Vec<f64>,
     kns: Vec<f64>,
     plug: &'static str,
+    /// What drags beyond Fr = 1 are times the law at depths up to 25 d.
+    shallow: f64,
 }
 
 impl Default for Made {
@@ -33,6 +35,7 @@ impl Default for Made {
             ],
             kns: vec![2e5],
             plug: "sound",
+            shallow: 1.0,
         }
     }
 }
@@ -95,8 +98,13 @@ impl Made {
                             } else {
                                 1.0
                             };
-                            let drag =
-                                scale * soft * dynamic(mu, froude) * (1.0 + NOISE * normal(row));
+                            let off = if asked <= 25.0 && froude > 1.0 {
+                                self.shallow
+                            } else {
+                                1.0
+                            };
+                            let law = scale * soft * off * dynamic(mu, froude);
+                            let drag = law * (1.0 + NOISE * normal(row));
                             let speed = froude * (d + 1.0) / (2.0 * (2.0 * d).sqrt());
                             let angle =
                                 -0.15 * libm::pow(froude, 0.38) + std::f64::consts::PI / 2.45;
@@ -184,6 +192,42 @@ fn known_exponents_and_yield_forces_are_found() {
             assert!(collapse.spread < 3.0 * NOISE, "{}", collapse.spread);
         }
         assert!(scaling.by_depth_deep.found().is_none());
+    }
+}
+
+/// Drags at 25 d and less are held against those of deeper ones, at each speed.
+#[test]
+fn shallow_drags_are_held_against_deep_ones() {
+    let off = |shallow: f64, depths: &[f64]| {
+        let made = Made {
+            mus: vec![0.5],
+            diameters: vec![4.0],
+            depths: depths.to_vec(),
+            shallow,
+            ..Made::default()
+        };
+        analyse(&made.table(), false).scaling[0]
+            .shallow_off_deep
+            .clone()
+    };
+    for shallow in [1.0, 1.2] {
+        let found = off(shallow, &[10.0, 25.0, 45.0, 60.0]);
+        let found = found.found().unwrap();
+        assert_eq!((found.speeds.len(), found.deviations), (17, 34.0));
+        for at in &found.speeds {
+            assert_eq!(at.runs, 2);
+            let want = if at.froude > 1.0 { shallow - 1.0 } else { 0.0 };
+            // Noise, and the error of alpha over a factor of six in depth.
+            let apart = (at.spread - want).abs();
+            assert!(apart < 6.0 * NOISE, "{shallow} {at:?}");
+            assert!(at.expected > NOISE && at.expected < 2.0 * NOISE, "{at:?}");
+        }
+    }
+    for depths in [[5.0, 10.0, 25.0], [30.0, 60.0, 120.0]] {
+        let Finding::Refused(why) = off(1.0, &depths) else {
+            panic!("{depths:?}");
+        };
+        assert!(why.0.contains("both down to 25 d and deeper"), "{why}");
     }
 }
 
@@ -339,14 +383,20 @@ fn sliding_beds_count_only_where_they_are_asked_for() {
 
 #[test]
 fn stiffness_and_findings_are_told() {
-    let made = Made {
-        mus: vec![0.5],
-        diameters: vec![2.0],
-        depths: vec![8.0],
-        kns: vec![2e5, 2e7],
-        ..Made::default()
+    let at = |kn: f64, depth: f64| {
+        let made = Made {
+            mus: vec![0.5],
+            diameters: vec![2.0],
+            depths: vec![depth],
+            kns: vec![kn],
+            ..Made::default()
+        };
+        made.text()
     };
-    let found = analyse(&made.table(), false);
+    // Two materials at one height: the least depth that several intruders asked for stands for the depth of each.
+    let mut text = at(2e5, 8.0);
+    text.push_str(at(2e7, 8.02).split_once('\n').unwrap().1);
+    let found = analyse(&CampaignTable::parse(&text, "made").unwrap(), false);
     let [group] = &found.stiffness[..] else {
         panic!("{:?}", found.stiffness);
     };
@@ -360,7 +410,7 @@ fn stiffness_and_findings_are_told() {
     let fast = group.levels[1].fast.unwrap();
     assert!((fast.value - 1.0).abs() < 4.0 * fast.error, "{fast:?}");
     // JSON holds all of it, to ten digits.
-    let text = text(&found);
+    let text = super::text(&found);
     let read: Analysis = serde_json::from_str(&text).unwrap();
     assert_eq!(super::text(&read), text);
     let (a, b) = (

@@ -165,6 +165,7 @@ pub(super) fn exponents(id: &str, of: &Of) -> Option<Found> {
         "phi-depth" => within(of, |s| &s.phi),
         "phi-stiffness" => across(of, |s| &s.phi, "phi"),
         "alpha-0" => alpha_at(0.0),
+        "alpha-above-one" => alpha_at(MU),
         "alpha-rises" => difference(alpha_at(MU), alpha_at(0.0)),
         "alpha-stiffness" => {
             let mut own: Vec<&Scaling> = of
@@ -275,8 +276,7 @@ pub(super) fn collapses(id: &str, of: &Of) -> Option<Found> {
     // Beyond the errors: what is left when they are taken out in squares.
     let beyond = |collapse: &Collapse| -> Number {
         let left = collapse.spread * collapse.spread - collapse.expected * collapse.expected;
-        let n: f64 = collapse.speeds.iter().map(|s| s.runs as f64 - 1.0).sum();
-        let error = collapse.spread / (2.0 * n).sqrt();
+        let error = collapse.spread / (2.0 * collapse.deviations).sqrt();
         let note = format!(
             "spread {:.3}, of which errors {:.3}, at {} speeds",
             collapse.spread,
@@ -289,7 +289,7 @@ pub(super) fn collapses(id: &str, of: &Of) -> Option<Found> {
     let which: fn(&Scaling) -> &Finding<Collapse> = match id {
         "collapse-size" | "collapse-size-frictionless" => |s| &s.by_size,
         "collapse-depth" => |s| &s.by_depth_deep,
-        "collapse-shallow" => |s| &s.by_depth_shallow,
+        "collapse-shallow" => |s| &s.shallow_off_deep,
         _ => return None,
     };
     let mu = if id == "collapse-size-frictionless" {
