@@ -304,8 +304,8 @@ fn collapse(
             .map(|(c, _)| *c)
             .filter(|c| near(group(c), kind))
             .collect();
-        for froude in distinct(own.iter().flat_map(|c| c.points.iter().map(|p| p.froude))) {
-            let at = |c: &&Curve| over_scale(c, froude, exponents).collect::<Vec<Value>>();
+        for froude in froudes(&own) {
+            let at = |c: &&Curve| over_scale(c, froude, exponents);
             let values: Vec<Value> = own.iter().flat_map(at).collect();
             if own.iter().filter(|c| !at(c).is_empty()).count() > 1 {
                 speeds.push(spread(froude, &values));
@@ -341,11 +341,19 @@ fn is_deep(curve: &Curve) -> bool {
     curve.depth_asked / curve.mean_diameter > SHALLOW
 }
 
-/// Drags over their scale.
-fn over_scale(curve: &Curve, froude: f64, exponents: [f64; 2]) -> impl Iterator<Item = Value> {
+fn froudes(curves: &[&Curve]) -> Vec<f64> {
+    distinct(
+        curves
+            .iter()
+            .flat_map(|c| c.points.iter().map(|p| p.froude)),
+    )
+}
+
+/// Drags at a Froude number over their scale.
+fn over_scale(curve: &Curve, froude: f64, exponents: [f64; 2]) -> Vec<Value> {
     let scale = curve.scale(exponents);
-    let points = curve.points.iter().filter(move |p| near(p.froude, froude));
-    points.map(move |p| p.drag.divided(scale))
+    let points = curve.points.iter().filter(|p| near(p.froude, froude));
+    points.map(|p| p.drag.divided(scale)).collect()
 }
 
 /// Drags over their scale at the lesser depths, over the mean of the deep ones of their diameter and Froude number.
@@ -356,12 +364,8 @@ fn off_deep(curves: &[Pair], exponents: [f64; 2]) -> Result<Collapse, Refusal> {
         let (deep, shallow): (Vec<&Curve>, Vec<&Curve>) = own
             .filter(|c| near(c.diameter, diameter))
             .partition(|c| is_deep(c));
-        for froude in distinct(
-            shallow
-                .iter()
-                .flat_map(|c| c.points.iter().map(|p| p.froude)),
-        ) {
-            let at = |c: &&Curve| over_scale(c, froude, exponents).collect::<Vec<Value>>();
+        for froude in froudes(&shallow) {
+            let at = |c: &&Curve| over_scale(c, froude, exponents);
             let Some(mean) = Value::mean(deep.iter().flat_map(at)) else {
                 continue;
             };

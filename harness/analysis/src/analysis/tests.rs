@@ -71,7 +71,7 @@ fn normal(k: u32) -> f64 {
 
 impl Made {
     fn table(&self) -> CampaignTable {
-        CampaignTable::parse(&self.text(), "made").unwrap()
+        together(std::slice::from_ref(self))
     }
 
     fn text(&self) -> String {
@@ -133,6 +133,16 @@ impl Made {
         }
         text
     }
+}
+
+/// Made-up campaigns in one table.
+fn together(made: &[Made]) -> CampaignTable {
+    let mut text = made[0].text();
+    for other in &made[1..] {
+        let rows = other.text();
+        text.push_str(rows.split_once('\n').unwrap().1);
+    }
+    CampaignTable::parse(&text, "made").unwrap()
 }
 
 fn near(fit: &Fit, name: &str, want: f64) {
@@ -236,20 +246,15 @@ fn shallow_drags_are_held_against_deep_ones() {
 fn depths_that_nearly_agree_are_one() {
     let at = |diameter: f64, depth: f64| {
         let (diameters, depths) = (vec![diameter], vec![depth]);
-        let made = Made {
+        Made {
             diameters,
             depths,
             ..Made::default()
-        };
-        made.text()
+        }
     };
     let depths_of_phi = |step: f64| {
-        let mut text = at(1.0, 8.0);
-        for (diameter, depth) in [(2.0, 8.0 * step), (4.0, 8.0 / step)] {
-            let rows = at(diameter, depth);
-            text.push_str(rows.split_once('\n').unwrap().1);
-        }
-        let found = analyse(&CampaignTable::parse(&text, "made").unwrap(), false);
+        let made = [at(1.0, 8.0), at(2.0, 8.0 * step), at(4.0, 8.0 / step)];
+        let found = analyse(&together(&made), false);
         let phi = found.scaling.iter().map(|scaling| {
             let fits = scaling.phi.iter();
             fits.filter(|one| one.fit.found().is_some()).count()
@@ -383,20 +388,15 @@ fn sliding_beds_count_only_where_they_are_asked_for() {
 
 #[test]
 fn stiffness_and_findings_are_told() {
-    let at = |kn: f64, depth: f64| {
-        let made = Made {
-            mus: vec![0.5],
-            diameters: vec![2.0],
-            depths: vec![depth],
-            kns: vec![kn],
-            ..Made::default()
-        };
-        made.text()
+    let at = |kn: f64, depth: f64| Made {
+        mus: vec![0.5],
+        diameters: vec![2.0],
+        depths: vec![depth],
+        kns: vec![kn],
+        ..Made::default()
     };
     // Two materials at one height: the least depth that several intruders asked for stands for the depth of each.
-    let mut text = at(2e5, 8.0);
-    text.push_str(at(2e7, 8.02).split_once('\n').unwrap().1);
-    let found = analyse(&CampaignTable::parse(&text, "made").unwrap(), false);
+    let found = analyse(&together(&[at(2e5, 8.0), at(2e7, 8.02)]), false);
     let [group] = &found.stiffness[..] else {
         panic!("{:?}", found.stiffness);
     };
@@ -410,7 +410,7 @@ fn stiffness_and_findings_are_told() {
     let fast = group.levels[1].fast.unwrap();
     assert!((fast.value - 1.0).abs() < 4.0 * fast.error, "{fast:?}");
     // JSON holds all of it, to ten digits.
-    let text = super::text(&found);
+    let text = text(&found);
     let read: Analysis = serde_json::from_str(&text).unwrap();
     assert_eq!(super::text(&read), text);
     let (a, b) = (
