@@ -1,5 +1,4 @@
-//! Drags through beds that LAMMPS poured: LAMMPS' and ours as the goldens hold them, and functions
-//! to compare them.
+//! LAMMPS' drags and ours as the goldens hold them, and functions to compare them.
 
 use bitgrain::scenario::{self, CheckedScenario};
 
@@ -98,16 +97,21 @@ impl Bed {
         }
     }
 
-    /// LAMMPS' series: its head, and rows of step, x, y and z of the force.
+    /// LAMMPS' series at a Froude number.
     pub fn lammps_series(&self, froude: f64) -> (String, Vec<[f64; 4]>) {
-        let text = text(&format!("{}{froude}.csv", self.series));
-        let row = |line: &str| {
-            let n = numbers(line.split(','));
-            [n[0], n[1], n[2], n[3]]
-        };
-        let head = text.lines().next().unwrap_or_default().to_string();
-        (head, text.lines().skip(2).map(row).collect())
+        series(&format!("{}{froude}.csv", self.series))
     }
+}
+
+/// A series of LAMMPS': its head, and rows of step, x, y and z of the force.
+pub fn series(name: &str) -> (String, Vec<[f64; 4]>) {
+    let text = text(name);
+    let row = |line: &str| {
+        let n = numbers(line.split(','));
+        [n[0], n[1], n[2], n[3]]
+    };
+    let head = text.lines().next().unwrap_or_default().to_string();
+    (head, text.lines().skip(2).map(row).collect())
 }
 
 /// Means of this many equal blocks from the beginning; the rest at the end is left out.
