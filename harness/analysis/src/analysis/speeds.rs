@@ -106,7 +106,7 @@ pub struct Pooled {
     pub runs: usize,
     /// All three regimes, with the crossovers found; each curve over a yield force that is fitted with them.
     pub regimes: Finding<Regimes>,
-    /// The force of each curve that this divides by, by its diameter.
+    /// The force of each curve that this divides by, by its diameter; its slowest drag if no regimes were found.
     pub scales: Vec<(f64, f64)>,
     /// Whole mean diameters of the path that is the same for all; none if a run does not say how its drag went.
     pub path: Option<usize>,

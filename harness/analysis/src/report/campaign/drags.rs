@@ -189,18 +189,25 @@ fn together(shown: &Shown, pooled: &Pooled) -> String {
             Some(Series::new(intruder(curve), points).with_hollow(hollow))
         })
         .collect();
-    let (mut lines, mut words) = (Vec::new(), String::new());
-    match &pooled.regimes {
+    let mut lines = Vec::new();
+    let words = match &pooled.regimes {
         Finding::Found(regimes) => {
             if let Some([from, to]) = ends(&series) {
                 lines.push(traced(from, to, |x| regimes.value(x), true));
             }
-            words.push_str(&format!("Thick line: three regimes; {}.", regimes.text()));
+            format!(
+                "the force of its intruder that lays the curves on one another. Thick line: three regimes; {}.",
+                regimes.text()
+            )
         }
-        Finding::Refused(why) => words.push_str(&format!("No regimes: {}.", escape(&why.0))),
-    }
+        Finding::Refused(why) => format!(
+            "that of its intruder at the lowest speed it has here: curves that begin at other speeds do not fall on \
+             one another. No regimes: {}.",
+            escape(&why.0)
+        ),
+    };
     let caption = format!(
-        "<b>{}</b>, every drag over the force of its intruder that lays the curves on one another. {words}",
+        "<b>{}</b>, every drag over {words}",
         escape(&material(&pooled.material))
     );
     Figure {
