@@ -114,6 +114,21 @@ pub fn series(name: &str) -> (String, Vec<[f64; 4]>) {
     (head, text.lines().skip(2).map(row).collect())
 }
 
+/// LAMMPS' mean and ours, each with its error, as cells of a table; and the difference over both errors.
+pub fn cells([l, le]: [f64; 2], [b, be]: [f64; 2]) -> (String, f64) {
+    let off = (b - l) / be.hypot(le);
+    (
+        format!(" {l:.0} ± {le:.0} | {b:.0} ± {be:.0} | {off:+.1} σ |"),
+        off,
+    )
+}
+
+/// The page of the guide that shows them.
+pub fn validation() -> String {
+    let path = golden("../harness/guide/src/validation.md");
+    std::fs::read_to_string(path).expect("the page is in the repository")
+}
+
 /// Means of this many equal blocks from the beginning; the rest at the end is left out.
 pub fn blocks(values: &[f64], count: usize) -> Vec<f64> {
     let part = values.len() / count;

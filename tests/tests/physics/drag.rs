@@ -20,7 +20,7 @@ use bitgrain::scenario::CheckedScenario;
 use bitgrain::series::SeriesRow;
 use bitgrain::simulation::{Simulation, hex};
 use bitgrain_kernel::Error as KernelError;
-use bitgrain_tests::drags::{Bed, Ours, blocks, body, spread, tail};
+use bitgrain_tests::drags::{Bed, Ours, blocks, body, cells, spread, tail, validation};
 use bitgrain_tests::{Shown, golden, hertz_history};
 
 /// Frictionless grains leak through a base; there, and only there, a floor is under it.
@@ -248,21 +248,15 @@ fn both_programs_are_asked_the_same() {
 fn means_of(bed: &Bed, froude: f64) -> (String, [f64; 2]) {
     let l = bed.lammps(froude).means;
     let b = bed.ours(froude)[0].means;
-    let off = [0, 2].map(|k| (b[k] - l[k]) / b[k + 1].hypot(l[k + 1]));
-    let cells = [0, 2].map(|k| {
-        let (theirs, ours, off) = (&l[k..], &b[k..], off[k / 2]);
-        let [t, te, o, oe] = [theirs[0], theirs[1], ours[0], ours[1]];
-        format!(" {t:.0} ± {te:.0} | {o:.0} ± {oe:.0} | {off:+.1} σ |")
-    });
-    (format!("| {froude} |{}{}", cells[0], cells[1]), off)
+    let [drag, lift] = [0, 2].map(|k| cells([l[k], l[k + 1]], [b[k], b[k + 1]]));
+    (
+        format!("| {froude} |{}{}", drag.0, lift.0),
+        [drag.1, lift.1],
+    )
 }
 
 const MEANS: &str = "| Fr | drag, LAMMPS | drag, bitgrain | difference \
     | lift, LAMMPS | lift, bitgrain | difference |\n";
-
-fn validation() -> String {
-    std::fs::read_to_string(golden("../harness/guide/src/validation.md")).unwrap()
-}
 
 /// Means at every point within three combined standard errors, each program's from its own blocks; and
 /// the squares of all of them together no larger than chance makes them. The guide shows the first bed.
