@@ -12,6 +12,7 @@ use bitgrain::claims::kumar::measure;
 use bitgrain::files::write_text;
 use bitgrain::folder::Folder;
 use bitgrain::manifest::FolderKind;
+use bitgrain_tests::drags::validation;
 use bitgrain_tests::wee::forge_manifest;
 use bitgrain_tests::{golden, output, unpacked};
 use serde_json::Value;
@@ -40,6 +41,33 @@ const FILES: [(&str, &str); 2] = [
 
 fn evidence(campaign: &str) -> Evidence {
     Evidence::read(&golden(campaign).join("results.csv.gz"), false).unwrap()
+}
+
+/// The guide and the README show the ratios to Table I that the table gives.
+#[test]
+fn the_documents_have_the_ratios_to_table_one() {
+    let table = CampaignTable::read(&golden("kumar-table-1/results.csv.gz")).unwrap();
+    let found = analysis::analyse(&table, false).table_one;
+    let row = |one: &analysis::TableOne| {
+        assert_eq!(one.reading, analysis::Reading::Uncut);
+        let cell = |froude: f64| match one.points.iter().find(|point| point.0 == froude) {
+            Some((_, _, ratio)) => format!(" {:.3} ± {:.3} |", ratio.value, ratio.error),
+            None => " |".into(),
+        };
+        let cells: String = [0.25, 0.5, 0.75, 0.875, 1.0].map(cell).concat();
+        format!("| D = {} d |{cells}\n", one.diameter)
+    };
+    let rows: String = found.iter().map(row).collect();
+    assert!(validation().contains(&rows), "the guide should say\n{rows}");
+    let means: Vec<String> = found
+        .iter()
+        .map(|one| format!("{:.2}", one.ratio.value))
+        .collect();
+    let readme = std::fs::read_to_string(golden("../README.md")).unwrap();
+    assert!(
+        readme.contains(&means.join(", ")),
+        "the README should say {means:?}"
+    );
 }
 
 /// From its settled bed each drag gives its row of the table digit for digit.

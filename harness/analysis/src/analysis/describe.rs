@@ -115,7 +115,7 @@ fn curves(analysis: &Analysis, lines: &mut Vec<String>) {
 fn pooled(pooled: &Pooled, lines: &mut Vec<String>) {
     let name = material(&pooled.material);
     lines.push(format!(
-        "\nall intruders at h = {} over their yield force, {name}",
+        "\nall intruders together, depth asked h = {}, {name}",
         short(pooled.depth_asked)
     ));
     let regimes = describe_finding(&pooled.regimes, Regimes::text);
@@ -131,7 +131,7 @@ fn pooled(pooled: &Pooled, lines: &mut Vec<String>) {
             line(&growth.second)
         ));
         lines.push(format!(
-            "    slope above Fr = 5 over that below: {}",
+            "    parabola above Fr = 5, mean slope to 10 over that below: {}",
             line(&growth.third)
         ));
     }
@@ -224,8 +224,10 @@ fn table_one(analysis: &Analysis, lines: &mut Vec<String>) {
             .map(|(froude, _, ratio)| format!("{} at Fr = {}", value(ratio), short(*froude)))
             .collect();
         lines.push(format!(
-            "  D = {}, from h = {} by h^({}): {}; {shallow} if the paper's depth is {least} d, {deep} if {most} d ({})",
+            "  D = {}, {}, from h = {} by h^({}): {}; {shallow} if the paper's depth is {least} d, {deep} if {most} d \
+             ({})",
             short(one.diameter),
+            one.reading.words(),
             short(one.depth),
             value(&one.alpha),
             value(&one.ratio),

@@ -88,8 +88,8 @@ pub struct Growth {
     /// p: a line has the exponent 1 (Kumar 2018, section III A; that it joins the yield force at Fr = 1 is assumption
     /// (ii) of section IV).
     pub second: Finding<Fit>,
-    /// The slope above Fr = 5 over that from 1 to 5, r, fitted in the same way: a parabola that goes on with the
-    /// line's slope has 1.5 up to Fr = 10, a straight line 1.
+    /// A line from Fr = 1 to 5 that goes on as a parabola, joined at equal slopes, fitted in the same way: r is its
+    /// mean slope from 5 to 10 over the line's, 1.5 if it is the paper's `a + b Fr^2` (eq. 9), 1 if it is straight.
     pub third: Finding<Fit>,
 }
 
@@ -106,7 +106,8 @@ pub struct Pooled {
     pub runs: usize,
     /// All three regimes, with the crossovers found; each curve over a yield force that is fitted with them.
     pub regimes: Finding<Regimes>,
-    /// The force of each curve that this divides by, by its diameter; its slowest drag if no regimes were found.
+    /// The force of each curve that this divides by, by its diameter; its drag at its lowest speed if no regimes were
+    /// found.
     pub scales: Vec<(f64, f64)>,
     /// Whole mean diameters of the path that is the same for all; none if a run does not say how its drag went.
     pub path: Option<usize>,
@@ -224,7 +225,7 @@ fn data(curves: &[&Curve], reading: Reading, path: Option<usize>) -> Vec<Vec<Dat
     curves.iter().map(one).collect()
 }
 
-/// A first guess of the yield force of each curve: its slowest drag.
+/// A first guess of the yield force of each curve: its drag at its lowest speed.
 fn forces(curves: &[Vec<Datum>]) -> Vec<f64> {
     let slowest = |data: &Vec<Datum>| data.first().map_or(1.0, |d| d.y);
     curves.iter().map(slowest).collect()
@@ -241,8 +242,8 @@ fn second(curves: &[Vec<Datum>]) -> Result<Fit, Refusal> {
     Ok(joint(&slow, Shape::Power { from })?.fit)
 }
 
-/// The slope beyond the second crossover over that before it.
+/// How much steeper a parabola from the second crossover on is than the line before it.
 fn third(curves: &[Vec<Datum>]) -> Result<Fit, Refusal> {
     let [from, at] = CROSSOVERS;
-    Ok(joint(curves, Shape::Kink { from, at })?.fit)
+    Ok(joint(curves, Shape::Parabola { from, at })?.fit)
 }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::beds::larger;
 use super::exponents::near;
 use super::yields::PLATEAU_MU;
-use super::{Curve, Scaling, Value};
+use super::{Curve, Point, Reading, Scaling, Value};
 
 /// Diameter D in d, and a, b and c of `F = a + b Fr^c` in rho d^3 g (Kumar 2018, Table I).
 pub const TABLE_ONE: [[f64; 4]; 6] = [
@@ -48,6 +48,9 @@ pub struct TableOne {
     pub depth: f64,
     /// Exponent of depth that brings them to the paper's.
     pub alpha: Value,
+    /// Which mean the drags are: with nothing cut, as the paper averages (Fig. 4), if the errors of all of those are
+    /// known; else without the start-up.
+    pub reading: Reading,
     /// Froude number, drag brought to the middle of the paper's depths, and that over the paper's.
     pub points: Vec<(f64, Value, Value)>,
     /// The paper's depths, least and largest.
@@ -93,13 +96,19 @@ fn middle() -> f64 {
 fn compared(curve: &Curve, alpha: Value, diameter: f64) -> Option<TableOne> {
     let depth = curve.depth / curve.mean_diameter;
     let brought = |to: f64, drag: Value| drag.times(libm::pow(to / depth, alpha.value));
-    let inside = curve
-        .points
-        .iter()
-        .filter(|p| p.froude >= FROUDE[0] && p.froude <= FROUDE[1]);
-    let points: Vec<(f64, Value, Value)> = inside
+    let within = |p: &&Point| p.froude >= FROUDE[0] && p.froude <= FROUDE[1];
+    let inside = || curve.points.iter().filter(within);
+    let reading = match inside().all(|p| p.uncut.is_some()) {
+        true => Reading::Uncut,
+        false => Reading::Cut,
+    };
+    let points: Vec<(f64, Value, Value)> = inside()
         .filter_map(|p| {
-            let drag = brought(middle(), p.drag);
+            let own = match reading {
+                Reading::Uncut => p.uncut?,
+                _ => p.drag,
+            };
+            let drag = brought(middle(), own);
             Some((p.froude, drag, drag.divided(law(diameter, p.froude)?)))
         })
         .collect();
@@ -120,6 +129,7 @@ fn compared(curve: &Curve, alpha: Value, diameter: f64) -> Option<TableOne> {
         diameter,
         depth,
         alpha,
+        reading,
         depths: DEPTHS,
         at_depths: DEPTHS.map(at),
         ratio: Value::new(mean.value, mean.value * relative),
@@ -130,7 +140,7 @@ fn compared(curve: &Curve, alpha: Value, diameter: f64) -> Option<TableOne> {
 #[cfg(test)]
 mod tests {
     use super::super::curves::Material;
-    use super::super::point::{ErrorOf, Point};
+    use super::super::point::ErrorOf;
     use super::super::scaling::scaling;
     use super::super::yields::yield_of;
     use super::*;
@@ -148,11 +158,11 @@ mod tests {
             speed: froude,
             froude,
             depth,
-            drag: {
+            drag: Value::new(1.0, 1.0),
+            uncut: {
                 let drag = law(2.0, froude).unwrap() * depth / paper * (1.0 + off);
-                Value::new(drag, 0.05 * drag)
+                Some(Value::new(drag, 0.05 * drag))
             },
-            uncut: None,
             by_travel: vec![],
             discard: 2.0,
             plug_ratio: 0.1,
@@ -185,8 +195,16 @@ mod tests {
     fn the_papers_own_drags_have_the_ratio_one() {
         let alpha = Value::new(1.0, 0.0);
         let found = compared(&curve(8.0, middle(), 0.0), alpha, 2.0).unwrap();
-        assert_eq!(found.points.len(), 3);
+        assert_eq!((found.points.len(), found.reading), (3, Reading::Uncut));
         assert!((found.ratio.value - 1.0).abs() < 1e-12);
+        // Of one drag the mean with nothing cut has no error: all are then those of the window.
+        let mut mixed = curve(8.0, middle(), 0.0);
+        for point in &mut mixed.points {
+            point.drag = point.uncut.unwrap().times(2.0);
+        }
+        mixed.points[2].uncut = None;
+        let window = compared(&mixed, alpha, 2.0).unwrap();
+        assert!((window.ratio.value - 2.0).abs() < 1e-12 && window.reading == Reading::Cut);
         let [least, most] = found.at_depths;
         assert!(
             (least.value - 22.6 / 23.65).abs() < 1e-12 && (most.value - 24.7 / 23.65).abs() < 1e-12

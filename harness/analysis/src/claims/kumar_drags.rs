@@ -55,13 +55,14 @@ fn table_one(id: &str, of: &Of) -> Option<Found> {
             let [shallow, deep] = one.at_depths.map(|v| number_with_error(v.value, v.error));
             let [least, most] = one.depths;
             let note = format!(
-                "{} at Fr {}, at h = {:.1} brought to the paper's depth by h^{}; {shallow} if that is \
+                "{} at Fr {}, {}, at h = {:.1} brought to the paper's depth by h^{}; {shallow} if that is \
                  {least} d, {deep} if it is {most} d",
                 plural(one.points.len(), "drag"),
                 match &one.points[..] {
                     [first, .., last] => format!("{} to {}", first.0, last.0),
                     few => few.iter().map(|point| point.0.to_string()).collect(),
                 },
+                one.reading.words(),
                 one.depth,
                 number_with_error(one.alpha.value, one.alpha.error),
             );

@@ -17,11 +17,13 @@ pub enum Shape {
         /// Where the curve leaves its scale.
         from: f64,
     },
-    /// A slope from `from` on that is `q` times as large beyond `at`: q is called `r`.
-    Kink {
+    /// A line from `from` on that goes on beyond `at` as a parabola, joined at equal slopes. q is called `r`: the mean
+    /// slope from `at` to twice that, over the line's. It is 1 if the line goes straight on, and 1.5 if the parabola
+    /// is one in x itself, `a + b x^2`.
+    Parabola {
         /// Where the curve leaves its scale.
         from: f64,
-        /// Where its slope changes.
+        /// Where the line ends.
         at: f64,
     },
 }
@@ -39,7 +41,7 @@ pub struct Joint {
 const GRID: usize = 24;
 const STRENGTHS: [f64; 2] = [1e-3, 1e2];
 const POWERS: [f64; 2] = [0.2, 4.0];
-/// A kink may turn a curve down as well as up.
+/// A parabola may turn a curve down as well as up.
 const SLOPES: [f64; 2] = [-2.0, 6.0];
 /// Most Gauss-Newton steps, and how often a step is halved that makes the fit worse.
 const STEPS: usize = 60;
@@ -51,15 +53,15 @@ impl Shape {
     fn names(self) -> [&'static str; 2] {
         match self {
             Shape::Power { .. } => ["A", "p"],
-            Shape::Kink { .. } => ["A", "r"],
+            Shape::Parabola { .. } => ["A", "r"],
         }
     }
 
     fn model(self) -> String {
         match self {
             Shape::Power { from } => format!("Y (1 + A max(x - {from}, 0)^p)"),
-            Shape::Kink { from, at } => {
-                format!("Y (1 + A (max(x - {from}, 0) + (r - 1) max(x - {at}, 0)))")
+            Shape::Parabola { from, at } => {
+                format!("Y (1 + A (max(x - {from}, 0) + (r - 1) max(x - {at}, 0)^2 / {at}))")
             }
         }
     }
@@ -75,9 +77,10 @@ impl Shape {
                     [power, power * libm::log(off)]
                 }
             },
-            Shape::Kink { from, at } => {
+            Shape::Parabola { from, at } => {
                 let off = beyond(at);
-                [beyond(from) + (q - 1.0) * off, off]
+                let square = off * off / at;
+                [beyond(from) + (q - 1.0) * square, square]
             }
         }
     }
@@ -85,7 +88,7 @@ impl Shape {
     fn trials(self) -> Vec<f64> {
         let [low, high] = match self {
             Shape::Power { .. } => POWERS,
-            Shape::Kink { .. } => SLOPES,
+            Shape::Parabola { .. } => SLOPES,
         };
         let part = |k: usize| k as f64 / (GRID as f64 - 1.0);
         (0..GRID).map(|k| low + (high - low) * part(k)).collect()
@@ -95,7 +98,7 @@ impl Shape {
     fn onset(self) -> f64 {
         match self {
             Shape::Power { from } => from,
-            Shape::Kink { at, .. } => at,
+            Shape::Parabola { at, .. } => at,
         }
     }
 }
@@ -209,7 +212,7 @@ pub fn joint(curves: &[Vec<Datum>], shape: Shape) -> Result<Joint, Refusal> {
     check(&points.data)?;
     let least = match shape {
         Shape::Power { .. } => 3,
-        Shape::Kink { .. } => 2,
+        Shape::Parabola { .. } => 2,
     };
     let enough = |above: f64, up_to: f64, place: String| {
         let within = |d: &&Datum| d.x > above && d.x <= up_to;
@@ -223,8 +226,8 @@ pub fn joint(curves: &[Vec<Datum>], shape: Shape) -> Result<Joint, Refusal> {
     };
     let onset = shape.onset();
     enough(onset, f64::INFINITY, format!("beyond {onset}"))?;
-    if let Shape::Kink { from, at } = shape {
-        // Without points before the kink their slope would be what the points beyond it leave over.
+    if let Shape::Parabola { from, at } = shape {
+        // Without points on the line its slope would be what the points beyond it leave over.
         enough(from, at, format!("from {from} to {at}"))?;
     }
     super::enough(points.data.len(), points.curves + 2, Exact::Refused)?;
@@ -289,11 +292,11 @@ mod tests {
     }
 
     const POWER: Shape = Shape::Power { from: 1.0 };
-    const KINK: Shape = Shape::Kink { from: 1.0, at: 3.0 };
+    const PARABOLA: Shape = Shape::Parabola { from: 1.0, at: 3.0 };
 
     #[test]
     fn exact_points_give_back_their_shape() {
-        for (shape, q) in [(POWER, 0.9), (POWER, 1.7), (KINK, 1.5), (KINK, 0.4)] {
+        for (shape, q) in [(POWER, 0.9), (POWER, 1.7), (PARABOLA, 1.5), (PARABOLA, 0.4)] {
             let found = joint(&curves(shape, 0.19, q, 0.05), shape).unwrap();
             let [a, own] = [&found.fit.parameters[0], &found.fit.parameters[1]];
             assert!(
@@ -306,9 +309,25 @@ mod tests {
         }
     }
 
+    /// Whatever the errors and speeds: one of a + b x^2 beyond 3 has 1.5, and a straight line 1.
+    #[test]
+    fn a_parabola_is_half_as_steep_again() {
+        let line = |x: f64| 100.0 + 30.0 * (x - 1.0).max(0.0);
+        let square = |x: f64| line(x.min(3.0)) + 5.0 * (x * x - 9.0).max(0.0);
+        for errors in [|y: f64| 0.01 * y, |y: f64| 0.1 * y * y] {
+            for (law, ratio) in [
+                (exact(&SPEEDS, line, errors), 1.0),
+                (exact(&SPEEDS, square, errors), 1.5),
+            ] {
+                let r = joint(&[law], PARABOLA).unwrap().fit.parameters[1].value;
+                assert!((r - ratio).abs() < 1e-7, "{r}");
+            }
+        }
+    }
+
     #[test]
     fn numbers_scatter_as_their_errors_say() {
-        for (shape, q) in [(POWER, 1.0), (KINK, 1.5)] {
+        for (shape, q) in [(POWER, 1.0), (PARABOLA, 1.5)] {
             let data = curves(shape, 0.25, q, 0.02);
             assert_spread(200, |seed| {
                 unscaled(&joint(&with_noise(&data, seed), shape).unwrap().fit)
@@ -320,7 +339,7 @@ mod tests {
     /// a normal number hold 95.4 %, of which 1,000 draws tell 1.3 % at two errors.
     #[test]
     fn the_truth_is_held_as_often_as_errors_say() {
-        for (shape, q) in [(POWER, 1.0), (KINK, 1.5)] {
+        for (shape, q) in [(POWER, 1.0), (PARABOLA, 1.5)] {
             let data = curves(shape, 0.19, q, 0.04);
             let (mut held, mut all) = (0, 0);
             for seed in 0..1000 {
@@ -388,9 +407,9 @@ mod tests {
                 .copied()
                 .collect()
         };
-        let kinked = curves(KINK, 0.2, 1.5, 0.02);
-        let gap: Vec<Vec<Datum>> = kinked.iter().map(apart).collect();
-        let refused = joint(&gap, KINK).unwrap_err().0;
+        let bent = curves(PARABOLA, 0.2, 1.5, 0.02);
+        let gap: Vec<Vec<Datum>> = bent.iter().map(apart).collect();
+        let refused = joint(&gap, PARABOLA).unwrap_err().0;
         assert!(
             refused.starts_with("a joint fit takes 2 values of x or more from 1 to 3; there are 0"),
             "{refused}"

@@ -145,7 +145,11 @@ fn table_one(shown: &Shown) -> String {
     let lines: Vec<Line> = all.iter().map(curve).collect();
     let ratio = |one: &TableOne| {
         let number = number_with_error(one.ratio.value, one.ratio.error);
-        format!("D = {}: {number}", short(one.diameter))
+        format!(
+            "D = {}, {}: {number}",
+            short(one.diameter),
+            one.reading.words()
+        )
     };
     let ratios: Vec<String> = all.iter().map(ratio).collect();
     let [least, most] = all.first().map_or([0.0; 2], |one| one.depths).map(short);
@@ -190,29 +194,36 @@ fn together(shown: &Shown, pooled: &Pooled) -> String {
         })
         .collect();
     let mut lines = Vec::new();
-    let words = match &pooled.regimes {
+    let (scale, words) = match &pooled.regimes {
         Finding::Found(regimes) => {
             if let Some([from, to]) = ends(&series) {
                 lines.push(traced(from, to, |x| regimes.value(x), true));
             }
-            format!(
+            let words = format!(
                 "the force of its intruder that lays the curves on one another. Thick line: three regimes; {}.",
                 regimes.text()
+            );
+            (["yield force", "its scale F/F_Y"], words)
+        }
+        Finding::Refused(why) => {
+            let words = format!(
+                "the drag of its intruder at that intruder&rsquo;s lowest speed: curves that begin at other speeds do \
+                 not fall on one another. No regimes: {}.",
+                escape(&why.0)
+            );
+            (
+                ["that at the lowest speed", "that at the lowest speed"],
+                words,
             )
         }
-        Finding::Refused(why) => format!(
-            "that of its intruder at the lowest speed it has here: curves that begin at other speeds do not fall on \
-             one another. No regimes: {}.",
-            escape(&why.0)
-        ),
     };
     let caption = format!(
         "<b>{}</b>, every drag over {words}",
         escape(&material(&pooled.material))
     );
     Figure {
-        title: &format!("Drag over yield force, {}", material(&pooled.material)),
-        labels: ["Froude number Fr", "drag over its scale F/F_Y"],
+        title: &format!("Drag over {}, {}", scale[0], material(&pooled.material)),
+        labels: ["Froude number Fr", &format!("drag over {}", scale[1])],
         ranges: [Range::Ratios; 2],
         series: &series,
         lines: &lines,
