@@ -19,7 +19,7 @@ pub enum Shape {
     },
     /// A line from `from` on that goes on beyond `at` as a parabola, joined at equal slopes. q is called `r`: the mean
     /// slope from `at` to twice that, over the line's. It is 1 if the line goes straight on, and 1.5 if the parabola
-    /// is one in x itself, `a + b x^2`.
+    /// is one in x itself, `a + b x^2`. `from` is below `at`, and `at` above zero.
     Parabola {
         /// Where the curve leaves its scale.
         from: f64,
@@ -309,7 +309,7 @@ mod tests {
         }
     }
 
-    /// Whatever the errors and speeds: one of a + b x^2 beyond 3 has 1.5, and a straight line 1.
+    /// Whatever the errors: one of a + b x^2 beyond 3 has 1.5, and a straight line 1.
     #[test]
     fn a_parabola_is_half_as_steep_again() {
         let line = |x: f64| 100.0 + 30.0 * (x - 1.0).max(0.0);
