@@ -114,9 +114,14 @@ pub fn series(name: &str) -> (String, Vec<[f64; 4]>) {
     (head, text.lines().skip(2).map(row).collect())
 }
 
+/// A second number less a first, each with its error, over both errors.
+pub fn difference([a, ae]: [f64; 2], [b, be]: [f64; 2]) -> f64 {
+    (b - a) / be.hypot(ae)
+}
+
 /// LAMMPS' mean and ours, each with its error, as cells of a table; and the difference over both errors.
 pub fn cells([l, le]: [f64; 2], [b, be]: [f64; 2]) -> (String, f64) {
-    let off = (b - l) / be.hypot(le);
+    let off = difference([l, le], [b, be]);
     (
         format!(" {l:.0} ± {le:.0} | {b:.0} ± {be:.0} | {off:+.1} σ |"),
         off,

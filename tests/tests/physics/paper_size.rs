@@ -7,7 +7,7 @@
 use bitgrain::campaign::table::CampaignTable;
 use bitgrain::fit::Datum;
 use bitgrain::fit::linear::line;
-use bitgrain_tests::drags::{blocks, cells, series, spread, validation};
+use bitgrain_tests::drags::{blocks, cells, difference, series, spread, validation};
 use bitgrain_tests::golden;
 
 /// A drag that both did.
@@ -187,7 +187,7 @@ fn fast_drags_agree_with_lammps() {
             })
         });
         let (theirs, ours) = (growth(&their_points), growth(&our_points));
-        assert!(cells(theirs, ours).1.abs() < 3.0, "{theirs:?} {ours:?}");
+        assert!(difference(theirs, ours).abs() < 3.0, "{theirs:?} {ours:?}");
         // What the same fit makes of a parabola whose slope at Fr = 5 is 1.
         let square = their_points.map(|d| Datum {
             y: 0.1 * d.x * d.x,
@@ -195,7 +195,7 @@ fn fast_drags_agree_with_lammps() {
         });
         let [factor, _] = growth(&square);
         let parabola = below[start].map(|x| factor * x);
-        (theirs, ours, parabola, cells(theirs, parabola).1)
+        (theirs, ours, parabola, difference(theirs, parabola))
     });
     let [
         (all, all_ours, all_square, _),

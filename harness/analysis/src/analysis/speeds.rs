@@ -208,18 +208,22 @@ pub(super) fn pooled(material: Material, curves: &[(&Curve, &Yield)]) -> Pooled 
     }
 }
 
-/// The drags of each curve, read in one way; points that cannot be are left out.
-fn data(curves: &[&Curve], reading: Reading, path: Option<usize>) -> Vec<Vec<Datum>> {
-    let value = |p: &super::Point| match reading {
+/// A drag read in one way, if it can be.
+pub(super) fn drag(p: &super::Point, reading: Reading, path: Option<usize>) -> Option<Value> {
+    match reading {
         Reading::Cut => Some(p.drag),
         Reading::Uncut => p.uncut,
         Reading::CutOnPath => Some(path::on_path(p, path?)?.cut),
         Reading::UncutOnPath => Some(path::on_path(p, path?)?.uncut),
-    };
+    }
+}
+
+/// The drags of each curve, read in one way; points that cannot be are left out.
+fn data(curves: &[&Curve], reading: Reading, path: Option<usize>) -> Vec<Vec<Datum>> {
     let one = |c: &&Curve| -> Vec<Datum> {
         let points = c.points.iter();
         points
-            .filter_map(|p| Some(value(p)?.at(p.froude)))
+            .filter_map(|p| Some(drag(p, reading, path)?.at(p.froude)))
             .collect()
     };
     curves.iter().map(one).collect()

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::beds::larger;
 use super::exponents::near;
+use super::speeds::drag;
 use super::yields::PLATEAU_MU;
 use super::{Curve, Point, Reading, Scaling, Value};
 
@@ -104,11 +105,7 @@ fn compared(curve: &Curve, alpha: Value, diameter: f64) -> Option<TableOne> {
     };
     let points: Vec<(f64, Value, Value)> = inside()
         .filter_map(|p| {
-            let own = match reading {
-                Reading::Uncut => p.uncut?,
-                _ => p.drag,
-            };
-            let drag = brought(middle(), own);
+            let drag = brought(middle(), drag(p, reading, None)?);
             Some((p.froude, drag, drag.divided(law(diameter, p.froude)?)))
         })
         .collect();
