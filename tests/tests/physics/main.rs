@@ -28,6 +28,7 @@ mod meshes;
 mod motions;
 mod near_field;
 mod notes;
+mod pages;
 mod paper_size;
 mod peers;
 mod physics;

@@ -88,8 +88,8 @@ pub struct Growth {
     /// p: a line has the exponent 1 (Kumar 2018, section III A; that it joins the yield force at Fr = 1 is assumption
     /// (ii) of section IV).
     pub second: Finding<Fit>,
-    /// A line from Fr = 1 to 5 that goes on as a parabola, joined at equal slopes, fitted in the same way: r is its
-    /// mean slope from 5 to 10 over the line's, 1.5 if it is the paper's `a + b Fr^2` (eq. 9), 1 if it is straight.
+    /// Eq. 9, fitted in the same way: a line from Fr = 1 to 5 and a parabola `a + b Fr^2` above, joined. r is the mean
+    /// slope of that from 5 to 10 over the line's: 1.5 at equal slopes, of which the paper says nothing.
     pub third: Finding<Fit>,
 }
 
@@ -246,7 +246,7 @@ fn second(curves: &[Vec<Datum>]) -> Result<Fit, Refusal> {
     Ok(joint(&slow, Shape::Power { from })?.fit)
 }
 
-/// How much steeper a parabola from the second crossover on is than the line before it.
+/// How much steeper the parabola beyond the second crossover is than the line before it.
 fn third(curves: &[Vec<Datum>]) -> Result<Fit, Refusal> {
     let [from, at] = CROSSOVERS;
     Ok(joint(curves, Shape::Parabola { from, at })?.fit)

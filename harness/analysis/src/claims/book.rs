@@ -55,6 +55,10 @@ pub struct Claim {
     /// How several numbers of it become one, of one campaign and of all.
     #[serde(default, skip_serializing_if = "Combine::is_default")]
     pub combine: Combine,
+    /// What holding it against the runs takes for granted and the paper does not say: a number beside the paper's then
+    /// contradicts the two together, so that the claim is not resolved.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub assumes: Option<String>,
     /// Claims whose numbers decide this one's: it is the same number in other words or units, an integral of it, or
     /// their quotient. It is counted with them, not as an independent number. They follow from no others.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

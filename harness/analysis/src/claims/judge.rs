@@ -36,7 +36,8 @@ impl Claim {
     /// Whether a number agrees that is the worst of so many. It agrees within the tolerance if its error is no larger,
     /// and keeps a bound if it does so by an error. It disagrees if it lies outside of the tolerance or the bound by
     /// two errors, or by the more that the worst of several takes ([`beyond`]). To agree takes no more of several
-    /// than of one: each has to, and one that does not by right does so by chance as seldom beside others as alone.
+    /// than of one: each has to, and one that does not by right does so by chance as seldom beside others as alone. A
+    /// claim that assumes what the paper does not say is not contradicted.
     pub(super) fn judge(&self, number: Value, of: usize) -> Verdict {
         let outside = self.outside(number.value);
         let within = match self.tolerance {
@@ -45,7 +46,7 @@ impl Claim {
         };
         if within {
             Verdict::Agrees
-        } else if outside > beyond(of) * number.error {
+        } else if outside > beyond(of) * number.error && self.assumes.is_none() {
             Verdict::Disagrees
         } else {
             Verdict::NotResolved
@@ -182,6 +183,17 @@ mod tests {
         assert_eq!(verdict(both, 0.5, 0.1), Agrees);
         assert_eq!(verdict(both, 1.5, 0.1), Disagrees);
         assert_eq!(verdict(both, 0.95, 0.1), NotResolved);
+    }
+
+    /// What is wrong may be the assumption.
+    #[test]
+    fn an_assumption_of_ours_keeps_a_claim_from_being_contradicted() {
+        let mut own = claim(ONE);
+        assert_eq!(own.judge(Value::new(2.0, 0.05), 1), Disagrees);
+        own.assumes = Some("Nothing else matters.".into());
+        assert_eq!(own.judge(Value::new(2.0, 0.05), 1), NotResolved);
+        assert_eq!(own.judge(Value::new(1.05, 0.05), 1), Agrees);
+        assert_eq!(own.words(Value::new(2.0, 0.05), 1), "not resolved");
     }
 
     /// Of 32 numbers the worst may lie 3.2 errors outside; to agree takes no more than of one.

@@ -25,6 +25,7 @@ pub fn lines(book: &Book) -> String {
         };
         let mut by: Vec<String> = whole.iter().map(origin).collect();
         by.extend(roots(claim));
+        by.extend(claim.assumes.is_some().then(|| "with an assumption".into()));
         out.push(row([
             &words,
             &claim.id,
@@ -39,7 +40,8 @@ pub fn lines(book: &Book) -> String {
         "\n{}\nA number agrees if it lies within the paper's tolerance and its error is no larger. `off` is its \
          distance from the paper's\nnumber, `errors` the same in its own standard errors; \"agrees, 23 % off\" is \
          within the tolerance, but off by more than\nthree errors. Several measurements count as their mean, or as \
-         the worst of them where a claim must hold for each.\n--full says what each claim is, from where, and every \
+         the worst of them where a claim must hold for each.\nA claim held \"with an assumption\" that the paper \
+         does not make can agree, but not disagree.\n--full says what each claim is, from where, and every \
          measurement of it.",
         counts(book)
     ));
@@ -120,6 +122,10 @@ pub fn table(book: &Book) -> String {
             claim.expected()
         )));
         lines.extend(roots(claim).map(indented));
+        let assumes = claim.assumes.as_ref();
+        lines.extend(
+            assumes.map(|said| indented(format!("assumes, what the paper does not say: {said}"))),
+        );
         if let Some(w) = whole.filter(|w| w.from.len() > 1) {
             let off = claim.deviation_text(w.value);
             let off = if off.is_empty() {

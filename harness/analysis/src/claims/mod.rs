@@ -28,7 +28,7 @@ mod shape;
 pub(crate) mod synthetic;
 #[cfg(test)]
 mod synthetic_load;
-mod tank;
+pub(crate) mod tank;
 mod verdict;
 mod wake;
 

@@ -16,14 +16,14 @@ const SAME: f64 = 1e-9;
 const SATURATED: f64 = 10.0;
 
 /// A drag, by what makes it differ from others.
-struct Drag {
+pub(crate) struct Drag {
     varied: [f64; VARIED.len()],
     /// Depth of the axis over D, as measured in the settled bed.
-    depth: f64,
+    pub(crate) depth: f64,
     /// Over rho g h D L.
-    drag: Value,
+    pub(crate) drag: Value,
     /// Over the buoyancy.
-    lift: Value,
+    pub(crate) lift: Value,
     /// Drag of the second half turn over that of the first.
     second: Option<Value>,
 }
@@ -48,20 +48,26 @@ impl Drag {
     }
 
     fn note(&self) -> String {
-        let [diameter, length, _, rate, seed] = self.varied;
-        let over = length / diameter;
-        format!(
-            "h/D = {:.1}, L/D = {over:.1}, Omega = {}, seed {seed}",
-            self.depth,
-            short(rate)
-        )
+        let [.., seed] = self.varied;
+        format!("h/D = {:.1}, {}, seed {seed}", self.depth, self.bar())
     }
+
+    /// The bar and how fast it turns, in words.
+    pub(crate) fn bar(&self) -> String {
+        let [diameter, length, _, rate, _] = self.varied;
+        format!("L/D = {:.1}, Omega = {}", length / diameter, short(rate))
+    }
+}
+
+/// The drags of a table that are of bars in tanks.
+pub(crate) fn drags(table: &CampaignTable) -> Vec<Drag> {
+    let rows = 0..table.len();
+    rows.filter_map(|row| Drag::read(table, row)).collect()
 }
 
 /// The measurement of a claim on the experiment; `None` if this is no such claim, or no run was in a tank.
 pub fn measure(claim: &Claim, table: &CampaignTable) -> Option<Found> {
-    let drags = (0..table.len()).filter_map(|row| Drag::read(table, row));
-    let drags: Vec<Drag> = drags.collect();
+    let drags = drags(table);
     if drags.is_empty() {
         return None;
     }

@@ -30,7 +30,8 @@ pub(super) fn section(book: &Book, by: &str, note: &str) -> String {
          these runs. A number agrees if it lies within the tolerance and its standard error is no larger than that, \
          and disagrees if it lies outside by more than two standard errors; a bound is kept by a standard error, \
          or broken by two. The worst of several numbers has to lie farther outside to break a claim. An agreement \
-         that says how far it is off is within the tolerance, but off by more than three standard errors.{note}</p>\n\
+         that says how far it is off is within the tolerance, but off by more than three standard errors. A statement \
+         that takes an assumption of ours is not contradicted.{note}</p>\n\
          <div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"Statements\">\
          <table class=\"statements\">\n<thead><tr><th scope=\"col\">Statement</th><th scope=\"col\">Verdict</th>\
          <th scope=\"col\">Paper</th><th scope=\"col\">Here</th><th scope=\"col\">Off</th>\
@@ -45,8 +46,13 @@ pub(super) fn section(book: &Book, by: &str, note: &str) -> String {
 fn row(claim: &Claim, measured: &Measured) -> String {
     let word = verdict_cell(claim, measured);
     let off = measured.as_value().map(|value| claim.deviation_text(value));
+    let assumes = claim.assumes.as_ref();
+    let assumes = assumes.map_or(String::new(), |said| {
+        let said = escape(said);
+        format!("<small>Assumes, what the paper does not say: {said}</small>")
+    });
     format!(
-        "<tr><th scope=\"row\"><b>{}</b><small>{}: {}</small></th><td>{word}</td><td>{}</td><td>{}</td>\
+        "<tr><th scope=\"row\"><b>{}</b><small>{}: {}</small>{assumes}</th><td>{word}</td><td>{}</td><td>{}</td>\
          <td>{}</td><td>{}</td></tr>\n",
         escape(&claim.statement),
         escape(&claim.source),

@@ -10,6 +10,9 @@ use bitgrain_lab::scenario::DRAG_COEFFICIENT;
 use bitgrain_lab::summary::Summary;
 use bitgrain_sim::format::{number_with_error, short};
 
+/// Lift over buoyancy with a pressure gradient, D/d = 3.3 (Guillard 2014, section IV, after eq. 4; Fig. 8(b)).
+const LIFT: f64 = 30.0;
+
 /// Number of the marker of a way.
 pub(super) fn shape(way: Way) -> usize {
     match way {
@@ -145,7 +148,11 @@ fn drag_chart(group: &Group, summary: &Summary) -> Option<String> {
 }
 
 fn plateau_text(group: &Group) -> String {
-    match plateau(&group.with_gradient(true)) {
+    let thin = match paper(group) {
+        true => format!(" Thin line: {LIFT}, as in the paper with a gradient at its deepest."),
+        false => String::new(),
+    };
+    let thick = match plateau(&group.with_gradient(true)) {
         Some(flat) => format!(
             "Thick line: the plateau of the deepest {} points, {}.",
             flat.points,
@@ -156,7 +163,13 @@ fn plateau_text(group: &Group) -> String {
              zero and from a growth with depth."
                 .to_owned()
         }
-    }
+    };
+    thick + &thin
+}
+
+/// Whether the paper gives a number of the lift on this cylinder.
+fn paper(group: &Group) -> bool {
+    (group.over_grain - 3.3).abs() < 0.01 && !group.with_gradient(true).is_empty()
 }
 
 fn lift_chart(group: &Group) -> Option<String> {
@@ -181,7 +194,14 @@ fn lift_chart(group: &Group) -> Option<String> {
             heavy: true,
         })
     });
-    let lines: Vec<Line> = flat.into_iter().collect();
+    let mut lines: Vec<Line> = flat.into_iter().collect();
+    if paper(group) {
+        let end = marks.iter().fold(0.0, |a: f64, m| a.max(m.at.0));
+        lines.push(Line {
+            points: vec![(0.0, LIFT), (end, LIFT)],
+            heavy: false,
+        });
+    }
     scatter(
         "Lift against depth",
         &labels,

@@ -6,9 +6,11 @@ use super::super::text::escape;
 use super::figure::{Figure, Series, ends, section, straight, traced};
 use super::shown::{Shown, intruder, material};
 use crate::analysis::{
-    Analysis, Curve, Finding, Material, Method, Point, Pooled, Speeds, TableOne, Value, Yield,
-    near, table_one_law,
+    Analysis, CROSSOVERS, Curve, Finding, Material, Method, PLATEAU_MU, Point, Pooled, Speeds,
+    TableOne, Value, Yield, near, table_one_law,
 };
+use crate::fit::regimes::regime_fits;
+use crate::fit::{Datum, Fit};
 use bitgrain_sim::format::{number_with_error, short};
 
 type Of<'a> = (&'a Curve, &'a Speeds, &'a Yield);
@@ -73,10 +75,16 @@ fn each(shown: &Shown, own: Material, curves: &[Of], whole: bool) -> String {
         flat.then(|| straight(from, 1.0, |_| force, false))
     };
     let lines: Vec<Line> = match whole {
+        true if own.mu >= PLATEAU_MU => series.iter().flat_map(paper_regimes).collect(),
         true => Vec::new(),
         false => curves.iter().zip(&series).filter_map(line).collect(),
     };
     let words = match whole {
+        true if !lines.is_empty() => {
+            "mean drag with nothing cut, as the paper averages (Fig. 4): the start-up counts. Lines: the paper&rsquo;s \
+             law (eq. 9) through these points, each regime by itself: a constant up to Fr&nbsp;=&nbsp;1, \
+             a&nbsp;+&nbsp;b&nbsp;Fr from 1 to 5, a&prime;&nbsp;+&nbsp;b&prime;&nbsp;Fr<sup>2</sup> from there."
+        }
         true => "mean drag with nothing cut, as the paper averages (Fig. 4): the start-up counts.",
         false => {
             "mean drag of the averaging window, which leaves the start-up out. Lines: three regimes if the points \
@@ -94,6 +102,29 @@ fn each(shown: &Shown, own: Material, curves: &[Of], whole: bool) -> String {
         caption: &caption,
     }
     .html()
+}
+
+/// The regimes of eq. 9 through the points of a curve, each fitted alone; those without enough points are left out.
+fn paper_regimes(series: &Series) -> Vec<Line> {
+    let points = series.points.iter();
+    let data: Vec<Datum> = points.map(|(froude, drag)| drag.at(*froude)).collect();
+    let [first, second] = CROSSOVERS;
+    let fits = regime_fits(&data, first, second);
+    let Some([from, to]) = ends(std::slice::from_ref(series)) else {
+        return Vec::new();
+    };
+    let line = |fit: Result<Fit, _>, [from, to]: [f64; 2], of: fn(f64) -> f64| {
+        let fit = fit.ok().filter(|_| from < to)?;
+        let number = |k: usize| fit.parameters.get(k).map_or(0.0, |p| p.value);
+        let (a, b) = (number(0), number(1));
+        Some(traced(from, to, |x| a + b * of(x), false))
+    };
+    let lines = [
+        line(fits.first, [from, first.min(to)], |_| 0.0),
+        line(fits.second, [first.max(from), second.min(to)], |x| x),
+        line(fits.third, [second.max(from), to], |x| x * x),
+    ];
+    lines.into_iter().flatten().collect()
 }
 
 /// The mean drag from the start over that of the averaging window, which leaves the start out.
@@ -230,4 +261,34 @@ fn together(shown: &Shown, pooled: &Pooled) -> String {
         caption: &caption,
     }
     .html()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Points on eq. 9 give back its three regimes, each between the paper's crossovers; without points no line.
+    #[test]
+    fn the_papers_regimes_go_through_points_on_them() {
+        let law = |x: f64| match x {
+            0.0..1.0 => 100.0,
+            1.0..5.0 => 80.0 + 20.0 * x,
+            _ => 130.0 + 2.0 * x * x,
+        };
+        let of = |all: &[f64]| {
+            let points = all.iter().map(|x| (*x, Value::new(law(*x), 1.0)));
+            paper_regimes(&Series::new("a".into(), points))
+        };
+        let lines = of(&[0.25, 0.5, 1.0, 2.0, 3.0, 5.0, 6.0, 8.0, 10.0]);
+        assert_eq!(lines.len(), 3);
+        for (line, [from, to]) in lines.iter().zip([[0.25, 1.0], [1.0, 5.0], [5.0, 10.0]]) {
+            let (first, last) = (line.points[0].0, line.points[line.points.len() - 1].0);
+            assert!((first - from).abs() < 1e-9 && (last - to).abs() < 1e-9);
+            let off = line.points.iter().map(|(x, y)| (y - law(*x)).abs());
+            assert!(off.fold(0.0, f64::max) < 1e-6);
+        }
+        let few = of(&[0.25, 0.5]);
+        assert_eq!(few.len(), 1);
+        assert!((few[0].points[80].0 - 0.5).abs() < 1e-9);
+    }
 }

@@ -5,17 +5,19 @@ mod drags;
 mod figure;
 mod near_field;
 mod shown;
+mod tanks;
 mod yields;
 
 use shown::Shown;
 
-use super::claims;
 use super::page::{Top, assembled, remark, row};
 use super::sections::span;
 use super::text::{escape, exact};
+use super::{claims, loads, means, scaling};
 use crate::analysis::{Analysis, Curve, Point, Value, describe};
 use crate::claims::book::Book;
 use crate::claims::evidence::Evidence;
+use crate::claims::groups;
 use bitgrain_lab::summary::LARGE_OVERLAP;
 use bitgrain_sim::files::bits;
 use bitgrain_sim::format::{number_with_error, short};
@@ -31,13 +33,32 @@ pub fn campaign_page(evidence: &Evidence) -> String {
         analysis: &evidence.analysis,
         book: &book,
     };
-    let mut out = String::new();
-    out.push_str(&drags::figures(shown));
-    out.push_str(&claims::section(shown.book, shown.name, ""));
-    out.push_str(&near_field::figures(shown));
-    out.push_str(&yields::figures(shown));
-    out.push_str(&near_field::drifts(shown));
-    out.push_str(&fits(shown.analysis));
+    let beside = claims::section(shown.book, shown.name, "");
+    let flowing = evidence.summary.as_ref().filter(|one| one.inputs.flows());
+    let bars = tanks::figures(shown);
+    // Kumar's laws are of spheres.
+    let mut out = match (flowing, bars.is_empty()) {
+        (Some(summary), true) => {
+            let groups = groups(summary);
+            [
+                scaling::section(summary, &groups),
+                means::section(summary, &groups),
+                beside,
+                loads::section(summary, &groups),
+            ]
+            .concat()
+        }
+        (_, false) => bars + &beside,
+        (None, true) => [
+            drags::figures(shown),
+            beside,
+            near_field::figures(shown),
+            yields::figures(shown),
+            near_field::drifts(shown),
+            fits(shown.analysis),
+        ]
+        .concat(),
+    };
     out.push_str(&beds::table(shown));
     out.push_str(&runs(shown));
     out.push_str(&repeat(shown));
