@@ -96,7 +96,8 @@ Examples:
 
 A claim agrees, disagrees, or is not resolved by the runs at hand: a number agrees within its tolerance if
 its standard error is no larger, and disagrees if two errors more do not reach it. Several measurements count
-as their mean, or as the worst of them where a claim must hold for each.";
+as their mean, or as the worst of them where a claim must hold for each. A claim that assumes what the paper
+does not say cannot disagree.";
 
 pub(super) const BED_HELP: &str = "\
 Examples:

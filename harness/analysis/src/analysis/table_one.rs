@@ -1,5 +1,5 @@
-//! Frictionless drags over those of the paper's Table I, the only absolute drags that it gives (Kumar 2018, section
-//! III C).
+//! Frictionless drags over those of the paper's Table I, the only absolute drags that it gives in numbers (Kumar
+//! 2018, section III C).
 
 use serde::{Deserialize, Serialize};
 

@@ -26,6 +26,8 @@ pub(crate) struct Drag {
     pub(crate) lift: Value,
     /// Drag of the second half turn over that of the first.
     second: Option<Value>,
+    /// Whether the error of the drag converged.
+    pub(crate) converged: bool,
 }
 
 impl Drag {
@@ -44,6 +46,7 @@ impl Drag {
             drag: value("drag_coefficient")?,
             lift: value("lift_over_buoyancy")?,
             second: second(),
+            converged: table.text(row, "drag_converged") != "false",
         })
     }
 
@@ -52,7 +55,12 @@ impl Drag {
         format!("h/D = {:.1}, {}, seed {seed}", self.depth, self.bar())
     }
 
-    /// The bar and how fast it turns, in words.
+    /// Its diameter.
+    pub(crate) fn diameter(&self) -> f64 {
+        self.varied[0]
+    }
+
+    /// The bar's length and how fast it turns, in words.
     pub(crate) fn bar(&self) -> String {
         let [diameter, length, _, rate, _] = self.varied;
         format!("L/D = {:.1}, Omega = {}", length / diameter, short(rate))

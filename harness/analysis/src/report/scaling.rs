@@ -149,7 +149,9 @@ fn drag_chart(group: &Group, summary: &Summary) -> Option<String> {
 
 fn plateau_text(group: &Group) -> String {
     let thin = match paper(group) {
-        true => format!(" Thin line: {LIFT}, as in the paper with a gradient at its deepest."),
+        true => format!(
+            " Thin line: {LIFT}, as in the paper with a gradient (section IV, after eq. 4)."
+        ),
         false => String::new(),
     };
     let thick = match plateau(&group.with_gradient(true)) {

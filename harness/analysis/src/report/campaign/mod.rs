@@ -37,19 +37,19 @@ pub fn campaign_page(evidence: &Evidence) -> String {
     let flowing = evidence.summary.as_ref().filter(|one| one.inputs.flows());
     let bars = tanks::figures(shown);
     // Kumar's laws are of spheres.
-    let mut out = match (flowing, bars.is_empty()) {
-        (Some(summary), true) => {
-            let groups = groups(summary);
-            [
-                scaling::section(summary, &groups),
-                means::section(summary, &groups),
-                beside,
-                loads::section(summary, &groups),
-            ]
-            .concat()
-        }
-        (_, false) => bars + &beside,
-        (None, true) => [
+    let mut out = if let Some(summary) = flowing {
+        let groups = groups(summary);
+        [
+            scaling::section(summary, &groups),
+            means::section(summary, &groups),
+            beside,
+            loads::section(summary, &groups),
+        ]
+        .concat()
+    } else if !bars.is_empty() {
+        bars + &beside
+    } else {
+        [
             drags::figures(shown),
             beside,
             near_field::figures(shown),
@@ -57,7 +57,7 @@ pub fn campaign_page(evidence: &Evidence) -> String {
             near_field::drifts(shown),
             fits(shown.analysis),
         ]
-        .concat(),
+        .concat()
     };
     out.push_str(&beds::table(shown));
     out.push_str(&runs(shown));

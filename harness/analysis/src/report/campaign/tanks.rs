@@ -2,10 +2,11 @@
 
 use super::super::plot::SHAPES;
 use super::super::scatter::Range;
-use super::figure::{Figure, Series, add, ends, section, straight};
+use super::figure::{Figure, Series, ends, section, straight};
 use super::shown::Shown;
 use crate::analysis::Value;
 use crate::claims::tank::{Drag, drags};
+use bitgrain_sim::format::short;
 
 /// The claim with the drag over rho g h D L that the experiment has.
 const DRAG: &str = "guillard-tank-drag";
@@ -16,53 +17,65 @@ pub(super) fn figures(shown: &Shown) -> String {
     if drags.is_empty() {
         return String::new();
     }
-    let series = |of: fn(&Drag) -> Value| {
-        let mut all: Vec<Series> = Vec::new();
-        for drag in &drags {
-            add(&mut all, drag.bar(), [(drag.depth, of(drag))]);
-        }
-        // No more bars in a chart than there are markers.
-        all.truncate(SHAPES);
-        all
-    };
     let paper = shown.book.claim.iter().find(|claim| claim.id == DRAG);
     let paper = paper.and_then(|claim| claim.value);
-    let coefficients = series(|drag| drag.drag);
-    let line = paper.zip(ends(&coefficients));
-    let line = line.map(|(own, [from, to])| straight(from, to, |_| own, false));
     let thin = paper.map_or(String::new(), |own| {
         format!(" Line: {own}, as in the experiment.")
     });
-    let figure = |title, label, series: &[Series], lines: &[_], caption: &str| {
+    let drag = format!("Drag (eq. 1) over &rho; g h D L (eq. 2).{thin}");
+    let lift = "Lift over the buoyancy of the bar (eq. 3). In the experiment that of thick bars grows with depth, and \
+                from 10&nbsp;D on no longer (Fig. 6).";
+    // No more bars in a chart than there are markers.
+    let drag_charts = series(&drags, |drag| drag.drag);
+    let drag_charts = drag_charts.chunks(SHAPES).map(|some| {
+        let line = paper.zip(ends(some));
+        let line = line.map(|(own, [from, to])| straight(from, to, |_| own, false));
         Figure {
-            title,
-            labels: ["depth of the axis over diameter h/D", label],
+            title: "Drag against depth",
+            labels: [DEPTH, "drag F/(\u{3c1} g h D L)"],
             ranges: [Range::FromZero; 2],
-            series,
-            lines,
-            caption,
+            series: some,
+            lines: line.as_slice(),
+            caption: &drag,
         }
         .html()
-    };
-    let both = figure(
-        "Drag against depth",
-        "drag F/(\u{3c1} g h D L)",
-        &coefficients,
-        line.as_slice(),
-        &format!("Drag over &rho; g h D L (eq. 1).{thin}"),
-    ) + &figure(
-        "Lift against depth",
-        "lift over buoyancy",
-        &series(|drag| drag.lift),
-        &[],
-        "Lift over the buoyancy of the bar (eq. 3). In the experiment that of thick bars grows with depth, and from \
-         10&nbsp;D on no longer (Fig. 6).",
-    );
+    });
+    let lift_charts = series(&drags, |drag| drag.lift);
+    let lift_charts = lift_charts.chunks(SHAPES).map(|some| {
+        Figure {
+            title: "Lift against depth",
+            labels: [DEPTH, "lift over buoyancy"],
+            ranges: [Range::FromZero; 2],
+            series: some,
+            lines: &[],
+            caption: lift,
+        }
+        .html()
+    });
     section(
         "Bars in tanks: drag and lift against depth",
-        "<p>Bars of these lengths L, turned about the tank&rsquo;s axis at &Omega; (rad/s); first half turn. Error bars: \
-         one standard error each way.</p>\n",
-        &both,
+        "<p>Bars of these diameters D and lengths L, turned about the tank&rsquo;s axis at &Omega; (rad/s); first half \
+         turn. Error bars: one standard error each way. Hollow: the error of the drag did not converge.</p>\n",
+        &drag_charts.chain(lift_charts).collect::<String>(),
         "There is no drag to show.",
     )
+}
+
+const DEPTH: &str = "depth of the axis over diameter h/D";
+
+/// One quantity of the drags by depth, a series for each bar and speed.
+fn series(drags: &[Drag], of: fn(&Drag) -> Value) -> Vec<Series> {
+    let mut all: Vec<Series> = Vec::new();
+    for drag in drags {
+        let name = format!("D = {}, {}", short(drag.diameter()), drag.bar());
+        let (point, hollow) = ((drag.depth, of(drag)), !drag.converged);
+        match all.iter_mut().find(|series| series.name == name) {
+            Some(own) => {
+                own.points.push(point);
+                own.hollow.push(hollow);
+            }
+            None => all.push(Series::new(name, [point]).with_hollow([hollow])),
+        }
+    }
+    all
 }
