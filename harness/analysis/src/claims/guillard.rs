@@ -21,12 +21,17 @@ const THIN: f64 = 3.3;
 /// How far another D/d may lie from it.
 const NEAR: f64 = 0.05;
 
+/// Whether this is the cylinder of the paper's simulations.
+pub(crate) fn is_thin(group: &Group) -> bool {
+    (group.over_grain - THIN).abs() <= NEAR
+}
+
 /// The measurement of a claim of Guillard 2014; `None` if this paper has no such claim, or nothing here
 /// measures it.
 pub fn measure(claim: &Claim, summary: &Summary) -> Option<Found> {
     let rest = claim.id.strip_prefix("guillard-")?;
     let mut groups = groups(summary);
-    groups.retain(|g| (g.over_grain - THIN).abs() <= NEAR);
+    groups.retain(is_thin);
     // The paper's cylinder lies in the middle of the bed.
     let off = |g: &Group| least(g.points.iter().map(|p| p.place.above_middle().abs()));
     groups.sort_by(|a, b| off(a).total_cmp(&off(b)));

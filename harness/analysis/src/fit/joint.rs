@@ -82,8 +82,7 @@ impl Shape {
             },
             Shape::Parabola { from, at } => {
                 let square = beyond(at) * (x + at) / (3.0 * at);
-                let line = if x > at { at - from } else { beyond(from) };
-                [line + q * square, square]
+                [beyond(from).min(at - from) + q * square, square]
             }
         }
     }

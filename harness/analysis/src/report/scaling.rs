@@ -5,6 +5,7 @@ use super::inputs::pressure_unit;
 use super::plot::marker;
 use super::scatter::{Line, Mark, Range, scatter};
 use super::text::{escape, typeset};
+use crate::claims::guillard::is_thin;
 use crate::claims::{Group, Way, drag_slope, lift_coefficient, plateau};
 use bitgrain_lab::scenario::DRAG_COEFFICIENT;
 use bitgrain_lab::summary::Summary;
@@ -171,7 +172,7 @@ fn plateau_text(group: &Group) -> String {
 
 /// Whether the paper gives a number of the lift on this cylinder.
 fn paper(group: &Group) -> bool {
-    (group.over_grain - 3.3).abs() < 0.01 && !group.with_gradient(true).is_empty()
+    is_thin(group) && !group.with_gradient(true).is_empty()
 }
 
 fn lift_chart(group: &Group) -> Option<String> {

@@ -25,43 +25,43 @@ pub(super) fn figures(shown: &Shown) -> String {
     let drag = format!("Drag (eq. 1) over &rho; g h D L (eq. 2).{thin}");
     let lift = "Lift over the buoyancy of the bar (eq. 3). In the experiment that of thick bars grows with depth, and \
                 from 10&nbsp;D on no longer (Fig. 6).";
-    // No more bars in a chart than there are markers.
-    let drag_charts = series(&drags, |drag| drag.drag);
-    let drag_charts = drag_charts.chunks(SHAPES).map(|some| {
-        let line = paper.zip(ends(some));
-        let line = line.map(|(own, [from, to])| straight(from, to, |_| own, false));
-        Figure {
-            title: "Drag against depth",
-            labels: [DEPTH, "drag F/(\u{3c1} g h D L)"],
-            ranges: [Range::FromZero; 2],
-            series: some,
-            lines: line.as_slice(),
-            caption: &drag,
-        }
-        .html()
-    });
-    let lift_charts = series(&drags, |drag| drag.lift);
-    let lift_charts = lift_charts.chunks(SHAPES).map(|some| {
-        Figure {
-            title: "Lift against depth",
-            labels: [DEPTH, "lift over buoyancy"],
-            ranges: [Range::FromZero; 2],
-            series: some,
-            lines: &[],
-            caption: lift,
-        }
-        .html()
-    });
+    let both = charts(
+        ["Drag against depth", "drag F/(\u{3c1} g h D L)"],
+        &series(&drags, |drag| drag.drag),
+        paper,
+        &drag,
+    ) + &charts(
+        ["Lift against depth", "lift over buoyancy"],
+        &series(&drags, |drag| drag.lift),
+        None,
+        lift,
+    );
     section(
         "Bars in tanks: drag and lift against depth",
         "<p>Bars of these diameters D and lengths L, turned about the tank&rsquo;s axis at &Omega; (rad/s); first half \
          turn. Error bars: one standard error each way. Hollow: the error of the drag did not converge.</p>\n",
-        &drag_charts.chain(lift_charts).collect::<String>(),
+        &both,
         "There is no drag to show.",
     )
 }
 
-const DEPTH: &str = "depth of the axis over diameter h/D";
+/// Charts of a quantity against depth, with the paper's number as a line; no more bars in one than there are markers.
+fn charts([title, label]: [&str; 2], all: &[Series], paper: Option<f64>, caption: &str) -> String {
+    let chart = |some: &[Series]| {
+        let line = paper.zip(ends(some));
+        let line = line.map(|(own, [from, to])| straight(from, to, |_| own, false));
+        Figure {
+            title,
+            labels: ["depth of the axis over diameter h/D", label],
+            ranges: [Range::FromZero; 2],
+            series: some,
+            lines: line.as_slice(),
+            caption,
+        }
+        .html()
+    };
+    all.chunks(SHAPES).map(chart).collect()
+}
 
 /// One quantity of the drags by depth, a series for each bar and speed.
 fn series(drags: &[Drag], of: fn(&Drag) -> Value) -> Vec<Series> {
