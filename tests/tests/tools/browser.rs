@@ -18,7 +18,7 @@ use bitgrain::simulation::Role;
 use bitgrain::summary::{Summary, parse_summary};
 use bitgrain_tests::golden;
 
-use crate::chromium::Browser;
+use crate::chromium::{Browser, IN_SOFTWARE};
 
 /// Widths of a desk's and a phone's window, in CSS pixels.
 const WIDTHS: [u32; 2] = [1280, 390];
@@ -223,7 +223,8 @@ fn finds(folder: &Path, page: &str, width: u32) -> Vec<String> {
     std::fs::write(&path, wrapper).unwrap();
     let program = std::env::var("CHROMIUM").unwrap_or_else(|_| "chromium".into());
     let run = Command::new(&program)
-        .args(["--headless", "--no-sandbox", "--disable-gpu"])
+        .args(["--headless", "--no-sandbox"])
+        .args(IN_SOFTWARE)
         .args(["--allow-file-access-from-files", "--enable-logging=stderr"])
         .args(["--virtual-time-budget=10000", "--window-size=1400,2100"])
         .arg(format!(

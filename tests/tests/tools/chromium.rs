@@ -11,6 +11,9 @@ use serde_json::{Value, json};
 /// Longest time that a page may take for what is waited for: machines of tests draw in software, beside other tests.
 const PATIENCE: Duration = Duration::from_secs(180);
 
+/// What makes a browser draw in software, said outright: one that has to fall back to it warns on the console.
+pub const IN_SOFTWARE: [&str; 2] = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
+
 /// A browser with one page.
 pub struct Browser {
     child: Child,
@@ -36,7 +39,7 @@ impl Browser {
                 "--no-sandbox",
                 "--remote-debugging-pipe",
             ])
-            .args(["--use-angle=swiftshader", "--enable-unsafe-swiftshader"])
+            .args(IN_SOFTWARE)
             .arg(format!(
                 "--user-data-dir={}",
                 folder.path().join("profile").display()
