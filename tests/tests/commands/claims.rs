@@ -9,12 +9,13 @@ use bitgrain_tests::{golden, printed};
 use crate::PROGRAM;
 
 /// Goldens that the book's measurements come from.
-const GOLDENS: [&str; 13] = [
+const GOLDENS: [&str; 14] = [
     "guillard-small/summary.json",
     "guillard-medium/summary.json.gz",
     "guillard-axis/summary.json.gz",
     "guillard-deep/summary.json.gz",
     "guillard-cover/summary.json.gz",
+    "guillard-centred/summary.json.gz",
     "guillard-wake/summary.json.gz",
     "guillard-tank-small/summary.json.gz",
     "guillard-tanks/results.csv.gz",

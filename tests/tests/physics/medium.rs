@@ -79,6 +79,7 @@ fn drags_in_deeper_beds_are_those_of_the_scenarios() {
     let deeper = [
         ("guillard-deep", (4, 8), 12.0),
         ("guillard-cover", (0, 2), 16.0),
+        ("guillard-centred", (0, 1), 16.0),
     ];
     for (name, drags, deep) in deeper {
         let whole = read_summary(&golden(&format!("{name}/summary.json.gz"))).unwrap();

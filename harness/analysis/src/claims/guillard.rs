@@ -45,7 +45,7 @@ pub fn measure(claim: &Claim, summary: &Summary) -> Option<Found> {
             Err("the cylinder has met its own wake in these runs".into())
         }
         "drag" => drag(group),
-        "drag-gradient" => ratio(claim, group, |p| p.drag_over_pressure),
+        "drag-gradient" => ratio(claim, group, |p| p.drag_over_pressure, |_| String::new()),
         "lift-saturates" => saturation(group),
         "lift-thirty" | "lift-thin" => lift(group),
         "no-lift" => no_lift(claim, group),

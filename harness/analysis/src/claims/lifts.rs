@@ -63,10 +63,8 @@ pub(super) fn no_lift(claim: &Claim, group: &Group) -> Found {
     let pairs = pairs(group);
     let points: Vec<&Point> = pairs.iter().flat_map(|(a, b)| [*a, *b]).collect();
     seeds(&points)?;
-    let found = ratio(claim, group, |p| p.lift)?;
-    let place = points[0].place.words(group.diameter);
-    let note = format!("{}; axis {place}", found.note);
-    Ok(Number { note, ..found })
+    let axis = |p: &Point| format!(", axis {}", p.place.words(group.diameter));
+    ratio(claim, group, |p| p.lift, axis)
 }
 
 /// The lift without a gradient with the axis in the middle of the bed, as in the paper. Base and surface may make one

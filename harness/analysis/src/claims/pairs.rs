@@ -17,12 +17,18 @@ pub(super) fn pairs(group: &Group) -> Vec<(&Point, &Point)> {
 
 pub(super) const NO_PAIR: &str = "no two runs with and without gradient have one effective depth";
 
-/// A quantity of each pair, without a gradient over with it.
-pub(super) fn ratio(claim: &Claim, group: &Group, of: fn(&Point) -> Spread) -> Found {
+/// A quantity of each pair, without a gradient over with it, and what is told of the point without.
+pub(super) fn ratio(
+    claim: &Claim,
+    group: &Group,
+    of: fn(&Point) -> Spread,
+    told: impl Fn(&Point) -> String,
+) -> Found {
     let over = |(with, without): &(&Point, &Point)| {
         let ratio = Value::from(of(without)).over(of(with).into());
         let depth = with.effective_depth / group.diameter;
-        (ratio, format!("h~/D = {depth:.0}, without over with"))
+        let more = told(without);
+        (ratio, format!("h~/D = {depth:.0}, without over with{more}"))
     };
     claim.together(pairs(group).iter().map(over).collect(), NO_PAIR)
 }

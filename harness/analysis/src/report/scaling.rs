@@ -242,3 +242,22 @@ fn size_chart(groups: &[Group]) -> Option<String> {
         [Range::FromZero; 2],
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{DRAG_COEFFICIENT, LIFT};
+    use crate::claims::book::Book;
+
+    /// The paper's lines are the numbers that the book has of it.
+    #[test]
+    fn the_papers_lines_are_the_books() {
+        let book = Book::shipped();
+        for (id, drawn) in [
+            ("guillard-drag", DRAG_COEFFICIENT),
+            ("guillard-lift-thirty", LIFT),
+        ] {
+            let claim = book.claim.iter().find(|claim| claim.id == id).unwrap();
+            assert_eq!(claim.value, Some(drawn), "{id}");
+        }
+    }
+}
