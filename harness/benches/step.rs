@@ -1,5 +1,5 @@
 //! Whole steps of settled beds: sizes from 3,200 to a million grains, one thread and two, both laws, several materials,
-//! rolling. `cargo bench -p bitgrain`; a part of it with `cargo bench -p bitgrain -- "3200"`.
+//! rolling. `cargo bench -p bitgrain --features benches`, and for a part of it `-- "3200"` behind that.
 
 use std::hint::black_box;
 use std::path::Path;

@@ -14,7 +14,7 @@ pub use bitgrain_analysis::{analysis, claims, fit, present, released, remarks, r
 pub use bitgrain_lab::{
     against, bed, benchmark, bisect, campaign, case, changes, compare, drag, flow, folder,
     forecast, frames, json, manifest, near_field, parse_errors, plain, plug_flow, progress,
-    recording, replay, rerun, run, scenario, selftest, series, summary, verify,
+    published, recording, replay, rerun, run, scenario, selftest, series, summary, verify,
 };
 pub use bitgrain_sim::{
     block_averaging, body, chain, checkpoint, coarse_graining, coefficients, disk, energy_budget,

@@ -122,5 +122,5 @@ pub use state::motion::{FreeMotion, Motion};
 pub use state::obstacle::{Meeting, Obstacle};
 pub use state::shape::Shape;
 pub use state::turning::{Orientation, to_body, to_world};
-pub use step::{resume, start, start_watched, step, step_watched, step_with};
+pub use step::{resume, start, start_watched, step, step_summed, step_watched, step_with};
 pub use world::{Clock, World};

@@ -50,7 +50,8 @@ pub fn step_watched<R: Real, L: Law<R>>(
     law: &L,
     watch: impl FnMut(ContactForce<R>),
 ) -> Result<(), Error> {
-    advance(world, law, watch, |_| ())
+    let dt = world.dt;
+    advance(world, |world| push_and_sum(world, law, dt, watch), |_| ())
 }
 
 /// [`step`] with a force and a torque on each grain besides those of its contacts: the drag of a fluid, a buoyancy, a
@@ -69,19 +70,36 @@ pub fn step_watched<R: Real, L: Law<R>>(
 pub fn step_with<R: Real, L: Law<R>>(
     world: &mut World<'_, R>,
     law: &L,
-    mut external: impl FnMut(&GrainState<R>) -> (Vec3<R>, Vec3<R>),
+    external: impl FnMut(&GrainState<R>) -> (Vec3<R>, Vec3<R>),
 ) -> Result<(), Error> {
-    advance(world, law, nobody, |world| {
-        add_external(world, &mut external)
-    })
+    let dt = world.dt;
+    step_summed(
+        world,
+        |world| push_and_sum(world, law, dt, nobody),
+        external,
+    )
 }
 
-/// One step; `added` adds to the complete sums of contact forces.
+/// [`step_with`] for a host that sums the forces of all contacts itself: `sum` does what [`step_with`] does with its
+/// law, by [`obstacle_forces`] and [`accumulate`] with [`After::Stay`], compiled as the host wants, and returns what
+/// [`check_forces`] says of them.
+///
+/// # Errors
+/// As [`step_with`], and those of `sum`.
 #[inline]
-fn advance<R: Real, L: Law<R>>(
+pub fn step_summed<R: Real>(
     world: &mut World<'_, R>,
-    law: &L,
-    watch: impl FnMut(ContactForce<R>),
+    sum: impl FnOnce(&mut World<'_, R>) -> Result<(), Error>,
+    mut external: impl FnMut(&GrainState<R>) -> (Vec3<R>, Vec3<R>),
+) -> Result<(), Error> {
+    advance(world, sum, |world| add_external(world, &mut external))
+}
+
+/// One step; `sum` sums the contact forces, and `added` adds to their complete sums.
+#[inline]
+fn advance<R: Real>(
+    world: &mut World<'_, R>,
+    sum: impl FnOnce(&mut World<'_, R>) -> Result<(), Error>,
     added: impl FnOnce(&mut World<'_, R>),
 ) -> Result<(), Error> {
     // Within a stretch that the host began the rows are not looked at.
@@ -99,7 +117,7 @@ fn advance<R: Real, L: Law<R>>(
     }
     let passed = moved(world, MotionPhase::Drift);
     drift(world, passed)?;
-    push_and_sum(world, law, world.dt, watch)?;
+    sum(world)?;
     added(world);
     let passed = moved(world, MotionPhase::Kick);
     finish(world, passed)?;

@@ -77,9 +77,9 @@ pub fn unpacked(name: &str) -> Vec<u8> {
     plain
 }
 
-/// The settled bed of `quick`, its ball set in motion.
-pub fn settled_quick() -> Simulation {
-    let bytes = unpacked("quick/settled.safetensors.gz");
+/// A settled bed of 2,500 grains, its ball set in motion.
+pub fn settled_bed() -> Simulation {
+    let bytes = unpacked("bed-2500/settled.safetensors.gz");
     let sim = checkpoint::parse(&bytes, "the golden bed", None);
     let mut sim = sim.expect("the golden bed is whole");
     sim.obstacles[0].velocity = [2.0, 0.0, 0.0];
@@ -94,8 +94,8 @@ pub fn highest(sim: &Simulation) -> usize {
 }
 
 /// The settled bed, not yet started, whose highest grain leaves the box in the tenth step; and the id of that grain.
-pub fn quick_that_loses_a_grain() -> (Simulation, u32) {
-    let mut sim = settled_quick();
+pub fn bed_that_loses_a_grain() -> (Simulation, u32) {
+    let mut sim = settled_bed();
     let top = highest(&sim);
     sim.position[top][2] = sim.domain.hi()[2] - 0.02;
     sim.velocity[top][2] = 0.02 / (9.5 * sim.dt);
@@ -286,7 +286,7 @@ pub fn two_drags() -> String {
     text + "\n[measure]\nevery = 50\ndigest_every = 200\n"
 }
 
-/// Two frictions, two speeds: two beds and four drags in seconds.
+/// Two frictions, two speeds: two beds and four drags in a second.
 pub const CAMPAIGN: &str = r#"
 name = "camp"
 base = "small.toml"
@@ -317,7 +317,7 @@ distance = 3.5
 "#
 }
 
-/// A folder with [`SMALL`] and a campaign over it, and the program that runs it.
+/// A folder with [`SMALL`], of fewer grains, and a campaign over it, and the program that runs it.
 pub struct CampaignDesk {
     /// The folder.
     pub folder: tempfile::TempDir,
@@ -329,7 +329,11 @@ impl CampaignDesk {
     pub fn new(program: &'static str, campaign: &str) -> Self {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let desk = Self { folder, program };
-        desk.write("small.toml", SMALL);
+        let few = "box = [7.0, 4.0, 6.0]\ngrains = 140";
+        desk.write(
+            "small.toml",
+            &SMALL.replacen("box = [8.0, 6.0, 6.0]\ngrains = 300", few, 1),
+        );
         desk.write("camp.toml", campaign);
         desk
     }

@@ -8,8 +8,9 @@
 
 pub mod analysis;
 pub mod claims;
-pub mod fit;
 pub mod present;
 pub mod released;
 pub mod remarks;
 pub mod report;
+
+pub use bitgrain_fit as fit;

@@ -248,8 +248,8 @@ impl Dragging {
         let domain = sim.domain;
         let done = if self.shows(n, observer) {
             let watched = match &mut self.audit {
-                Some(audit) => audit.step_watched(sim, |contact| seen.push(contact)),
-                None => sim.step_watched(|contact| seen.push(contact)),
+                Some(audit) => audit.step_seen(sim, seen),
+                None => sim.step_seen(seen),
             };
             if watched.is_ok() {
                 self.read(&sim.note(watch), plan, &domain);

@@ -10,6 +10,7 @@
 //! * [`campaign`] runs a scenario over the values of its grids into one table;
 //! * [`verify`], [`bisect`], [`against`], [`rerun`] and [`replay`] do parts of it again and compare ([`compare`],
 //!   [`changes`]); [`case`](mod@case) is the smallest unit of work, [`selftest`](mod@selftest) tests the machine;
+//!   [`published`] is what shipped scenarios come to;
 //! * [`benchmark`]: cases that others published, beside theory and their points;
 //! * [`recording`]: named arrays of any program, by step, and where two programs part;
 //! * below them [`progress`], [`performance`] and [`pace`] (how fast stages went), [`plain`] (text for a terminal),
@@ -39,6 +40,7 @@ pub mod performance;
 pub mod plain;
 pub mod plug_flow;
 pub mod progress;
+pub mod published;
 pub mod recording;
 pub mod replay;
 pub mod rerun;

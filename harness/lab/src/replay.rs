@@ -150,8 +150,8 @@ pub fn replay(path: &Path, what: &Replay, out: &mut impl Write) -> Result<()> {
         went.map_err(|f| fault(&sim, f))?;
         seen.clear();
         let went = match &mut audit {
-            None => sim.step_watched(|p| seen.push(p)),
-            Some(audit) => audit.step_watched(&mut sim, |p| seen.push(p)),
+            None => sim.step_seen(&mut seen),
+            Some(audit) => audit.step_seen(&mut sim, &mut seen),
         };
         went.map_err(|f| fault(&sim, f))?;
         done = sim.step_count() - begin;

@@ -159,7 +159,7 @@ impl Opened {
                 note.obstacles.iter().for_each(|of| add(of.body.force));
             });
         if done.is_ok() && steps > 0 {
-            done = self.sim.step_watched(|contact| seen.push(contact));
+            done = self.sim.step_seen(&mut seen);
             self.sim
                 .obstacles
                 .get(body as usize)

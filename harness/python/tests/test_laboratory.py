@@ -196,3 +196,17 @@ def test_values_as_toml_spells_them():
         (np.float64(0.5), "0.5"), (np.arange(2), "[0, 1]"), ({"a": 1}, "{a = 1}"),
     ]:
         assert _toml(value, "key") == text
+
+
+def test_parquet_reads_as_written():
+    """Cells of every type, some without a value: what the laboratory's own writer of Parquet made of them."""
+    polars = pytest.importorskip("polars")
+    table = polars.read_parquet(ROOT / "harness/lab/data/cells.parquet")
+    rows = range(11)
+    assert table.columns == ["text", "real", "whole", "none"]
+    assert table.dtypes == [polars.String, polars.Float64, polars.Int64, polars.Float64]
+    assert table["text"].to_list() == [None if k % 3 == 1 else "\u00b5" * k for k in rows]
+    reals = [0.1, -0.0, 5e-324, sys.float_info.max]
+    assert str(table["real"].to_list()) == str([None if k == 4 else reals[k % 4] for k in rows])
+    assert table["whole"].to_list() == [None if k == 0 else k - 3 for k in rows]
+    assert table["none"].to_list() == [None] * 11

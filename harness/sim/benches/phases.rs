@@ -1,5 +1,5 @@
 //! The phases of a step one by one: contact block, picking of near pairs, search, motion; on a
-//! lattice of 8,000 grains that all touch. `cargo bench -p bitgrain-sim`.
+//! lattice of 8,000 grains that all touch. `cargo bench -p bitgrain-sim --features benches`.
 
 use std::hint::black_box;
 

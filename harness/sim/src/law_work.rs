@@ -1,11 +1,13 @@
 //! What a simulation does under its law, whichever that is.
 
 use bitgrain_kernel::contact::Law;
+use bitgrain_kernel::phases::{After, check_forces};
 use bitgrain_kernel::{ContactForce, Error as KernelError, GrainState, World};
-use bitgrain_kernel::{start_watched, step_watched, step_with};
+use bitgrain_kernel::{start_watched, step_summed, step_watched};
 
-use crate::isa::{Isa, Kernel};
+use crate::isa::Isa;
 use crate::law::{Sprung, WithLaw};
+use crate::pass::Forces;
 
 /// A start or a step that shows its contacts.
 pub(crate) struct Watched<'a, 'w> {
@@ -39,22 +41,19 @@ impl WithLaw for Pushed<'_, '_> {
     type Output = Result<(), KernelError>;
 
     fn run<L: Law<f64> + Sprung>(self, law: &L) -> Self::Output {
-        self.registers.run(OneStep(self.world, law, self.external))
-    }
-}
-
-/// The same with a law, for several instruction sets.
-struct OneStep<'a, 'w, L>(
-    World<'w, f64>,
-    &'a L,
-    &'a mut dyn FnMut(&GrainState<f64>) -> Push,
-);
-
-impl<L: Law<f64>> Kernel for OneStep<'_, '_, L> {
-    type Output = Result<(), KernelError>;
-
-    #[inline(always)]
-    fn run(mut self) -> Self::Output {
-        step_with(&mut self.0, self.1, self.2)
+        let (mut world, registers) = (self.world, self.registers);
+        let sum = |world: &mut World<'_, f64>| {
+            let after = After::Stay;
+            let (shares, notes) = (&mut [][..], None);
+            let (found, _) = registers.run(Forces {
+                world,
+                law,
+                shares,
+                notes,
+                after,
+            });
+            check_forces(world, found)
+        };
+        step_summed(&mut world, sum, self.external)
     }
 }

@@ -283,6 +283,14 @@ impl Simulation {
         self.shown(false, &mut watch)
     }
 
+    /// [`Simulation::step_watched`], adding every touching contact to `seen`: compiled here, as all that takes long.
+    ///
+    /// # Errors
+    /// As [`Simulation::steps`].
+    pub fn step_seen(&mut self, seen: &mut Vec<ContactForce<f64>>) -> Result<(), KernelError> {
+        self.shown(false, &mut |contact| seen.push(contact))
+    }
+
     /// Goes on from saved rows and histories; see [`bitgrain_kernel::resume`].
     ///
     /// # Errors

@@ -9,16 +9,22 @@ use bitgrain_analysis::released;
 use bitgrain_analysis::remarks::remarks;
 use bitgrain_lab::folder::Folder;
 use bitgrain_lab::manifest::{FolderKind, Manifest, Vouched};
+use bitgrain_lab::published::Comparison;
 use bitgrain_lab::summary::{Summary, read_folder};
 use bitgrain_sim::error::Result;
 use bitgrain_sim::format::{number_with_error, short};
 
 /// The drag of each run with its error, what to know before it is believed, the last link, the report, and what to
-/// do next.
+/// do next; and how the run stands to what was published of its scenario, if anything was.
 ///
 /// # Errors
 /// If the folder is not what the run left.
-pub(super) fn describe(out: &Path, beds: &Path, executed: bool) -> Result<(String, Manifest)> {
+pub(super) fn describe(
+    out: &Path,
+    beds: &Path,
+    published: Option<&Comparison>,
+    executed: &[(String, u64)],
+) -> Result<(String, Manifest)> {
     let vouched = Vouched::open(out, FolderKind::Run)?;
     let folder = Folder(out);
     let (_, summary) = read_folder(&folder, &vouched)?;
@@ -31,17 +37,36 @@ pub(super) fn describe(out: &Path, beds: &Path, executed: bool) -> Result<(Strin
         let words = remark.words.replace('`', "");
         let _ = writeln!(text, "before you believe it: {}. {words}", remark.title);
     }
-    if !executed {
+    if executed.iter().all(|(_, steps)| *steps == 0) {
         text += "nothing was executed: the run was complete already\n";
     }
     if let Some(last) = summary.runs.last() {
         let _ = writeln!(text, "last link of {}: {}", last.name, last.chain);
+    }
+    if let Some(found) = published {
+        let _ = writeln!(text, "{}", beside_published(found));
     }
     let _ = writeln!(text, "settled beds: {} (--beds)", shown(beds));
     let _ = writeln!(text, "report: {}", shown(&folder.report()));
     let _ = writeln!(text, "closing hash: {}", vouched.manifest.closing);
     let _ = writeln!(text, "next: bitgrain verify {} --sample 3", shown(out));
     Ok((text, vouched.manifest))
+}
+
+/// How a run stands to what was published of its scenario.
+fn beside_published(found: &Comparison) -> String {
+    let Comparison {
+        differing,
+        links,
+        executed,
+    } = found;
+    if !differing.is_empty() {
+        return format!("not as published: {}", differing.join(", "));
+    }
+    match executed == links {
+        true => "as published: this machine keeps the contract".into(),
+        false => format!("as published, {executed} of {links} links executed by this call"),
+    }
 }
 
 /// A line for each drag at constant speed, none of which the intruder answers a force; of a flowing bed the lift too.

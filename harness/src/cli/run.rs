@@ -15,8 +15,12 @@ use bitgrain_lab::against::{self, Reference};
 use bitgrain_lab::folder::Folder;
 use bitgrain_lab::run::{self, SaveEvery, Setting};
 use bitgrain_lab::scenario::CheckedScenario;
-use bitgrain_lab::{forecast, scenario};
+use bitgrain_lab::{forecast, published, scenario};
 use bitgrain_sim::error::{Error, Result, UNEXPECTED};
+
+/// If the bits are not those that were published.
+const OTHER_BITS: &str = "`bitgrain selftest` tells whether this machine keeps the contract; a changed program or a \
+                          damaged file has other bits too";
 
 /// What `bitgrain run` takes.
 #[derive(Args)]
@@ -123,8 +127,23 @@ pub(super) fn run_scenario(run: Run, home: &Path, this: &Path, program: &str) ->
             run.only.join(", ")
         ));
     };
-    let (text, manifest) = ending::describe(&out, library.folder(), done.executed)?;
+    let published = published::compare(&Folder(&out), &scenario, &done.executed)?;
+    let (text, manifest) =
+        ending::describe(&out, library.folder(), published.as_ref(), &done.executed)?;
     print(&text)?;
+    if let Some(found) = published
+        && !found.differing.is_empty()
+    {
+        return Err(Error::Unverified {
+            problem: format!(
+                "{}: {} of the shipped scenario {} differ from what was published of it",
+                out.display(),
+                found.differing.join(", "),
+                scenario.name
+            ),
+            hint: OTHER_BITS,
+        });
+    }
     if let Some(against) = &against {
         let say = |line: &str| print(&format!("{line}\n"));
         against::check(&out, against, this, &progress, say)?;

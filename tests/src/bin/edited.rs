@@ -9,7 +9,7 @@ use bitgrain::checkpoint;
 use bitgrain::simulation::{Grain, Simulation, hex};
 use bitgrain::threads::on_threads;
 use bitgrain_kernel::{Error as KernelError, LossPolicy};
-use bitgrain_tests::settled_quick;
+use bitgrain_tests::settled_bed;
 
 /// Edits.
 const ROUNDS: u32 = 6;
@@ -35,7 +35,7 @@ fn main() {
 }
 
 fn edit(file: &Path) -> Result<(), KernelError> {
-    let mut sim = settled_quick();
+    let mut sim = settled_bed();
     sim.policy = LossPolicy {
         takes_out: true,
         drain: None,

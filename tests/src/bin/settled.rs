@@ -1,18 +1,18 @@
-//! Steps the settled bed of `quick` on one thread, with a fixed skin, and prints its digest: the program whose
+//! Steps a settled bed of 2,500 grains on one thread, with a fixed skin, and prints its digest: the program whose
 //! instructions are counted.
 //!
 //! `settled REGISTERS STEPS`, with `plain` or `avx2`.
 
 use bitgrain::isa::Isa;
 use bitgrain::simulation::hex;
-use bitgrain_tests::settled_quick;
+use bitgrain_tests::settled_bed;
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let [registers, steps] = arguments.as_slice() else {
         panic!("settled REGISTERS STEPS");
     };
-    let mut sim = settled_quick();
+    let mut sim = settled_bed();
     sim.stepping.registers = match registers.as_str() {
         "plain" => Isa::Plain,
         "avx2" => Isa::Avx2,

@@ -3,7 +3,7 @@
 use std::alloc::System;
 
 use bitgrain::threads::on_threads;
-use bitgrain_tests::settled_quick;
+use bitgrain_tests::settled_bed;
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 
 use crate::alone;
@@ -14,7 +14,7 @@ static COUNTED: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 /// What one call of this many steps asks of the allocator, after a warm-up. Counts are of the whole
 /// process, so this is one test.
 fn asked(threads: usize, steps: u64) -> usize {
-    let mut sim = settled_quick();
+    let mut sim = settled_bed();
     // A new cut makes new parts; when it comes depends on how busy the machine is.
     sim.stepping.tunes = threads == 1;
     on_threads(threads, || {

@@ -21,7 +21,7 @@ use bitgrain::simulation::Simulation;
 use bitgrain::threads::on_threads;
 use bitgrain_kernel::{ArithmeticDefect, ContactForce, Digest, Error as KernelError};
 use bitgrain_tests::wee::WEE;
-use bitgrain_tests::{results, settled_quick};
+use bitgrain_tests::{results, settled_bed};
 
 use crate::alone;
 
@@ -55,7 +55,7 @@ fn a_mode_between_two_calls_is_found_by_whichever_comes_first() {
     let _alone = alone();
     let folder = tempfile::tempdir().unwrap();
     for (k, (bits, flaw)) in MODES.into_iter().enumerate() {
-        let mut sim = settled_quick();
+        let mut sim = settled_bed();
         sim.steps(3).unwrap();
         let path = folder.path().join(k.to_string());
         let (digest, written, stepped, watched) = {
@@ -139,7 +139,7 @@ fn a_mode_switched_on_by_who_looks_on_ends_the_drag_before_anything_is_written()
             packed: Vec::new(),
             linked: Vec::new(),
         };
-        let mut sim = settled_quick();
+        let mut sim = settled_bed();
         let _restored = Restored;
         let ended = drag(&mut sim, plan, &mut library);
         set(PLAIN);
@@ -218,7 +218,7 @@ fn a_run_under_a_mode_writes_nothing_and_goes_on_after_it() {
 fn a_mode_of_another_thread_is_found_in_the_stretch_in_which_it_has_a_part() {
     let _alone = alone();
     for steps in [1, 10] {
-        let mut plain = settled_quick();
+        let mut plain = settled_bed();
         let wanted: Vec<Digest> = (0..300)
             .map(|_| {
                 plain.steps(steps).unwrap();
@@ -246,7 +246,7 @@ fn steps_beside(
     wanted: &[Digest],
 ) -> Option<(KernelError, std::result::Result<(), KernelError>)> {
     let here = rayon::current_thread_index();
-    let mut sim = settled_quick();
+    let mut sim = settled_bed();
     sim.steps(steps).unwrap();
     assert_eq!(sim.stepping.parts(), 3);
     rayon::broadcast(|context| {

@@ -124,6 +124,7 @@ fn libraries_offer_what_they_offered() {
         ("kernel", "kernel/src/lib.rs"),
         ("sim", "harness/sim/src/lib.rs"),
         ("lab", "harness/lab/src/lib.rs"),
+        ("fit", "harness/fit/src/lib.rs"),
         ("analysis", "harness/analysis/src/lib.rs"),
         ("bitgrain", "harness/src/lib.rs"),
     ] {

@@ -103,7 +103,9 @@ static ONCE: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
 static MADE: LazyLock<tempfile::TempDir> = LazyLock::new(|| {
     let folder = tempfile::tempdir().unwrap();
     let place = |name: &str| folder.path().join(name);
-    let text = SMALL.replacen("grains = 300", "grains = 300\nsettled = 1e-2", 1);
+    // As many steps as the documents speak of, of few grains.
+    let few = "box = [5.0, 4.0, 6.0]\ngrains = 90\nsettled = 1e-2";
+    let text = SMALL.replacen("box = [8.0, 6.0, 6.0]\ngrains = 300", few, 1);
     std::fs::write(place("my-bed.toml"), text).unwrap();
     for out in ["made", "out/quick", "out/other"] {
         let set = if out == "made" { "0.6" } else { "0.3" };

@@ -42,7 +42,7 @@ fn bed() -> (Simulation, Vec<ContactForce<f64>>) {
     sim.start().unwrap();
     sim.steps(39).unwrap();
     let mut seen = Vec::new();
-    sim.step_watched(|p| seen.push(p)).unwrap();
+    sim.step_seen(&mut seen).unwrap();
     (sim, seen)
 }
 

@@ -1,36 +1,28 @@
-//! The header of the C library is what its sources say.
+//! The header of the C library names its functions; that it is made of its sources, word for word, is tested beside
+//! them (`.ci/run c`).
 
 use bitgrain_tests::root;
 
+/// Every function of every file is there, once.
 #[test]
-fn the_c_header_is_up_to_date() {
+fn the_c_header_has_every_function() {
     let library = root().join("kernel/capi");
-    let settings = cbindgen::Config::from_file(library.join("cbindgen.toml")).unwrap();
-    let mut made = Vec::new();
-    let mut sources = cbindgen::Builder::new().with_config(settings);
-    // It follows the modules from there.
-    sources = sources.with_src(library.join("src/lib.rs"));
-    sources.generate().unwrap().write(&mut made);
-    let made = String::from_utf8(made).unwrap();
-    let path = library.join("include/bitgrain.h");
-    if std::env::var("INSTA_UPDATE").is_ok_and(|update| update == "always") {
-        std::fs::write(&path, &made).unwrap();
-    }
-    let committed = std::fs::read_to_string(&path).unwrap_or_default();
-    assert!(
-        committed == made,
-        "kernel/capi/include/bitgrain.h is not that of the sources: see kernel/capi/cbindgen.toml"
-    );
-    // Every function of every file is there, once.
+    let header = std::fs::read_to_string(library.join("include/bitgrain.h")).unwrap();
+    let mut count = 0;
     for file in std::fs::read_dir(library.join("src")).unwrap() {
         let text = std::fs::read_to_string(file.unwrap().path()).unwrap();
         for after in text.split("pub extern \"C\" fn ").skip(1) {
             let name = after.split('(').next().unwrap();
-            let count = made.matches(&format!(" {name}(")).count()
-                + made.matches(&format!("*{name}(")).count();
-            assert_eq!(count, 1, "{name}");
+            let times = header.matches(&format!(" {name}(")).count()
+                + header.matches(&format!("*{name}(")).count();
+            assert_eq!(times, 1, "{name}");
+            count += 1;
         }
     }
+    let declares = |line: &&str| {
+        line.starts_with(char::is_alphabetic) && !line.starts_with("typedef") && line.contains('(')
+    };
+    assert_eq!(header.lines().filter(declares).count(), count);
 }
 
 /// The page for C shows the example that is compiled and run.

@@ -158,6 +158,7 @@ fn modules_form_no_circles() {
         "kernel",
         "harness/sim",
         "harness/lab",
+        "harness/fit",
         "harness/analysis",
         "harness",
         "tests",

@@ -1,9 +1,10 @@
 //! The program as its users run it: commands, their messages, their files, and the documents about them.
 
+use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
 use bitgrain_tests::wee::Room;
-use bitgrain_tests::{copied, made_run};
+use bitgrain_tests::{CAMPAIGN, CampaignDesk, copied, made_run, results};
 
 mod against;
 mod any_law;
@@ -48,6 +49,14 @@ const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
 
 /// A finished run, a finished campaign and their library, to be copied.
 static FURNISHED: LazyLock<Room> = LazyLock::new(|| Room::furnished(PROGRAM));
+
+/// A finished campaign of [`CAMPAIGN`], and its files.
+static CAMP: LazyLock<CampaignDesk> = LazyLock::new(|| {
+    let desk = CampaignDesk::new(PROGRAM, CAMPAIGN);
+    desk.done(&[]);
+    desk
+});
+static FINISHED: LazyLock<BTreeMap<String, Vec<u8>>> = LazyLock::new(|| results(&CAMP.out()));
 
 /// A finished run of two drags.
 static RUN: LazyLock<tempfile::TempDir> = LazyLock::new(|| made_run(PROGRAM));

@@ -7,7 +7,7 @@ use std::process::{Command, Output};
 
 use bitgrain_tests::{CAMPAIGN, CampaignDesk, golden, results, told, two_drags};
 
-use crate::PROGRAM;
+use crate::{FINISHED, PROGRAM};
 
 type Desk = CampaignDesk;
 
@@ -63,8 +63,6 @@ fn text(desk: &Desk, name: &str) -> String {
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
 fn a_campaign_is_submitted_in_three_parts() {
-    let alone = Desk::new(PROGRAM, CAMPAIGN);
-    alone.done(&[]);
     let desk = desk();
     let sweep = format!("'{PROGRAM}' sweep camp.toml");
     let submit = format!("{sweep} --submit slurm -- --time=10 --array=%3 --comment 'two words'");
@@ -112,7 +110,7 @@ fn a_campaign_is_submitted_in_three_parts() {
     does(&desk, "sh out/camp/slurm/2/merge.sh", 0);
     let mut files = results(&desk.out());
     files.retain(|name, _| !name.starts_with("slurm/"));
-    assert!(files == results(&alone.out()));
+    assert!(files == *FINISHED);
     assert!(does(&desk, &submit, 0).contains("nothing to submit"));
     // The scripts are no part of what is verified.
     does(&desk, &format!("'{PROGRAM}' verify out/camp --sample 1"), 0);

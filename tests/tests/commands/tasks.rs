@@ -7,11 +7,11 @@ use std::time::{Duration, Instant};
 
 use bitgrain_tests::{CAMPAIGN, CampaignDesk, RIG, differing, failing_campaign, output, results};
 
-use crate::PROGRAM;
+use crate::{FINISHED, PROGRAM};
 
 type Desk = CampaignDesk;
 
-/// The campaign of these tests as one process leaves it.
+/// A campaign as one process leaves it.
 fn alone(campaign: &str) -> BTreeMap<String, Vec<u8>> {
     let desk = Desk::new(PROGRAM, campaign);
     desk.sweep(&[]);
@@ -61,7 +61,7 @@ fn same(desk: &Desk, want: &BTreeMap<String, Vec<u8>>) {
 #[cfg(unix)]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
 fn lines_make_the_bytes_of_one_process_in_any_shell() {
-    let want = alone(CAMPAIGN);
+    let want = &*FINISHED;
     // One after the other; two at a time; and all at once, so that drags wait for beds.
     for shell in [
         "sh",
@@ -92,11 +92,11 @@ fn lines_make_the_bytes_of_one_process_in_any_shell() {
         assert!(lines(&desk, &[]).is_empty(), "{shell}: all is done");
         assert!(!desk.out().join("results.csv").exists());
         desk.done(&["--merge"]);
-        same(&desk, &want);
+        same(&desk, want);
         // What is merged stays so, by any command.
         desk.done(&["--merge"]);
         desk.done(&[]);
-        same(&desk, &want);
+        same(&desk, want);
         assert!(!desk.out().join("tasks").exists());
     }
 }
@@ -105,7 +105,7 @@ fn lines_make_the_bytes_of_one_process_in_any_shell() {
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
 fn stages_and_what_is_left_can_be_done_apart() {
-    let want = alone(CAMPAIGN);
+    let want = &*FINISHED;
     let desk = Desk::new(PROGRAM, CAMPAIGN);
     let of = |kind: &str, more: &[&str]| {
         let kind = format!("--tasks={kind}");
@@ -135,7 +135,7 @@ fn stages_and_what_is_left_can_be_done_apart() {
     assert_eq!(desk.table().len(), 1);
     does(&desk, &drags[3], 0);
     desk.done(&[]);
-    same(&desk, &want);
+    same(&desk, want);
 }
 
 /// Of beds under lids those below are listed first, each once.
@@ -170,7 +170,7 @@ fn beds_below_lids_come_first() {
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
 fn a_worker_that_dies_costs_its_row() {
     let longer = CAMPAIGN.replace("speed = [1.0, 2.0]", "speed = [0.1, 2.0]");
-    let want = alone(&longer);
+    let want = &alone(&longer);
     let desk = Desk::new(PROGRAM, &longer);
     let list = lines(&desk, &["--save-every", "500"]);
     let victim = list
@@ -202,7 +202,7 @@ fn a_worker_that_dies_costs_its_row() {
     let told = does(&desk, &format!("{} -v", list[victim]), 0);
     assert!(told.contains("resumed"), "{told}");
     desk.done(&["--merge"]);
-    same(&desk, &want);
+    same(&desk, want);
 }
 
 /// Workers are killed at many instants, merges too; the same commands end with the same bytes.
@@ -210,10 +210,10 @@ fn a_worker_that_dies_costs_its_row() {
 #[cfg(unix)]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
 fn workers_and_merges_are_killed_at_any_instant() {
-    let want = alone(CAMPAIGN);
+    let want = &*FINISHED;
     let desk = Desk::new(PROGRAM, CAMPAIGN);
     let mut kills = 0;
-    for wait in [20, 90, 150, 40, 250, 300, 60, 200, 120, 400] {
+    for wait in [5, 20, 40, 10, 60, 80, 15, 50, 30, 100] {
         let mut children: Vec<Child> = Vec::new();
         for line in lines(&desk, &["--save-every", "500"]) {
             children.push(begin(&desk, &line));
@@ -234,7 +234,7 @@ fn workers_and_merges_are_killed_at_any_instant() {
         does(&desk, &line, 0);
     }
     desk.done(&["--merge"]);
-    same(&desk, &want);
+    same(&desk, want);
 }
 
 /// Two workers at one task: the second ends at once; so does another command that would do it.
@@ -287,7 +287,7 @@ fn a_task_that_is_taken_is_left_alone() {
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
 fn what_fails_has_its_row() {
     let wrong = failing_campaign();
-    let want = alone(&wrong);
+    let want = &alone(&wrong);
     let desk = Desk::new(PROGRAM, &wrong);
     let list = lines(&desk, &[]);
     for line in &list {
@@ -303,7 +303,7 @@ fn what_fails_has_its_row() {
     let message = String::from_utf8_lossy(&out.stderr).into_owned();
     assert_eq!(out.status.code(), Some(3), "{message}");
     assert!(message.contains("2 of 3 runs failed"), "{message}");
-    same(&desk, &want);
+    same(&desk, want);
     let again = lines(&desk, &["--retry"]);
     assert!(
         again.iter().all(|line| line.contains(" --retry --task ")),
@@ -313,7 +313,7 @@ fn what_fails_has_its_row() {
         does(&desk, line, 3);
     }
     assert_eq!(desk.sweep(&["--merge"]).status.code(), Some(3));
-    same(&desk, &want);
+    same(&desk, want);
 }
 
 /// Spoils a file.
@@ -332,7 +332,7 @@ fn flip(path: &Path) {
 #[cfg(unix)]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
 fn a_merge_believes_manifests_alone() {
-    let want = alone(CAMPAIGN);
+    let want = &*FINISHED;
     let made = Desk::new(PROGRAM, CAMPAIGN);
     for line in lines(&made, &[]) {
         does(&made, &line, 0);
@@ -370,6 +370,6 @@ fn a_merge_believes_manifests_alone() {
         assert_eq!(desk.table().len(), 3, "{name}");
         does(&desk, &printed, 0);
         desk.done(&["--merge"]);
-        same(&desk, &want);
+        same(&desk, want);
     }
 }

@@ -5,7 +5,7 @@ use bitgrain::checkpoint;
 use bitgrain::energy_budget::{Audit, EnergyRow};
 use bitgrain::law::{HertzHistoryParameters, HertzTsujiParameters, LawSpec};
 use bitgrain::simulation::Simulation;
-use bitgrain_tests::{ball, floor, golden_case, open_case, output, settled_quick};
+use bitgrain_tests::{ball, floor, golden_case, open_case, output, settled_bed};
 
 /// The largest residual of the balance, over the work done.
 const CLOSED: f64 = 1e-3;
@@ -149,7 +149,7 @@ fn crowds() -> Vec<(&'static str, Simulation, u64, f64)> {
             6000,
             3e-4,
         ),
-        ("the dragged bed of quick", settled_quick(), 3000, 1e-4),
+        ("the dragged bed of 2,500 grains", settled_bed(), 3000, 1e-4),
     ]
 }
 
@@ -171,7 +171,7 @@ fn the_account_of_many_grains_closes() {
             "{name}: {:e}",
             row.closure()
         );
-        if name.contains("quick") {
+        if name.contains("2,500") {
             assert!(
                 row.residual.abs() < 1.5 * measured * row.obstacles,
                 "{row:?}"
@@ -233,7 +233,7 @@ fn without_any_one_term_the_account_is_open() {
         ("lid", lid, 3000, &["carriers", "gravitational"]),
         (
             "quick",
-            settled_quick(),
+            settled_bed(),
             1000,
             &["obstacles", "normal", "tangential"],
         ),

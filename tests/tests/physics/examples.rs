@@ -11,9 +11,13 @@ mod own_observable;
 fn examples_run() {
     from_arrays::main().unwrap();
     let short = [
+        "bed.box=[20.0, 13.0, 9.0]",
         "bed.grains=1300",
         "bed.settled=1e-2",
         "intruder.height=2.5",
+        "intruder.diameter=2.0",
+        "intruder.froude=0.5",
+        "drag.dt=4e-4",
         "drag.distance=1.5",
         "drag.discard=0.2",
         "measure.every=5",

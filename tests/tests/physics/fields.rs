@@ -247,7 +247,7 @@ fn fields_come_to_their_grains_and_contacts() {
     let scenario = parsed(SMALL, &tall);
     let mut sim = cluster(&scenario);
     let mut contacts = Vec::new();
-    sim.step_watched(|contact| contacts.push(contact)).unwrap();
+    sim.step_seen(&mut contacts).unwrap();
     let on_body = contacts
         .iter()
         .filter(|c| c.partner == Partner::Obstacle(0));
@@ -302,7 +302,7 @@ fn a_resting_bed_carries_its_weight() {
     plan.motion = plan.motion.averaged_beyond(0.0, plan.steps());
     let mut gauge = CoarseGraining::new(&plan.fields.unwrap(), &plan.motion);
     let mut contacts = Vec::new();
-    sim.step_watched(|contact| contacts.push(contact)).unwrap();
+    sim.step_seen(&mut contacts).unwrap();
     gauge.add(&sim, &contacts, plan.motion.window[0]);
     let fields = gauge.points(intruder_outline(&sim));
     let [nx, ny, _] = fields.grid.counts;

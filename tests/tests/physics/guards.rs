@@ -7,7 +7,7 @@ use bitgrain::observe::deepest_overlap;
 use bitgrain::scenario;
 use bitgrain::summary::LARGE_OVERLAP;
 use bitgrain_kernel::Error as KernelError;
-use bitgrain_tests::{SMALL, ball, floor, golden, open_case, output, settled_quick, told};
+use bitgrain_tests::{SMALL, ball, floor, golden, open_case, output, settled_bed, told};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
 
@@ -104,10 +104,11 @@ fn at_the_longest_time_step_collisions_come_out_right() {
 #[test]
 fn a_time_step_too_long_for_collisions_is_refused() {
     let load = |sets: &[&str]| {
-        let sets: Vec<String> = sets.iter().map(|s| s.to_string()).collect();
-        scenario::load("quick", &sets).map_err(|e| e.to_string())
+        let soft = ["law.kn=2e5", "law.kt=2.45e5"];
+        let sets = soft.iter().chain(sets).map(|s| s.to_string());
+        scenario::load("quick", &sets.collect::<Vec<_>>()).map_err(|e| e.to_string())
     };
-    let fast = "intruder.froude=[40.0]";
+    let fast = "intruder.speed=[30.0]";
     let far = "drag.distance=16.0";
     let every = "measure.every=1";
     let refused = load(&["drag.dt=9e-4", fast, far, every]).unwrap_err();
@@ -124,7 +125,7 @@ fn a_time_step_too_long_for_collisions_is_refused() {
     let beyond = format!("drag.dt={:e}", 1.001 * limit);
     assert!(load(&[&beyond, fast, far, every]).is_err());
 
-    let slow = "intruder.froude=[0.5]";
+    let slow = "intruder.speed=[0.375]";
     let near = "drag.distance=16.0";
     let quick = load(&["drag.dt=9e-4", slow, near, every]).unwrap();
     assert_eq!(quick.fastest().1, "a fall through the bed");
@@ -147,9 +148,9 @@ fn both_times_are_printed() {
     let quick = scenario::load("quick", &[]).unwrap();
     let line = quick.time_step_line();
     for part in [
-        "time step 0.0004 sqrt(d/g): 0.0844",
+        "time step 0.0008 sqrt(d/g): 0.1887",
         "of the Rayleigh time",
-        "of the duration of a collision at the speed of the drag",
+        "of the duration of a collision at the speed of a fall through the bed",
     ] {
         assert!(line.contains(part), "{line}");
     }
@@ -239,13 +240,13 @@ fn an_overlap_too_deep_stops_a_run() {
     assert_eq!(run(pair, 50.0).0, Ok(()));
 }
 
-/// In the soft bed of quick overlaps exceed the range of Hertz's law if its ball moves fast, and not if
+/// In the soft bed of 2,500 grains overlaps exceed the range of Hertz's law if its ball moves fast, and not if
 /// it moves slowly.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "seconds in release, minutes in debug")]
 fn a_fast_drag_through_soft_grains_overlaps_deeply() {
     let deepest = |speed: f64| {
-        let mut sim = settled_quick();
+        let mut sim = settled_bed();
         sim.obstacles[0].velocity = [speed, 0.0, 0.0];
         let mut deepest = 0.0;
         for _ in 0..2500 {

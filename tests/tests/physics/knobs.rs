@@ -45,7 +45,7 @@ fn the_rig_has_every_contact_of_a_rig() {
         let mut across = 0;
         for _ in 0..10_000 {
             let mut seen: Vec<ContactForce<f64>> = Vec::new();
-            sim.step_watched(|p| seen.push(p)).unwrap();
+            sim.step_seen(&mut seen).unwrap();
             for p in seen {
                 let mut pair = [format!("{:?}", sim.role(p.i as usize)), String::new()];
                 pair[1] = match p.partner {

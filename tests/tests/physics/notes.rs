@@ -1,16 +1,16 @@
 //! Notes of the steps of a stretch against the rows after each step: on any threads, with any cut, with lists that are
-//! full, and as far as a stretch gets that ends at a fault or a loss. The bed is `quick/settled.safetensors.gz`.
+//! full, and as far as a stretch gets that ends at a fault or a loss. The bed is `bed-2500/settled.safetensors.gz`.
 
 use bitgrain::notes::{Note, Watch};
 use bitgrain::parts::Cutting;
 use bitgrain::simulation::{Role, Simulation};
 use bitgrain::threads::on_threads;
 use bitgrain_kernel::{Error as KernelError, LossPolicy, Obstacle};
-use bitgrain_tests::{highest, quick_that_loses_a_grain, settled_quick};
+use bitgrain_tests::{bed_that_loses_a_grain, highest, settled_bed};
 
 /// The bed with its intruder in motion, and a ball that lies on the highest grain.
 fn bed() -> Simulation {
-    let mut sim = settled_quick();
+    let mut sim = settled_bed();
     let [x, y, z, radius] = sim.position[highest(&sim)];
     let ball = Obstacle::sphere([x, y, z + radius + 0.99], 1.0);
     sim.obstacles.push(ball);
@@ -110,7 +110,7 @@ fn notes_are_what_a_look_after_each_step_shows() {
 #[test]
 fn a_stretch_that_ends_early_has_notes_of_all_finished_steps() {
     // In the tenth step.
-    let (mut begin, id) = quick_that_loses_a_grain();
+    let (mut begin, id) = bed_that_loses_a_grain();
     begin.start().unwrap();
     let (notes, ended) = compare(&begin, 30);
     assert_eq!((notes.len(), ended), (9, Err(KernelError::Escaped { id })));

@@ -1,12 +1,16 @@
 //! The quick scenario as a user runs it: its goldens, and equal bytes for a second run.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 use std::process::Command;
 
 use bitgrain::bed::library::BedCache;
+use bitgrain::folder::Folder;
 use bitgrain::progress::Progress;
-use bitgrain::{scenario, summary};
-use bitgrain_tests::{golden, results, unpacked};
+use bitgrain::{published, remarks, scenario, summary};
+use bitgrain_tests::{golden, printed, results, root, unpacked};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");
 
 fn settings(recipe: &str) -> insta::Settings {
     let mut settings = insta::Settings::clone_current();
@@ -40,22 +44,20 @@ fn check_names(files: &BTreeMap<String, Vec<u8>>) {
         [
             &"runs/run-1/angles.csv",
             &"runs/run-1/chain.csv",
-            &"runs/run-1/checkpoints/000000010000.safetensors",
-            &"runs/run-1/checkpoints/000000020000.safetensors",
-            &"runs/run-1/checkpoints/000000030000.safetensors",
-            &"runs/run-1/checkpoints/000000040000.safetensors",
+            &"runs/run-1/checkpoints/000000004685.safetensors",
+            &"runs/run-1/checkpoints/000000009370.safetensors",
+            &"runs/run-1/checkpoints/000000014055.safetensors",
+            &"runs/run-1/checkpoints/000000018739.safetensors",
             &"runs/run-1/coordination.csv",
             &"runs/run-1/forces.csv",
-            &"runs/run-1/frames/000000010000.csv",
-            &"runs/run-1/frames/000000020000.csv",
-            &"runs/run-1/frames/000000030000.csv",
-            &"runs/run-1/frames/000000040000.csv",
-            &"runs/run-1/snapshots/contacts.000000020000.vtk",
-            &"runs/run-1/snapshots/contacts.000000040000.vtk",
-            &"runs/run-1/snapshots/grains.000000020000.dump",
-            &"runs/run-1/snapshots/grains.000000020000.vtk",
-            &"runs/run-1/snapshots/grains.000000040000.dump",
-            &"runs/run-1/snapshots/grains.000000040000.vtk",
+            &"runs/run-1/frames/000000004685.csv",
+            &"runs/run-1/frames/000000009370.csv",
+            &"runs/run-1/snapshots/contacts.000000009370.vtk",
+            &"runs/run-1/snapshots/contacts.000000018739.vtk",
+            &"runs/run-1/snapshots/grains.000000009370.dump",
+            &"runs/run-1/snapshots/grains.000000009370.vtk",
+            &"runs/run-1/snapshots/grains.000000018739.dump",
+            &"runs/run-1/snapshots/grains.000000018739.vtk",
             &"runs/run-1/summary.json",
         ]
     );
@@ -77,15 +79,14 @@ fn check_names(files: &BTreeMap<String, Vec<u8>>) {
     );
 }
 
-/// Forces to read, every number and digest to hold, and the hash of each file but the report, whose
-/// looks may change while its numbers do not.
+/// The fastest of the three drags alone, from its bed to its report: every file, the picture that the README shows, and
+/// the last links that the README, the guide and the program itself tell. It takes some fifteen seconds of a processor
+/// because it is what newcomers make.
 #[test]
-#[cfg_attr(
-    debug_assertions,
-    ignore = "a minute in release, half an hour in debug"
-)]
-fn the_quick_scenario_gives_its_goldens() {
-    let quick = scenario::load("quick", &[]).unwrap();
+#[cfg_attr(debug_assertions, ignore = "a quarter of a minute in release")]
+fn the_fastest_drag_gives_its_goldens() {
+    let one = ["intruder.froude=3.0", "drag.distance=32.0"].map(String::from);
+    let quick = scenario::load("quick", &one).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let library = BedCache::new(folder.path().join("beds"));
     let out = folder.path().join("out");
@@ -98,23 +99,61 @@ fn the_quick_scenario_gives_its_goldens() {
         (bed.support / bed.weight - 1.0).abs() < 1e-3,
         "the settled bed carries its weight"
     );
-    assert!(
-        (0.58..0.62).contains(&bed.packing_fraction),
-        "{}",
-        bed.packing_fraction
+    assert!((0.58..0.62).contains(&bed.packing_fraction), "{bed:?}");
+    assert!((4.0..6.0).contains(&bed.coordination_number), "{bed:?}");
+    let run = &whole.runs[0];
+    assert!(run.drag.mean > 0.0 && run.lift.mean > 0.0);
+    let published: BTreeMap<&str, &str> = published::links("quick").into_iter().collect();
+    assert_eq!(
+        [&bed.chain, &run.chain],
+        ["bed", "run-3"].map(|stage| published[stage])
     );
-    assert!(
-        (4.0..6.0).contains(&bed.coordination_number),
-        "{}",
-        bed.coordination_number
-    );
-    assert!(
-        whole
-            .runs
-            .iter()
-            .all(|r| r.drag.mean > 0.0 && r.lift.mean > 0.0)
-    );
+    for page in ["README.md", "harness/guide/src/first-run.md"] {
+        let text = std::fs::read_to_string(root().join(page)).unwrap();
+        assert!(text.contains(published["run-3"]), "{page}");
+    }
+    let recipe = "recipe: `cargo test -p bitgrain-tests --release --test physics quick::`";
+    let hashes: String = files
+        .iter()
+        .filter(|(name, _)| *name != "report.html")
+        .map(|(name, bytes)| format!("{}  {name}\n", blake3::hash(bytes).to_hex()))
+        .collect();
+    snapshot("files", recipe, &hashes);
+    let bed = first_picture(&files["report.html"]);
+    settings(recipe).bind(|| insta::assert_binary_snapshot!("bed.svg", bed));
+}
 
+/// What a newcomer reads first has nothing to be known before it is believed.
+#[test]
+fn the_quick_scenario_ends_without_a_remark() {
+    let text = std::fs::read_to_string(golden("quick/summary.snap")).unwrap();
+    let json = &text[text.find("\n{").unwrap()..];
+    let whole = summary::parse_summary(json, Path::new("quick")).unwrap();
+    assert_eq!(remarks::remarks(&whole), []);
+}
+
+/// Forces to read, every number and digest to hold; and what the command says of them.
+#[test]
+#[ignore = "half a minute: `.ci/run long`"]
+fn the_quick_scenario_gives_its_goldens() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out/quick");
+    let told = |words: &[&str]| {
+        let words = [&["run", "quick", "--beds", "beds"], words].concat();
+        printed(PROGRAM, folder.path(), &words, 0)
+    };
+    let ends = "as published: this machine keeps the contract\n";
+    let said = told(&[]);
+    assert!(
+        said.contains(ends) && !said.contains("before you believe it"),
+        "{said}"
+    );
+    let said = told(&[]);
+    assert!(
+        said.contains("as published, 0 of ") && !said.contains(ends),
+        "{said}"
+    );
+    let whole = summary::read_summary(&out.join("summary.json")).unwrap();
     let recipe = "recipe: `bitgrain run quick`";
     let mut table = String::from(
         "   Fr        V   drag +- error        lift +- error    contacts  angle  coordination\n",
@@ -134,22 +173,30 @@ fn the_quick_scenario_gives_its_goldens() {
         ));
     }
     snapshot("forces", recipe, &table);
-    snapshot(
-        "summary",
-        recipe,
-        std::str::from_utf8(&files["summary.json"]).unwrap(),
-    );
-    let hashes: String = files
-        .iter()
-        .filter(|(name, _)| *name != "report.html")
-        .map(|(name, bytes)| format!("{}  {name}\n", blake3::hash(bytes).to_hex()))
-        .collect();
-    snapshot("files", recipe, &hashes);
-    let settled = &files["beds/bed.safetensors"];
-    let golden = unpacked("quick/settled.safetensors.gz");
-    assert!(*settled == golden, "the bed that other tests begin with");
-    let bed = first_picture(&files["report.html"]);
-    settings(recipe).bind(|| insta::assert_binary_snapshot!("bed.svg", bed));
+    let text = std::fs::read_to_string(out.join("summary.json")).unwrap();
+    snapshot("summary", recipe, &text);
+}
+
+/// The bed that other tests begin with is that of `pull-quick`.
+#[test]
+#[ignore = "ten seconds: `.ci/run long`"]
+fn the_bed_of_other_tests_is_poured_again() {
+    let scenario = scenario::load("pull-quick", &[]).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let words = [
+        "run",
+        "pull-quick",
+        "--beds",
+        "beds",
+        "--out",
+        "out",
+        "--only",
+        "run-1",
+    ];
+    printed(PROGRAM, folder.path(), &words, 0);
+    let settled = std::fs::read(Folder(&out).bed(&scenario.beds()[0].name)).unwrap();
+    assert!(settled == unpacked("bed-2500/settled.safetensors.gz"));
 }
 
 /// A small run three times: other thread counts, folders, time zones and locales, and finally with
@@ -190,8 +237,9 @@ fn a_second_run_gives_the_same_bytes() {
             "bed.settled=1e-3",
             "intruder.diameter=1.5",
             "intruder.height=2.8",
-            "intruder.froude=[1.0, 2.0]",
+            "intruder.froude=2.0",
             "drag.distance=3.0",
+            "drag.dt=4e-4",
         ] {
             command.args(["--set", set]);
         }
@@ -210,9 +258,9 @@ fn a_second_run_gives_the_same_bytes() {
         assert!(how.contains(expected), "{how}");
         results_of.push(results(&out));
     }
-    // The scenario, the manifest, the summary and the report; the bed; of each drag five tables, four checkpoints,
+    // The scenario, the manifest, the summary and the report; the bed; of the drag five tables, four checkpoints,
     // four files of frames and two snapshots of three files.
-    assert_eq!(results_of[0].len(), 4 + 3 + 2 * (5 + 4 + 4 + 2 * 3));
+    assert_eq!(results_of[0].len(), 4 + 3 + 5 + 4 + 4 + 2 * 3);
     assert!(results_of[0] == results_of[1], "the same names and bytes");
     assert!(
         results_of[0] == results_of[2],

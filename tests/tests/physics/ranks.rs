@@ -11,7 +11,7 @@ use bitgrain::parts::{Carrier, Channels, Cutting, Message, Ranks, Sharing, on_ra
 use bitgrain::simulation::Simulation;
 use bitgrain::threads::on_threads;
 use bitgrain_kernel::{Error as KernelError, LossPolicy};
-use bitgrain_tests::{quick_that_loses_a_grain, settled_quick};
+use bitgrain_tests::{bed_that_loses_a_grain, settled_bed};
 
 /// A rank that takes messages out late, at random.
 struct Late {
@@ -89,7 +89,7 @@ fn steps(release: u64) -> u64 {
 #[test]
 fn ranks_change_no_bit() {
     for rolls in [false, true] {
-        let mut sim = settled_quick();
+        let mut sim = settled_bed();
         if rolls {
             let rolling = RollingSpec::Epsd2 { mu: 0.1 };
             let law = LawSpec::HertzTsuji(HertzTsujiParameters {
@@ -148,7 +148,7 @@ fn change_no_bit(mut plain: Simulation) {
 /// A fault, and a grain that leaves, are those of one process, and the world can be stepped on after the latter.
 #[test]
 fn faults_and_losses_are_those_of_one_process() {
-    let (begin, id) = quick_that_loses_a_grain();
+    let (begin, id) = bed_that_loses_a_grain();
     let go = |mut sim: Simulation, takes_out: bool| {
         sim.policy = LossPolicy {
             takes_out,
@@ -184,7 +184,7 @@ fn faults_and_losses_are_those_of_one_process() {
 /// Two worlds may share the ranks, in turn.
 #[test]
 fn worlds_take_turns() {
-    let (mut one, mut other) = (settled_quick(), settled_quick());
+    let (mut one, mut other) = (settled_bed(), settled_bed());
     other.obstacles[0].velocity = [-1.0, 0.5, 0.0];
     one.start().unwrap();
     other.start().unwrap();
@@ -215,7 +215,7 @@ fn a_silent_rank_is_named() {
         ..Sharing::default()
     };
     let ranks = Ranks::new(Box::new(carrier), sharing);
-    let mut sim = settled_quick();
+    let mut sim = settled_bed();
     sim.start().unwrap();
     let mut sim = shared(sim, &ranks, Cutting::Planes);
     let _ = sim.steps(10);

@@ -37,20 +37,45 @@ fn run_into(scenario: &CheckedScenario, out: &Path, beds: &Path, threads: usize)
     bitgrain::present::run(scenario, out, &library, threads, &Progress::new(false)).unwrap();
 }
 
-/// One run that the tests of this file share.
+/// One run that the tests of this file share: one of its drags was done alone, then the whole.
 struct Made {
     out: PathBuf,
+    /// The files after the drag that was done alone.
+    alone: BTreeMap<String, Vec<u8>>,
     files: BTreeMap<String, Vec<u8>>,
     whole: Summary,
+}
+
+/// The drag that was done alone.
+const ALONE: &str = "bed-3-run-1";
+
+/// Does these drags of the rig, or all, into a folder.
+fn part_into(out: &Path, beds: &Path, only: &[&str]) -> bitgrain::error::Result<Option<run::Done>> {
+    let only: Vec<String> = only.iter().map(|name| name.to_string()).collect();
+    run::run_in(run::Setting {
+        scenario: &short(),
+        folder: &Folder(out),
+        library: &BedCache::new(beds),
+        threads: 1,
+        save: Default::default(),
+        frames: true,
+        only: &only,
+        write_report: present::write_report,
+        progress: &Progress::new(false),
+    })
 }
 
 static MADE: LazyLock<Made> = LazyLock::new(|| {
     // Not a temporary folder: nothing that is static is ever dropped.
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("rig");
     let _ = std::fs::remove_dir_all(&folder);
-    let out = folder.join("out");
-    run_into(&short(), &out, &folder.join("beds"), 2);
+    let (out, beds) = (folder.join("out"), folder.join("beds"));
+    assert_eq!(part_into(&out, &beds, &[ALONE]).unwrap(), None);
+    let alone = results(&out);
+    let done = part_into(&out, &beds, &[]).unwrap();
+    assert_eq!(done.map(|done| done.report), Some(out.join("report.html")));
     Made {
+        alone,
         files: results(&out),
         whole: read_summary(&out.join("summary.json")).unwrap(),
         out,
@@ -70,32 +95,14 @@ impl Made {
 }
 
 /// For a drag that is asked for alone only its bed is made as well; the whole run goes on from there to the same
-/// files.
+/// files: the goldens are those of a run that was not begun so.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours beds: seconds in release")]
 fn a_drag_done_alone_is_that_of_the_whole() {
-    let folder = tempfile::tempdir().unwrap();
-    let (out, beds) = (folder.path().join("out"), folder.path().join("beds"));
-    let only = ["bed-3-run-1".to_string()];
-    let alone = |only: &[String]| {
-        let progress = Progress::new(false);
-        run::run_in(run::Setting {
-            scenario: &short(),
-            folder: &Folder(&out),
-            library: &BedCache::new(&beds),
-            threads: 2,
-            save: Default::default(),
-            frames: true,
-            only,
-            write_report: bitgrain::present::write_report,
-            progress: &progress,
-        })
-    };
-    assert_eq!(alone(&only).unwrap(), None);
-    let made = results(&out);
+    let made = &MADE.alone;
     assert!(made.contains_key("runs/bed-3-run-1/summary.json"));
     assert!(!made.contains_key("summary.json") && !made.contains_key("beds/bed-2.safetensors"));
-    for (name, bytes) in &made {
+    for (name, bytes) in made {
         // The manifest says that the others are not finished.
         assert!(
             bytes == &MADE.files[name] || name == "manifest.json",
@@ -103,25 +110,41 @@ fn a_drag_done_alone_is_that_of_the_whole() {
         );
     }
     // What is done can be viewed before the rest is.
+    let folder = tempfile::tempdir().unwrap();
+    let (out, beds) = (folder.path().join("out"), folder.path().join("beds"));
+    for (name, bytes) in made {
+        let path = out.join(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, bytes).unwrap();
+    }
     let so_far = read_folder(&Folder(&out), &vouched(&out)).unwrap().1;
     assert_eq!([so_far.beds.len(), so_far.runs.len()], [1, 1]);
     assert_eq!(so_far.runs[0], MADE.whole.runs[2]);
     assert_eq!(so_far.beds[0], MADE.whole.beds[2]);
-    let report = alone(&[]).unwrap();
+    let unknown = part_into(&out, &beds, &["run-9"]).unwrap_err().to_string();
+    assert!(unknown.contains(ALONE), "{unknown}");
+}
+
+/// A summary that went missing is told, and written again.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours beds: seconds in release")]
+fn a_missing_summary_is_told_and_written_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let (out, beds) = (folder.path().join("out"), folder.path().join("beds"));
+    for (name, bytes) in &MADE.files {
+        let path = out.join(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, bytes).unwrap();
+    }
     std::fs::remove_file(out.join("summary.json")).unwrap();
     let missing = read_folder(&Folder(&out), &vouched(&out)).unwrap_err();
     assert!(
         missing.to_string().contains("summary.json: is missing"),
         "{missing}"
     );
-    alone(&[]).unwrap();
-    assert_eq!(
-        report.map(|done| done.report),
-        Some(out.join("report.html"))
-    );
+    let done = part_into(&out, &beds, &[]).unwrap().unwrap();
+    assert!(done.executed.iter().all(|(_, steps)| *steps == 0));
     assert!(results(&out) == MADE.files);
-    let unknown = alone(&["run-9".to_string()]).unwrap_err().to_string();
-    assert!(unknown.contains("bed-3-run-1"), "{unknown}");
 }
 
 fn of(bed: &BedSummary) -> &Rig {

@@ -96,8 +96,7 @@ fn measured(sim: &mut Simulation, samples: u32) -> Profile {
     for _ in 0..samples {
         sim.steps(99).expect("the wall moves");
         let mut seen = Vec::new();
-        sim.step_watched(|contact| seen.push(contact))
-            .expect("the wall moves");
+        sim.step_seen(&mut seen).expect("the wall moves");
         check_reaction(sim);
         let wall = Partner::Obstacle(WALL as u32);
         for contact in seen.iter().filter(|c| c.partner == wall) {

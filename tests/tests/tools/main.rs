@@ -19,3 +19,4 @@ mod recordings;
 mod schedulers;
 mod slurm;
 mod targets;
+mod units;

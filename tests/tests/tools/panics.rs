@@ -13,6 +13,7 @@ const PANICS: &str = "a_panic_is_reachable";
 
 /// The library of all public functions needs no panic handler; with one careless function more, it does.
 #[test]
+#[ignore = "a minute of a processor, to build all of the kernel twice: `.ci/run panics`"]
 fn no_public_function_of_the_kernel_can_panic() {
     let [careless, _] = rig_of_the_kernel("control").unwrap();
     assert!(careless.contains(&PANICS.into()), "the check cannot fail");

@@ -158,12 +158,12 @@ mod tests {
         let shaping = [
             "seed=2",
             "law.mu=0.4",
-            "law.kn=2.1e5",
+            "law.kn=2.4e5",
             "law.kt=2.4e5",
             "law.gamma_n=800.0",
-            "bed.diameters=[0.8, 1.2]",
-            "bed.box=[20.0, 14.0, 9.0]",
-            "bed.grains=2499",
+            "bed.diameters=[0.91, 1.09]",
+            "bed.box=[38.0, 12.5, 8.5]",
+            "bed.grains=3899",
             "bed.base=0.7",
             "bed.floor=false",
             "bed.settled=2e-6",
@@ -184,7 +184,7 @@ mod tests {
             "name=other",
             "drag.discard=1.5",
             "measure.every=50",
-            "intruder.speed=[0.1, 0.2, 0.3, 0.4]",
+            "intruder.speed=[0.1, 0.2, 0.3]",
         ] {
             assert_eq!(of(&[set]), plain, "{set}");
         }

@@ -188,8 +188,7 @@ fn stride(
         sim.steps(quiet - now).map_err(|f| stopped(bed, sim, f))?;
         seen.clear();
         if shows {
-            sim.step_watched(|contact| seen.push(contact))
-                .map_err(|f| stopped(bed, sim, f))?;
+            sim.step_seen(&mut seen).map_err(|f| stopped(bed, sim, f))?;
         }
         if sim.step_count() == end
             && let Some(last) = last.take()

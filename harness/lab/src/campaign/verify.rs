@@ -145,10 +145,9 @@ fn table_holds(folder: &CampaignFolder<'_>, plan: &Plan) -> std::result::Result<
         });
     }
     let units = plan.members[0].scenario.units();
-    let bytes = parquet::bytes(&rows).map_err(|e| e.to_string())?;
     for (path, made) in [
         (folder.table(), table::text(&units, &rows).into_bytes()),
-        (folder.parquet(), bytes),
+        (folder.parquet(), parquet::bytes(&rows)),
     ] {
         if disk::read(&path).ok() != Some(made) {
             return Err(format!(

@@ -46,8 +46,8 @@ use drags::drag_one;
 pub struct Done {
     /// Its report.
     pub report: PathBuf,
-    /// Whether a step was executed: else all of it was there already.
-    pub executed: bool,
+    /// Its stages, and how many of the last steps of each were executed: of those that were there already none.
+    pub executed: Vec<(String, u64)>,
 }
 
 /// Runs a scenario into its folder, or what is left of it, and says where its report is; `None` if only some of
@@ -112,7 +112,12 @@ pub fn run_in(setting: Setting<'_>) -> Result<Option<Done>> {
         conclude(folder, ledger, scenario, beds, runs)?;
         (setting.write_report)(folder)?;
     }
-    let executed = stages.iter().any(|stage| stage.steps > 0);
+    // Behind the name of a drag its stage has the speed.
+    let name = |stage: &StagePerformance| stage.stage.split(' ').next().map(String::from);
+    let executed = stages
+        .iter()
+        .map(|stage| (name(stage).unwrap_or_default(), stage.steps))
+        .collect();
     let performance = Performance {
         bits_version: BITS_VERSION,
         threads,

@@ -144,17 +144,17 @@ impl Audit {
     /// # Errors
     /// As [`Simulation::steps`]; a fault is not accounted for.
     pub fn step(&mut self, sim: &mut Simulation) -> Result<(), KernelError> {
-        self.step_watched(sim, |_| {})
+        self.step_seen(sim, &mut Vec::new())
     }
 
-    /// [`Audit::step`], showing every touching contact to `watch` as [`Simulation::step_watched`] does.
+    /// [`Audit::step`], adding every touching contact to `seen` as [`Simulation::step_seen`] does.
     ///
     /// # Errors
     /// As [`Audit::step`].
-    pub fn step_watched(
+    pub fn step_seen(
         &mut self,
         sim: &mut Simulation,
-        mut watch: impl FnMut(ContactForce<f64>),
+        seen: &mut Vec<ContactForce<f64>>,
     ) -> Result<(), KernelError> {
         let (velocity, spin) = half_step(sim);
         let obstacles: Vec<_> = sim
@@ -169,21 +169,18 @@ impl Audit {
         };
         let held = held(sim, &half);
         // A step shows obstacle contacts before pairs, the list holds pairs before obstacle contacts.
-        let (mut pairs, mut touches) = (Vec::new(), Vec::new());
-        sim.step_watched(|p| {
-            watch(p);
-            match p.partner {
-                Partner::Grain(_) => pairs.push(p),
-                Partner::Obstacle(_) => touches.push(p),
-            }
-        })?;
+        let first = seen.len();
+        sim.step_seen(seen)?;
+        let is_touch = |p: &ContactForce<f64>| matches!(p.partner, Partner::Obstacle(_));
+        let touches = seen[first..].partition_point(is_touch);
+        let (touches, pairs) = seen[first..].split_at(touches);
         let histories = sim.contact_histories();
         debug_assert_eq!(histories.len(), pairs.len() + touches.len());
 
         let mut now = of_grains(sim);
         let mut powers = carried(sim);
         let mut held = held.iter().peekable();
-        for (p, history) in pairs.iter().chain(&touches).zip(histories.iter()) {
+        for (p, history) in pairs.iter().chain(touches).zip(histories.iter()) {
             let at = ElasticContact::pushed(sim, p);
             let spring = history.kept().spring;
             while let Some(gone) = held.next_if(|h| h.at.key() < at.key()) {

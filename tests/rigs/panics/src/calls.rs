@@ -10,7 +10,7 @@ use bitgrain_kernel::phases::{
 };
 use bitgrain_kernel::{
     ContactForce, Error as KernelError, GrainState, Real, Row, World, start, start_watched, step,
-    step_watched, step_with,
+    step_summed, step_watched, step_with,
 };
 
 type External<'w, R> = &'w mut dyn FnMut(&GrainState<R>) -> ([R; 3], [R; 3]);
@@ -25,6 +25,7 @@ pub struct Calls<R: Real, L: Law<R>> {
     step: fn(&mut World<'_, R>, &L) -> Ended,
     step_watched: fn(&mut World<'_, R>, &L, Watch<'_, R>) -> Ended,
     step_with: fn(&mut World<'_, R>, &L, External<'_, R>) -> Ended,
+    step_summed: fn(&mut World<'_, R>, External<'_, R>) -> Ended,
     obstacle_forces: fn(
         &mut GrainRange<'_, R>,
         &mut ObstacleContactRange<'_, R>,
@@ -52,6 +53,7 @@ impl<R: Real, L: Law<R>> Calls<R, L> {
         step,
         step_watched: |world, law, watch| step_watched(world, law, watch),
         step_with: |world, law, external| step_with(world, law, external),
+        step_summed: |world, external| step_summed(world, |_| Ok(()), external),
         obstacle_forces: |part, touch, law, watch| obstacle_forces(part, touch, law, watch),
         sum: |part, law, after| accumulate(part, law, |_| {}, no_fetch::<R>(), after),
         sum_watched: |part, law, watch, fetch, after| {

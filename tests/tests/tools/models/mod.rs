@@ -1,8 +1,3 @@
-//! Threads that share the parts of a world: in model checkers, and with stalls.
+//! Threads that share the parts of a world, with stalls; `tests/rigs/orders` has them in model checkers.
 
-// Each takes the sources of the harness with its own means of threads.
-#![allow(clippy::duplicate_mod)]
-
-mod letters;
-mod orders;
 mod stalls;

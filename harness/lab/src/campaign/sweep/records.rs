@@ -43,9 +43,8 @@ impl Under<'_> {
         let units = self.scenario(0).units();
         let text = table::text(&units, &rows);
         self.ledger.write(&self.folder.table(), text.as_bytes())?;
-        let path = self.folder.parquet();
-        let bytes = parquet::bytes(&rows).map_err(|e| Error::write(&path, e))?;
-        self.ledger.write(&path, &bytes)?;
+        self.ledger
+            .write(&self.folder.parquet(), &parquet::bytes(&rows))?;
         self.ledger.save()
     }
 

@@ -47,13 +47,13 @@ const EXPONENT_GRID: usize = 16;
 const ROUNDS: usize = 3;
 
 /// What an interval's chi-square may be over the least.
-pub(super) fn within(degrees: usize) -> f64 {
+pub(crate) fn within(degrees: usize) -> f64 {
     1.0 + chance::fisher_quantile(CONFIDENCE, 1, degrees) / degrees as f64
 }
 
 /// Where `of` is least on a range: on a grid in equal ratios, then about the best with half the spacing each
 /// time.
-pub(super) fn least(from: f64, to: f64, of: impl Fn(f64) -> f64) -> (f64, f64) {
+pub(crate) fn least(from: f64, to: f64, of: impl Fn(f64) -> f64) -> (f64, f64) {
     let mut best = (from, of(from));
     let mut step = libm::log(to / from) / (GRID as f64 - 1.0);
     let look = |at: f64, best: &mut (f64, f64)| {
@@ -86,13 +86,13 @@ fn other(table: &Table, [from, to]: [f64; 2], breakpoint: usize, at: f64) -> (f6
 
 /// Breakpoints and their chi-square.
 #[derive(Clone, Copy)]
-pub(super) struct Breakpoints {
+pub(crate) struct Breakpoints {
     pub x: [f64; 2],
     pub chi_square: f64,
 }
 
 /// Points and the ends of what is searched.
-pub(super) struct Search {
+pub(crate) struct Search {
     sorted: Vec<Datum>,
     pub ends: [f64; 2],
     /// One for each exponent that may fit; one alone if the first regime is flat.

@@ -11,6 +11,8 @@
 //! too large on the average, since chance scatter counts and chance agreement does not: by 9 % with ten
 //! degrees of freedom, by 3 % with a hundred.
 
+#![forbid(unsafe_code)]
+
 mod breakpoints;
 pub mod chance;
 pub mod joint;
@@ -20,8 +22,7 @@ pub mod offset_power;
 pub mod power;
 pub mod regimes;
 mod segments;
-#[cfg(test)]
-pub(crate) mod synthetic;
+pub mod synthetic;
 
 use serde::{Deserialize, Serialize};
 use std::fmt;

@@ -18,7 +18,7 @@ const ROUNDING: f64 = 1e-13;
 type Sums = [f64; 10];
 
 /// The sums for one exponent.
-pub(super) struct Table {
+pub(crate) struct Table {
     /// The exponent c; none if the first piece is flat.
     exponent: Option<f64>,
     /// In ascending order.
@@ -30,7 +30,7 @@ pub(super) struct Table {
 }
 
 /// Points in ascending order of x, then of y and of error: sums do not depend on how they came.
-pub(super) fn sorted(data: &[Datum]) -> Vec<Datum> {
+pub(crate) fn sorted(data: &[Datum]) -> Vec<Datum> {
     let mut all = data.to_vec();
     all.sort_by(|a, b| {
         let by_x = a.x.total_cmp(&b.x);

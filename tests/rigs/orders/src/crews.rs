@@ -29,11 +29,11 @@ mod sync {
 mod crew;
 #[path = "../../../../harness/sim/src/parts/exchange.rs"]
 mod exchange;
-#[path = "letter.rs"]
+#[path = "../../../tests/tools/models/letter.rs"]
 mod letter;
-#[path = "sums.rs"]
+#[path = "../../../tests/tools/models/sums.rs"]
 mod part;
-#[path = "post.rs"]
+#[path = "../../../tests/tools/models/post.rs"]
 mod post;
 
 use crew::Crew;

@@ -22,7 +22,7 @@ pub struct Column<'a> {
 }
 
 /// Numbers that fit best, with the inverse that their errors come from.
-pub(super) struct Solution {
+pub(crate) struct Solution {
     pub values: Vec<f64>,
     /// From the points' errors alone.
     pub covariance: Vec<Vec<f64>>,
@@ -32,7 +32,7 @@ pub(super) struct Solution {
 
 /// Best numbers of columns for `y`, at least as many points as columns; `Err(k)` if column `k` depends
 /// on those before it.
-pub(super) fn solve(columns: &[Vec<f64>], y: &[f64], data: &[Datum]) -> Result<Solution, usize> {
+pub(crate) fn solve(columns: &[Vec<f64>], y: &[f64], data: &[Datum]) -> Result<Solution, usize> {
     let (rows, n) = (data.len(), columns.len());
     let weigh = |values: &[f64]| -> Vec<f64> {
         values.iter().zip(data).map(|(v, d)| v / d.error).collect()

@@ -18,10 +18,10 @@ pub const EXPONENTS: [f64; 2] = [0.05, 4.0];
 pub const POINTS_MIN: usize = 5;
 
 /// Exponents of the grid, in equal ratios.
-pub(super) const GRID: usize = 80;
+pub(crate) const GRID: usize = 80;
 
 /// The best curve over all exponents.
-pub(super) struct Best {
+pub(crate) struct Best {
     pub exponent: f64,
     pub at: Solution,
     /// Whether it lies at an end of [`EXPONENTS`].
@@ -29,7 +29,7 @@ pub(super) struct Best {
 }
 
 /// Exponents in equal ratios, both ends included.
-pub(super) fn exponents(from: f64, to: f64, n: usize) -> impl Iterator<Item = f64> {
+pub(crate) fn exponents(from: f64, to: f64, n: usize) -> impl Iterator<Item = f64> {
     let step = libm::log(to / from) / (n as f64 - 1.0);
     (0..n).map(move |k| match k {
         0 => from,
@@ -39,7 +39,7 @@ pub(super) fn exponents(from: f64, to: f64, n: usize) -> impl Iterator<Item = f6
 }
 
 /// Best a and b for one exponent; x are above zero and not all alike.
-pub(super) fn at_exponent(data: &[Datum], exponent: f64) -> Result<Solution, Refusal> {
+pub(crate) fn at_exponent(data: &[Datum], exponent: f64) -> Result<Solution, Refusal> {
     let columns = [
         vec![1.0; data.len()],
         data.iter().map(|d| libm::pow(d.x, exponent)).collect(),
@@ -53,7 +53,7 @@ pub(super) fn at_exponent(data: &[Datum], exponent: f64) -> Result<Solution, Ref
 }
 
 /// The grid, the golden section, and the last digits.
-pub(super) fn best(data: &[Datum]) -> Result<Best, Refusal> {
+pub(crate) fn best(data: &[Datum]) -> Result<Best, Refusal> {
     let grid: Vec<f64> = exponents(EXPONENTS[0], EXPONENTS[1], GRID).collect();
     let (mut least, mut found) = (f64::INFINITY, 0);
     for (k, &exponent) in grid.iter().enumerate() {
@@ -114,7 +114,7 @@ pub(super) fn best(data: &[Datum]) -> Result<Best, Refusal> {
 }
 
 /// Derivatives of the curve by a, b and c.
-pub(super) fn jacobian(data: &[Datum], at: &Solution, exponent: f64) -> [Vec<f64>; 3] {
+pub(crate) fn jacobian(data: &[Datum], at: &Solution, exponent: f64) -> [Vec<f64>; 3] {
     let power: Vec<f64> = data.iter().map(|d| libm::pow(d.x, exponent)).collect();
     let bent = data
         .iter()
@@ -125,7 +125,7 @@ pub(super) fn jacobian(data: &[Datum], at: &Solution, exponent: f64) -> [Vec<f64
 }
 
 /// Refuses points that do not suffice for a curve with three numbers.
-pub(super) fn check_points(data: &[Datum]) -> Result<(), Refusal> {
+pub(crate) fn check_points(data: &[Datum]) -> Result<(), Refusal> {
     check(data)?;
     check_positive(data, "x")?;
     let there = distinct(data);
@@ -215,7 +215,7 @@ pub fn angle_law(data: &[Datum]) -> Result<Fit, Refusal> {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+pub(crate) mod tests {
     use super::super::synthetic::{assert_spread, exact, noisy, spread, unscaled};
     use super::*;
 
