@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
+use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 
 use bitgrain::checkpoint;
@@ -60,14 +61,15 @@ impl Desk {
     }
 }
 
-/// The files of an undisturbed run, and how long it took while it saved all the time.
-fn alone() -> (Files, Duration) {
-    alone_on(&Desk::new())
-}
+/// The files of an undisturbed run, and how long it took while it saved often.
+static ALONE: LazyLock<(Files, Duration)> = LazyLock::new(|| alone_on(&Desk::new()));
+
+/// Steps between saves.
+const OFTEN: &str = "100";
 
 fn alone_on(desk: &Desk) -> (Files, Duration) {
     let began = Instant::now();
-    let out = desk.run(&["run", "small.toml", "--save-every", "20"]);
+    let out = desk.run(&["run", "small.toml", "--save-every", OFTEN]);
     assert!(
         out.status.success(),
         "{}",
@@ -85,7 +87,7 @@ fn half_files(folder: &Path) -> usize {
 /// Kills a run at an instant, goes on with it, and returns whether it was killed in the middle of a save.
 fn killed_at(instant: Duration, want: &Files) -> (bool, bool) {
     let desk = Desk::new();
-    let mut child = desk.begin(&["--save-every", "20"]);
+    let mut child = desk.begin(&["--save-every", OFTEN]);
     std::thread::sleep(instant);
     let _ = child.kill();
     let died = !child.wait().unwrap().success();
@@ -102,11 +104,11 @@ fn killed_at(instant: Duration, want: &Files) -> (bool, bool) {
 /// This many instants over the time that a run takes, at random; returns how many hit one that was still at
 /// work and how many of those in the middle of a save.
 fn killed(count: u32) -> (usize, usize) {
-    let (want, whole) = alone();
+    let (want, whole) = &*ALONE;
     let (mut died, mut saving) = (0, 0);
     for k in 0..count {
         let [x] = uniforms(7, Purpose::Sample, k);
-        let hit = killed_at(whole.mul_f64(x), &want);
+        let hit = killed_at(whole.mul_f64(x), want);
         died += usize::from(hit.0);
         saving += usize::from(hit.1);
     }
@@ -133,7 +135,7 @@ fn a_hundred_killed_runs_end_with_the_same_bytes() {
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
 fn stopped_runs_end_with_the_same_bytes() {
-    let (want, whole) = alone();
+    let (want, whole) = &*ALONE;
     let desk = Desk::new();
     for (share, name) in [(0.2, "INT"), (0.3, "TERM"), (0.3, "TERM"), (0.3, "INT")] {
         let mut child = desk.begin(&[]);
@@ -142,7 +144,7 @@ fn stopped_runs_end_with_the_same_bytes() {
         let status = child.wait().unwrap();
         assert!(matches!(status.code(), Some(130 | 0)), "{status}");
     }
-    assert!(desk.finish() == want);
+    assert!(desk.finish() == *want);
 }
 
 /// A bed poured with another friction than that of the drag: stopped in the midst of its pouring or later the run ends
@@ -153,17 +155,17 @@ fn a_bed_poured_with_another_friction_goes_on_and_verifies() {
     let slippery = "settled = 1e-2\npouring_mu = 0.05";
     let text = two_drags().replacen("settled = 1e-2", slippery, 1);
     let whole = Desk::of(&text);
-    let (want, time) = alone_on(&whole);
-    assert!(alone().0["beds/bed.safetensors"] != want["beds/bed.safetensors"]);
+    let (want, time) = &alone_on(&whole);
+    assert!(ALONE.0["beds/bed.safetensors"] != want["beds/bed.safetensors"]);
     let desk = Desk::of(&text);
     for share in [0.1, 0.15, 0.2, 0.2] {
-        let mut child = desk.begin(&["--save-every", "20"]);
+        let mut child = desk.begin(&["--save-every", OFTEN]);
         std::thread::sleep(time.mul_f64(share));
         let _ = child.kill();
         child.wait().unwrap();
     }
     let got = desk.finish();
-    assert!(got == want, "{:?} differ", differing(&got, &want));
+    assert!(got == *want, "{:?} differ", differing(&got, want));
     let out = desk.run(&["verify", "out/small"]);
     let told = String::from_utf8_lossy(&out.stdout);
     assert!(
@@ -202,7 +204,7 @@ fn kept(run: &Path) -> Vec<PathBuf> {
 #[test]
 #[ignore = "half a minute: `.ci/run long`"]
 fn missing_files_are_made_again() {
-    let (want, _) = alone();
+    let (want, _) = &*ALONE;
     let names: Vec<&String> = want.keys().collect();
     let gone = |name: &str| -> Vec<&str> {
         let found = names.iter().filter(|n| n.contains(name));
@@ -230,7 +232,7 @@ fn missing_files_are_made_again() {
             let _ = std::fs::remove_file(desk.out().join(name));
         }
         let got = desk.finish();
-        assert!(got == want, "without {what}: {:?}", differing(&got, &want));
+        assert!(got == *want, "without {what}: {:?}", differing(&got, want));
     }
 }
 
@@ -238,7 +240,7 @@ fn missing_files_are_made_again() {
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
 fn damaged_states_are_told_and_passed_over() {
-    let (want, _) = alone();
+    let (want, _) = &*ALONE;
     for name in [
         "run-1/latest.safetensors",
         "run-2/checkpoints/000000006667.safetensors",
@@ -257,7 +259,7 @@ fn damaged_states_are_told_and_passed_over() {
                 && (told.contains("not a whole checkpoint") || told.contains("was changed since")),
             "{told}"
         );
-        assert!(results(&desk.out()) == want, "{name}");
+        assert!(results(&desk.out()) == *want, "{name}");
     }
 }
 
@@ -267,7 +269,7 @@ fn damaged_states_are_told_and_passed_over() {
 #[cfg(unix)]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
 fn a_full_disk_loses_nothing() {
-    let (want, _) = alone();
+    let (want, _) = &*ALONE;
     let desk = Desk::new();
     let mut full = Vec::new();
     // Files may grow to this many blocks of 512 bytes.
@@ -291,7 +293,7 @@ fn a_full_disk_loses_nothing() {
     full.dedup();
     assert!(times >= 4 && full.len() >= 2, "{times} times: {full:?}");
     assert_eq!(half_files(desk.0.path()), 0, "no half file is left behind");
-    assert!(desk.finish() == want);
+    assert!(desk.finish() == *want);
 }
 
 /// Two runs never write into one folder: not the same scenario, not another before there is any result.

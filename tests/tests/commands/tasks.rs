@@ -169,7 +169,7 @@ fn beds_below_lids_come_first() {
 #[cfg(unix)]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
 fn a_worker_that_dies_costs_its_row() {
-    let longer = CAMPAIGN.replace("speed = [1.0, 2.0]", "speed = [0.1, 2.0]");
+    let longer = CAMPAIGN.replace("speed = [1.0, 2.0]", "speed = [0.3, 2.0]");
     let want = &alone(&longer);
     let desk = Desk::new(PROGRAM, &longer);
     let list = lines(&desk, &["--save-every", "500"]);
