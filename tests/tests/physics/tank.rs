@@ -96,8 +96,8 @@ fn the_tank_gives_its_goldens() {
     snapshot("files", &hashes.collect::<String>());
 }
 
-/// On two threads, with the bed at hand, every byte is the same as on one; and the last piece of the drag that accounts for
-/// its energy, from a checkpoint on.
+/// On two threads, with the bed at hand, every byte is the same as on one; and the last piece of the drag that accounts
+/// for its energy, from a checkpoint on.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "seconds in release, minutes in debug")]
 fn threads_and_stops_change_no_byte() {
