@@ -235,7 +235,7 @@ pub(super) enum Bed {
         beds: Beds,
     },
     /// Show a bed: its recipe, and what is measured on it.
-    #[command(after_help = "Example:\n  bitgrain bed show 4f1c")]
+    #[command(after_help = "Example:\n  bitgrain bed show db7e")]
     Show {
         /// Its name, or as much of the beginning as no other shares.
         name: String,
@@ -243,7 +243,7 @@ pub(super) enum Bed {
         beds: Beds,
     },
     /// Remove beds.
-    #[command(after_help = "Examples:\n  bitgrain bed remove 4f1c\n  bitgrain bed remove --all")]
+    #[command(after_help = "Examples:\n  bitgrain bed remove db7e\n  bitgrain bed remove --all")]
     Remove {
         /// Names, or as much of the beginning of each as no other shares.
         #[arg(required_unless_present = "all")]

@@ -102,7 +102,7 @@ does not say cannot disagree.";
 pub(super) const BED_HELP: &str = "\
 Examples:
   bitgrain bed list
-  bitgrain bed show 4f1c
+  bitgrain bed show db7e
   bitgrain bed remove --all";
 
 pub(super) const BENCH_HELP: &str = "\

@@ -171,7 +171,7 @@ fn run_commands(lines: Vec<String>) {
             continue;
         }
         // The bed has another name, and a small scenario does for two builds.
-        let line = line.replace("4f1c", &bed_name(folder.path()));
+        let line = line.replace("db7e", &bed_name(folder.path()));
         let line = line.replace("--scenario quick", "--scenario my-bed.toml");
         let line = line.replace("--book golden/claims.toml", "--book claims.toml");
         // Its own bed would be poured first.
