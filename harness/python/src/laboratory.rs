@@ -124,7 +124,9 @@ pub fn run(
                 });
             }
         }
-        let executed = done.as_ref().is_none_or(|done| done.executed.iter().any(|(_, steps)| *steps > 0));
+        let executed = done
+            .as_ref()
+            .is_none_or(|done| done.executed.iter().any(|(_, steps)| *steps > 0));
         Ok((out, done.is_some(), executed))
     })
 }
