@@ -3,6 +3,7 @@
 pub mod damage;
 pub mod drags;
 pub mod extended;
+mod folders;
 pub mod fuzzing;
 pub mod gather;
 pub mod notices;
@@ -12,7 +13,6 @@ pub mod reference_scheme;
 pub mod tank;
 pub mod wee;
 
-use std::collections::{BTreeMap, BTreeSet};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -25,6 +25,8 @@ use bitgrain::observer::Observer;
 use bitgrain::simulation::Simulation;
 use bitgrain_kernel::ContactForce;
 use serde_json::Value;
+
+pub use folders::{copied, differing, results, written};
 
 /// An observer that is shown the states after some steps, which ascend.
 pub struct Shown<'a, F>(pub &'a [u64], pub F);
@@ -392,44 +394,6 @@ pub fn made_run(program: &str) -> tempfile::TempDir {
 
 /// The checkpoint of it that was kept of run 1 at half of its steps.
 pub const HALF: &str = "runs/run-1/checkpoints/000000008334.safetensors";
-
-/// A copy of a folder with the results in it, to be changed.
-pub fn copied(from: &Path) -> tempfile::TempDir {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    for (name, bytes) in results(from) {
-        let path = folder.path().join(name);
-        let parent = path.parent().expect("it lies below");
-        std::fs::create_dir_all(parent).expect("a folder can be made");
-        std::fs::write(path, bytes).expect("a file can be written");
-    }
-    folder
-}
-
-/// Every file below a folder, by relative name, but the machine's own `performance.json`.
-pub fn results(folder: &Path) -> BTreeMap<String, Vec<u8>> {
-    let mut found = BTreeMap::new();
-    let mut open = vec![folder.to_path_buf()];
-    while let Some(next) = open.pop() {
-        for entry in std::fs::read_dir(next).expect("a readable folder") {
-            let path = entry.expect("a readable entry").path();
-            if path.is_dir() {
-                open.push(path);
-            } else if !path.ends_with("performance.json") {
-                let name = path.strip_prefix(folder).expect("it lies below");
-                let name = name.to_str().expect("a plain name").replace('\\', "/");
-                found.insert(name, std::fs::read(&path).expect("a readable file"));
-            }
-        }
-    }
-    found
-}
-
-/// Names of files that are not the same in both.
-pub fn differing(a: &BTreeMap<String, Vec<u8>>, b: &BTreeMap<String, Vec<u8>>) -> Vec<String> {
-    let names: BTreeSet<&String> = a.keys().chain(b.keys()).collect();
-    let differs = |name: &&String| a.get(*name) != b.get(*name);
-    names.into_iter().filter(differs).cloned().collect()
-}
 
 /// Runs a program in a folder to its end.
 pub fn output(program: &str, folder: &Path, args: &[&str]) -> Output {

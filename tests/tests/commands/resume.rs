@@ -62,14 +62,14 @@ impl Desk {
 }
 
 /// The files of an undisturbed run, and how long it took while it saved often.
-static ALONE: LazyLock<(Files, Duration)> = LazyLock::new(|| alone_on(&Desk::new()));
+static ALONE: LazyLock<(Files, Duration)> = LazyLock::new(|| alone_on(&Desk::new(), OFTEN));
 
 /// Steps between saves.
 const OFTEN: &str = "100";
 
-fn alone_on(desk: &Desk) -> (Files, Duration) {
+fn alone_on(desk: &Desk, every: &str) -> (Files, Duration) {
     let began = Instant::now();
-    let out = desk.run(&["run", "small.toml", "--save-every", OFTEN]);
+    let out = desk.run(&["run", "small.toml", "--save-every", every]);
     assert!(
         out.status.success(),
         "{}",
@@ -85,9 +85,9 @@ fn half_files(folder: &Path) -> usize {
 }
 
 /// Kills a run at an instant, goes on with it, and returns whether it was killed in the middle of a save.
-fn killed_at(instant: Duration, want: &Files) -> (bool, bool) {
+fn killed_at(instant: Duration, every: &str, want: &Files) -> (bool, bool) {
     let desk = Desk::new();
-    let mut child = desk.begin(&["--save-every", OFTEN]);
+    let mut child = desk.begin(&["--save-every", every]);
     std::thread::sleep(instant);
     let _ = child.kill();
     let died = !child.wait().unwrap().success();
@@ -103,12 +103,11 @@ fn killed_at(instant: Duration, want: &Files) -> (bool, bool) {
 
 /// This many instants over the time that a run takes, at random; returns how many hit one that was still at
 /// work and how many of those in the middle of a save.
-fn killed(count: u32) -> (usize, usize) {
-    let (want, whole) = &*ALONE;
+fn killed(count: u32, every: &str, (want, whole): &(Files, Duration)) -> (usize, usize) {
     let (mut died, mut saving) = (0, 0);
     for k in 0..count {
         let [x] = uniforms(7, Purpose::Sample, k);
-        let hit = killed_at(whole.mul_f64(x), want);
+        let hit = killed_at(whole.mul_f64(x), every, want);
         died += usize::from(hit.0);
         saving += usize::from(hit.1);
     }
@@ -119,7 +118,7 @@ fn killed(count: u32) -> (usize, usize) {
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
 fn killed_runs_end_with_the_same_bytes() {
-    let (died, _) = killed(5);
+    let (died, _) = killed(5, OFTEN, &ALONE);
     assert!(died >= 2, "{died} of 5 were killed at work");
 }
 
@@ -127,7 +126,9 @@ fn killed_runs_end_with_the_same_bytes() {
 #[test]
 #[ignore = "minutes"]
 fn a_hundred_killed_runs_end_with_the_same_bytes() {
-    let (died, saving) = killed(100);
+    // All the time, so that some are hit in the middle of a save.
+    let every = "20";
+    let (died, saving) = killed(100, every, &alone_on(&Desk::new(), every));
     assert!(died >= 80 && saving >= 1, "{died} died, {saving} in a save");
 }
 
@@ -155,7 +156,7 @@ fn a_bed_poured_with_another_friction_goes_on_and_verifies() {
     let slippery = "settled = 1e-2\npouring_mu = 0.05";
     let text = two_drags().replacen("settled = 1e-2", slippery, 1);
     let whole = Desk::of(&text);
-    let (want, time) = &alone_on(&whole);
+    let (want, time) = &alone_on(&whole, OFTEN);
     assert!(ALONE.0["beds/bed.safetensors"] != want["beds/bed.safetensors"]);
     let desk = Desk::of(&text);
     for share in [0.1, 0.15, 0.2, 0.2] {

@@ -17,7 +17,7 @@ use bitgrain::simulation::{Simulation, sphere_mass};
 use bitgrain::summary::{BedSummary, DragSummary, Rig, Summary, read_folder, read_summary};
 use bitgrain::{checkpoint, present, run};
 use bitgrain_tests::wee::forge_manifest;
-use bitgrain_tests::{RIG, golden, output, results};
+use bitgrain_tests::{RIG, golden, output, results, written};
 
 const G: f64 = 9.81;
 const D: f64 = 0.0015;
@@ -110,18 +110,15 @@ fn a_drag_done_alone_is_that_of_the_whole() {
         );
     }
     // What is done can be viewed before the rest is.
-    let folder = tempfile::tempdir().unwrap();
-    let (out, beds) = (folder.path().join("out"), folder.path().join("beds"));
-    for (name, bytes) in made {
-        let path = out.join(name);
-        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-        std::fs::write(path, bytes).unwrap();
-    }
-    let so_far = read_folder(&Folder(&out), &vouched(&out)).unwrap().1;
+    let (folder, beds) = (written(made), tempfile::tempdir().unwrap());
+    let out = folder.path();
+    let so_far = read_folder(&Folder(out), &vouched(out)).unwrap().1;
     assert_eq!([so_far.beds.len(), so_far.runs.len()], [1, 1]);
     assert_eq!(so_far.runs[0], MADE.whole.runs[2]);
     assert_eq!(so_far.beds[0], MADE.whole.beds[2]);
-    let unknown = part_into(&out, &beds, &["run-9"]).unwrap_err().to_string();
+    let unknown = part_into(out, beds.path(), &["run-9"])
+        .unwrap_err()
+        .to_string();
     assert!(unknown.contains(ALONE), "{unknown}");
 }
 
@@ -129,22 +126,17 @@ fn a_drag_done_alone_is_that_of_the_whole() {
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours beds: seconds in release")]
 fn a_missing_summary_is_told_and_written_again() {
-    let folder = tempfile::tempdir().unwrap();
-    let (out, beds) = (folder.path().join("out"), folder.path().join("beds"));
-    for (name, bytes) in &MADE.files {
-        let path = out.join(name);
-        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-        std::fs::write(path, bytes).unwrap();
-    }
+    let (folder, beds) = (written(&MADE.files), tempfile::tempdir().unwrap());
+    let out = folder.path();
     std::fs::remove_file(out.join("summary.json")).unwrap();
-    let missing = read_folder(&Folder(&out), &vouched(&out)).unwrap_err();
+    let missing = read_folder(&Folder(out), &vouched(out)).unwrap_err();
     assert!(
         missing.to_string().contains("summary.json: is missing"),
         "{missing}"
     );
-    let done = part_into(&out, &beds, &[]).unwrap().unwrap();
+    let done = part_into(out, beds.path(), &[]).unwrap().unwrap();
     assert!(done.executed.iter().all(|(_, steps)| *steps == 0));
-    assert!(results(&out) == MADE.files);
+    assert!(results(out) == MADE.files);
 }
 
 fn of(bed: &BedSummary) -> &Rig {
@@ -419,12 +411,8 @@ fn a_dry_run_prints_the_papers_table() {
 #[test]
 #[cfg_attr(debug_assertions, ignore = "seconds in release, minutes in debug")]
 fn a_damaged_flow_series_is_refused() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = written(&MADE.files);
     let place = |name: &str| folder.path().join(name);
-    for (name, bytes) in &MADE.files {
-        std::fs::create_dir_all(place(name).parent().unwrap()).unwrap();
-        std::fs::write(place(name), bytes).unwrap();
-    }
     let whole = Folder(folder.path());
     present::write_report(&whole).unwrap();
     assert!(std::fs::read(whole.report()).unwrap() == MADE.files["report.html"]);

@@ -77,8 +77,8 @@ fn the_second_command_builds_nothing_of_the_first_again() {
     assert!(first.len() > 100 && second.len() > first.len());
 }
 
-/// Crates that take long to build and that the first command has got rid of, by way of whom they came is told by
-/// `cargo tree --invert`.
+/// Crates that take long to build, and that a first run does not need. `cargo tree --invert` says by way of whom one
+/// comes.
 #[test]
 fn the_first_command_needs_no_dear_crate() {
     let first = units(&["build", "--release"]);

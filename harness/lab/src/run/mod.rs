@@ -106,18 +106,16 @@ pub fn run_in(setting: Setting<'_>) -> Result<Option<Done>> {
     let dragged: Vec<(DragSummary, StagePerformance)> =
         dragged.into_iter().collect::<Result<_>>()?;
     let (runs, timed): (Vec<_>, Vec<_>) = dragged.into_iter().unzip();
+    let poured = stages.iter().map(|bed| (bed.stage.clone(), bed.steps));
+    let pulled = runs.iter().zip(&timed);
+    let pulled = pulled.map(|(run, done)| (run.name.clone(), done.steps));
+    let executed = poured.chain(pulled).collect();
     stages.extend(timed);
     let whole = runs.len() == scenario.drags().len();
     if whole {
         conclude(folder, ledger, scenario, beds, runs)?;
         (setting.write_report)(folder)?;
     }
-    // Behind the name of a drag its stage has the speed.
-    let name = |stage: &StagePerformance| stage.stage.split(' ').next().map(String::from);
-    let executed = stages
-        .iter()
-        .map(|stage| (name(stage).unwrap_or_default(), stage.steps))
-        .collect();
     let performance = Performance {
         bits_version: BITS_VERSION,
         threads,

@@ -38,6 +38,9 @@ fn pause(browser: &mut Browser) {
 
 /// Saves the open case and compares the shown digest with the command's at the shown step.
 fn check_against_the_command(browser: &mut Browser) {
+    // The next frame shows what the last key did.
+    let frame = "new Promise((shown) => requestAnimationFrame(() => requestAnimationFrame(shown)))";
+    browser.value(frame);
     let text = browser.saved("document.getElementById('save').click()", "case.json");
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("case.json");
