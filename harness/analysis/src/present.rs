@@ -11,7 +11,7 @@ use snapshot::{Still, flow, panel_of, scene};
 use crate::report::{self, BedPicture, Drawings, FieldPicture, Film, FlowSeries, TankSeries};
 use bitgrain_lab::bed::library::BedCache;
 use bitgrain_lab::flow::{FLOW, PROFILE};
-use bitgrain_lab::folder::Folder;
+use bitgrain_lab::folder::{Folder, write_beside};
 use bitgrain_lab::frames::{self, Frame};
 use bitgrain_lab::manifest::{FolderKind, Vouched};
 use bitgrain_lab::progress::Progress;
@@ -23,7 +23,6 @@ use bitgrain_lab::tank_tables::{BAR, VELOCITY};
 use bitgrain_sim::checkpoint;
 use bitgrain_sim::coarse_graining::intruder_outline;
 use bitgrain_sim::coarse_graining::read::plane;
-use bitgrain_sim::disk::write_whole;
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::simulation::Role;
 use bitgrain_sim::table::Table;
@@ -104,7 +103,7 @@ pub fn write_report(folder: &Folder<'_>) -> Result<()> {
         ..drawings
     };
     let page = page(folder, vouched, (&whole, &text), drawings)?;
-    write_whole(&folder.report(), page.as_bytes())
+    write_beside(&folder.report(), page.as_bytes())
 }
 
 /// The page of the kind that the scenario asks for.

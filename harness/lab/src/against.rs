@@ -11,8 +11,9 @@ use crate::manifest::{Manifest, NAME};
 use crate::progress::Progress;
 use crate::replay::{Replay, Stretch, replay_run};
 use crate::rerun::{RunArchive, RunPart};
+use bitgrain_sim::below::Below;
 use bitgrain_sim::chain::{Chain, Link, differing};
-use bitgrain_sim::disk::{self, is_file, is_folder, write_whole};
+use bitgrain_sim::disk::{is_file, is_folder};
 use bitgrain_sim::error::{Error, Result, UNEXPECTED};
 use bitgrain_sim::files::read_text;
 
@@ -99,8 +100,8 @@ pub fn check(
 ) -> Result<()> {
     let place = out.display();
     // From an earlier comparison.
-    disk::remove(&out.join(DIFFERENCE))?;
-    disk::remove(&out.join(STATE))?;
+    Below(out).remove(&out.join(DIFFERENCE))?;
+    Below(out).remove(&out.join(STATE))?;
     match reference {
         Reference::Link(link) => match Manifest::of(out)? {
             Some(manifest) if manifest.has_link(link) => {
@@ -338,7 +339,7 @@ fn write(out: &Path, difference: &Difference) -> Result<PathBuf> {
     let path = out.join(DIFFERENCE);
     let mut text = serde_json::to_string_pretty(difference).expect("words and numbers are JSON");
     text.push('\n');
-    write_whole(&path, text.as_bytes())?;
+    Below(out).write(&path, text.as_bytes())?;
     Ok(path)
 }
 

@@ -1,12 +1,13 @@
 //! The run directory: where everything of a run is, and which process owns it during a run.
 
 use std::fs::{File, TryLockError};
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use crate::manifest::{self, FolderKind, Ledger, Manifest};
 use crate::pace;
 use crate::progress::Progress;
 use crate::scenario::{self, CheckedScenario};
+use bitgrain_sim::below::Below;
 use bitgrain_sim::disk::{self, Kind, make_folder};
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::files::{bits, read_text};
@@ -20,26 +21,32 @@ pub struct Contents {
     pub(crate) of: FolderKind,
     /// The file that says what the folder is for; its first line names the arithmetic.
     pub(crate) marker: &'static str,
-    /// All names that may be written directly below it.
-    pub(crate) names: &'static [&'static str],
+    /// Names of files that may be written directly below it.
+    pub(crate) files: &'static [&'static str],
+    /// Names of folders that may be made there.
+    pub(crate) folders: &'static [&'static str],
 }
 
 /// What a run directory holds.
 pub(crate) const RUN: Contents = Contents {
     of: FolderKind::Run,
     marker: "scenario.toml",
-    names: &[
+    files: &[
         "scenario.toml",
         manifest::NAME,
-        "beds",
-        "runs",
         "summary.json",
-        "report.html",
+        REPORT,
         pace::NAME,
-        "analysis.json",
-        SUBMITTED,
+        ANALYSIS,
     ],
+    folders: &["beds", "runs", SUBMITTED],
 };
+
+/// The page of a run or campaign.
+pub(crate) const REPORT: &str = "report.html";
+
+/// What the table of a campaign, or a run, says.
+pub(crate) const ANALYSIS: &str = "analysis.json";
 
 /// The folder with the job scripts that were submitted: of the machine, not of the results.
 pub const SUBMITTED: &str = "slurm";
@@ -124,6 +131,13 @@ pub(crate) struct Held {
     marker: Option<File>,
 }
 
+impl Held {
+    /// Whether no other process can be at work in the folder.
+    pub(crate) fn is_sure(&self) -> bool {
+        self.folder.is_some() || self.marker.is_some()
+    }
+}
+
 /// Locks a folder and its marker, and reads and writes nothing; `None` if another process has. The lock of the folder
 /// holds if its marker is replaced, that of the marker if a network file system cannot lock folders.
 pub(crate) fn hold(folder: &Path, contents: &Contents) -> Option<Held> {
@@ -167,10 +181,10 @@ pub(crate) fn refuse_others(folder: &Path, contents: &Contents) -> Result<()> {
         }
     }
     if is_of(folder, contents) {
-        return Ok(());
+        return refuse_other_kinds(folder, contents);
     }
     let taken = |name: &&&str| disk::is_there(&folder.join(name));
-    match contents.names.iter().find(taken) {
+    match contents.files.iter().chain(contents.folders).find(taken) {
         None => Ok(()),
         // Another process of the same campaign has made it meanwhile.
         Some(_) if is_of(folder, contents) => Ok(()),
@@ -183,6 +197,51 @@ pub(crate) fn refuse_others(folder: &Path, contents: &Contents) -> Result<()> {
             Err(Error::input(place(), problem))
         }
     }
+}
+
+/// Refuses a folder of ours with something of another kind, or a page or facts of others, in the place of what is
+/// written directly below it.
+fn refuse_other_kinds(folder: &Path, contents: &Contents) -> Result<()> {
+    for name in contents.folders {
+        Below(folder).check_folder(&folder.join(name))?;
+    }
+    for name in contents.files {
+        Below(folder).check_file(&folder.join(name))?;
+        refuse_foreign(&folder.join(name))?;
+    }
+    Ok(())
+}
+
+/// Refuses to replace a file that lies beside results and that this program did not write, by its name and how it
+/// begins. Other names are those of results, which the manifest lists.
+///
+/// # Errors
+/// [`Error::Input`].
+pub fn refuse_foreign(path: &Path) -> Result<()> {
+    let name = path.file_name().unwrap_or_default();
+    let mark = match name.to_str() {
+        Some(REPORT) => "Before you believe these numbers",
+        Some(ANALYSIS) => "{\n  \"around\": ",
+        Some(pace::NAME) => "\"bits_version\":",
+        _ => return Ok(()),
+    };
+    let Some(held) = disk::read_if_there(path)? else {
+        return Ok(());
+    };
+    if disk::bears(&held, mark) {
+        return Ok(());
+    }
+    let problem = "is no file that bitgrain wrote, and would be replaced: move it away, or choose another folder";
+    Err(Error::input(path.display().to_string(), problem))
+}
+
+/// Writes a file beside results, in a folder of ours: a page, findings, or facts of the machine.
+///
+/// # Errors
+/// As [`refuse_foreign`]; [`Error::Write`].
+pub fn write_beside(path: &Path, bytes: &[u8]) -> Result<()> {
+    refuse_foreign(path)?;
+    disk::write_whole(path, bytes)
 }
 
 /// Whether a folder is one of this kind, by its marker or its manifest.
@@ -272,7 +331,7 @@ impl Folder<'_> {
 
     /// The report.
     pub fn report(&self) -> PathBuf {
-        self.0.join("report.html")
+        self.0.join(REPORT)
     }
 
     /// Timings and other facts of the machine.
@@ -306,7 +365,30 @@ impl Folder<'_> {
                 ),
             ));
         }
-        scenario::load(&place(), &[])
+        self.parse_saved(&text)
+    }
+
+    /// Reads the text of a scenario that lies in this folder: the file of an imported bed lies in it too.
+    ///
+    /// # Errors
+    /// [`Error::Input`] if the scenario names a file elsewhere, or is none.
+    pub(crate) fn parse_saved(&self, text: &str) -> Result<CheckedScenario> {
+        let place = self.scenario().display().to_string();
+        let table = toml::from_str::<toml::Table>(text).unwrap_or_default();
+        let file = table.get("bed").and_then(|bed| bed.get("file"));
+        if let Some(file) = file.and_then(toml::Value::as_str) {
+            let name = file.strip_prefix("beds/imported/").unwrap_or_default();
+            let mut words = Path::new(name).components();
+            let is_name =
+                matches!(words.next(), Some(Component::Normal(_))) && words.next().is_none();
+            if !is_name {
+                let problem = "names a file outside of beds/imported: in the folder of a run the file of a bed is \
+                               copied there, and no other is read";
+                return Err(Error::input(format!("{place}: `bed.file`"), problem));
+            }
+            Below(self.0).check_file(&self.0.join(file))?;
+        }
+        scenario::parse(text, &place, &[], self.0)
     }
 
     /// The scenario as this folder holds it: the file of an imported bed lies in it.

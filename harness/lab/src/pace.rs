@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
+use crate::folder::write_beside;
 use bitgrain_kernel::BITS_VERSION;
 use bitgrain_sim::disk;
 use bitgrain_sim::parts::Ranks;
@@ -185,7 +186,7 @@ fn write(log: &(Pace, Option<PathBuf>)) {
         pace: *pace,
     };
     if let Ok(text) = serde_json::to_string_pretty(&kept) {
-        let _ = disk::write_whole(path, format!("{text}\n").as_bytes());
+        let _ = write_beside(path, format!("{text}\n").as_bytes());
     }
 }
 

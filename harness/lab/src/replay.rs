@@ -247,10 +247,13 @@ impl<W: Write> Observer for StatePrinter<'_, W> {
 
 /// Makes a folder for files of ParaView; one that holds other files is refused.
 fn make_vtk_folder(folder: &Path) -> Result<()> {
-    match other_than(folder, |name| name.ends_with(".vtk"))? {
+    match other_than(folder, |name| {
+        name.ends_with(".vtk").then_some("BITS_VERSION")
+    })? {
         None => make_folder(folder),
         Some(other) => {
-            let problem = format!("holds {other}, which is no VTK file; choose another folder");
+            let problem =
+                format!("holds {other}, which is no VTK file of a replay; choose another folder");
             Err(Error::input(folder.display().to_string(), problem))
         }
     }

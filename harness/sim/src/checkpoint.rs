@@ -192,6 +192,15 @@ pub fn note(bytes: &[u8], name: &str) -> Result<StageState> {
     Arrays { file: &file }.note(&head).map_err(damaged)
 }
 
+/// Whether bytes begin as those of a checkpoint do, damaged behind that or not; so do none at all.
+pub fn begins(bytes: &[u8]) -> bool {
+    let begin = format!("{{\"__metadata__\":{{\"{KEY}\":");
+    bytes.is_empty()
+        || bytes
+            .get(8..)
+            .is_some_and(|rest| rest.starts_with(begin.as_bytes()))
+}
+
 /// The state that the bytes of a checkpoint hold; `name` is what errors call it. If a `recipe` is
 /// given, its digest must be the one that the bed was poured by.
 ///

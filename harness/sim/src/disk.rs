@@ -1,6 +1,8 @@
 //! The file system in one place: every file and folder that the program reads, writes or removes goes
 //! through here.
 //!
+//! What may be written and removed below a folder that a user named is decided by `below::Below` alone.
+//!
 //! Files are read whole, regular files alone, and never more of one than [`most`] allows. They are written
 //! beside the old file, synced, renamed over it, and then their folder is synced: so a reader sees the old
 //! file or the new one, and after a power loss there is one of them too. Of two files that were written one
@@ -20,7 +22,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::error::{Error, Result};
-use watch::before;
+pub(crate) use watch::before;
 
 /// The ending of the name of a file that is being written: no other program uses it.
 pub const PARTIAL: &str = ".bitgrain-partial";
@@ -221,24 +223,42 @@ pub fn list(folder: &Path) -> Result<Vec<(String, Kind)>> {
 }
 
 /// The first name in a folder that is none of ours, before files are written there that replace others; `None` also of
-/// a folder that is not there.
+/// a folder that is not there. Ours is a regular file whose name has a mark that its content has too.
 ///
 /// # Errors
-/// [`Error::Input`] if it cannot be read.
-pub fn other_than(folder: &Path, is_ours: impl Fn(&str) -> bool) -> Result<Option<String>> {
-    let held = match is_folder(folder) {
-        true => list(folder)?,
-        false => Vec::new(),
-    };
-    let mut names = held.into_iter().map(|(name, _)| name);
-    Ok(names.find(|name| !is_ours(name)))
+/// [`Error::Input`] if the folder or a file in it cannot be read.
+pub fn other_than(
+    folder: &Path,
+    mark_of: impl Fn(&str) -> Option<&'static str>,
+) -> Result<Option<String>> {
+    if !is_folder(folder) {
+        return Ok(None);
+    }
+    for (name, kind) in list(folder)? {
+        let is_ours = match (kind, mark_of(&name)) {
+            (Kind::File, Some(mark)) => bears(&read(&folder.join(&name))?, mark),
+            _ => false,
+        };
+        if !is_ours {
+            return Ok(Some(name));
+        }
+    }
+    Ok(None)
 }
 
-/// Writes `bytes` to `path`, replacing what was there atomically. Missing folders are made.
+/// Whether a file has a mark somewhere, or nothing that could be lost.
+pub fn bears(bytes: &[u8], mark: &str) -> bool {
+    let mark = mark.as_bytes();
+    bytes.is_empty() || mark.is_empty() || bytes.windows(mark.len()).any(|part| part == mark)
+}
+
+/// Writes `bytes` to `path`, replacing a regular file there atomically. Missing folders are made.
 ///
 /// # Errors
-/// [`Error::Write`], and [`Error::Input`] for more bytes than [`most`]; the old file is then still there.
+/// [`Error::Write`], and [`Error::Input`] for more bytes than [`most`], or if a link, a folder or a pipe has the name;
+/// what was there is then still there.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
+    free_for(path, Kind::File)?;
     let (size, most) = (bytes.len() as u64, most());
     if size > most {
         let problem = format!(
@@ -270,6 +290,20 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
     }
     // Without this a power loss may undo the rename.
     sync_folder(folder).map_err(|e| Error::write(path, e))
+}
+
+/// Refuses a path where neither nothing nor a file or folder of this kind is.
+pub(crate) fn free_for(path: &Path, expected: Kind) -> Result<()> {
+    let found = match kind(path) {
+        Some(found) if found != expected => found,
+        _ => return Ok(()),
+    };
+    let problem = format!(
+        "is {} in the place of {}, and stays as it is: move it away, or choose another folder",
+        found.word(),
+        expected.word()
+    );
+    Err(Error::input(path.display().to_string(), problem))
 }
 
 /// A new file beside `path`: no two threads write into one, nor do two processes, even of two machines.
@@ -336,53 +370,22 @@ pub fn check_writable(folder: &Path) -> Result<()> {
     tried.map_err(|e| Error::write(folder, e))
 }
 
-fn remove_raw(path: &Path) -> io::Result<()> {
+pub(crate) fn remove_raw(path: &Path) -> io::Result<()> {
     before(Call::Remove(path))?;
     std::fs::remove_file(path)
 }
 
-/// Removes a file of ours; nothing happens if there is none.
-///
-/// # Errors
-/// [`Error::Write`].
-pub fn remove(path: &Path) -> Result<()> {
-    match remove_raw(path) {
-        Err(e) if e.kind() != io::ErrorKind::NotFound => Err(Error::write(path, e)),
-        _ => Ok(()),
-    }
-}
-
-/// Removes a folder that is empty. Says whether it is gone: one that holds something stays.
-///
-/// # Errors
-/// [`Error::Write`].
-pub fn remove_if_empty(folder: &Path) -> Result<bool> {
-    let tried = before(Call::RemoveFolder(folder)).and_then(|()| std::fs::remove_dir(folder));
-    match tried {
-        Ok(()) => Ok(true),
-        Err(e) if e.kind() == io::ErrorKind::DirectoryNotEmpty => Ok(false),
-        Err(e) => Err(Error::write(folder, e)),
-    }
-}
-
-/// Removes what killed processes of ours left half written in a folder itself; whatever cannot be removed
-/// stays.
-pub fn clear_partials(folder: &Path) {
-    for (name, kind) in list(folder).unwrap_or_default() {
-        if kind == Kind::File && is_partial(&name) {
-            let _ = remove_raw(&folder.join(name));
-        }
-    }
-}
-
 /// Whether a name is that of a file which is being written: `NAME.PROCESS-NUMBER` and [`PARTIAL`].
 pub fn is_partial(name: &str) -> bool {
-    let begin = name.strip_suffix(PARTIAL).and_then(|n| n.rsplit_once('.'));
+    partial_of(name).is_some()
+}
+
+/// The name that a file which is being written will have; `None` of other files.
+pub(crate) fn partial_of(name: &str) -> Option<&str> {
+    let (name, writer) = name.strip_suffix(PARTIAL)?.rsplit_once('.')?;
+    let (process, count) = writer.split_once('-')?;
     let number = |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
-    begin.is_some_and(|(name, writer)| {
-        let of = writer.split_once('-');
-        !name.is_empty() && of.is_some_and(|(process, count)| number(process) && number(count))
-    })
+    (!name.is_empty() && number(process) && number(count)).then_some(name)
 }
 
 /// Opens a folder to lock it.

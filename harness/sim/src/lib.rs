@@ -16,6 +16,7 @@
 
 #![forbid(unsafe_code)]
 
+pub mod below;
 pub mod block_averaging;
 pub mod body;
 pub mod chain;

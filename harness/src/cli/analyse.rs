@@ -12,6 +12,7 @@ use bitgrain_analysis::claims::means;
 use bitgrain_analysis::claims::{lines, table};
 use bitgrain_analysis::report::campaign_page;
 use bitgrain_lab::campaign::folder::CampaignFolder;
+use bitgrain_lab::folder::{refuse_foreign, write_beside};
 use bitgrain_sim::disk::{is_folder, write_whole};
 use bitgrain_sim::error::Result;
 use bitgrain_sim::files::read_text;
@@ -58,14 +59,22 @@ pub(super) fn run(what: Analyse) -> Result<()> {
     let folder = CampaignFolder(&what.from);
     // With a file named, no others are written.
     let own = is_folder(&what.from) && what.out.is_none() && what.report.is_none();
-    let findings = what.out.or(own.then(|| folder.analysis()));
-    let page = what
-        .report
-        .or((own && evidence.beside.is_some()).then(|| folder.report()));
-    if let Some(path) = findings {
+    if own {
+        let page = evidence.beside.is_some();
+        let page = page.then(|| (folder.report(), campaign_page(&evidence)));
+        let both = [(folder.analysis(), evidence.text())];
+        let both: Vec<_> = both.into_iter().chain(page).collect();
+        for (path, _) in &both {
+            refuse_foreign(path)?;
+        }
+        for (path, text) in both {
+            write_beside(&path, text.as_bytes())?;
+        }
+    }
+    if let Some(path) = what.out {
         write_whole(&path, evidence.text().as_bytes())?;
     }
-    if let Some(path) = page {
+    if let Some(path) = what.report {
         write_whole(&path, campaign_page(&evidence).as_bytes())?;
     }
     Ok(())

@@ -99,10 +99,14 @@ pub(super) fn run(what: Benchmark) -> Result<()> {
 
 /// Refuses a folder with files that no benchmark writes: its summary and page would be overwritten.
 fn check_folder(folder: &Path) -> Result<()> {
-    let is_table = |name: &str| name.starts_with("test-") && name.ends_with(".csv");
-    let whole = [SUMMARY, PAGE, PERFORMANCE];
-    let ours = |name: &str| is_table(name) || whole.contains(&name) || is_partial(name);
-    match other_than(folder, ours)? {
+    let mark = |name: &str| match name {
+        SUMMARY => Some("\"published\": "),
+        PAGE => Some("Before you believe these numbers"),
+        PERFORMANCE => Some("\"bits_version\": "),
+        name if name.starts_with("test-") && name.ends_with(".csv") => Some("BITS_VERSION "),
+        name => is_partial(name).then_some(""),
+    };
+    match other_than(folder, mark)? {
         None => Ok(()),
         Some(other) => {
             let problem = format!(

@@ -184,8 +184,8 @@ fn submit(run: &Run, scenario: &CheckedScenario, out: &Path, program: &str) -> R
     submission.one(&Work {
         kind: "run",
         name: &scenario.name,
-        command: &shared_words(program, &["run", "--resume", folder], &options),
-        folder: Some(&quoted(folder)),
+        command: &shared_words(program, &["run", "--resume", &folder], &options),
+        folder: Some(&quoted(&folder)),
         threads: run.threads.unwrap_or(1),
     })?;
     submission.submit(run.dry_run)

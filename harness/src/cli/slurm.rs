@@ -8,7 +8,8 @@ use std::process::Command;
 
 use super::channels::print;
 use bitgrain_lab::folder::SUBMITTED;
-use bitgrain_sim::disk::{self, write_whole};
+use bitgrain_sim::below::Below;
+use bitgrain_sim::disk;
 use bitgrain_sim::error::{Error, Result};
 
 /// Most elements of an array: Slurm's own default allows indices up to 1000.
@@ -33,6 +34,7 @@ pub(super) struct Work<'a> {
 
 /// The files of one submission.
 pub(super) struct Submission {
+    out: PathBuf,
     folder: PathBuf,
     /// What is handed on to each `sbatch`, as a shell reads it.
     options: String,
@@ -63,16 +65,22 @@ impl Submission {
     pub(super) fn new(out: &Path, options: &[String]) -> Result<Self> {
         let (throttle, options) = throttle(options)?;
         let above = out.join(SUBMITTED);
+        Below(out).check_folder(&above)?;
         let names = disk::list(&above)?.into_iter();
         let last = names.filter_map(|(name, _)| name.parse::<u32>().ok()).max();
         let folder = above.join((last.unwrap_or(0) + 1).to_string());
         utf8(&folder)?;
         Ok(Self {
+            out: out.to_path_buf(),
             folder,
             options: options.concat(),
             throttle,
             steps: String::new(),
         })
+    }
+
+    fn write(&self, path: &Path, text: &str) -> Result<()> {
+        Below(&self.out).write(path, text.as_bytes())
     }
 
     /// Adds an array with an element for each of these tasks, or several arrays if there are too many for one.
@@ -83,9 +91,9 @@ impl Submission {
                 k => format!("{}-{}", work.kind, k + 1),
             };
             let list = self.folder.join(format!("{file}.txt"));
-            write_whole(&list, (part.join("\n") + "\n").as_bytes())?;
+            self.write(&list, &(part.join("\n") + "\n"))?;
             let array = format!("#SBATCH --array=1-{}{}\n", part.len(), self.throttle);
-            let list = quoted(utf8(&list)?);
+            let list = quoted(&utf8(&list)?);
             let task = format!("task=$(sed -n \"${{SLURM_ARRAY_TASK_ID}}p\" {list})\n");
             self.script(&file, "%A-%a", &array, &task, work)?;
         }
@@ -138,8 +146,8 @@ impl Submission {
                 work.command
             ),
         };
-        write_whole(&path, text.as_bytes())?;
-        self.steps += &format!("submit {}\n", quoted(utf8(&path)?));
+        self.write(&path, &text)?;
+        self.steps += &format!("submit {}\n", quoted(&utf8(&path)?));
         Ok(())
     }
 
@@ -162,8 +170,8 @@ impl Submission {
              }}\n{}",
             self.options, self.steps
         );
-        write_whole(&path, text.as_bytes())?;
-        let by_hand = format!("sh {}", quoted(utf8(&path)?));
+        self.write(&path, &text)?;
+        let by_hand = format!("sh {}", quoted(&utf8(&path)?));
         if write_only {
             return print(&format!("written, not submitted: `{by_hand}` submits it\n"));
         }
@@ -245,19 +253,32 @@ fn is_throttle(text: &str) -> bool {
 
 /// A word as a shell reads it.
 pub(super) fn quoted(word: &str) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "_-./:=,+@%".contains(c);
+    quoted_unless(word, "_-./:,+@%=")
+}
+
+/// The first word of a line: behind `A=` it would be the value of a variable.
+pub(super) fn quoted_first(word: &str) -> String {
+    quoted_unless(word, "_-./:,+@%")
+}
+
+fn quoted_unless(word: &str, signs: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || signs.contains(c);
     match !word.is_empty() && word.chars().all(plain) {
         true => word.to_string(),
         false => format!("'{}'", word.replace('\'', "'\\''")),
     }
 }
 
-/// The text of a path.
-pub(super) fn utf8(path: &Path) -> Result<&str> {
+/// The text of a path, which no program reads as an option.
+pub(super) fn utf8(path: &Path) -> Result<String> {
     let plain = |text: &&str| !text.contains(['\n', '\r']);
-    path.to_str().filter(plain).ok_or_else(|| {
+    let text = path.to_str().filter(plain).ok_or_else(|| {
         let problem = "cannot be written into a script: expected UTF-8 in one line";
         Error::input(path.display().to_string(), problem)
+    })?;
+    Ok(match text.starts_with('-') {
+        true => format!("./{text}"),
+        false => text.to_string(),
     })
 }
 
@@ -271,6 +292,7 @@ mod tests {
             assert_eq!(quoted(plain), plain);
         }
         assert_eq!(quoted("a b"), "'a b'");
+        assert_eq!(quoted_first("a=b/bitgrain"), "'a=b/bitgrain'");
         assert_eq!(quoted("it's $1"), "'it'\\''s $1'");
         assert_eq!(quoted(""), "''");
     }

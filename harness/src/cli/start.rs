@@ -94,8 +94,16 @@ pub(super) fn man(what: &Man, mut whole: Command) -> Result<()> {
         }
     }
     let count = pages.len();
+    let place = |name: &str| what.folder.join(format!("{name}.1"));
+    for (name, _) in &pages {
+        let held = disk::read_if_there(&place(name))?;
+        if held.is_some_and(|held| !disk::bears(&held, ".TH bitgrain")) {
+            let problem = "is no page of this program, and would be replaced: move it away, or choose another folder";
+            return Err(Error::input(shown(&place(name)), problem));
+        }
+    }
     for (name, command) in pages {
-        let path = what.folder.join(format!("{name}.1"));
+        let path = place(&name);
         let mut text = Vec::new();
         let rendered = clap_mangen::Man::new(command).render(&mut text);
         rendered.map_err(|e| Error::write(&path, e))?;

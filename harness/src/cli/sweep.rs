@@ -15,8 +15,8 @@ use bitgrain_lab::campaign::only::Only;
 use bitgrain_lab::campaign::table::CampaignTable;
 use bitgrain_lab::campaign::tasks::{Worker, perform};
 use bitgrain_lab::campaign::{self, forecast, sweep};
+use bitgrain_lab::folder::write_beside;
 use bitgrain_lab::run::SaveEvery;
-use bitgrain_sim::disk::write_whole;
 use bitgrain_sim::error::{Error, Result};
 
 /// What the command takes.
@@ -158,7 +158,7 @@ pub(super) fn run(what: Sweep, home: &Path, program: &str) -> Result<()> {
 
 /// The words that every process of a campaign in pieces is called with.
 fn command(what: &Sweep, program: &str) -> Result<String> {
-    let path = |path: Option<&Path>| path.map(|path| utf8(path).map(String::from)).transpose();
+    let path = |path: Option<&Path>| path.map(utf8).transpose();
     let sets = what.sets.iter().map(|set| ("--set", Some(set.clone())));
     let mut options: Vec<(&str, Option<String>)> = sets.collect();
     options.extend([
@@ -167,7 +167,8 @@ fn command(what: &Sweep, program: &str) -> Result<String> {
         ("--save-every", what.save_every.map(interval)),
         ("--max-input", max_input()),
     ]);
-    Ok(shared_words(program, &["sweep", &what.campaign], &options))
+    let campaign = utf8(Path::new(&what.campaign))?;
+    Ok(shared_words(program, &["sweep", &campaign], &options))
 }
 
 /// Writes what the table says, and holds it against another.
@@ -178,8 +179,8 @@ fn conclude(
 ) -> Result<()> {
     let folder = CampaignFolder(out);
     let evidence = Evidence::read(out, false)?;
-    write_whole(&folder.analysis(), evidence.text().as_bytes())?;
-    write_whole(&folder.report(), campaign_page(&evidence).as_bytes())?;
+    write_beside(&folder.analysis(), evidence.text().as_bytes())?;
+    write_beside(&folder.report(), campaign_page(&evidence).as_bytes())?;
     print(&format!(
         "table: {}\nreport: {}\n",
         shown(&outcome.table),

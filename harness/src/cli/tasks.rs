@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::channels::{MAX_INPUT, print};
-use super::slurm::{Submission, Work, quoted, utf8};
+use super::slurm::{Submission, Work, quoted, quoted_first, utf8};
 use bitgrain_lab::bed::library::BedCache;
 use bitgrain_lab::campaign::folder::CampaignFolder;
 use bitgrain_lab::campaign::only::Only;
@@ -12,6 +12,9 @@ use bitgrain_lab::campaign::tasks::{Ended, Missing, missing};
 use bitgrain_lab::run::SaveEvery;
 use bitgrain_sim::disk;
 use bitgrain_sim::error::{Error, Result};
+
+/// What a shell executes something for, unless quotes are round it.
+const SPECIAL: [char; 9] = ['$', '`', ';', '&', '|', '<', '>', '(', ')'];
 
 /// A campaign that is handed out in pieces.
 pub(super) struct Pieces<'a> {
@@ -48,6 +51,9 @@ impl Pieces<'_> {
     }
 
     /// Prints the commands of the tasks that are left, a line each.
+    ///
+    /// # Errors
+    /// [`Error::Input`] also for a name that programs between here and the shell may take the quotes from.
     pub(super) fn list(&self, kind: &str) -> Result<()> {
         let Missing { beds, drags } = self.missing()?;
         let wanted = match kind {
@@ -59,7 +65,13 @@ impl Pieces<'_> {
             let command = self.command(&quoted(task));
             format!("{command} --threads {}\n", self.threads)
         };
-        print(&wanted.iter().map(line).collect::<String>())
+        let lines: String = wanted.iter().map(line).collect();
+        if lines.contains(SPECIAL) {
+            let problem = "a name in the commands has one of $ ` ; & | < > ( ), which `xargs` hands to a shell \
+                           without its quotes: choose names without these";
+            return Err(Error::input("--tasks", problem));
+        }
+        print(&lines)
     }
 
     /// Writes job scripts of what is left, and submits them unless they are only to be written.
@@ -74,7 +86,7 @@ impl Pieces<'_> {
         let folder = CampaignFolder(self.out);
         folder.share(self.plan)?;
         let (tasks, name) = (folder.tasks(), &self.plan.campaign.name);
-        let place = format!("{}/\"$task\"", quoted(utf8(&tasks)?));
+        let place = format!("{}/\"$task\"", quoted(&utf8(&tasks)?));
         let command = self.command("\"$task\"");
         let work = |kind| Work {
             kind,
@@ -143,7 +155,7 @@ pub(super) fn shared_words(
     words: &[&str],
     options: &[(&str, Option<String>)],
 ) -> String {
-    let mut line = quoted(program);
+    let mut line = quoted_first(program);
     for word in words {
         line += &format!(" {}", quoted(word));
     }

@@ -95,7 +95,7 @@ const CAMPAIGN_VERBS: [Verb; 4] = [
 ];
 
 /// Everything below a folder: files by their bytes, others by their kind.
-fn inventory(root: &Path) -> BTreeMap<String, Vec<u8>> {
+pub fn inventory(root: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut found = BTreeMap::new();
     let mut open = vec![root.to_path_buf()];
     while let Some(next) = open.pop() {

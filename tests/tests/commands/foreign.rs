@@ -340,6 +340,37 @@ fn a_campaigns_folder_stands_alone() {
     assert!(!told.contains("`bed.file`"), "{status:?} {told}");
 }
 
+/// A run's folder reads no file elsewhere, whatever its scenario names.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours a small bed: seconds in release")]
+fn a_runs_folder_stands_alone() {
+    let room = crate::FURNISHED.copy();
+    let secret = "a line that is told to nobody\n";
+    room.write("secret", secret);
+    room.write("run/beds/imported/sub/secret", secret);
+    let here = room.path("secret");
+    let whole = String::from_utf8(room.read("run/scenario.toml")).unwrap();
+    for file in [
+        here.to_str().unwrap(),
+        "../secret",
+        "beds/imported/../../../secret",
+        "beds/imported/sub/secret",
+        "beds/bed.data",
+    ] {
+        let named = whole.replacen("[bed]\n", &format!("[bed]\nfile = \"{file}\"\n"), 1);
+        assert_ne!(named, whole);
+        room.write("run/scenario.toml", named);
+        for words in [
+            "verify run",
+            "run --resume run",
+            "replay run --stage run-1 --steps 1",
+        ] {
+            let told = room.says(words, 2);
+            assert!(!told.contains("nobody"), "{words}: {told}");
+        }
+    }
+}
+
 /// Claims with numbers that are none, and more of them than can be compared with each other.
 #[test]
 fn books_with_impossible_numbers_are_refused() {

@@ -32,6 +32,8 @@ mod memory;
 mod notices;
 mod packed;
 mod parsers;
+#[cfg(unix)]
+mod planted;
 mod recorder;
 mod recordings;
 mod releases;

@@ -65,8 +65,8 @@ fn lines_make_the_bytes_of_one_process_in_any_shell() {
     // One after the other; two at a time; and all at once, so that drags wait for beds.
     for shell in [
         "sh",
-        "xargs -P 2 -I{} sh -c '{}'",
-        "xargs -P 6 -I{} sh -c '{}'",
+        "tr '\\n' '\\0' | xargs -0 -P 2 -I{} sh -c '{}'",
+        "tr '\\n' '\\0' | xargs -0 -P 6 -I{} sh -c '{}'",
     ] {
         let desk = Desk::new(PROGRAM, CAMPAIGN);
         let list = lines(&desk, &[]);
@@ -99,6 +99,34 @@ fn lines_make_the_bytes_of_one_process_in_any_shell() {
         same(&desk, want);
         assert!(!desk.out().join("tasks").exists());
     }
+}
+
+/// Programs between the list and a shell may take quotes away, and no path is an option.
+#[test]
+fn lines_execute_nothing_but_the_program() {
+    let desk = Desk::new(PROGRAM, CAMPAIGN);
+    for out in [
+        "$(touch x)",
+        "a;touch x",
+        "a&touch x",
+        "`touch x`",
+        "a|touch x",
+        "a>x",
+    ] {
+        let told = desk.sweep(&["--tasks", "--out", out]);
+        let text = String::from_utf8_lossy(&told.stderr).into_owned();
+        assert_eq!(told.status.code(), Some(2), "{out}: {text}");
+        assert!(told.stdout.is_empty() && text.contains("--tasks"), "{text}");
+    }
+    let list = lines(&desk, &["--out=-x", "--beds=-y"]);
+    assert!(list[0].contains(" --out ./-x --beds ./-y "), "{}", list[0]);
+    desk.write("camp.toml", &CAMPAIGN.replace("\"friction\"", "\"-x\""));
+    let told = desk.sweep(&["--tasks"]);
+    let text = String::from_utf8_lossy(&told.stderr).into_owned();
+    assert!(
+        told.status.code() == Some(2) && text.contains("grid.name"),
+        "{text}"
+    );
 }
 
 /// In two stages nobody waits; a plain sweep does what workers have left.

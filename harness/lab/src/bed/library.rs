@@ -1,11 +1,14 @@
 //! The library of settled beds: a folder with one folder a bed, named by the first sixteen digits of
 //! its recipe's digest, in it the recipe and the checkpoint.
 
+use std::fs::TryLockError;
 use std::path::{Path, PathBuf};
 
 use super::prove;
 use super::recipe::Recipe;
-use bitgrain_sim::disk::{self, Kind, write_whole};
+use bitgrain_sim::below::Below;
+use bitgrain_sim::checkpoint;
+use bitgrain_sim::disk::{self, Kind};
 use bitgrain_sim::error::{Error, Result};
 
 /// Digits of a digest that name a bed.
@@ -64,6 +67,7 @@ impl BedCache {
     pub fn find(&self, recipe: &Recipe) -> Result<Option<Vec<u8>>> {
         let digest = recipe.digest();
         let path = self.checkpoint(&digest);
+        Below(&self.folder).check_file(&path)?;
         let Some(bytes) = disk::read_if_there(&path)? else {
             return Ok(None);
         };
@@ -84,17 +88,55 @@ impl BedCache {
 
     /// Whether there is a bed made from this recipe, sound or not.
     pub fn has(&self, recipe: &Recipe) -> bool {
-        disk::is_there(&self.checkpoint(&recipe.digest()))
+        let path = self.checkpoint(&recipe.digest());
+        disk::is_there(&path) && Below(&self.folder).check_file(&path).is_ok()
     }
 
     /// Keeps a settled bed: the bytes of its checkpoint.
     ///
     /// # Errors
-    /// [`Error::Write`].
+    /// As [`BedCache::prepare`].
     pub fn keep(&self, recipe: &Recipe, bytes: &[u8]) -> Result<()> {
+        self.check_place(recipe)?;
         let path = self.checkpoint(&recipe.digest());
-        write_whole(&path.with_file_name(RECIPE), recipe.text().as_bytes())?;
-        write_whole(&path, bytes)
+        let place = path.parent().unwrap_or(&self.folder);
+        disk::make_folder(place)?;
+        // Who removes the bed meanwhile is told that it is being written.
+        let writing = disk::open_folder(place).ok();
+        let _locked = writing.as_ref().map(std::fs::File::try_lock_shared);
+        let below = Below(&self.folder);
+        below.write(&path.with_file_name(RECIPE), recipe.text().as_bytes())?;
+        below.write(&path, bytes)
+    }
+
+    /// Makes sure, before days of pouring, that these beds can be kept.
+    ///
+    /// # Errors
+    /// [`Error::Write`] if nothing can be written; [`Error::Input`] if something of others has the place of a bed.
+    pub fn prepare<'a>(&self, recipes: impl IntoIterator<Item = &'a Recipe>) -> Result<()> {
+        let mut any = false;
+        for recipe in recipes {
+            self.check_place(recipe)?;
+            any = true;
+        }
+        match any {
+            true => disk::check_writable(&self.folder),
+            false => Ok(()),
+        }
+    }
+
+    /// Refuses a link or another kind of thing in the place of a bed's file, and a file there that is none of a bed.
+    fn check_place(&self, recipe: &Recipe) -> Result<()> {
+        let bed = self.checkpoint(&recipe.digest());
+        for path in [bed.with_file_name(RECIPE), bed] {
+            Below(&self.folder).check_file(&path)?;
+            if disk::is_there(&path) && !is_ours(&path)? {
+                let problem = "has the name of a bed's file and is none: it is not replaced; move it away, or choose \
+                               another --beds";
+                return Err(Error::input(path.display().to_string(), problem));
+            }
+        }
+        Ok(())
     }
 
     /// The beds, by name.
@@ -163,13 +205,35 @@ impl BedCache {
     /// holds other files it stays with them.
     ///
     /// # Errors
-    /// [`Error::Write`].
+    /// [`Error::Input`] if another process is writing the bed; [`Error::Write`].
     pub fn remove(&self, bed: &CachedBed) -> Result<bool> {
-        let path = self.folder.join(&bed.name);
-        disk::clear_partials(&path);
-        for file in FILES {
-            disk::remove(&path.join(file))?;
+        let (path, below) = (self.folder.join(&bed.name), Below(&self.folder));
+        below.check_folder(&path)?;
+        let folder = disk::open_folder(&path).map_err(|e| Error::read(&path, &e))?;
+        match folder.try_lock() {
+            Ok(()) => below.clear_partials(&path, |_| true),
+            Err(TryLockError::WouldBlock) => {
+                let problem = "is being written by another process: give the command again once that has ended";
+                return Err(Error::input(path.display().to_string(), problem));
+            }
+            // The file system has no locks: what is half written may be in use.
+            Err(TryLockError::Error(_)) => {}
         }
-        disk::remove_if_empty(&path)
+        for path in FILES.map(|file| path.join(file)) {
+            if disk::kind(&path) == Some(Kind::File) && is_ours(&path)? {
+                below.remove(&path)?;
+            }
+        }
+        below.remove_if_empty(&path)
     }
+}
+
+/// Whether a file of a bed's folder is one that was written for a bed, damaged or not, and not something of others.
+fn is_ours(path: &Path) -> Result<bool> {
+    let held = disk::read(path)?;
+    let text = || std::str::from_utf8(&held).unwrap_or_default();
+    Ok(match path.ends_with(RECIPE) {
+        true => held.is_empty() || toml::from_str::<Recipe>(text()).is_ok(),
+        false => checkpoint::begins(&held),
+    })
 }

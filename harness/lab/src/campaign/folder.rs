@@ -7,9 +7,11 @@ use serde::{Deserialize, Serialize};
 use super::plan::{Member, Plan};
 use super::written;
 use crate::changes;
-use crate::folder::{Contents, DirectoryLock, SUBMITTED, refuse_others};
+use crate::folder::{ANALYSIS, Contents, DirectoryLock, Folder, REPORT, SUBMITTED, refuse_others};
 use crate::manifest::{self, FolderKind, Ledger, Vouched};
 use crate::pace::Pace;
+use crate::run::stages;
+use bitgrain_sim::below::Below;
 use bitgrain_sim::disk::{self, Kind};
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::files::bits;
@@ -21,18 +23,16 @@ pub(super) const FAILURE: &str = "failure.json";
 pub const CAMPAIGN: Contents = Contents {
     of: FolderKind::Campaign,
     marker: "campaign.toml",
-    names: &[
+    files: &[
         "campaign.toml",
         manifest::NAME,
-        "members",
         "results.csv",
         "results.parquet",
         crate::pace::NAME,
-        "analysis.json",
-        "report.html",
-        TASKS,
-        SUBMITTED,
+        ANALYSIS,
+        REPORT,
     ],
+    folders: &["members", TASKS, SUBMITTED],
 };
 
 /// The folder of what workers do, until it is gathered.
@@ -117,12 +117,12 @@ impl CampaignFolder<'_> {
 
     /// What the table says.
     pub fn analysis(&self) -> PathBuf {
-        self.0.join("analysis.json")
+        self.0.join(ANALYSIS)
     }
 
     /// The same as a page.
     pub fn report(&self) -> PathBuf {
-        self.0.join("report.html")
+        self.0.join(REPORT)
     }
 
     /// The run directory of a member.
@@ -169,7 +169,7 @@ impl CampaignFolder<'_> {
         if old == text.as_bytes() || !old.is_empty() && self.has_begun() {
             return Ok(());
         }
-        disk::write_whole(&path, text.as_bytes())
+        Below(self.0).write(&path, text.as_bytes())
     }
 
     /// Refuses a folder that holds something else; nothing is written.
@@ -178,10 +178,26 @@ impl CampaignFolder<'_> {
     /// [`Error::Input`] with the difference.
     pub fn refuse_others(&self, plan: &Plan) -> Result<()> {
         refuse_others(self.0, &CAMPAIGN)?;
+        self.refuse_links(plan)?;
         match self.has_begun() {
             true => self.refuse_another(plan, &self.text(plan)),
             false => Ok(()),
         }
+    }
+
+    /// Refuses a folder in which a folder of a member or task is a link or something else.
+    fn refuse_links(&self, plan: &Plan) -> Result<()> {
+        let below = Below(self.0);
+        for member in &plan.members {
+            let place = self.member(&member.name);
+            for own in Folder(&place).own_folders(&member.scenario) {
+                below.check_folder(&own)?;
+            }
+            for stage in stages(&member.scenario) {
+                below.check_folder(&self.task(&member.name, &stage))?;
+            }
+        }
+        Ok(())
     }
 
     /// Whether anything was made in it: a campaign that ended before that does not count.
@@ -205,11 +221,17 @@ impl CampaignFolder<'_> {
     pub(super) fn claim(&self, plan: &Plan) -> Result<DirectoryLock> {
         let text = self.text(plan);
         let claim = DirectoryLock::take(self.0, &CAMPAIGN, &Self::stages(plan), |ledger| {
+            self.refuse_links(plan)?;
             self.survey(plan, &text, ledger)?;
+            for own in [self.table(), self.parquet()] {
+                ledger.refuse_foreign(&own)?;
+            }
             ledger.write(&self.campaign(), text.as_bytes())
         })?;
         if claim.sure {
-            disk::clear_partials(self.0);
+            // Workers write the campaign's file without a lock: one may begin now.
+            let own = |name: &str| name != CAMPAIGN.marker;
+            Below(self.0).clear_partials(self.0, own);
         }
         claim.ledger.save()?;
         Ok(claim)

@@ -136,7 +136,7 @@ fn is_folder_name(name: &str) -> bool {
     let plain = |c: char| !c.is_control() && !"/\\:*?\"<>|".contains(c);
     !name.is_empty()
         && name.len() <= NAME_MAX
-        && !name.starts_with(['.', ' '])
+        && !name.starts_with(['.', ' ', '-'])
         && !name.ends_with(['.', ' '])
         && name.chars().all(plain)
 }

@@ -20,7 +20,7 @@ use crate::progress::{Overall, Progress};
 use crate::run::{self, SaveEvery, Setting, WriteReport, side_by_side};
 use crate::scenario::{BedPlan, CheckedScenario};
 use crate::summary::{BedSummary, parse_record};
-use bitgrain_sim::disk::{self, check_writable};
+use bitgrain_sim::disk;
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::files::read_text;
 use jobs::{Job, Slot, first_cause, jobs};
@@ -129,7 +129,7 @@ pub fn sweep(what: &Sweep<'_>) -> Result<Outcome> {
     }
     let outcome = under.conclude()?;
     if under.slots().iter().all(Option::is_some) {
-        tasks::clear(folder, what.progress)?;
+        tasks::clear(folder, what.plan, what.progress)?;
     }
     Ok(outcome)
 }
@@ -184,20 +184,18 @@ impl Under<'_> {
 
     /// Finds out now rather than after days of pouring whether beds can be kept.
     fn check_library(&self) -> Result<()> {
-        let poured = |&member: &usize| {
+        let mut recipes = Vec::new();
+        for member in self.open().into_iter().flatten() {
             let scenario = self.scenario(member);
-            let missing = |bed: &BedPlan| !self.at_hand(member, bed);
-            scenario.source.is_none() && scenario.beds().iter().any(missing)
-        };
-        match self
-            .open()
-            .into_iter()
-            .flatten()
-            .any(|member| poured(&member))
-        {
-            true => check_writable(self.what.library.folder()),
-            false => Ok(()),
+            if scenario.source.is_none() {
+                let missing = scenario
+                    .beds()
+                    .iter()
+                    .filter(|bed| !self.at_hand(member, bed));
+                recipes.extend(missing.map(|bed| Recipe::new(scenario, bed)));
+            }
         }
+        self.what.library.prepare(&recipes)
     }
 
     fn run_folder(&self, job: &Job) -> PathBuf {

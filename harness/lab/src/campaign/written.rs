@@ -6,7 +6,8 @@ use toml::{Table, Value};
 
 use super::keys::{Base, Campaign};
 use super::plan::{Plan, parse_campaign, plan_of};
-use bitgrain_sim::disk::{self, Kind};
+use bitgrain_sim::below::Below;
+use bitgrain_sim::disk;
 use bitgrain_sim::error::{Error, Result};
 
 /// Parses the text of `campaign.toml` in the folder of a campaign and plans it; `place` is what errors call it. The
@@ -45,7 +46,8 @@ fn copy(file: &mut Value, folder: &Path) -> std::result::Result<(), String> {
     let members = folder.join("members");
     let names = disk::list(&members).map_err(|e| e.to_string())?.into_iter();
     let mut copies = names.map(|(member, _)| members.join(member).join("beds/imported").join(name));
-    let copies: Option<PathBuf> = copies.find(|copy| disk::kind(copy) == Some(Kind::File));
+    let is_copy = |copy: &PathBuf| disk::is_there(copy) && Below(folder).check_file(copy).is_ok();
+    let copies: Option<PathBuf> = copies.find(is_copy);
     let found = copies
         .as_ref()
         .and_then(|copy| copy.strip_prefix(folder).ok());

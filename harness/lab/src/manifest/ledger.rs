@@ -7,14 +7,15 @@ use std::sync::{Mutex, MutexGuard};
 use super::record::{
     Departure, FileRecord, FolderKind, Manifest, NAME, RESULTS, StageRecord, relative,
 };
-use bitgrain_sim::disk::{self, write_whole};
+use bitgrain_sim::below::Below;
+use bitgrain_sim::disk;
 use bitgrain_sim::error::{Error, Result};
 
 /// The manifest of a folder that this process owns: files are written through it, and what lies in the folder
 /// counts only if it vouches for it.
 ///
 /// It is saved before each state that a stage is to go on from, so that it vouches for all that was written up
-/// to that state.
+/// to that state, and before each file that has no entry on the disk yet: a file without one was not written here.
 #[derive(Debug)]
 pub struct Ledger {
     root: PathBuf,
@@ -27,6 +28,8 @@ struct Known {
     entries: BTreeMap<String, FileRecord>,
     /// Files that are as their entries say.
     sound: BTreeSet<String>,
+    /// Files that have an entry in the manifest on the disk.
+    listed: BTreeSet<String>,
     /// What lies on the disk.
     saved: Option<String>,
 }
@@ -69,16 +72,20 @@ impl Ledger {
             manifest: Manifest::new(of, stages),
             entries: BTreeMap::new(),
             sound: BTreeSet::new(),
+            listed: BTreeSet::new(),
             saved: old.as_ref().map(Manifest::text),
         };
+        known.manifest.adopts = damage.is_some();
         if let Some(old) = old {
             let manifest = &mut known.manifest;
+            manifest.adopts = old.adopts;
             for stage in &mut manifest.stages {
                 let before = old.stages.iter().find(|one| one.name == stage.name);
                 *stage = before.unwrap_or(stage).clone();
             }
             manifest.finished = old.finished && manifest.stages == old.stages;
             known.entries = old.entries();
+            known.listed = known.entries.keys().cloned().collect();
         }
         for (path, entry) in &known.entries {
             match entry.read(root) {
@@ -107,6 +114,28 @@ impl Ledger {
     /// Whether a file is there and as it was written.
     pub fn vouches(&self, path: &Path) -> bool {
         self.known().sound.contains(&self.name(path))
+    }
+
+    /// Refuses a file of others in the place of one that will be written: something lies there, and the manifest has no
+    /// entry of it. If the manifest was lost, what lies in its folder counts as written here.
+    ///
+    /// # Errors
+    /// [`Error::Input`], also if it is no regular file or is reached through a link.
+    pub fn refuse_foreign(&self, path: &Path) -> Result<()> {
+        Below(&self.root).check_file(path)?;
+        let known = self.known();
+        if known.manifest.adopts
+            || known.entries.contains_key(&self.name(path))
+            || !disk::is_there(path)
+        {
+            return Ok(());
+        }
+        let problem = format!(
+            "has the name of a file of the {}, and {NAME} has no entry of it: it is not replaced; move it away, or \
+             choose another folder",
+            known.manifest.of.word()
+        );
+        Err(Error::input(path.display().to_string(), problem))
     }
 
     /// Whether there is an entry of a file, in whatever state it is.
@@ -147,45 +176,91 @@ impl Ledger {
     /// Writes a file of results, unless it is there with these bytes.
     ///
     /// # Errors
-    /// [`Error::Write`]; [`Error::Unverified`] if it was listed with other bytes and is of a kind that always
-    /// comes out the same: then somebody changed the manifest or what it was made from.
+    /// As [`Ledger::write_all`].
     pub fn write(&self, path: &Path, bytes: &[u8]) -> Result<()> {
-        let name = self.name(path);
-        let entry = FileRecord::of(&name, bytes);
-        let before = self.known().entries.get(&name).cloned();
-        if before.as_ref() == Some(&entry) {
-            if self.known().sound.contains(&name) {
-                return Ok(());
-            }
-        } else if before.is_some() && !may_change(&name) {
-            let problem = format!(
-                "{}, made again, does not match its entry in {NAME}",
-                path.display()
-            );
-            return Err(Error::Unverified {
-                problem,
-                hint: CONFLICT,
-            });
-        }
-        write_whole(path, bytes)?;
+        self.write_all(&[(path, bytes)])
+    }
+
+    /// Writes files of results, but those that are there with these bytes.
+    ///
+    /// # Errors
+    /// [`Error::Write`]; [`Error::Input`] if something lies in the place of one that is no file; [`Error::Unverified`]
+    /// if one was listed with other bytes and is of a kind that always comes out the same: then somebody changed the
+    /// manifest or what it was made from.
+    pub fn write_all(&self, files: &[(impl AsRef<Path>, impl AsRef<[u8]>)]) -> Result<()> {
+        let files = files.iter().map(|(path, bytes)| {
+            let (path, bytes) = (path.as_ref(), bytes.as_ref());
+            (path, bytes, FileRecord::of(&self.name(path), bytes))
+        });
+        let mut open: Vec<(&Path, &[u8], FileRecord)> = files.collect();
         let mut known = self.known();
-        known.entries.insert(name.clone(), entry);
-        known.sound.insert(name);
+        open.retain(|(_, _, entry)| {
+            let same = known.entries.get(&entry.path) == Some(entry);
+            !(same && known.sound.contains(&entry.path))
+        });
+        for (path, _, entry) in &open {
+            match known.entries.get(&entry.path) {
+                Some(before) if before != entry && !may_change(&entry.path) => {
+                    let problem = format!(
+                        "{}, made again, does not match its entry in {NAME}",
+                        path.display()
+                    );
+                    return Err(Error::Unverified {
+                        problem,
+                        hint: CONFLICT,
+                    });
+                }
+                _ => {}
+            }
+            Below(&self.root).check_file(path)?;
+        }
+        let fresh = |entry: &FileRecord| !known.listed.contains(&entry.path);
+        if open.iter().any(|(_, _, entry)| fresh(entry)) {
+            for (_, _, entry) in &open {
+                known.sound.remove(&entry.path);
+                known.entries.insert(entry.path.clone(), entry.clone());
+            }
+            known = self.save_known(known)?;
+        }
+        drop(known);
+        for (path, bytes, entry) in open {
+            Below(&self.root).write(path, bytes)?;
+            let mut known = self.known();
+            known.sound.insert(entry.path.clone());
+            known.entries.insert(entry.path.clone(), entry);
+        }
         Ok(())
     }
 
-    /// Removes a file of results.
+    /// Writes a state to go on from, which the manifest does not list.
+    ///
+    /// # Errors
+    /// [`Error::Write`]; [`Error::Input`] if something lies there that is no file.
+    pub fn write_state(&self, path: &Path, bytes: &[u8]) -> Result<()> {
+        Below(&self.root).write(path, bytes)
+    }
+
+    /// Removes a file of results, if there is an entry of it.
     ///
     /// # Errors
     /// [`Error::Write`].
     pub fn remove(&self, path: &Path) -> Result<()> {
         let name = self.name(path);
         let mut known = self.known();
-        if known.entries.remove(&name).is_some() {
-            known.sound.remove(&name);
+        if known.entries.remove(&name).is_none() {
+            return Ok(());
         }
+        known.sound.remove(&name);
         drop(known);
-        disk::remove(path)
+        Below(&self.root).remove(path)
+    }
+
+    /// Removes a state to go on from; nothing happens if there is none.
+    ///
+    /// # Errors
+    /// [`Error::Write`]; [`Error::Input`] if something lies there that is no file.
+    pub fn remove_state(&self, path: &Path) -> Result<()> {
+        Below(&self.root).remove(path)
     }
 
     /// Records that a stage is finished with this link, and saves.
@@ -206,7 +281,7 @@ impl Ledger {
                 link: link.into(),
             };
         }
-        self.save_known(known)
+        self.save_known(known).map(drop)
     }
 
     /// Records that all of it is finished, saves, and returns the closing hash.
@@ -216,7 +291,8 @@ impl Ledger {
     pub fn finish(&self) -> Result<String> {
         let mut known = self.known();
         known.manifest.finished = known.manifest.stages.iter().all(|stage| stage.finished);
-        self.save_known(known)?;
+        known.manifest.adopts &= !known.manifest.finished;
+        drop(self.save_known(known)?);
         Ok(self.closing())
     }
 
@@ -230,18 +306,19 @@ impl Ledger {
     /// # Errors
     /// [`Error::Write`].
     pub fn save(&self) -> Result<()> {
-        self.save_known(self.known())
+        self.save_known(self.known()).map(drop)
     }
 
     /// The same; nobody changes or saves it meanwhile.
-    fn save_known(&self, mut known: MutexGuard<'_, Known>) -> Result<()> {
+    fn save_known<'a>(&self, mut known: MutexGuard<'a, Known>) -> Result<MutexGuard<'a, Known>> {
         let text = known.manifest().text();
         let path = self.root.join(NAME);
         if known.saved.as_ref() != Some(&text) || !disk::is_there(&path) {
-            write_whole(&path, text.as_bytes())?;
+            Below(&self.root).write(&path, text.as_bytes())?;
             known.saved = Some(text);
+            known.listed = known.entries.keys().cloned().collect();
         }
-        Ok(())
+        Ok(known)
     }
 }
 
@@ -265,4 +342,45 @@ fn may_change(name: &str) -> bool {
         "analysis.json",
     ]
     .contains(&file)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn open(root: &Path) -> Ledger {
+        let stages = ["bed".to_string()];
+        Ledger::open(root, FolderKind::Run, &stages).unwrap().0
+    }
+
+    #[test]
+    fn a_file_is_listed_before_it_is_written_and_one_that_is_not_is_of_others() {
+        let folder = tempfile::tempdir().unwrap();
+        let [ours, others] = ["beds/a", "beds/b"].map(|name| folder.path().join(name));
+        open(folder.path()).write(&ours, b"1").unwrap();
+        std::fs::write(&others, "mine").unwrap();
+        let ledger = open(folder.path());
+        assert!(ledger.vouches(&ours));
+        ledger.refuse_foreign(&ours).unwrap();
+        let told = ledger.refuse_foreign(&others).unwrap_err().to_string();
+        assert!(told.contains("no entry"), "{told}");
+        ledger.remove(&others).unwrap();
+        assert!(others.exists());
+    }
+
+    #[test]
+    fn where_the_manifest_was_lost_files_count_as_ours_until_all_is_finished() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("beds/a");
+        open(folder.path()).write(&path, b"1").unwrap();
+        std::fs::remove_file(folder.path().join(NAME)).unwrap();
+        open(folder.path()).save().unwrap();
+        // Killed before it wrote the file again, and begun once more.
+        let ledger = open(folder.path());
+        ledger.refuse_foreign(&path).unwrap();
+        ledger.write(&path, b"1").unwrap();
+        ledger.finish_stage("bed", "ab").unwrap();
+        ledger.finish().unwrap();
+        assert!(!Manifest::of(folder.path()).unwrap().unwrap().adopts);
+    }
 }

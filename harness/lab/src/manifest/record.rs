@@ -75,6 +75,10 @@ pub struct Manifest {
     pub of: FolderKind,
     /// Whether all of it is finished.
     pub finished: bool,
+    /// Whether an earlier manifest was lost, and it is not finished since: files that have no entry count as written
+    /// here.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub adopts: bool,
     /// Its stages, in the order in which they are run.
     pub stages: Vec<StageRecord>,
     /// Its files, by path.
@@ -158,6 +162,7 @@ impl Manifest {
             bits_version: BITS_VERSION,
             of,
             finished: false,
+            adopts: false,
             stages: stages.iter().map(stage).collect(),
             files: Vec::new(),
             closing: String::new(),

@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 
 use bitgrain_kernel::record::{Chain, HEAD};
+use bitgrain_sim::below::Below;
 use bitgrain_sim::disk::{self, Appended};
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::simulation::hex;
@@ -64,7 +65,7 @@ impl Recorder {
         let mut file = Appended::create(&path, disk::most())?;
         if let Err(e) = file.append(HEAD.as_bytes()) {
             // What is no recording must not be taken for one.
-            disk::remove(&path)?;
+            Below(folder).remove(&path)?;
             return Err(e);
         }
         Ok(Self {
@@ -134,7 +135,7 @@ impl Recorder {
             views.push((*name, view.map_err(wrong)?));
         }
         let bytes = serialize(views, None).map_err(wrong)?;
-        disk::write_whole(&path, &bytes)?;
+        Below(&self.folder).write(&path, &bytes)?;
         if let Keep::Last(count) = self.keep {
             // Tried again after a failure it is there already.
             if self.ring.back() != Some(&path) {
@@ -143,7 +144,7 @@ impl Recorder {
             if self.ring.len() > count
                 && let Some(oldest) = self.ring.front()
             {
-                disk::remove(oldest)?;
+                Below(&self.folder).remove(oldest)?;
                 self.ring.pop_front();
             }
         }

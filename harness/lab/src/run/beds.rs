@@ -195,12 +195,12 @@ fn fetch_bed(
         if !library.has(&recipe) {
             library.keep(&recipe, &bytes)?;
         }
-        disk::remove(&saved)?;
+        ledger.remove_state(&saved)?;
         return Ok(("reused", 0));
     }
     if let Some(bytes) = library.find(&recipe)? {
         ledger.write(path, &bytes)?;
-        disk::remove(&saved)?;
+        ledger.remove_state(&saved)?;
         return Ok(("reused", 0));
     }
     let (mut bed, how) = match unsettled_here(setting, plan, &saved)? {

@@ -11,9 +11,10 @@ use crate::folder::{DirectoryLock, Folder, RUN, at_work};
 use crate::manifest::Ledger;
 use crate::scenario::{BedPlan, CheckedScenario, Scenario};
 use crate::summary::{DragRecord, Summary};
+use bitgrain_sim::below::Below;
 use bitgrain_sim::chain;
 use bitgrain_sim::checkpoint::{self, StageState};
-use bitgrain_sim::disk::{self, Kind};
+use bitgrain_sim::disk;
 use bitgrain_sim::error::{Error, Result};
 
 /// Takes the folder for this scenario: a new one, or one that holds the same scenario. The file of an imported
@@ -45,7 +46,7 @@ pub(crate) fn try_claim(
     if claim.sure {
         // Left by a killed process; nobody else writes here now.
         for own in folder.own_folders(scenario) {
-            disk::clear_partials(&own);
+            Below(folder.0).clear_partials(&own, |_| true);
         }
     }
     let inputs = folder.inputs(scenario);
@@ -68,8 +69,11 @@ pub fn stages(scenario: &CheckedScenario) -> Vec<String> {
     beds.chain(drags).cloned().collect()
 }
 
-/// Refuses a folder in which anything is of another scenario.
+/// Refuses a folder in which anything is of another scenario, or something of others has a place of this one.
 fn survey(folder: &Folder<'_>, scenario: &CheckedScenario, ledger: &Ledger) -> Result<()> {
+    for own in folder.own_folders(scenario) {
+        Below(folder.0).check_folder(&own)?;
+    }
     refuse_other_scenario(folder, scenario, ledger)?;
     let each = Looking { ledger };
     for plan in scenario.all_beds() {
@@ -84,6 +88,14 @@ fn survey(folder: &Folder<'_>, scenario: &CheckedScenario, ledger: &Ledger) -> R
         }
     }
     let inputs = folder.inputs(scenario);
+    if let (Some(source), Some(file)) = (&scenario.source, &inputs.bed.file) {
+        let copy = folder.0.join(file);
+        let other =
+            copy != *source && disk::is_there(&copy) && disk::read(&copy)? != disk::read(source)?;
+        if other {
+            ledger.refuse_foreign(&copy)?;
+        }
+    }
     for plan in scenario.drags() {
         let key = scenario.key(&plan.name);
         let kept = plan.checkpoints.iter();
@@ -152,8 +164,7 @@ fn refuse_other_scenario(
 
 /// Whether the text of a folder's scenario means the same with other spaces or comments.
 fn same_scenario(folder: &Folder<'_>, text: &str, scenario: &CheckedScenario) -> bool {
-    let place = folder.scenario().display().to_string();
-    let read = crate::scenario::parse(text, &place, &[], folder.0);
+    let read = folder.parse_saved(text);
     read.is_ok_and(|read| folder.inputs(&read) == folder.inputs(scenario))
 }
 
@@ -168,14 +179,7 @@ impl Looking<'_> {
         if self.ledger.vouches(path) {
             return Ok(None);
         }
-        match disk::kind(path) {
-            None | Some(Kind::Link | Kind::Other) => Ok(None),
-            Some(Kind::Folder) => {
-                let problem = "is a folder in the place of a file of the run: move it away";
-                Err(Error::input(path.display().to_string(), problem))
-            }
-            Some(Kind::File) => disk::read(path).map(Some),
-        }
+        disk::read_if_there(path)
     }
 
     /// A checkpoint, which must be what `belongs` says if it is whole; a damaged one is made again.
@@ -189,7 +193,12 @@ impl Looking<'_> {
         };
         let place = path.display().to_string();
         let note = match checkpoint::note(&bytes, &place) {
-            Err(Error::Damaged { .. }) => return Ok(()),
+            Err(Error::Damaged { .. }) if checkpoint::begins(&bytes) => return Ok(()),
+            Err(Error::Damaged { .. }) => {
+                let problem = "has the name of a state that the run saves, and is none: it is not replaced; move it \
+                               away, or choose another folder";
+                return Err(Error::input(place, problem));
+            }
             note => note?,
         };
         match belongs(&note) {

@@ -94,13 +94,15 @@ pub(super) fn drag_one(
         return Err(error.saved());
     }
     let performance = timed(stage, how, &sim, plan.steps() - began);
-    let (tables, summary) = results(drag, &dragging, &mut sim)?;
-    for (file, text) in tables {
-        ledger.write(&folder.of_run(&plan.name, file), text.as_bytes())?;
-    }
+    let (mut tables, summary) = results(drag, &dragging, &mut sim)?;
     let place = folder.of_run(&plan.name, "summary.json");
     let text = json_text(&place, &record(folder, scenario, drag.bed, &summary))?;
-    ledger.write(&place, text.as_bytes())?;
+    tables.push(("summary.json", text));
+    let tables = tables.into_iter();
+    let tables: Vec<_> = tables
+        .map(|(file, text)| (folder.of_run(&plan.name, file), text))
+        .collect();
+    ledger.write_all(&tables)?;
     ledger.remove(&folder.partial_series(&plan.name))?;
     ledger.finish_stage(&plan.name, &summary.chain)?;
     files.saver.clear();
@@ -308,10 +310,8 @@ impl Observer for Files<'_> {
         if !self.drag.shows(step) {
             return Ok(());
         }
-        for (path, bytes) in self.drag.snapshot_files(step, sim, contacts)? {
-            self.ledger.write(&path, &bytes)?;
-        }
-        Ok(())
+        let files = self.drag.snapshot_files(step, sim, contacts)?;
+        self.ledger.write_all(&files)
     }
 
     fn wants_checkpoint(&self, step: u64) -> bool {
@@ -328,12 +328,15 @@ impl Observer for Files<'_> {
             let frames = &self.frames;
             return self.saver.on_checkpoint(step, sim, &|| frames.note(note()));
         }
-        if let Some(text) = self.frames.take() {
-            let path = self.drag.folder.frames(&self.drag.plan.name, step);
-            self.ledger.write(&path, text.as_bytes())?;
-        }
-        let path = self.drag.folder.checkpoint(&self.drag.plan.name, step);
-        self.ledger.write(&path, &checkpoint::pack(sim, &note())?)?;
+        let (folder, name) = (self.drag.folder, &self.drag.plan.name);
+        let film = self.frames.take().map(String::into_bytes);
+        let film = film.map(|text| (folder.frames(name, step), text));
+        let state = checkpoint::pack(sim, &note())?;
+        let files: Vec<_> = film
+            .into_iter()
+            .chain([(folder.checkpoint(name, step), state)])
+            .collect();
+        self.ledger.write_all(&files)?;
         self.ledger.save()?;
         self.saver.saved(step);
         Ok(())

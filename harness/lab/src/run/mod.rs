@@ -28,7 +28,7 @@ use std::time::Instant;
 use bitgrain_kernel::BITS_VERSION;
 
 use crate::bed::recipe::Recipe;
-use crate::folder::{DirectoryLock, Folder};
+use crate::folder::{DirectoryLock, Folder, write_beside};
 use crate::manifest::Ledger;
 use crate::performance::{Performance, StagePerformance};
 use crate::progress::Progress;
@@ -37,7 +37,6 @@ use crate::summary::{BedSummary, DragSummary, Summary};
 use beds::{below, pour_bare, settle_one};
 use bitgrain_sim::block_averaging::METHOD;
 use bitgrain_sim::coefficients::table_text;
-use bitgrain_sim::disk::{check_writable, write_whole};
 use bitgrain_sim::error::{Error, Result};
 use drags::drag_one;
 
@@ -77,13 +76,12 @@ pub fn run_in(setting: Setting<'_>) -> Result<Option<Done>> {
     let plans = scenario.beds();
     let dragged_through = |k: &usize| runs.iter().any(|run| run.bed == *k);
     let places: Vec<usize> = (0..plans.len()).filter(dragged_through).collect();
-    let there = |k: &usize| {
-        let plan = &plans[*k];
-        ledger.vouches(&folder.bed(&plan.name)) || library.has(&Recipe::new(scenario, plan))
-    };
-    if scenario.source.is_none() && !places.iter().all(there) {
-        // Found out now rather than after days of pouring.
-        check_writable(library.folder())?;
+    if scenario.source.is_none() {
+        let plans = places.iter().map(|&k| &plans[k]);
+        let missing = plans.filter(|plan| !ledger.vouches(&folder.bed(&plan.name)));
+        let recipes = missing.map(|plan| Recipe::new(scenario, plan));
+        let recipes: Vec<Recipe> = recipes.filter(|recipe| !library.has(recipe)).collect();
+        library.prepare(&recipes)?;
     }
     let si = scenario.units == UnitSystem::Si;
     let (d, density) = (scenario.mean_diameter(), scenario.bed.density);
@@ -124,7 +122,7 @@ pub fn run_in(setting: Setting<'_>) -> Result<Option<Done>> {
         pace: Some(progress.pace()),
     };
     let path = folder.performance();
-    write_whole(&path, json_text(&path, &performance)?.as_bytes())?;
+    write_beside(&path, json_text(&path, &performance)?.as_bytes())?;
     let report = folder.report();
     Ok(whole.then_some(Done { report, executed }))
 }

@@ -5,7 +5,6 @@ use std::time::{Duration, Instant};
 
 use crate::manifest::Ledger;
 use bitgrain_sim::checkpoint::{self, StageState};
-use bitgrain_sim::disk::{self, write_whole};
 use bitgrain_sim::error::Result;
 use bitgrain_sim::observer::Observer;
 use bitgrain_sim::simulation::Simulation;
@@ -77,13 +76,14 @@ impl<'a> Saver<'a> {
     /// state.
     pub fn save(&self, sim: &mut Simulation, note: &StageState) -> Result<()> {
         self.ledger.save()?;
-        write_whole(&self.path, &checkpoint::pack(sim, note)?)
+        self.ledger
+            .write_state(&self.path, &checkpoint::pack(sim, note)?)
     }
 
     /// Removes what was saved, of a stage that is finished.
     pub fn clear(&self) {
         // If it stays it is older than the end, and harmless.
-        let _ = disk::remove(&self.path);
+        let _ = self.ledger.remove_state(&self.path);
     }
 }
 

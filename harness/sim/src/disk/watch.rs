@@ -67,7 +67,7 @@ pub fn watch(watcher: Option<Arc<dyn Watch>>) {
 ///
 /// # Errors
 /// The one that it is to fail with.
-pub(super) fn before(call: Call<'_>) -> io::Result<()> {
+pub(crate) fn before(call: Call<'_>) -> io::Result<()> {
     if !WATCHED.load(Ordering::Acquire) {
         return Ok(());
     }

@@ -6,9 +6,12 @@ use super::ended::{Found, look};
 use super::names::name_of;
 use crate::campaign::folder::{CampaignFolder, FAILURE};
 use crate::campaign::plan::{Member, Plan};
-use crate::folder::{DirectoryLock, Folder, RUN, hold};
-use crate::manifest::{Departure, Ledger, Manifest};
+use crate::folder::{DirectoryLock, Folder, Held, RUN, hold, refuse_foreign};
+use crate::manifest::{self, Departure, Ledger, Manifest};
 use crate::progress::Progress;
+use crate::run::stages;
+use bitgrain_sim::below::Below;
+use bitgrain_sim::checkpoint;
 use bitgrain_sim::disk::{self, Kind};
 use bitgrain_sim::error::{Error, Result};
 
@@ -26,19 +29,17 @@ pub(in crate::campaign) fn gather(
     let mut taken = Vec::new();
     for (member, claim) in plan.members.iter().zip(claims) {
         let scenario = &member.scenario;
-        let beds = scenario.all_beds().into_iter().map(|bed| &bed.name);
-        let drags = scenario.drags().iter().map(|drag| &drag.name);
-        for stage in beds.chain(drags) {
-            let place = folder.task(&member.name, stage);
+        for stage in stages(scenario) {
+            let place = folder.task(&member.name, &stage);
             if disk::kind(&place) != Some(Kind::Folder) {
                 continue;
             }
-            let Some(_held) = hold(&place, &RUN) else {
-                taken.push(name_of(&member.name, stage));
+            let Some(held) = hold(&place, &RUN) else {
+                taken.push(name_of(&member.name, &stage));
                 continue;
             };
-            if scenario.drags().iter().any(|drag| drag.name == *stage) {
-                take_in(folder, member, &claim.ledger, stage, progress)?;
+            if scenario.drags().iter().any(|drag| drag.name == stage) {
+                take_in(folder, (member, &stage), &claim.ledger, &held, progress)?;
             }
         }
     }
@@ -48,9 +49,9 @@ pub(in crate::campaign) fn gather(
 /// Takes one drag into its member, and removes the folder of its task if the member has it.
 fn take_in(
     folder: CampaignFolder<'_>,
-    member: &Member,
+    (member, drag): (&Member, &str),
     ledger: &Ledger,
-    drag: &str,
+    held: &Held,
     progress: &Progress,
 ) -> Result<()> {
     let (from, to) = (folder.task(&member.name, drag), folder.member(&member.name));
@@ -82,7 +83,7 @@ fn take_in(
         ledger.save()?;
     }
     progress.add_pace(&from);
-    remove_all(&from)
+    discard(folder, (member, drag), held, progress)
 }
 
 /// Writes what the manifest of a task has into the folder of its member.
@@ -106,46 +107,81 @@ fn copy(from: &Path, to: &Path, ledger: &Ledger, manifest: &Manifest, own: &str)
     Ok(())
 }
 
-/// Removes a folder with all that is in it; links are not followed.
-fn remove_all(folder: &Path) -> Result<()> {
-    for (name, kind) in disk::list(folder)? {
-        let path = folder.join(name);
-        match kind {
-            Kind::Folder => remove_all(&path)?,
-            _ => disk::remove(&path)?,
+/// Removes the folder of a task: what its manifest lists, states to go on from, its manifest, and folders that are
+/// empty then. Anything else stays, and is told.
+fn discard(
+    folder: CampaignFolder<'_>,
+    (member, stage): (&Member, &str),
+    held: &Held,
+    progress: &Progress,
+) -> Result<()> {
+    let place = folder.task(&member.name, stage);
+    let below = Below(folder.0);
+    let (own, scenario) = (Folder(&place), &member.scenario);
+    if let Ok(Some(manifest)) = Manifest::of(&place) {
+        let listed = manifest.files.iter().map(|entry| place.join(&entry.path));
+        let beds = scenario.all_beds().into_iter();
+        let states = beds.map(|bed| own.pouring(&bed.name));
+        let latest = scenario.drags().iter().map(|drag| own.latest(&drag.name));
+        let states = states.chain(latest).filter(|path| is_state(path));
+        let pace = Some(own.performance()).filter(|path| refuse_foreign(path).is_ok());
+        // The manifest goes last: a process that is killed here leaves a folder that the next one knows.
+        let last = [place.join(manifest::NAME)];
+        for path in listed.chain(states).chain(pace).chain(last) {
+            if below.check_file(&path).is_ok() {
+                below.remove(&path)?;
+            }
         }
     }
-    if disk::kind(folder) == Some(Kind::Folder) {
-        disk::remove_if_empty(folder)?;
+    let mut folders = own.own_folders(scenario);
+    folders.push(place.join("runs"));
+    folders.sort();
+    for own in folders.iter().rev() {
+        below.clear_partials(own, |_| held.is_sure());
+        if disk::kind(own) == Some(Kind::Folder) {
+            below.remove_if_empty(own)?;
+        }
+    }
+    if disk::is_there(&place) {
+        let place = place.display();
+        progress.warn(&format!("{place} holds other files and stays"));
     }
     Ok(())
+}
+
+/// Whether a file is a state to go on from.
+fn is_state(path: &Path) -> bool {
+    disk::kind(path) == Some(Kind::File)
+        && disk::read(path).is_ok_and(|bytes| checkpoint::begins(&bytes))
 }
 
 /// Removes what is left of tasks of a campaign whose drags have all ended, but for what a worker is at.
 ///
 /// # Errors
 /// [`Error::Write`].
-pub(in crate::campaign) fn clear(folder: CampaignFolder<'_>, progress: &Progress) -> Result<()> {
-    let tasks = folder.tasks();
-    for (member, kind) in disk::list(&tasks)? {
-        let member = tasks.join(member);
-        let stages = match kind {
-            Kind::Folder => disk::list(&member)?,
-            _ => continue,
-        };
-        for (stage, kind) in stages {
-            let place = member.join(stage);
-            if kind == Kind::Folder
-                && let Some(_held) = hold(&place, &RUN)
+pub(in crate::campaign) fn clear(
+    folder: CampaignFolder<'_>,
+    plan: &Plan,
+    progress: &Progress,
+) -> Result<()> {
+    for member in &plan.members {
+        for stage in stages(&member.scenario) {
+            let place = folder.task(&member.name, &stage);
+            if disk::kind(&place) == Some(Kind::Folder)
+                && let Some(held) = hold(&place, &RUN)
             {
                 progress.add_pace(&place);
-                remove_all(&place)?;
+                discard(folder, (member, &stage), &held, progress)?;
             }
         }
-        disk::remove_if_empty(&member)?;
+        remove_empty(folder, &folder.tasks().join(&member.name))?;
     }
-    if disk::is_there(&tasks) {
-        disk::remove_if_empty(&tasks)?;
+    remove_empty(folder, &folder.tasks())
+}
+
+fn remove_empty(folder: CampaignFolder<'_>, place: &Path) -> Result<()> {
+    match disk::kind(place) {
+        Some(Kind::Folder) => Below(folder.0).remove_if_empty(place).map(drop),
+        _ => Ok(()),
     }
-    Ok(())
 }

@@ -14,7 +14,6 @@ use crate::folder::{DirectoryLock, Folder};
 use crate::progress::Progress;
 use crate::run::{self, SaveEvery, Setting, side_by_side};
 use crate::scenario::{BedPlan, DragPlan};
-use bitgrain_sim::disk::check_writable;
 use bitgrain_sim::error::{Error, Result};
 
 /// How long a worker waits before it looks again for a bed that another one pours.
@@ -237,7 +236,7 @@ impl Worker<'_> {
         if let Some(made) = before() {
             return Ok(Some(made));
         }
-        check_writable(self.library.folder())?;
+        self.library.prepare([recipe])?;
         claim.ledger.remove(&place.join(FAILURE))?;
         let (own, progress) = (Folder(&place), self.progress.labelled(&owner.name));
         let setting = self.setting(owner, &own, &progress);
