@@ -63,7 +63,7 @@ pub fn stale() -> PyErr {
 pub fn laboratory(error: &Error) -> PyErr {
     let mut attributes = json!({});
     let class = match error {
-        Error::Input { place, problem } => {
+        Error::Input { place, problem } | Error::Unfit { place, problem } => {
             attributes = json!({ "place": place, "problem": problem });
             "InputError"
         }

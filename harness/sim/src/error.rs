@@ -61,6 +61,14 @@ pub enum Error {
         /// What to look at next.
         hint: String,
     },
+    /// A settled bed does not allow what the scenario asks for, which only pouring it shows.
+    #[error("{place}: {problem}")]
+    Unfit {
+        /// Scenario and key.
+        place: String,
+        /// What is wrong, what was expected, and what to do.
+        problem: String,
+    },
     /// A bed did not come to rest.
     #[error(
         "{bed} did not settle: after {step} steps its kinetic energy per grain is {energy:.2e} (to be \
@@ -161,7 +169,10 @@ impl Error {
     /// written, 130 for a command that was interrupted.
     pub fn exit_status(&self) -> u8 {
         match self {
-            Error::Input { .. } | Error::Damaged { .. } | Error::Manifest { .. } => 2,
+            Error::Input { .. }
+            | Error::Damaged { .. }
+            | Error::Manifest { .. }
+            | Error::Unfit { .. } => 2,
             Error::Run { .. }
             | Error::Unsettled { .. }
             | Error::Unverified { .. }
@@ -171,6 +182,16 @@ impl Error {
             | Error::Contract { .. } => 3,
             Error::Write { .. } | Error::Output(_) => 1,
             Error::Interrupted { .. } => 130,
+        }
+    }
+
+    /// Whether grains and scenario alone are the cause, so that every machine ends with it again: not a file, not the
+    /// memory.
+    pub fn is_physical(&self) -> bool {
+        match self {
+            Error::Run { fault, .. } => hint(*fault) != FULL,
+            Error::Unsettled { .. } | Error::Unfit { .. } => true,
+            _ => false,
         }
     }
 

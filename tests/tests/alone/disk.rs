@@ -210,8 +210,7 @@ impl Work for Campaign {
             threads: 1,
             jobs: 1,
             save: SaveEvery::Steps(5000),
-            // A failed disk is no reason to record a failure.
-            retry: true,
+            retry: false,
             merge: false,
             write_report: bitgrain::present::write_report,
             progress: &Progress::new(false),

@@ -44,7 +44,14 @@ pub fn bed(scenario: &CheckedScenario, path: &Path) -> Result<Simulation> {
     }
     sim.start().map_err(|fault| {
         let fault = with_names(fault, &names);
-        crate::case::refuse(&name, fault, |id| format!("atom {id}"))
+        match crate::case::refuse(&name, fault, |id| format!("atom {id}")) {
+            // A row of a campaign, in which no folder of this machine is named.
+            Error::Run { step, fault, .. } => {
+                let file = path.file_name().unwrap_or_default();
+                Error::run(file.to_string_lossy(), step, fault)
+            }
+            refused => refused,
+        }
     })?;
     Ok(sim)
 }

@@ -23,7 +23,7 @@ const LIGHTEST: f64 = 1.0;
 /// Without a pressure gradient the lid alone presses, and there is no `h`.
 ///
 /// # Errors
-/// [`Error::Input`] if the bed is deep enough without one.
+/// [`Error::Unfit`] if the bed is deep enough without one.
 pub fn lid_density(scenario: &CheckedScenario, plan: &LidPlan, bare: &BedSummary) -> Result<f64> {
     if let Some(density) = plan.density {
         return Ok(density);
@@ -52,7 +52,7 @@ pub fn lid_density(scenario: &CheckedScenario, plan: &LidPlan, bare: &BedSummary
     };
     let problem = format!("is {asked}, but {why}");
     let place = format!("scenario {}: `lid.effective_depth`", scenario.name);
-    Err(Error::input(place, problem))
+    Err(Error::Unfit { place, problem })
 }
 
 /// Puts the lid on a bare bed: each of its grains on the highest point that the bed offers it. Without a

@@ -50,7 +50,7 @@ impl Pouring {
     /// bed's chain.
     ///
     /// # Errors
-    /// [`bitgrain_sim::error::Error::Input`] if the bed is deep enough without one, and as [`Pouring::begin`].
+    /// [`bitgrain_sim::error::Error::Unfit`] if the bed is deep enough without one, and as [`Pouring::begin`].
     pub fn cover(
         bare: &mut Simulation,
         link: &str,

@@ -46,13 +46,13 @@ pub(super) struct Failure {
 }
 
 impl Failure {
-    /// Of a stage that ended so; what stops a whole campaign is returned as it is.
+    /// Of a stage that ended so; a fault of the machine is no result, and is returned as it is.
     pub(super) fn of(error: Error) -> Result<Self> {
-        match error {
-            Error::Run { .. } | Error::Unsettled { .. } | Error::Input { .. } => Ok(Self {
+        match error.is_physical() {
+            true => Ok(Self {
                 reason: error.to_string(),
             }),
-            other => Err(other),
+            false => Err(error),
         }
     }
 

@@ -221,6 +221,8 @@ fn fetch_bed(
     if let Err(error) = went {
         if matches!(error, Error::Interrupted { .. }) {
             saver.save(&mut bed.sim, &bed.course.note())?;
+        } else if error.is_physical() {
+            saver.clear();
         }
         return Err(error.saved());
     }

@@ -90,6 +90,9 @@ pub(super) fn drag_one(
             files
                 .saver
                 .save(&mut sim, &files.frames.note(dragging.note()))?;
+        } else if error.is_physical() {
+            // It would fail again from there: what is left does not tell whether the drag was ever stopped.
+            files.saver.clear();
         }
         return Err(error.saved());
     }
