@@ -3,6 +3,19 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
+use bitgrain::folder::Folder;
+use bitgrain::manifest::{Manifest, audit::audit};
+use bitgrain::run::planned;
+
+/// Holds what lies in the folder of a run, and its manifest, against the files that its scenario names.
+pub fn assert_named(out: &Path) {
+    let scenario = Folder(out).saved_scenario().expect("a run's folder");
+    let manifest = Manifest::of(out).expect("a sound manifest");
+    let manifest = manifest.expect("a run has a manifest");
+    let found = audit(out, &manifest, &planned(&scenario)).expect("a readable folder");
+    assert_eq!(found.wrong, Vec::<String>::new());
+}
+
 /// A copy of a folder with the results in it, to be changed.
 pub fn copied(from: &Path) -> tempfile::TempDir {
     written(&results(from))

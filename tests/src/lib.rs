@@ -26,7 +26,7 @@ use bitgrain::simulation::Simulation;
 use bitgrain_kernel::ContactForce;
 use serde_json::Value;
 
-pub use folders::{copied, differing, results, written};
+pub use folders::{assert_named, copied, differing, results, written};
 
 /// An observer that is shown the states after some steps, which ascend.
 pub struct Shown<'a, F>(pub &'a [u64], pub F);

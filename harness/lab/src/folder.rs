@@ -51,6 +51,9 @@ pub(crate) const ANALYSIS: &str = "analysis.json";
 /// The folder with the job scripts that were submitted: of the machine, not of the results.
 pub const SUBMITTED: &str = "slurm";
 
+/// The file that says why a drag of a campaign failed, in the drag's folder, or its bed, in the run directory.
+pub(crate) const FAILURE: &str = "failure.json";
+
 /// A folder that this process owns as long as this value lives, and its manifest.
 #[derive(Debug)]
 pub struct DirectoryLock {

@@ -1,60 +1,32 @@
 //! Verification: pieces of a run are executed again, and every link of their chains of digests, the states
 //! at their ends and the tables made from them are compared with what the run wrote.
 
+mod again;
 mod check;
 mod ends;
 mod folder;
+mod piece;
 mod scope;
 
-pub(crate) use ends::check_ends;
-pub(crate) use folder::{Cause, Problems, check_manifest};
+pub(crate) use again::beside_twin;
+pub(crate) use ends::summary_problem;
+pub(crate) use folder::{Cause, check_expected, check_manifest};
+pub(crate) use piece::{Job, pieces, sampled};
 pub use scope::{Scope, Segment};
 
-use check::{Check, Finding};
+use again::again;
+use check::Finding;
+use ends::scenario_problem;
+use piece::Piece;
 
-use crate::bed::PouringState;
-use crate::drag::Dragging;
-use crate::frames;
-use crate::manifest::Manifest;
 use crate::progress::Progress;
-use crate::rerun::{RunArchive, RunPart};
+use crate::rerun::RunArchive;
 use crate::run::{self, side_by_side};
-use crate::scenario::{BedPlan, DragPlan};
-use crate::summary::parse_record;
-use bitgrain_sim::checkpoint;
-use bitgrain_sim::disk;
 use bitgrain_sim::error::{Error, Result};
-use bitgrain_sim::files::read_text;
-use bitgrain_sim::observer::Observer;
-use bitgrain_sim::random::{Purpose, uniforms};
-
-/// Steps between two states that were kept, or a whole bed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Piece<'a> {
-    Bed(&'a BedPlan),
-    Drag(&'a DragPlan, u64, u64),
-}
-
-impl Piece<'_> {
-    fn name(&self) -> &str {
-        match self {
-            Piece::Bed(plan) => &plan.name,
-            Piece::Drag(plan, ..) => &plan.name,
-        }
-    }
-
-    fn is_in(&self, segment: &Segment) -> bool {
-        let overlap = match (self, segment.steps) {
-            (Piece::Drag(_, from, to), Some((first, last))) => first < *to && *from < last,
-            _ => true,
-        };
-        segment.stage == self.name() && overlap
-    }
-}
 
 /// Verifies a run: its manifest against its folder, then what is asked for by execution. Reports each finding
-/// as a line of `say`. Each entry of `expect` must be the manifest's closing hash or the last
-/// link of a stage.
+/// as a line of `say`. Each entry of `expect` must be the closing hash of a run that is executed whole, or the last
+/// link of a stage whose end is executed.
 ///
 /// # Errors
 /// [`Error::Unverified`] if something does not hold or the run is not finished, after all was reported;
@@ -68,8 +40,9 @@ pub fn verify(
     mut say: impl FnMut(&str) -> Result<()>,
 ) -> Result<()> {
     let root = archive.folder.0;
-    let stages = run::stages(&archive.scenario);
-    let (manifest, mut problems) = check_manifest(root, &stages, expect, &mut say)?;
+    let planned = run::planned(&archive.scenario);
+    let (manifest, mut problems) = check_manifest(root, &planned, expect, &mut say)?;
+    problems.tell(scenario_problem(archive), &mut say)?;
     let jobs = pieces(archive, manifest.as_ref(), scope)?;
     let done = execute(&sampled(jobs, scope), threads, progress, &mut say)?;
     let (links, count) = (done.links, done.pieces);
@@ -78,8 +51,11 @@ pub fn verify(
         problems.add(Cause::Changed, problem);
     } else {
         if scope.is_all() {
-            problems.take("", check_ends(archive, manifest.as_ref(), &mut say)?);
+            let problem = summary_problem(archive, manifest.as_ref());
+            problems.tell(problem, &mut say)?;
         }
+        let ends = |link: &str| scope.is_all() || done.ends.iter().any(|end| end == link);
+        problems.take("", check_expected(expect, manifest.as_ref(), ends));
         let asked = if scope.is_all() { "" } else { "the " };
         let those = if scope.is_all() { "" } else { " asked for" };
         say(&format!(
@@ -87,8 +63,8 @@ pub fn verify(
         ))?;
         if !scope.is_all() && !expect.is_empty() {
             say(
-                "what was expected is in the manifest; only a whole `verify` shows that the rest of the run \
-                 gives it",
+                "what was expected is held against what these end with; only a whole `verify` shows that the \
+                 rest belongs to it",
             )?;
         }
     }
@@ -96,44 +72,13 @@ pub fn verify(
 }
 
 /// What executing pieces gave.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Executed {
     pub(crate) links: usize,
     pub(crate) pieces: usize,
     pub(crate) wrong: usize,
-}
-
-/// A piece of a run, and what distinguishes it from those of other runs.
-#[derive(Clone, Copy)]
-pub(crate) struct Job<'a> {
-    archive: &'a RunArchive<'a>,
-    piece: Piece<'a>,
-    pub(crate) label: &'a str,
-}
-
-impl<'a> Job<'a> {
-    /// The bed that it pours; `None` of a drag.
-    pub(crate) fn bed(&self) -> Option<&'a BedPlan> {
-        match self.piece {
-            Piece::Bed(plan) => Some(plan),
-            Piece::Drag(..) => None,
-        }
-    }
-}
-
-/// Of these pieces those that the scope's sample takes.
-pub(crate) fn sampled<'a>(mut jobs: Vec<Job<'a>>, scope: &Scope) -> Vec<Job<'a>> {
-    if let Some((count, seed)) = scope.sample {
-        // Beds are whole pieces: a sample is of the drags, unless beds were asked for.
-        if scope.segments.is_empty() {
-            jobs.retain(|job| job.bed().is_none());
-        }
-        for k in 0..jobs.len().saturating_sub(count) {
-            let [x] = uniforms(seed, Purpose::Sample, k as u32);
-            jobs.remove((x * jobs.len() as f64) as usize);
-        }
-    }
-    jobs
+    /// Last links of the stages whose last piece holds.
+    pub(crate) ends: Vec<String>,
 }
 
 /// Executes pieces again, side by side, and reports each.
@@ -151,7 +96,7 @@ pub(crate) fn execute(
         Piece::Drag(_, from, to) => to - from,
     };
     let found = side_by_side(threads, threads, jobs.len(), length, |k| {
-        again(jobs[k].archive, jobs[k].piece, progress)
+        again(&jobs[k], progress)
     })?;
     let mut done = Executed {
         pieces: jobs.len(),
@@ -166,185 +111,14 @@ pub(crate) fn execute(
                 text: format!("{}: cannot be run again: {e}", piece.name()),
                 links: 0,
                 holds: false,
+                end: None,
             },
             Ok(finding) => finding,
         };
         say(&format!("{}{}", job.label, finding.text))?;
         done.links += finding.links;
+        done.ends.extend(finding.end);
         done.wrong += usize::from(!finding.holds);
     }
     Ok(done)
-}
-
-/// The pieces of a run that are asked for, without a choice at random.
-///
-/// # Errors
-/// [`Error::Input`] if there are none.
-pub(crate) fn pieces<'a>(
-    archive: &'a RunArchive<'a>,
-    manifest: Option<&Manifest>,
-    scope: &Scope,
-) -> Result<Vec<Job<'a>>> {
-    for segment in &scope.segments {
-        archive.part(&segment.stage)?;
-    }
-    // Nothing of a finished stage may be missing, by the manifest or by the folder.
-    let whole = manifest.is_some_and(|manifest| manifest.finished)
-        || disk::is_there(&archive.folder.summary());
-    let mut pieces = Vec::new();
-    for part in archive.parts() {
-        let ended = whole || manifest.is_some_and(|manifest| manifest.has_finished(part.name()));
-        match part {
-            RunPart::Bed(plan) => {
-                if ended || disk::is_there(&archive.folder.bed(&plan.name)) {
-                    pieces.push(Piece::Bed(plan));
-                }
-            }
-            RunPart::Drag(plan) => {
-                let mut from = 0;
-                let ended =
-                    ended || disk::is_there(&archive.folder.of_run(&plan.name, "summary.json"));
-                let kept = |n: u64| disk::is_there(&archive.folder.checkpoint(&plan.name, n));
-                let there = |n: &&u64| ended || kept(**n);
-                for &to in plan.checkpoints.iter().filter(there) {
-                    pieces.push(Piece::Drag(plan, from, to));
-                    from = to;
-                }
-            }
-        }
-    }
-    if !scope.segments.is_empty() {
-        pieces.retain(|piece| scope.segments.iter().any(|segment| piece.is_in(segment)));
-    }
-    if pieces.is_empty() {
-        let place = archive.folder.0.display().to_string();
-        let problem = "holds no kept checkpoint for this: nothing can be verified yet";
-        return Err(Error::input(place, problem));
-    }
-    let job = |piece| Job {
-        archive,
-        piece,
-        label: "",
-    };
-    Ok(pieces.into_iter().map(job).collect())
-}
-
-fn again(archive: &RunArchive<'_>, piece: Piece<'_>, progress: &Progress) -> Result<Finding> {
-    match piece {
-        Piece::Bed(plan) => bed_again(archive, plan, progress),
-        Piece::Drag(plan, from, to) => drag_again(archive, plan, [from, to], progress),
-    }
-}
-
-/// Pours a bed again, or takes it over again.
-fn bed_again(archive: &RunArchive<'_>, plan: &BedPlan, progress: &Progress) -> Result<Finding> {
-    let path = archive.folder.bed(&plan.name);
-    let bytes = disk::read(&path)?;
-    let name = path.display().to_string();
-    let (settled, note) = checkpoint::unpack(&bytes, &name)?;
-    let course = PouringState::of(&note).map_err(|problem| Error::Damaged {
-        place: name,
-        problem,
-    })?;
-    let chain = archive.folder.bed_chain(&plan.name);
-    let text = disk::read(&chain).unwrap_or_default();
-    let (data, bytes_of_data) = run::data_file(archive.folder, &archive.scenario, plan, &settled)?;
-    // A bed below a lid is not shared.
-    let exported =
-        !archive.scenario.beds().contains(plan) || disk::read(&data).ok() == Some(bytes_of_data);
-    let written = text == course.chain().text().into_bytes() && exported;
-    let mut check = Check::new(&course.chain().links, u64::MAX);
-    let first = course.chain().links.first().map_or(0, |link| link.step);
-    let steps = [first, settled.step_count()];
-    let mut bed = run::begin_bed(archive.folder, &archive.scenario, plan)?;
-    // Its first link was made as it began.
-    check.on_digest(&bed.course.chain().links[0])?;
-    let mut stage = progress.stage(&plan.name, settled.step_count());
-    let settled = bed.go_on(&archive.scenario, plan, &mut stage, &mut check)?;
-    let note = bed.course.note();
-    let same = settled && checkpoint::pack(&mut bed.sim, &note)? == bytes && written;
-    let more = match archive.scenario.source {
-        Some(_) => " (taken over again)",
-        None => "",
-    };
-    Ok(check.finding(&plan.name, steps, same, more))
-}
-
-/// Drags again from one kept state to the next.
-fn drag_again(
-    archive: &RunArchive<'_>,
-    plan: &DragPlan,
-    steps: [u64; 2],
-    progress: &Progress,
-) -> Result<Finding> {
-    let [from, to] = steps;
-    let bed = archive.bed_of(plan)?;
-    let drag = archive.drag(plan, &bed);
-    let path = archive.folder.checkpoint(&plan.name, to);
-    let bytes = disk::read(&path)?;
-    let (_, recorded) = run::read(drag, &path)?;
-    let (mut sim, mut dragging) = archive.state(drag, from)?;
-    let mut check = Check::new(&recorded.chain.links, to);
-    check.drag = Some(drag);
-    let earlier = plan.checkpoints.iter().rev().find(|n| **n < to);
-    check.frames_after = earlier.copied().unwrap_or(0);
-    // What the checkpoint that it begins from holds of the steps before.
-    let before = dragging.chain.links.last().map_or(0, |link| link.step);
-    let same = |one: &Dragging, other: &Dragging| {
-        let until = |d: &Dragging| {
-            d.chain
-                .links
-                .iter()
-                .take_while(|l| l.step <= before)
-                .count()
-        };
-        one.chain.links[..until(one)] == other.chain.links[..until(other)]
-    };
-    if !same(&dragging, &recorded) {
-        check.broken = Some(format!("its checkpoints do not agree about step {before}"));
-    } else if from == 0 {
-        check.held += 1;
-    }
-    let mut stage = progress.stage(&format!("{} from {from}", plan.name), to);
-    stage.resume(from);
-    dragging.go_on(&mut sim, plan, &stage, &mut check)?;
-    // There may be none: they are for viewing only, and not all runs have them.
-    let film = archive.folder.frames(&plan.name, to);
-    if disk::is_there(&film) && disk::read(&film)? != frames::text(&check.frames).into_bytes() {
-        let problem = format!("{} is not as it was written", film.display());
-        check.broken.get_or_insert(problem);
-    }
-    let note = dragging.note();
-    let mut same = checkpoint::pack(&mut sim, &note)? == bytes;
-    let mut more = String::new();
-    if same && check.broken.is_none() && to == plan.steps() {
-        let (tables, mut summary) = run::results(drag, &dragging, &mut sim)?;
-        let place = archive.folder.of_run(&plan.name, "summary.json");
-        let written = read_text(&place).and_then(|text| parse_record(&text, &place));
-        if let Ok(written) = written {
-            summary.leave_out_as(&written.run);
-        }
-        let summary = crate::json::json_text(
-            &place,
-            &run::record(drag.folder, drag.scenario, drag.bed, &summary),
-        )?;
-        let tables = tables.into_iter().chain([("summary.json", summary)]);
-        let wrong: Vec<&str> = tables
-            .filter(|(file, text)| {
-                let written = disk::read(&archive.folder.of_run(&plan.name, file));
-                written.ok().as_deref() != Some(text.as_bytes())
-            })
-            .map(|(file, _)| file)
-            .collect();
-        if wrong.is_empty() {
-            more = ", and its tables are as written".into();
-        } else {
-            let files = wrong.join(", ");
-            check.broken = Some(format!(
-                "{files} of its folder: missing or not as it was written"
-            ));
-            same = false;
-        }
-    }
-    Ok(check.finding(&plan.name, steps, same, &more))
 }

@@ -24,8 +24,8 @@ use bitgrain_sim::error::{Error, Result};
 pub(super) struct Verify {
     /// The folder of a run or a campaign.
     folder: PathBuf,
-    /// A closing hash or the last link of a stage that was kept elsewhere, and that the folder must have; may
-    /// be given several times.
+    /// A closing hash or the last link of a stage that was kept elsewhere, and to which what is executed must come: a
+    /// closing hash takes all of it; may be given several times.
     #[arg(long, value_name = "LINK")]
     expect: Vec<String>,
     /// A stage, or the pieces between its checkpoints that share steps with FROM-TO; may be given

@@ -183,7 +183,7 @@ fn what_is_missing_is_told() {
     );
     let told = remove("beds/bed.data");
     assert!(
-        told.contains("bed: steps 0 to") && told.contains("not what was written"),
+        told.contains("manifest.json: beds/bed.data is missing"),
         "{told}"
     );
     let snapshot = "runs/run-1/snapshots/grains.000000008334.vtk";

@@ -8,7 +8,7 @@ use bitgrain::lammps::data_text;
 use bitgrain::progress::Stage;
 use bitgrain::scenario::{self, CheckedScenario, OneOrMany};
 use bitgrain::summary::BedSummary;
-use bitgrain_tests::{SMALL, output, small_from_file};
+use bitgrain_tests::{SMALL, assert_named, output, small_from_file};
 
 fn quick(sets: &[&str]) -> CheckedScenario {
     let sets: Vec<String> = sets.iter().map(|s| s.to_string()).collect();
@@ -123,6 +123,7 @@ fn packed_snapshots_are_beds() {
     ]);
     let out = folder.path().join("out/small");
     assert!(out.join("beds/bed.data.gz").exists());
+    assert_named(&out);
     let report = std::fs::read_to_string(out.join("report.html")).unwrap();
     assert!(
         report.contains("after a travel of"),
@@ -142,6 +143,7 @@ fn packed_snapshots_are_beds() {
     run(&["run", "again.toml", "--out", "again", "--set", often]);
     // The folder stands alone: its own scenario gives the same numbers.
     run(&["run", "again/scenario.toml", "--out", "third"]);
+    assert_named(&folder.path().join("again"));
     let of = |name: &str| std::fs::read(folder.path().join(name).join("summary.json")).unwrap();
     assert!(of("again") == of("third"));
 }

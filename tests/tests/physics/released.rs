@@ -17,7 +17,7 @@ use bitgrain::simulation::{Grain, Simulation, hex, sphere_mass};
 use bitgrain::summary::{DragSummary, Summary, read_summary};
 use bitgrain::threads::on_threads;
 use bitgrain_kernel::{Domain, Group, Obstacle};
-use bitgrain_tests::{SMALL, golden, printed};
+use bitgrain_tests::{SMALL, assert_named, golden, printed};
 
 /// A scenario of 300 grains whose intruder moves so, in a bed that has hardly settled.
 fn small(intruder: &str, drag: &str) -> CheckedScenario {
@@ -58,6 +58,7 @@ fn made(scenario: &CheckedScenario) -> Made {
     let library = BedCache::new(folder.path().join("beds"));
     let out = folder.path().join("out");
     bitgrain::present::run(scenario, &out, &library, 2, &Progress::new(false)).unwrap();
+    assert_named(&out);
     let summary = read_summary(&out.join("summary.json")).unwrap();
     let vouched = Vouched::open(&out, FolderKind::Run).unwrap();
     let series = series(&Folder(&out), &vouched, &summary).unwrap();

@@ -17,7 +17,7 @@ use bitgrain::simulation::{Simulation, sphere_mass};
 use bitgrain::summary::{BedSummary, DragSummary, Rig, Summary, read_folder, read_summary};
 use bitgrain::{checkpoint, present, run};
 use bitgrain_tests::wee::forge_manifest;
-use bitgrain_tests::{RIG, golden, output, results, written};
+use bitgrain_tests::{RIG, assert_named, golden, output, results, written};
 
 const G: f64 = 9.81;
 const D: f64 = 0.0015;
@@ -112,6 +112,8 @@ fn a_drag_done_alone_is_that_of_the_whole() {
     // What is done can be viewed before the rest is.
     let (folder, beds) = (written(made), tempfile::tempdir().unwrap());
     let out = folder.path();
+    assert_named(out);
+    assert_named(&MADE.out);
     let so_far = read_folder(&Folder(out), &vouched(out)).unwrap().1;
     assert_eq!([so_far.beds.len(), so_far.runs.len()], [1, 1]);
     assert_eq!(so_far.runs[0], MADE.whole.runs[2]);

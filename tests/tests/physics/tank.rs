@@ -14,7 +14,7 @@ use bitgrain::series::read_series;
 use bitgrain::simulation::Simulation;
 use bitgrain::summary::{Summary, Tank, read_summary};
 use bitgrain_tests::tank::TANK;
-use bitgrain_tests::{golden, results};
+use bitgrain_tests::{assert_named, golden, results};
 
 fn scenario() -> CheckedScenario {
     scenario::parse(TANK, "tank", &[], Path::new("")).unwrap()
@@ -90,6 +90,7 @@ fn the_tank_gives_its_goldens() {
     }
     text += &format!("bed {}\nstate {}\n", bed.digest, run.digest);
     snapshot("summary", &text);
+    assert_named(&MADE.out);
     let files = results(&MADE.out);
     let hashed = files.iter().filter(|(name, _)| *name != "report.html");
     let hashes = hashed.map(|(name, bytes)| format!("{}  {name}\n", blake3::hash(bytes).to_hex()));

@@ -7,17 +7,15 @@ use serde::{Deserialize, Serialize};
 use super::plan::{Member, Plan};
 use super::written;
 use crate::changes;
-use crate::folder::{ANALYSIS, Contents, DirectoryLock, Folder, REPORT, SUBMITTED, refuse_others};
-use crate::manifest::{self, FolderKind, Ledger, Vouched};
-use crate::pace::Pace;
+use crate::folder::{
+    ANALYSIS, Contents, DirectoryLock, FAILURE, Folder, REPORT, SUBMITTED, refuse_others,
+};
+use crate::manifest::{self, FolderKind, Ledger, Planned, Vouched, When};
+use crate::pace::{self, Pace};
 use crate::run::stages;
 use bitgrain_sim::below::Below;
 use bitgrain_sim::disk::{self, Kind};
 use bitgrain_sim::error::{Error, Result};
-use bitgrain_sim::files::bits;
-
-/// Name of the file that says why a run or a bed failed.
-pub(super) const FAILURE: &str = "failure.json";
 
 /// What the folder of a campaign holds.
 pub const CAMPAIGN: Contents = Contents {
@@ -28,7 +26,7 @@ pub const CAMPAIGN: Contents = Contents {
         manifest::NAME,
         "results.csv",
         "results.parquet",
-        crate::pace::NAME,
+        pace::NAME,
         ANALYSIS,
         REPORT,
     ],
@@ -207,7 +205,7 @@ impl CampaignFolder<'_> {
     }
 
     fn text(&self, plan: &Plan) -> String {
-        format!("# {}\n{}", bits(), plan.text())
+        written::head() + &plan.text()
     }
 
     /// Its members, which are the stages of a campaign.
@@ -216,6 +214,21 @@ impl CampaignFolder<'_> {
             .iter()
             .map(|member| member.name.clone())
             .collect()
+    }
+
+    /// What the folder is to hold, but for its members.
+    pub(super) fn planned(plan: &Plan) -> Planned {
+        let results =
+            ["campaign.toml", "results.csv", "results.parquet"].map(|name| (name, When::Always));
+        let beside = [manifest::NAME, pace::NAME, "report.html", "analysis.json"];
+        let files = results
+            .into_iter()
+            .chain(beside.map(|name| (name, When::Beside)));
+        Planned {
+            of: FolderKind::Campaign,
+            stages: Self::stages(plan),
+            files: files.map(|(name, when)| (name.into(), when)).collect(),
+        }
     }
 
     pub(super) fn claim(&self, plan: &Plan) -> Result<DirectoryLock> {

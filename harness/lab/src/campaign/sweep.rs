@@ -8,13 +8,13 @@ use std::sync::atomic::Ordering;
 use std::sync::{Mutex, MutexGuard};
 
 use super::columns::Status;
-use super::folder::{CampaignFolder, FAILURE, Failure};
+use super::folder::{CampaignFolder, Failure};
 use super::only::Only;
 use super::plan::Plan;
 use super::tasks;
 use crate::bed::recipe::Recipe;
 use crate::bed::{self, library::BedCache};
-use crate::folder::{DirectoryLock, Folder};
+use crate::folder::{DirectoryLock, FAILURE, Folder};
 use crate::manifest::Ledger;
 use crate::progress::{Overall, Progress};
 use crate::run::{self, SaveEvery, Setting, WriteReport, side_by_side};
@@ -215,16 +215,22 @@ impl Under<'_> {
 
     /// How a run ended before, if it did.
     fn ended(&self, job: &Job) -> Result<Slot> {
-        let failures = [
-            self.places[job.member].join(FAILURE),
-            self.run_folder(job).join(FAILURE),
-        ];
-        for path in failures {
-            let ledger = self.ledger_of(job.member);
-            if self.what.retry {
+        let ledger = self.ledger_of(job.member);
+        let beds = self.scenario(job.member).all_beds();
+        let settled = beds.iter().all(|bed| ledger.is_finished(&bed.name));
+        for (path, over) in [
+            (self.places[job.member].join(FAILURE), settled),
+            (
+                self.run_folder(job).join(FAILURE),
+                ledger.is_finished(&job.plan.name),
+            ),
+        ] {
+            // What has come to a good end since did not fail.
+            if self.what.retry || over && ledger.lists(&path) {
                 ledger.remove(&path)?;
+                ledger.save()?;
             }
-            if !ledger.vouches(&path) {
+            if !ledger.vouches(&path) || ledger.is_finished(&job.plan.name) {
                 continue;
             }
             let failure = serde_json::from_slice::<Failure>(&disk::read(&path)?).ok();
@@ -233,7 +239,6 @@ impl Under<'_> {
             }
         }
         let path = self.run_folder(job).join("summary.json");
-        let ledger = self.ledger_of(job.member);
         let damaged = ledger.damaged(&format!("runs/{}/", job.plan.name));
         // What no manifest vouches for is not trusted.
         if !damaged.is_empty() || !ledger.is_finished(&job.plan.name) || !ledger.vouches(&path) {

@@ -2,18 +2,21 @@
 //! what their manifests vouch for.
 
 use super::columns::{Row, Status};
-use super::folder::{CampaignFolder, FAILURE, Failure};
+use super::folder::{CampaignFolder, Failure};
 use super::plan::{Member, Plan};
 use super::{parquet, table, written};
 use crate::bed::recipe::Recipe;
-use crate::folder::Folder;
+use crate::folder::{FAILURE, Folder};
 use crate::manifest::{FolderKind, Manifest, NAME, Vouched};
 use crate::progress::Progress;
 use crate::rerun::RunArchive;
 use crate::run;
 use crate::scenario::DragPlan;
 use crate::summary::parse_record;
-use crate::verify::{Cause, Job, Scope, check_ends, check_manifest, execute, pieces, sampled};
+use crate::verify::{
+    Cause, Job, Scope, beside_twin, check_expected, check_manifest, execute, pieces, sampled,
+    summary_problem,
+};
 use bitgrain_sim::disk;
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::files::read_text;
@@ -39,8 +42,12 @@ pub fn verify(
     }
     let path = folder.campaign();
     let plan = written::parse(&read_text(&path)?, &path.display().to_string(), folder.0)?;
-    let names = CampaignFolder::stages(&plan);
-    let (whole, mut problems) = check_manifest(folder.0, &names, expect, &mut say)?;
+    let planned = CampaignFolder::planned(&plan);
+    let (whole, mut problems) = check_manifest(folder.0, &planned, expect, &mut say)?;
+    let as_made = written::is_as_made(&disk::read(&path)?);
+    let problem = (!as_made).then(|| format!("{}: not as a campaign writes it", path.display()));
+    problems.tell(problem, &mut say)?;
+    let names = &planned.stages;
 
     let places: Vec<_> = names.iter().map(|name| folder.member(name)).collect();
     let folders: Vec<Folder> = places.iter().map(|place| Folder(place)).collect();
@@ -48,13 +55,11 @@ pub fn verify(
     let mut archives = Vec::new();
     for ((member, own), label) in plan.members.iter().zip(&folders).zip(&labels) {
         let mut tell = |line: &str| say(&format!("{label}{line}"));
-        let stages = run::stages(&member.scenario);
-        let (manifest, found) = check_manifest(own.0, &stages, &[], &mut tell)?;
+        let planned = run::planned(&member.scenario);
+        let (manifest, found) = check_manifest(own.0, &planned, &[], &mut tell)?;
         problems.take(label, found);
-        if let Some(problem) = disagreement(member, own, whole.as_ref(), manifest.as_ref()) {
-            say(&format!("{label}{problem}"))?;
-            problems.add(Cause::Changed, format!("{label}{problem}"));
-        }
+        let problem = disagreement(member, own, whole.as_ref(), manifest.as_ref());
+        problems.tell(problem.map(|problem| format!("{label}{problem}")), &mut say)?;
         match RunArchive::open(own) {
             Ok(archive) => archives.push((archive, manifest, label)),
             Err(e) => {
@@ -74,6 +79,8 @@ pub fn verify(
                 let recipe = Recipe::new(&archive.scenario, bed).digest();
                 let which = format!("{recipe} {}", blake3::hash(&bytes));
                 if poured.contains(&which) {
+                    let problem = beside_twin(&job).map(|problem| format!("{label}{problem}"));
+                    problems.tell(problem, &mut say)?;
                     continue;
                 }
                 poured.push(which);
@@ -90,18 +97,19 @@ pub fn verify(
         let problem = format!("{} of {} pieces do not hold", done.wrong, done.pieces);
         problems.add(Cause::Changed, problem);
     } else {
-        let whole = scope.is_all().then_some(&archives);
-        for (archive, manifest, label) in whole.into_iter().flatten() {
-            let mut tell = |line: &str| say(&format!("{label}{line}"));
-            problems.take(label, check_ends(archive, manifest.as_ref(), &mut tell)?);
+        let ends = scope.is_all().then_some(&archives);
+        for (archive, manifest, label) in ends.into_iter().flatten() {
+            let problem = summary_problem(archive, manifest.as_ref());
+            problems.tell(problem.map(|problem| format!("{label}{problem}")), &mut say)?;
         }
         let (links, count) = (done.links, done.pieces);
         say(&format!("all {links} links of {count} pieces hold"))?;
+        problems.take(
+            "",
+            check_expected(expect, whole.as_ref(), |_| scope.is_all()),
+        );
     }
-    if let Err(problem) = table_holds(folder, &plan) {
-        say(&problem)?;
-        problems.add(Cause::Changed, problem);
-    }
+    problems.tell(table_holds(folder, &plan).err(), &mut say)?;
     problems.conclude(folder.0)
 }
 
@@ -165,8 +173,9 @@ fn status(
     vouched: &Vouched,
     run: &str,
 ) -> std::result::Result<Option<Status>, String> {
+    let ended = vouched.manifest.has_finished(run);
     for path in [place.0.join(FAILURE), place.of_run(run, FAILURE)] {
-        if vouched.lists(&path) {
+        if !ended && vouched.lists(&path) {
             let bytes = vouched.read(&path).map_err(|e| e.to_string())?;
             let failure: Failure = serde_json::from_slice(&bytes).map_err(|e| e.to_string())?;
             return Ok(Some(Status::Failed(failure.reason)));

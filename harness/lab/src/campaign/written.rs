@@ -9,6 +9,7 @@ use super::plan::{Plan, parse_campaign, plan_of};
 use bitgrain_sim::below::Below;
 use bitgrain_sim::disk;
 use bitgrain_sim::error::{Error, Result};
+use bitgrain_sim::files::bits;
 
 /// Parses the text of `campaign.toml` in the folder of a campaign and plans it; `place` is what errors call it. The
 /// file of an imported bed is the copy that a member in this folder has.
@@ -33,6 +34,19 @@ pub fn parse(text: &str, place: &str, folder: &Path) -> Result<Plan> {
         file.map_or(Ok(()), copied).map_err(wrong)?;
     }
     plan_of(campaign, place, &[], folder)
+}
+
+/// The line that the file begins with.
+pub(super) fn head() -> String {
+    format!("# {}\n", bits())
+}
+
+/// Whether these are the bytes that a campaign writes of what they say, with nothing of somebody else in them.
+pub(super) fn is_as_made(bytes: &[u8]) -> bool {
+    let text = std::str::from_utf8(bytes).unwrap_or_default();
+    let campaign = parse_campaign(text, "").ok();
+    let made = campaign.and_then(|campaign| toml::to_string(&campaign).ok());
+    made.is_some_and(|made| head() + &made == text)
 }
 
 /// Puts the copy in a member of this folder in the place of the file that a campaign names.

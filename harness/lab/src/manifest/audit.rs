@@ -1,15 +1,40 @@
-//! How a folder departs from its manifest.
+//! How a folder departs from its manifest, and that from what is planned.
 
+use std::collections::BTreeMap;
 use std::path::Path;
-
-use crate::pace;
 
 use super::record::{Departure, FolderKind, Manifest, NAME, RESULTS};
 use bitgrain_sim::disk::{self, Kind, is_partial};
 use bitgrain_sim::error::Result;
 
-/// Files beside the results: they can be rebuilt at any time, or hold facts of the machine.
-const BESIDE: [&str; 4] = [NAME, pace::NAME, "report.html", "analysis.json"];
+/// When the folder of a run or a campaign has a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum When {
+    /// Always.
+    Always,
+    /// Once this stage is finished; before that perhaps.
+    Finished(String),
+    /// Once everything is finished.
+    Whole,
+    /// Perhaps.
+    Perhaps,
+    /// Perhaps, as long as one of these stages is unfinished.
+    Unfinished(Vec<String>),
+    /// Perhaps, beside the results and never in the manifest: it can be rebuilt at any time, is a state that a stage
+    /// goes on from, or holds facts of the machine.
+    Beside,
+}
+
+/// What the folder of a run or a campaign is to hold.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Planned {
+    /// What it belongs to.
+    pub of: FolderKind,
+    /// Names of its stages, in order.
+    pub stages: Vec<String>,
+    /// Its files, by their paths from the folder on, with `/`.
+    pub files: BTreeMap<String, When>,
+}
 
 /// What was found.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -31,26 +56,17 @@ impl FolderAudit {
     }
 }
 
-/// Compares a folder with its manifest, and that with the stages that are planned.
+/// Compares a folder with its manifest, and that with what is planned.
 ///
 /// # Errors
 /// If the folder or a file in it cannot be read.
-pub fn audit(root: &Path, manifest: &Manifest, planned: &[String]) -> Result<FolderAudit> {
-    let mut found = FolderAudit::default();
-    for name in planned {
-        let stage = manifest.stages.iter().find(|stage| stage.name == *name);
-        match stage {
-            Some(stage) if stage.finished => {}
-            Some(_) => found.unfinished.push(name.clone()),
-            None => found.wrong.push(format!("{name} is missing in {NAME}")),
-        }
-    }
-    for stage in &manifest.stages {
-        if !planned.contains(&stage.name) {
-            let line = format!("{} in {NAME} is not planned", stage.name);
-            found.wrong.push(line);
-        }
-    }
+pub fn audit(root: &Path, manifest: &Manifest, planned: &Planned) -> Result<FolderAudit> {
+    let mut found = FolderAudit {
+        wrong: unplanned(manifest, planned),
+        ..FolderAudit::default()
+    };
+    let unfinished = |name: &&String| !manifest.has_finished(name);
+    found.unfinished = planned.stages.iter().filter(unfinished).cloned().collect();
     if found.unfinished.is_empty() && !manifest.finished {
         found.unfinished.push("its summary".into());
     }
@@ -69,9 +85,9 @@ pub fn audit(root: &Path, manifest: &Manifest, planned: &[String]) -> Result<Fol
                 false => format!("{below}/{name}"),
             };
             // A member is a run with its own manifest.
-            let member = manifest.of == FolderKind::Campaign && below == "members";
+            let member = planned.of == FolderKind::Campaign && below == "members";
             if member && kind == Kind::Folder {
-                if !planned.contains(&name) {
+                if !planned.stages.contains(&name) {
                     found
                         .wrong
                         .push(format!("{path} is extra: no member has this name"));
@@ -79,17 +95,13 @@ pub fn audit(root: &Path, manifest: &Manifest, planned: &[String]) -> Result<Fol
                 continue;
             }
             let covered = manifest.entry(&path).is_some();
+            let beside = planned.files.get(&path) == Some(&When::Beside) || is_partial(&name);
+            // A file among results is taken for one.
+            let top = path.split('/').next().unwrap_or_default();
             match kind {
                 Kind::Folder if !covered => open.push(path),
                 _ if covered => {}
-                _ if below.is_empty() && BESIDE.contains(&&name[..]) => found.uncovered.push(path),
-                _ if is_working(&path) || is_partial(&name) => found.uncovered.push(path),
-                // A file among results is taken for one.
-                _ if path
-                    .split('/')
-                    .next()
-                    .is_some_and(|top| RESULTS.contains(&top)) =>
-                {
+                _ if RESULTS.contains(&top) && !beside => {
                     let line = format!("{path} is extra: it is not among the files of {NAME}");
                     found.wrong.push(line);
                 }
@@ -103,9 +115,48 @@ pub fn audit(root: &Path, manifest: &Manifest, planned: &[String]) -> Result<Fol
     Ok(found)
 }
 
-/// States that stages go on from.
-fn is_working(path: &str) -> bool {
-    ["/latest.safetensors", ".pouring.safetensors"]
-        .iter()
-        .any(|end| path.ends_with(end))
+/// What a manifest says that no run or campaign of the plan says, a line each.
+fn unplanned(manifest: &Manifest, planned: &Planned) -> Vec<String> {
+    let mut wrong = Vec::new();
+    if manifest.of != planned.of {
+        let [of, not] = [manifest.of, planned.of].map(FolderKind::word);
+        wrong.push(format!("it is that of a {of}, not of a {not}"));
+    }
+    let listed: Vec<&String> = manifest.stages.iter().map(|stage| &stage.name).collect();
+    let missing = planned.stages.iter().filter(|name| !listed.contains(name));
+    wrong.extend(missing.map(|name| format!("{name} is missing in {NAME}")));
+    let more = listed.iter().filter(|name| !planned.stages.contains(name));
+    wrong.extend(more.map(|name| format!("{name} in {NAME} is not planned")));
+    if wrong.is_empty() && !listed.into_iter().eq(&planned.stages) {
+        wrong.push("its stages are not in the order in which they are run, each once".into());
+    }
+    for entry in &manifest.files {
+        let path = &entry.path;
+        match planned.files.get(path) {
+            None | Some(When::Beside) => {
+                wrong.push(format!(
+                    "{path} in {NAME} is no file that its scenario gives"
+                ));
+            }
+            Some(When::Unfinished(stages)) if stages.iter().all(|s| manifest.has_finished(s)) => {
+                let stages = stages.join(", ");
+                wrong.push(format!(
+                    "{path} in {NAME} is of a stage that has not ended well: {stages}"
+                ));
+            }
+            Some(_) => {}
+        }
+    }
+    for (path, when) in &planned.files {
+        let due = match when {
+            When::Always => true,
+            When::Finished(stage) => manifest.has_finished(stage),
+            When::Whole => manifest.finished,
+            When::Perhaps | When::Unfinished(_) | When::Beside => false,
+        };
+        if due && manifest.entry(path).is_none() {
+            wrong.push(format!("{path} is missing in {NAME}"));
+        }
+    }
+    wrong
 }

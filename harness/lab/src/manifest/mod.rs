@@ -14,6 +14,7 @@ mod ledger;
 mod record;
 mod vouched;
 
+pub use audit::{Planned, When};
 pub use ledger::Ledger;
 pub use record::{
     Departure, FORMAT, FileRecord, FolderKind, Manifest, NAME, StageRecord, relative,

@@ -256,8 +256,14 @@ impl Manifest {
 
     /// Whether a stage of this name is finished.
     pub fn has_finished(&self, name: &str) -> bool {
-        let mut stages = self.stages.iter();
-        stages.any(|stage| stage.name == name && stage.finished)
+        self.link(name).is_some()
+    }
+
+    /// The last link of a stage of this name, if it is finished.
+    pub fn link(&self, name: &str) -> Option<&str> {
+        let mut stages = self.stages.iter().filter(|stage| stage.finished);
+        let stage = stages.find(|stage| stage.name == name)?;
+        Some(&stage.link)
     }
 
     /// Whether this is the closing hash or the last link of a stage.

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use bitgrain_kernel::{BITS_VERSION, ContactForce};
 
+use super::files;
 use super::film::Frames;
 use super::saving::{SaveEvery, Saver};
 use super::summarise::summarise;
@@ -27,7 +28,7 @@ use bitgrain_sim::coarse_graining::intruder_outline;
 use bitgrain_sim::disk::{self, Kind};
 use bitgrain_sim::energy_budget::energy_text;
 use bitgrain_sim::error::{Error, Result};
-use bitgrain_sim::files::{bits, packed_name, text_file};
+use bitgrain_sim::files::{bits, text_file};
 use bitgrain_sim::observer::Observer;
 use bitgrain_sim::simulation::Simulation;
 use bitgrain_sim::{coarse_graining, export, lammps};
@@ -221,28 +222,9 @@ impl DragTask<'_> {
         self.plan.frames.binary_search(&step).is_ok()
     }
 
-    /// Whether a snapshot shows bodies: bar and tank.
-    fn has_bodies(&self) -> bool {
-        self.plan.half_turn.is_some()
-    }
-
-    /// The files of a snapshot: grains twice, contacts, and the bodies of a tank.
+    /// The files of a snapshot.
     fn snapshot(&self, step: u64) -> Vec<std::path::PathBuf> {
-        let path = |kind, ending| self.folder.snapshot(&self.plan.name, kind, step, ending);
-        let dump = path("grains", "dump");
-        let mut files = vec![
-            if self.scenario.measure.gzip {
-                packed_name(&dump)
-            } else {
-                dump
-            },
-            path("grains", "vtk"),
-            path("contacts", "vtk"),
-        ];
-        if self.has_bodies() {
-            files.push(path("bodies", "vtk"));
-        }
-        files
+        files::snapshot(self.folder, self.scenario, self.plan, step)
     }
 
     /// A state as a LAMMPS dump for OVITO, and as VTK files, grains, contacts and the bodies of a tank, for ParaView:
@@ -267,7 +249,7 @@ impl DragTask<'_> {
             export::vtk_grains(sim, &title),
             export::vtk_contacts(sim, contacts, &title),
         ];
-        if self.has_bodies() {
+        if files::shows_bodies(self.plan) {
             texts.push(export::vtk_bodies(sim, &title));
         }
         // The dump comes first.
@@ -400,7 +382,7 @@ pub fn results(
     }
     let summary = summarise(scenario, plan, drag.bed, &means, dragging, sim)?;
     if let Some(load) = summary.flow.as_ref().and_then(|flow| flow.load.as_ref()) {
-        tables.push(("load.csv", coarse_graining::text::load_text(load, &units)));
+        tables.push((files::LOAD, coarse_graining::text::load_text(load, &units)));
     }
     Ok((tables, summary))
 }

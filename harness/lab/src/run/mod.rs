@@ -4,6 +4,7 @@
 mod beds;
 mod claim;
 mod drags;
+mod files;
 mod film;
 mod jobs;
 mod saving;
@@ -17,6 +18,8 @@ pub use beds::{begin_bed, data_file, surveyed};
 pub(crate) use claim::try_claim;
 pub use claim::{claim, stages};
 pub use drags::{begin, read, record, results};
+pub(crate) use files::LOAD;
+pub use files::{names, planned};
 pub(crate) use jobs::side_by_side;
 pub use saving::SaveEvery;
 pub use setting::{Setting, WriteReport};

@@ -209,22 +209,6 @@ pub struct DragSummary {
     pub digest_parts: Vec<(String, String)>,
 }
 
-impl DragSummary {
-    /// Leaves out the numbers that an earlier version did not write, if `written` lacks them: what it wrote can then
-    /// be compared whole.
-    pub(crate) fn leave_out_as(&mut self, written: &Self) {
-        if written.drag_uncut_error.is_none() {
-            self.drag_uncut_error = None;
-        }
-        if written.drag_by_travel.is_empty() {
-            self.drag_by_travel.clear();
-        }
-        if written.large_overlaps.is_none() {
-            self.large_overlaps = None;
-        }
-    }
-}
-
 /// What was measured of the grains within a distance of the intruder's surface.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -18,6 +18,16 @@ pub(super) struct Finding {
     pub text: String,
     pub links: usize,
     pub holds: bool,
+    /// The last link of its stage, if it is its last piece and holds.
+    pub end: Option<String>,
+}
+
+impl Finding {
+    /// The same of the last piece of a stage, which ends with this link.
+    pub fn ending_with(mut self, link: &str) -> Self {
+        self.end = self.holds.then(|| link.to_string());
+        self
+    }
 }
 
 /// Compares links with the recorded ones, and stops at the first that does not hold; compares snapshots
@@ -136,6 +146,7 @@ impl Check<'_> {
             text,
             links: self.held,
             holds,
+            end: None,
         }
     }
 }

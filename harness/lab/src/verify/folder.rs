@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
+use crate::folder::FAILURE;
 use crate::manifest::audit::audit;
-use crate::manifest::{FolderKind, Manifest, NAME};
+use crate::manifest::{FolderKind, Manifest, NAME, Planned};
 use bitgrain_sim::error::{CHANGED, Error, Result, UNEXPECTED};
 
 /// Why a folder is not verified; the last that was found says what to do.
@@ -11,6 +12,8 @@ use bitgrain_sim::error::{CHANGED, Error, Result, UNEXPECTED};
 pub(crate) enum Cause {
     /// It is unfinished.
     Unfinished(FolderKind),
+    /// What was expected was not executed.
+    Unconfirmed,
     /// It is not the one that was expected.
     Unexpected,
     /// What lies in it is not what its scenario gives, or nothing says what belongs to it.
@@ -22,7 +25,11 @@ impl Cause {
         match self {
             Cause::Unfinished(FolderKind::Run) => "`bitgrain run --resume FOLDER` finishes it",
             Cause::Unfinished(FolderKind::Campaign) => {
-                "`bitgrain sweep CAMPAIGN --out FOLDER` finishes it"
+                "`bitgrain sweep CAMPAIGN --out FOLDER` finishes it, and tries again with --retry what failed"
+            }
+            Cause::Unconfirmed => {
+                "a closing hash takes a whole `verify`; the last link of a stage that, or `--segment STAGE` with \
+                 this stage"
             }
             Cause::Unexpected => UNEXPECTED,
             Cause::Changed => CHANGED,
@@ -37,6 +44,20 @@ pub(crate) struct Problems(Vec<(Cause, String)>);
 impl Problems {
     pub(crate) fn add(&mut self, cause: Cause, problem: impl Into<String>) {
         self.0.push((cause, problem.into()));
+    }
+
+    /// Adds and reports a change, if there is one.
+    pub(crate) fn tell(
+        &mut self,
+        changed: Option<String>,
+        say: &mut impl FnMut(&str) -> Result<()>,
+    ) -> Result<()> {
+        let Some(problem) = changed else {
+            return Ok(());
+        };
+        say(&problem)?;
+        self.add(Cause::Changed, problem);
+        Ok(())
     }
 
     /// Takes those of a part, each with the part's name before it.
@@ -65,7 +86,7 @@ impl Problems {
 /// If a folder cannot be read, and what `say` returns.
 pub(crate) fn check_manifest(
     root: &Path,
-    planned: &[String],
+    planned: &Planned,
     expect: &[String],
     say: &mut impl FnMut(&str) -> Result<()>,
 ) -> Result<(Option<Manifest>, Problems)> {
@@ -102,6 +123,17 @@ pub(crate) fn check_manifest(
         say(&format!("unfinished: {names}"))?;
         problems.add(Cause::Unfinished(manifest.of), "it is not finished");
     }
+    for path in manifest.files.iter().map(|entry| &entry.path) {
+        if path.split('/').next_back() == Some(FAILURE) {
+            say(&format!(
+                "{path}: a stage failed; that is not executed again, and unverified"
+            ))?;
+            problems.add(
+                Cause::Unfinished(manifest.of),
+                format!("{path} is not verified"),
+            );
+        }
+    }
     if !found.uncovered.is_empty() {
         let names = found.uncovered.join(", ");
         say(&format!("not covered by {NAME}: {names}"))?;
@@ -119,4 +151,19 @@ pub(crate) fn check_manifest(
         }
     }
     Ok((Some(manifest), problems))
+}
+
+/// What was expected and is in the manifest, but is not what was executed: `ends` says what was.
+pub(crate) fn check_expected(
+    expect: &[String],
+    manifest: Option<&Manifest>,
+    ends: impl Fn(&str) -> bool,
+) -> Problems {
+    let mut problems = Problems::default();
+    let listed = |link: &&String| manifest.is_some_and(|manifest| manifest.has_link(link));
+    for link in expect.iter().filter(listed).filter(|link| !ends(link)) {
+        let problem = format!("{link} is in {NAME}, but nothing that was executed ends with it");
+        problems.add(Cause::Unconfirmed, problem);
+    }
+    problems
 }

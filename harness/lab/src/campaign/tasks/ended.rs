@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use crate::campaign::folder::{FAILURE, Failure};
-use crate::folder::Folder;
+use crate::campaign::folder::Failure;
+use crate::folder::{FAILURE, Folder};
 use crate::manifest::{Departure, FolderKind, Manifest, NAME};
 use crate::scenario::CheckedScenario;
 use crate::summary::parse_record;
@@ -32,8 +32,10 @@ pub(super) fn look(place: &Path, scenario: &CheckedScenario, drag: &str) -> Foun
         Ok(_) => return Found::Nothing,
         Err(damage) => return Found::Unsound(damage.to_string()),
     };
-    let failed = failure(place, Some(drag));
-    if failed.is_none() && !manifest.has_finished(drag) {
+    // What has come to a good end did not fail.
+    let finished = manifest.has_finished(drag);
+    let failed = (!finished).then(|| failure(place, Some(drag))).flatten();
+    if failed.is_none() && !finished {
         return Found::Nothing;
     }
     let problem = damage(place, &manifest, drag);

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use super::ended::{Found, look};
 use super::names::name_of;
-use crate::campaign::folder::{CampaignFolder, FAILURE};
+use crate::campaign::folder::CampaignFolder;
 use crate::campaign::plan::{Member, Plan};
-use crate::folder::{DirectoryLock, Folder, Held, RUN, hold, refuse_foreign};
+use crate::folder::{DirectoryLock, FAILURE, Folder, Held, RUN, hold, refuse_foreign};
 use crate::manifest::{self, Departure, Ledger, Manifest};
 use crate::progress::Progress;
 use crate::run::stages;
@@ -57,7 +57,6 @@ fn take_in(
     let (from, to) = (folder.task(&member.name, drag), folder.member(&member.name));
     let own = format!("runs/{drag}/");
     let sound = ledger.damaged(&own).is_empty() && ledger.damaged("beds/").is_empty();
-    let failures = [to.join(FAILURE), Folder(&to).of_run(drag, FAILURE)];
     if !(ledger.is_finished(drag) && sound) {
         let (manifest, done) = match look(&from, &member.scenario, drag) {
             Found::Nothing => return Ok(()),
@@ -72,9 +71,7 @@ fn take_in(
             Found::Failed(manifest, _) => (manifest, false),
         };
         if done {
-            for path in &failures {
-                ledger.remove(path)?;
-            }
+            ledger.remove(&Folder(&to).of_run(drag, FAILURE))?;
         }
         copy(&from, &to, ledger, &manifest, &own)?;
         for stage in manifest.stages.iter().filter(|stage| stage.finished) {
