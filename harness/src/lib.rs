@@ -12,7 +12,7 @@ pub mod ranks;
 
 pub use bitgrain_analysis::{analysis, claims, fit, present, released, remarks, report};
 pub use bitgrain_lab::{
-    against, bed, benchmark, bisect, campaign, case, changes, compare, drag, flow, folder,
+    against, bed, benchmark, bisect, campaign, case, changes, compare, confirm, drag, flow, folder,
     forecast, frames, json, manifest, near_field, parse_errors, plain, plug_flow, progress,
     published, recording, replay, rerun, run, scenario, selftest, series, summary, verify,
 };

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use bitgrain_kernel::BITS_VERSION;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::bisect::{Divergence, Side, bisect, chain_of};
 use crate::folder::Folder;
@@ -13,7 +13,8 @@ use crate::replay::{Replay, Stretch, replay_run};
 use crate::rerun::{RunArchive, RunPart};
 use bitgrain_sim::below::Below;
 use bitgrain_sim::chain::{Chain, Link, differing};
-use bitgrain_sim::disk::{is_file, is_folder};
+use bitgrain_sim::checkpoint;
+use bitgrain_sim::disk::{self, Kind, is_file, is_folder};
 use bitgrain_sim::error::{Error, Result, UNEXPECTED};
 use bitgrain_sim::files::read_text;
 
@@ -39,8 +40,7 @@ impl Reference {
     /// [`Error::Input`] if it is not a folder, file or link.
     pub fn of(word: &str) -> Result<Self> {
         let path = Path::new(word);
-        let hex = |c: char| matches!(c, '0'..='9' | 'a'..='f');
-        if word.len() == 64 && word.chars().all(hex) {
+        if is_link(word) {
             return Ok(Self::Link(word.into()));
         }
         if is_folder(path) {
@@ -56,9 +56,10 @@ impl Reference {
 }
 
 /// What `difference.json` holds.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 struct Difference {
-    version: &'static str,
+    version: String,
     bits_version: u32,
     against: String,
     stage: String,
@@ -70,20 +71,79 @@ struct Difference {
     number: Option<Number>,
     contact: Option<String>,
     /// Name of the checkpoint beside this file, of the last state that is known to be equal.
-    state: Option<&'static str>,
+    state: Option<String>,
     /// Command that prints the state and the contacts at the step at which they differ; for a state, in its folder.
     replay: String,
     /// Why nothing more is known, if that is so.
     note: Option<String>,
 }
 
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 struct Number {
-    part: &'static str,
+    part: String,
     body: String,
-    component: &'static str,
+    component: String,
     expected: String,
     found: String,
+}
+
+/// Whether a word is a link or a closing hash: 64 hexadecimal digits.
+pub fn is_link(word: &str) -> bool {
+    word.len() == 64 && word.chars().all(|c| matches!(c, '0'..='9' | 'a'..='f'))
+}
+
+/// Refuses a comparison of a run in `out` with itself, and one that would replace or remove a file there which no
+/// comparison left. Nothing is written.
+///
+/// # Errors
+/// [`Error::Input`].
+pub fn check_before(out: &Path, reference: &Reference) -> Result<()> {
+    let full = |path: &Path| path.canonicalize().ok();
+    if let Reference::Run(path) | Reference::Chain(path) = reference
+        && let (Some(own), Some(other)) = (full(out), full(path))
+        && other.starts_with(own)
+    {
+        let problem = "is the run that it would be compared with: give the folder or the chain.csv of another run; \
+                       `bitgrain verify` executes this one again";
+        return Err(Error::input(path.display().to_string(), problem));
+    }
+    let told = |bytes: &[u8]| serde_json::from_slice::<Difference>(bytes).is_ok();
+    let state = |bytes: &[u8]| checkpoint::unpack_foreign(bytes, STATE).is_ok();
+    let ours: [(&str, &dyn Fn(&[u8]) -> bool); 2] = [(DIFFERENCE, &told), (STATE, &state)];
+    for (name, is_ours) in ours {
+        let path = out.join(name);
+        let kept = match disk::kind(&path) {
+            None => continue,
+            Some(Kind::File) => !is_ours(&disk::read(&path)?),
+            Some(_) => true,
+        };
+        if kept {
+            let problem = "has the name of a file that --against writes, and no comparison left it: move it away, or \
+                           choose another --out";
+            return Err(Error::input(path.display().to_string(), problem));
+        }
+    }
+    Ok(())
+}
+
+/// Whether the finished run in `out` has all these links.
+///
+/// # Errors
+/// [`Error::Unverified`] with the first that is neither its closing hash nor the last link of a stage.
+pub fn check_expected(out: &Path, expect: &[String]) -> Result<()> {
+    let manifest = Manifest::of(out)?;
+    let has = |link: &&String| manifest.as_ref().is_some_and(|own| own.has_link(link));
+    match expect.iter().find(|link| !has(link)) {
+        None => Ok(()),
+        Some(link) => Err(Error::Unverified {
+            problem: format!(
+                "{}: {link} is neither its closing hash nor the last link of a stage",
+                out.display()
+            ),
+            hint: UNEXPECTED,
+        }),
+    }
 }
 
 /// Compares the run in `out` with a reference; `program` executes steps again. If they differ, says where and
@@ -99,21 +159,15 @@ pub fn check(
     mut say: impl FnMut(&str) -> Result<()>,
 ) -> Result<()> {
     let place = out.display();
+    check_before(out, reference)?;
     // From an earlier comparison.
     Below(out).remove(&out.join(DIFFERENCE))?;
     Below(out).remove(&out.join(STATE))?;
     match reference {
-        Reference::Link(link) => match Manifest::of(out)? {
-            Some(manifest) if manifest.has_link(link) => {
-                say(&format!("{place}: has the link {link}"))
-            }
-            _ => Err(Error::Unverified {
-                problem: format!(
-                    "{place}: {link} is neither its closing hash nor the last link of a stage"
-                ),
-                hint: UNEXPECTED,
-            }),
-        },
+        Reference::Link(link) => {
+            check_expected(out, std::slice::from_ref(link))?;
+            say(&format!("{place}: has the link {link}"))
+        }
         Reference::Chain(path) => {
             let wanted = Chain::parse(&read_text(path)?, &path.display().to_string())?.links;
             let (stage, made) = nearest(out, &wanted)?;
@@ -228,7 +282,7 @@ fn by_links(
     note: Option<String>,
 ) -> Difference {
     Difference {
-        version: env!("CARGO_PKG_VERSION"),
+        version: env!("CARGO_PKG_VERSION").into(),
         bits_version: BITS_VERSION,
         against: against.display().to_string(),
         replay: replay(out, &stage, differ),
@@ -261,7 +315,7 @@ fn by_steps(
         folder: folder.into(),
         program: program.into(),
     };
-    match bisect(&[side(other), side(out)], say) {
+    match bisect(&[side(other), side(out)], true, say) {
         Ok(Some(parting)) => Ok(by_parting(out, other, parting)),
         Ok(None) => Ok(by_links(out, other, stage.into(), found, None)),
         Err(e @ (Error::Interrupted { .. } | Error::Output(_))) => Err(e),
@@ -278,14 +332,14 @@ fn by_steps(
 
 fn by_parting(out: &Path, other: &Path, parting: Divergence) -> Difference {
     let number = parting.number.map(|number| Number {
-        part: number.part,
+        part: number.part.into(),
         body: number.body,
-        component: number.component,
+        component: number.component.into(),
         expected: bits(number.first),
         found: bits(number.second),
     });
     Difference {
-        version: env!("CARGO_PKG_VERSION"),
+        version: env!("CARGO_PKG_VERSION").into(),
         bits_version: BITS_VERSION,
         against: other.display().to_string(),
         replay: replay(out, &parting.stage, parting.step),
@@ -389,7 +443,7 @@ fn report(
                     file.display()
                 )
             };
-            difference.state = Some(STATE);
+            difference.state = Some(STATE.into());
             difference.replay = command(Path::new(STATE));
             write(out, &difference)?;
             let state = out.join(STATE);

@@ -4,8 +4,13 @@
 //! Each run is executed again by its own program, so that two builds can be compared; by this program
 //! if none is named.
 
+mod builds;
+mod contact;
+
+pub use builds::run_both;
+
 use std::fs::File;
-use std::io::{BufRead, BufReader, Read, Seek};
+use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
 
@@ -14,6 +19,7 @@ use serde::Deserialize;
 use crate::compare::{Difference, first_difference};
 use crate::folder::Folder;
 use crate::manifest::{self, Departure, Manifest};
+use crate::recording::command::last_words;
 use crate::replay::{ContactState, Digests};
 use bitgrain_sim::chain::{Chain, Link, differing};
 use bitgrain_sim::checkpoint;
@@ -21,6 +27,7 @@ use bitgrain_sim::disk;
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::files::{read_text, text_of};
 use bitgrain_sim::parts::alone;
+use contact::first_contact;
 
 /// The name of a temporary file of ours in errors.
 const TEMPORARY: &str = "a temporary file";
@@ -49,65 +56,107 @@ pub struct Divergence {
     pub number: Option<Difference>,
     /// The first contact that differs: which, and how.
     pub contact: Option<String>,
+    /// Which run has less of the stage, if no state is known to differ.
+    pub ends: Option<String>,
 }
 
-/// Finds where two runs part; `None` if every link that both have is the same. `say` reports what is
-/// being done.
+/// Finds where two runs part; `None` if every link that both have is the same, and both are finished, with the same
+/// stages of the same steps. With `prefix` one may have less than the other. `say` reports what is being done.
 ///
 /// # Errors
-/// Runs that have no stage in common, a program that does not do as it should, and runs whose own records
-/// are not what their programs give.
+/// Runs that have no link in common, a program that does not do as it should, and runs whose own records are not what
+/// their programs give.
 pub fn bisect(
     sides: &[Side; 2],
+    prefix: bool,
     mut say: impl FnMut(&str) -> Result<()>,
 ) -> Result<Option<Divergence>> {
     let [one, other] = sides;
-    let mut links = 0;
-    for stage in one.stages()? {
-        let (Some(a), Some(b)) = (
-            chain_of(&one.folder, &stage)?,
-            chain_of(&other.folder, &stage)?,
-        ) else {
-            say(&format!("{stage}: the second run has none"))?;
-            continue;
-        };
-        let common = common(&a.links, &b.links);
-        links += common.len();
-        let last = |chain: &Chain| chain.links.last().map_or(0, |link| link.step);
-        if last(&a) != last(&b) {
-            let (a, b) = (last(&a), last(&b));
-            say(&format!(
-                "{stage}: the first run goes to step {a}, the second to step {b}"
-            ))?;
+    let mut stages = one.stages()?;
+    for stage in other.stages()? {
+        if !stages.contains(&stage) {
+            stages.push(stage);
         }
-        let Some(at) = common.iter().position(|(a, b)| a.parts != b.parts) else {
-            let count = common.len();
-            say(&match count {
-                0 => format!("{stage}: no step has a link in both: the two cannot be compared"),
-                _ => format!("{stage}: the same at all {count} common links"),
-            })?;
-            continue;
-        };
-        let equal = at.checked_sub(1).map(|before| common[before].0.step);
-        let (a, b) = common[at];
-        let from = equal.unwrap_or(a.step);
-        say(&format!(
-            "{stage}: the links at step {} differ; steps {from} to {} again",
-            a.step, a.step
-        ))?;
-        let step = first_step(sides, &stage, from, [a, b])?;
-        return parting(sides, stage, step, equal).map(Some);
+    }
+    let (mut links, mut uneven) = (0, None);
+    for stage in stages {
+        let chain = |side: &Side| chain_of(&side.folder, &stage);
+        let chains = [chain(one)?, chain(other)?];
+        let [a, b] = chains.each_ref().map(links_of);
+        let common = common(a, b);
+        links += common.len();
+        let parted = common.iter().position(|(a, b)| a.parts != b.parts);
+        if let Some(at) = parted {
+            let equal = at.checked_sub(1).map(|before| common[before].0.step);
+            let (a, b) = common[at];
+            let from = equal.unwrap_or(a.step);
+            say(&format!(
+                "{stage}: the links at step {} differ; steps {from} to {} again",
+                a.step, a.step
+            ))?;
+            let step = first_step(sides, &stage, from, [a, b])?;
+            return parting(sides, stage, step, equal).map(Some);
+        }
+        let (count, equal) = (common.len(), common.last().map(|(link, _)| link.step));
+        if count > 0 {
+            say(&format!("{stage}: the same at all {count} common links"))?;
+        }
+        match uneven_ends([a, b]) {
+            None => {}
+            Some(ends) if prefix || uneven.is_some() => say(&format!("{stage}: {ends}"))?,
+            Some(ends) => uneven = Some(Divergence::uneven(stage, equal, ends)),
+        }
     }
     if links == 0 {
-        return Err(Error::input(
-            one.folder.display().to_string(),
-            format!(
-                "has no link of any stage in common with {}",
-                other.folder.display()
-            ),
-        ));
+        let problem = format!(
+            "has no link of any stage in common with {}",
+            other.folder.display()
+        );
+        return Err(Error::input(one.folder.display().to_string(), problem));
+    }
+    if uneven.is_some() || prefix {
+        return Ok(uneven);
+    }
+    for (side, which) in [(one, "the first run"), (other, "the second run")] {
+        // With all its chains, but stopped before its end.
+        if !Manifest::of(&side.folder)?.is_some_and(|manifest| manifest.finished) {
+            let path = side.folder.join(manifest::NAME);
+            let ends = format!("{} does not say that it is finished", path.display());
+            return Ok(Some(Divergence::uneven(which.into(), None, ends)));
+        }
     }
     Ok(None)
+}
+
+/// The links of a chain; none if there is no chain.
+fn links_of(chain: &Option<Chain>) -> &[Link] {
+    chain.as_ref().map_or(&[], |chain| &chain.links)
+}
+
+/// Which of two runs has less of a stage.
+fn uneven_ends(links: [&[Link]; 2]) -> Option<String> {
+    match links.map(|links| links.last().map(|link| link.step)) {
+        [Some(a), Some(b)] if a == b => None,
+        [Some(a), Some(b)] => Some(format!(
+            "the first run ends at step {a}, the second at step {b}"
+        )),
+        [Some(_), None] => Some("the second run has none".into()),
+        [None, _] => Some("the first run has none".into()),
+    }
+}
+
+impl Divergence {
+    fn uneven(stage: String, equal: Option<u64>, ends: String) -> Self {
+        Self {
+            stage,
+            equal,
+            step: equal.unwrap_or(0),
+            parts: Vec::new(),
+            number: None,
+            contact: None,
+            ends: Some(ends),
+        }
+    }
 }
 
 /// The chain of digests of a stage, as the run's manifest vouches for it; `None` if there is none. A chain of
@@ -140,35 +189,6 @@ pub(crate) fn chain_of(root: &Path, stage: &str) -> Result<Option<Chain>> {
         None => read_text(path)?,
     };
     Chain::parse(&text, &path.display().to_string()).map(Some)
-}
-
-/// Runs a scenario with two programs, each into its own folder and with its own beds.
-///
-/// # Errors
-/// [`Error::Input`] if a program does not end well.
-pub fn run_both(
-    programs: [PathBuf; 2],
-    scenario: &str,
-    sets: &[String],
-    out: &Path,
-) -> Result<[Side; 2]> {
-    let side = |(program, name): (PathBuf, &str)| {
-        let folder = out.join(name);
-        let mut command = alone(&program);
-        command.args(["run", scenario, "--out"]).arg(&folder);
-        command.arg("--beds").arg(out.join(format!("beds-{name}")));
-        command.args(sets.iter().flat_map(|set| ["--set", set]));
-        let ended = command.stdout(Stdio::null()).status();
-        let ended = ended.map_err(|e| Error::read(&program, &e))?;
-        if ended.success() {
-            Ok(Side { folder, program })
-        } else {
-            let problem = format!("did not run {scenario}: {ended}");
-            Err(Error::input(program.display().to_string(), problem))
-        }
-    };
-    let [a, b] = programs;
-    Ok([side((a, "a"))?, side((b, "b"))?])
 }
 
 /// Links of two chains at equal steps.
@@ -262,12 +282,10 @@ impl Replaying {
 impl Replaying {
     /// The program did not do what it was asked, in its own words.
     fn failed(&mut self) -> Error {
-        let _ = self.child.wait();
-        let mut told = String::new();
-        let read = self.told.rewind();
-        let _ = read.and_then(|()| self.told.read_to_string(&mut told));
-        let folder = self.side.folder.display();
-        let problem = format!("did not run {folder} again: {}", told.trim());
+        let ended = self.child.wait();
+        let ended = ended.map_or(String::new(), |status| format!("{status}; "));
+        let (told, folder) = (last_words(&mut self.told), self.side.folder.display());
+        let problem = format!("did not run {folder} again: {ended}{told}");
         Error::input(self.side.program.display().to_string(), problem)
     }
 }
@@ -362,62 +380,15 @@ fn parting(sides: &[Side; 2], stage: String, step: u64, equal: Option<u64>) -> R
         parts: differing(&digests[0].parts, &digests[1].parts),
         number: first_difference(one, other),
         contact: first_contact(&contacts[0], &contacts[1]),
+        ends: None,
     })
-}
-
-/// Which contact it is: grains by name; obstacle contacts come before those of two grains.
-fn key(contact: &ContactState) -> (bool, u32, u32) {
-    let grains = contact.j.is_some();
-    (
-        grains,
-        contact.i,
-        contact.j.or(contact.obstacle).unwrap_or(0),
-    )
-}
-
-fn name(contact: &ContactState) -> String {
-    match (contact.j, contact.obstacle) {
-        (Some(j), _) => format!("grains {} and {j}", contact.i),
-        (_, Some(k)) => format!("grain {} on obstacle {k}", contact.i),
-        _ => format!("grain {}", contact.i),
-    }
-}
-
-/// The first contact that only one list has, or whose forces differ.
-fn first_contact(a: &[ContactState], b: &[ContactState]) -> Option<String> {
-    for (k, one) in a.iter().enumerate() {
-        let Some(other) = b.get(k).filter(|other| key(other) == key(one)) else {
-            // Both lists are in order, so the lower of the two is missing in the other.
-            let theirs = b.get(k).filter(|other| key(other) < key(one));
-            let (first, which) = theirs.map_or((one, "first"), |theirs| (theirs, "second"));
-            return Some(format!("{} touch in the {which} alone", name(first)));
-        };
-        let forces = [
-            ("normal force", one.normal_force, other.normal_force),
-            (
-                "tangential force",
-                one.tangential_force,
-                other.tangential_force,
-            ),
-        ];
-        for (what, x, y) in forces {
-            for (axis, (x, y)) in ["x", "y", "z"].iter().zip(x.iter().zip(y)) {
-                if x.to_bits() != y.to_bits() {
-                    let [a, b] = [x.to_bits(), y.to_bits()];
-                    let which = name(one);
-                    return Some(format!(
-                        "{which}, {what} {axis}: {x} (0x{a:016x}) against {y} (0x{b:016x})"
-                    ));
-                }
-            }
-        }
-    }
-    b.get(a.len())
-        .map(|more| format!("{} touch in the second alone", name(more)))
 }
 
 impl std::fmt::Display for Divergence {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        if let Some(ends) = &self.ends {
+            return write!(f, "{}: {ends}", self.stage);
+        }
         match self.equal {
             Some(equal) => write!(
                 f,

@@ -8,9 +8,9 @@
 //! * [`drag`] pulls the intruder or carries the bed past it; [`series`], [`flow`], [`near_field`], [`plug_flow`],
 //!   [`tank`] with its [`tank_tables`], [`frames`] and [`summary`] hold what was measured;
 //! * [`campaign`] runs a scenario over the values of its grids into one table;
-//! * [`verify`], [`bisect`], [`against`], [`rerun`] and [`replay`] do parts of it again and compare ([`compare`],
-//!   [`changes`]); [`case`](mod@case) is the smallest unit of work, [`selftest`](mod@selftest) tests the machine;
-//!   [`published`] is what shipped scenarios come to;
+//! * [`verify`], [`confirm`], [`bisect`], [`against`], [`rerun`] and [`replay`] do parts of it again and compare
+//!   ([`compare`], [`changes`]); [`case`](mod@case) is the smallest unit of work, [`selftest`](mod@selftest) tests the
+//!   machine; [`published`] is what shipped scenarios come to;
 //! * [`benchmark`]: cases that others published, beside theory and their points;
 //! * [`recording`]: named arrays of any program, by step, and where two programs part;
 //! * below them [`progress`], [`performance`] and [`pace`] (how fast stages went), [`plain`] (text for a terminal),
@@ -26,6 +26,7 @@ pub mod campaign;
 pub mod case;
 pub mod changes;
 pub mod compare;
+pub mod confirm;
 pub mod drag;
 pub mod flow;
 pub mod folder;

@@ -26,7 +26,7 @@ pub struct Performance {
 pub struct StagePerformance {
     /// Its name.
     pub stage: String,
-    /// What was done: poured, reused, imported, dragged, followed.
+    /// What was done: poured, covered, imported, dragged, resumed, kept (it was there), reused (from the library).
     pub how: String,
     /// Wall-clock time (s).
     pub seconds: f64,

@@ -2,6 +2,7 @@
 
 use crate::bisect::chain_of;
 use crate::folder::Folder;
+use crate::run::{Links, Taken};
 use crate::scenario::{self, CheckedScenario};
 use bitgrain_sim::error::{Error, Result};
 
@@ -22,21 +23,19 @@ pub fn links(scenario: &str) -> Vec<(&'static str, &'static str)> {
 pub struct Comparison {
     /// Stages that end with another link.
     pub differing: Vec<String>,
-    /// Links of all stages.
-    pub links: usize,
-    /// How many of them the call executed itself, rather than found.
-    pub executed: usize,
+    /// Links of its stages.
+    pub links: Links,
 }
 
 /// Compares a finished run with what was published, if its scenario is a shipped one with nothing changed; `executed`
-/// are its stages and how many of the last steps of each the call executed.
+/// are its stages and what the call did for them.
 ///
 /// # Errors
 /// If a chain of digests cannot be read.
 pub fn compare(
     folder: &Folder<'_>,
     scenario: &CheckedScenario,
-    executed: &[(String, u64)],
+    executed: &[Taken],
 ) -> Result<Option<Comparison>> {
     let wanted = links(&scenario.name);
     let shipped = |name: &str| scenario::load(name, &[]).map(|shipped| shipped.to_toml());
@@ -51,13 +50,7 @@ pub fn compare(
         if chain.end() != link {
             found.differing.push(stage.into());
         }
-        let steps = executed.iter().find(|(name, _)| name == stage);
-        let steps = steps.map_or(0, |(_, steps)| *steps);
-        let last = chain.links.last().map_or(0, |link| link.step);
-        // A stage that was begun by the call has a link before its first step.
-        let own = |step: u64| steps > 0 && (step > last - steps || steps == last);
-        found.links += chain.links.len();
-        found.executed += chain.links.iter().filter(|link| own(link.step)).count();
+        found.links += Taken::of(executed, stage).links(&chain);
     }
     Ok(Some(found))
 }
@@ -97,11 +90,25 @@ mod tests {
             std::fs::write(path, chain.text()).unwrap();
         }
         let quick = scenario::load("quick", &[]).unwrap();
-        let steps = [("bed", 0), ("run-1", 200), ("run-2", 199), ("run-3", 100)];
-        let steps = steps.map(|(stage, steps)| (stage.to_string(), steps));
+        let taken = |stage: &str, how: &str, steps| Taken {
+            stage: stage.into(),
+            how: how.into(),
+            steps,
+        };
+        let steps = [
+            taken("bed", "reused", 0),
+            taken("run-1", "dragged", 200),
+            taken("run-2", "resumed", 199),
+            taken("run-3", "resumed", 100),
+        ];
         let found = compare(&at, &quick, &steps).unwrap().unwrap();
         assert_eq!(found.differing, ["bed", "run-1", "run-2", "run-3"]);
-        assert_eq!((found.executed, found.links), (3 + 2 + 1, 12));
+        let links = Links {
+            executed: 3 + 2 + 1,
+            library: 3,
+            found: 1 + 2,
+        };
+        assert_eq!((found.links, links.all()), (links, 12));
         let changed = scenario::load("quick", &["law.mu=0.4".into()]).unwrap();
         assert_eq!(compare(&at, &changed, &steps).unwrap(), None);
     }

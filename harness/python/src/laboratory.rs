@@ -5,11 +5,13 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
+use bitgrain::against;
 use bitgrain::bed::library::BedCache;
 use bitgrain::campaign;
 use bitgrain::campaign::folder::CampaignFolder;
 use bitgrain::cli;
-use bitgrain::error::{Error, Result, UNEXPECTED};
+use bitgrain::confirm;
+use bitgrain::error::{Error, Result};
 use bitgrain::folder::Folder;
 use bitgrain::manifest::{FolderKind, Manifest, Vouched};
 use bitgrain::progress::Progress;
@@ -83,6 +85,10 @@ pub fn run(
     expect: Vec<String>,
     verbose: bool,
 ) -> PyResult<(PathBuf, bool, bool)> {
+    if !only.is_empty() && !expect.is_empty() {
+        let problem = "cannot go with only: what is expected is compared with all of a run";
+        return Err(input("expect", problem));
+    }
     let threads = processors(threads)?;
     let save = save_every.map(str::parse::<SaveEvery>).transpose();
     let save = save
@@ -111,22 +117,14 @@ pub fn run(
             write_report: present::write_report,
             progress,
         })?;
-        if !expect.is_empty() {
-            let manifest = Vouched::open(&out, FolderKind::Run)?.manifest;
-            if let Some(link) = expect.iter().find(|link| !manifest.has_link(link)) {
-                let place = out.display();
-                let problem = format!(
-                    "{place}: {link} is neither its closing hash nor the last link of a stage"
-                );
-                return Err(Error::Unverified {
-                    problem,
-                    hint: UNEXPECTED,
-                });
-            }
+        if let Some(done) = done.as_ref().filter(|_| !expect.is_empty()) {
+            let quiet = |_: &str| Ok(());
+            confirm::execute_found(&out, &done.executed, threads, progress, quiet)?;
+            against::check_expected(&out, &expect)?;
         }
         let executed = done
             .as_ref()
-            .is_none_or(|done| done.executed.iter().any(|(_, steps)| *steps > 0));
+            .is_none_or(|done| done.executed.iter().any(|taken| taken.steps > 0));
         Ok((out, done.is_some(), executed))
     })
 }
@@ -189,6 +187,7 @@ pub fn bisect(
     py: Python<'_>,
     folders: [PathBuf; 2],
     programs: [PathBuf; 2],
+    prefix: bool,
 ) -> PyResult<(Option<String>, Vec<String>)> {
     let [a, b] = folders;
     let [program_a, program_b] = programs;
@@ -198,7 +197,7 @@ pub fn bisect(
     let told = &mut lines;
     // Its programs hear of Ctrl-C by themselves, and end.
     let found = interruptible(py, &Progress::new(false), || {
-        bitgrain::bisect::bisect(&sides, |line| {
+        bitgrain::bisect::bisect(&sides, prefix, |line| {
             told.push(line.to_string());
             Ok(())
         })

@@ -113,12 +113,13 @@ pub fn part_recordings(
     py: Python<'_>,
     first: PathBuf,
     second: PathBuf,
+    prefix: bool,
 ) -> PyResult<(Option<String>, Vec<String>)> {
     let mut lines = Vec::new();
     let told = &mut lines;
     let found = py.detach(|| {
         let open = |path: &Path| Recorded::open(path);
-        part(&[open(&first)?, open(&second)?], |line| {
+        part(&[open(&first)?, open(&second)?], prefix, |line| {
             told.push(line.to_string());
             Ok(())
         })

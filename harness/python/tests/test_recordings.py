@@ -227,20 +227,24 @@ def test_a_block_that_fails_leaves_no_end(tmp_path):
     with pytest.raises(bitgrain.InputError, match="is closed"):
         recorder.close()
     record(tmp_path / "b", {0: {"x": 1.0}, 1: {"x": 9.0}})
-    with pytest.warns(UserWarning) as told:
-        assert bitgrain.bisect(tmp_path / "a", tmp_path / "b") is None
-    assert "its last step, 1, is not compared" in str(told[0].message)
-
-
-def test_steps_of_one_side_are_left_out_with_a_warning(tmp_path):
-    record(tmp_path / "a", {0: {"x": 1.0}, 1: {"x": 2.0}})
-    record(tmp_path / "b", {1: {"x": 2.0}, 2: {"x": 9.0}})
-    with pytest.warns(UserWarning, match="1 steps are in both; 1 are in the first alone, 1 in the second") as told:
-        assert bitgrain.bisect(tmp_path / "a", tmp_path / "b") is None
+    with pytest.warns(UserWarning, match="its last step, 1, is not compared") as told:
+        found = bitgrain.bisect(tmp_path / "a", tmp_path / "b")
     assert told[0].filename == __file__
+    assert str(found) == "the same to step 0: the first was cut off after step 0, the second goes on with step 1"
+    with pytest.warns(UserWarning):
+        assert bitgrain.bisect(tmp_path / "a", tmp_path / "b", prefix=True) is None
+
+
+def test_steps_of_one_side_are_a_difference(tmp_path):
+    record(tmp_path / "a", {0: {"x": 1.0}, 1: {"x": 2.0}})
+    record(tmp_path / "b", {0: {"x": 1.0}, 1: {"x": 2.0}, 2: {"x": 9.0}})
+    found = bitgrain.bisect(tmp_path / "a", tmp_path / "b")
+    assert (found.equal, found.step, found.arrays) == (1, 2, [])
+    assert found.hint == "the first ends with step 1, the second goes on with step 2"
+    assert bitgrain.bisect(tmp_path / "a", tmp_path / "b", prefix=True) is None
     record(tmp_path / "c", {5: {"x": 1.0}})
-    with pytest.raises(bitgrain.InputError, match="has no step in common with"):
-        bitgrain.bisect(tmp_path / "a", tmp_path / "c")
+    found = bitgrain.bisect(tmp_path / "a", tmp_path / "c")
+    assert str(found) == "different from the beginning: the first begins with step 0, the second begins with step 5"
 
 
 def test_bisect_refuses_what_is_no_recording(tmp_path):

@@ -6,6 +6,7 @@ use std::time::SystemTime;
 use clap::Args;
 
 use super::channels::{print, processors, stoppable};
+use bitgrain_lab::against::is_link;
 use bitgrain_lab::bisect::{Side, bisect, run_both};
 use bitgrain_lab::campaign;
 use bitgrain_lab::campaign::folder::{CAMPAIGN, CampaignFolder};
@@ -74,7 +75,11 @@ pub(super) struct Bisect {
     /// Recordings says how they answer).
     #[arg(long, conflicts_with_all = ["scenario", "program_a", "program_b"])]
     commands: bool,
-    /// Of two commands: the last step to compare [default: until one of them ends].
+    /// One of the two may be the beginning of the other: a stage or a step that only one has at its end is no
+    /// difference, nor is a missing end.
+    #[arg(long)]
+    prefix: bool,
+    /// Of two commands: the last step to compare [default: until both end].
     #[arg(long, value_name = "STEP", requires = "commands")]
     to: Option<u64>,
     /// Of two commands: compare them only every so many steps, and execute them again for those between. Faster; a
@@ -122,18 +127,20 @@ pub(super) fn run_bisect(what: Bisect, this: &Path) -> Result<()> {
     }
     if what.scenario.is_none() && (is_recording(&what.a) || is_recording(&what.b)) {
         let sides = [Recorded::open(&what.a)?, Recorded::open(&what.b)?];
-        return verdict(part(&sides, say)?);
+        return verdict(part(&sides, what.prefix, say)?);
     }
-    let sides = match &what.scenario {
+    let [a, b] = match &what.scenario {
         None => {
-            [(what.a, what.program_a), (what.b, what.program_b)].map(|(folder, program)| Side {
-                folder,
-                program: program.unwrap_or_else(|| this.to_path_buf()),
-            })
+            let own = |program: Option<PathBuf>| program.unwrap_or_else(|| this.to_path_buf());
+            [(what.a, own(what.program_a)), (what.b, own(what.program_b))]
         }
-        Some(scenario) => run_both([what.a, what.b], scenario, &what.sets, &what.out)?,
+        Some(scenario) => {
+            let [a, b] = run_both([&what.a, &what.b], scenario, &what.sets, &what.out)?;
+            [(a, what.a), (b, what.b)]
+        }
     };
-    match bisect(&sides, say)? {
+    let sides = [a, b].map(|(folder, program)| Side { folder, program });
+    match bisect(&sides, what.prefix, say)? {
         None => say("no difference: the same at every link that both have"),
         Some(parting) => {
             say(&parting.to_string())?;
@@ -152,6 +159,7 @@ fn commands(what: &Bisect) -> Result<Commands> {
         texts: [text(&what.a)?, text(&what.b)?],
         to: what.to,
         every: what.every,
+        prefix: what.prefix,
         patience: Patience {
             limit: what.limit,
             stop: stoppable(false).stop_flag(),
@@ -159,8 +167,17 @@ fn commands(what: &Bisect) -> Result<Commands> {
     })
 }
 
+/// Refuses a word that is no link.
+pub(super) fn check_link(word: &str) -> Result<()> {
+    if is_link(word) {
+        return Ok(());
+    }
+    let problem = format!("`{word}` is no link: expected 64 hexadecimal digits, 0 to 9 and a to f");
+    Err(Error::input("--expect", problem))
+}
+
 /// Says where two recordings or commands part, and ends with the status for it.
-fn verdict(parting: Option<Parting>) -> Result<()> {
+pub(super) fn verdict(parting: Option<Parting>) -> Result<()> {
     let say = |line: &str| print(&format!("{line}\n"));
     match parting {
         None => say("no difference: the same at every step that was compared in both"),

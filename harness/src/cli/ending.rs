@@ -8,8 +8,9 @@ use bitgrain_analysis::present::series;
 use bitgrain_analysis::released;
 use bitgrain_analysis::remarks::remarks;
 use bitgrain_lab::folder::Folder;
-use bitgrain_lab::manifest::{FolderKind, Manifest, Vouched};
+use bitgrain_lab::manifest::{FolderKind, Vouched};
 use bitgrain_lab::published::Comparison;
+use bitgrain_lab::run::Taken;
 use bitgrain_lab::summary::{Summary, read_folder};
 use bitgrain_sim::error::Result;
 use bitgrain_sim::format::{number_with_error, short};
@@ -23,8 +24,8 @@ pub(super) fn describe(
     out: &Path,
     beds: &Path,
     published: Option<&Comparison>,
-    executed: &[(String, u64)],
-) -> Result<(String, Manifest)> {
+    executed: &[Taken],
+) -> Result<String> {
     let vouched = Vouched::open(out, FolderKind::Run)?;
     let folder = Folder(out);
     let (_, summary) = read_folder(&folder, &vouched)?;
@@ -37,7 +38,7 @@ pub(super) fn describe(
         let words = remark.words.replace('`', "");
         let _ = writeln!(text, "before you believe it: {}. {words}", remark.title);
     }
-    if executed.iter().all(|(_, steps)| *steps == 0) {
+    if executed.iter().all(|taken| taken.steps == 0) {
         text += "nothing was executed: the run was complete already\n";
     }
     if let Some(last) = summary.runs.last() {
@@ -50,18 +51,14 @@ pub(super) fn describe(
     let _ = writeln!(text, "report: {}", shown(&folder.report()));
     let _ = writeln!(text, "closing hash: {}", vouched.manifest.closing);
     let _ = writeln!(text, "next: bitgrain verify {} --sample 3", shown(out));
-    Ok((text, vouched.manifest))
+    Ok(text)
 }
 
 /// How a run stands to what was published of its scenario.
 fn beside_published(found: &Comparison) -> String {
-    let Comparison {
-        differing,
-        links,
-        executed,
-    } = found;
-    if !differing.is_empty() {
-        return format!("not as published: {}", differing.join(", "));
+    let (links, executed) = (found.links.all(), found.links.executed);
+    if !found.differing.is_empty() {
+        return format!("not as published: {}", found.differing.join(", "));
     }
     match executed == links {
         true => "as published: this machine keeps the contract".into(),

@@ -51,8 +51,11 @@ a full disk from the last save; finished stages are kept. Missing or damaged fil
 with other files under names that a run would write is refused. A job that was submitted saves itself before
 its time is up and goes back into the queue; if it could save nothing in its time it stops, and says so.
 
-Exit status: 0 done, 2 the scenario was refused, 3 a run failed, 1 results could not be written,
-130 interrupted.";
+With --expect or --against status 0 says that every link was executed by this call: what it found of the run, in the
+folder or in the library of beds, it executes again and compares; no file changes by that.
+
+Exit status: 0 done, 2 the scenario was refused, 3 a run failed or is not what was expected, 1 results could not be
+written, 130 interrupted.";
 
 pub(super) const SWEEP_HELP: &str = "\
 Examples:
@@ -154,21 +157,26 @@ Examples:
   bitgrain bisect out/one out/two
   bitgrain bisect --commands './one' './other' --to 1000
 
-The last two compare recordings (`bitgrain record`), and two programs while they run.
+The last two compare recordings (`bitgrain record`), and two programs while they run. What ends before the other, was
+cut off or is not finished differs from it, unless --prefix says that this is meant. With --scenario the two programs
+write into an --out in which none has written before.
 
-Exit status: 0 the same at every link or step that both have, 3 they differ, 2 they cannot be compared.";
+Exit status: 0 the same at every link or step to the end of both, 3 they differ, 2 they cannot be compared, or a program
+did not do its part.";
 
 pub(super) const RECORD_HELP: &str = "\
 Examples:
   bitgrain record out/one < one.frames
   bitgrain record out/two --keep all < two.frames
+  bitgrain record out/new --against out/one < one.frames
 
 A step comes as the line `step N`; for each array the line `array NAME TYPE SHAPE`, as in `array x f64 100x3`, and
 its bytes, little-endian, row by row; then the line `done`. After the last step comes the line `end`. The guide's
-page Recordings (harness/guide/src/recordings.md) shows this in Python. `bitgrain bisect` compares two recordings.
+page Recordings (harness/guide/src/recordings.md) shows this in Python. `bitgrain bisect` compares two recordings, and
+--against compares what comes with one while it comes.
 
-Exit status: 0 recorded, 2 the input was refused or is cut off (what came before is recorded, without an end),
-1 it could not be written.";
+Exit status: 0 recorded, and the same as what it was compared with, 3 it differs, or ends before or after that, 2 the
+input was refused or is cut off (what came before is recorded, without an end), 1 it could not be written.";
 
 pub(super) const REPLAY_HELP: &str = "\
 Examples:

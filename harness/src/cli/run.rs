@@ -6,6 +6,7 @@ use clap::Args;
 
 use super::bed::Beds;
 use super::channels::{print, processors, stoppable};
+use super::checks::check_link;
 use super::ending;
 use super::slurm::{Submission, Work, check_scheduler, quoted, utf8};
 use super::start;
@@ -15,12 +16,16 @@ use bitgrain_lab::against::{self, Reference};
 use bitgrain_lab::folder::Folder;
 use bitgrain_lab::run::{self, SaveEvery, Setting};
 use bitgrain_lab::scenario::CheckedScenario;
-use bitgrain_lab::{forecast, published, scenario};
-use bitgrain_sim::error::{Error, Result, UNEXPECTED};
+use bitgrain_lab::{confirm, forecast, published, scenario};
+use bitgrain_sim::error::{Error, Result};
 
 /// If the bits are not those that were published.
 const OTHER_BITS: &str = "`bitgrain selftest` tells whether this machine keeps the contract; a changed program or a \
                           damaged file has other bits too";
+
+/// If what was found was not to be executed again.
+pub(super) const FOUND: &str =
+    "without --found-is-enough the others are executed again and compared";
 
 /// What `bitgrain run` takes.
 #[derive(Args)]
@@ -60,6 +65,10 @@ pub(super) struct Run {
     /// link differs, and says at which step, body and number, here and in difference.json.
     #[arg(long, value_name = "DIR|CHAIN|LINK", conflicts_with_all = ["only", "dry_run"])]
     against: Option<String>,
+    /// With --expect or --against: do not execute again what was found, in the folder or in the library of beds. The
+    /// command then ends with status 3 and says how many links it executed, unless it executed all.
+    #[arg(long)]
+    found_is_enough: bool,
     /// Write a job script into OUT/slurm and submit it; the job goes on after its time limit, as often as needed.
     /// SCHEDULER is slurm. With --dry-run it is only written.
     #[arg(long, value_name = "SCHEDULER")]
@@ -78,10 +87,15 @@ pub(super) fn run_scenario(run: Run, home: &Path, this: &Path, program: &str) ->
         check_scheduler(scheduler)?;
     }
     if run.scenario.is_none() && run.resume.is_none() {
+        if run.against.is_some() || !run.expect.is_empty() {
+            let problem = "has nothing to compare: name a scenario, or give --resume with the folder of a run";
+            return Err(Error::input("run", problem));
+        }
         return start::list();
     }
     // A wrong word is reported before hours of work.
     let against = run.against.as_deref().map(Reference::of).transpose()?;
+    run.expect.iter().try_for_each(|word| check_link(word))?;
     let (scenario, out) = match (&run.resume, &run.scenario) {
         (Some(folder), _) => (Folder(folder).saved_scenario()?, folder.clone()),
         (None, name) => {
@@ -90,6 +104,9 @@ pub(super) fn run_scenario(run: Run, home: &Path, this: &Path, program: &str) ->
             (scenario, run.out.clone().unwrap_or(own))
         }
     };
+    if let Some(against) = &against {
+        against::check_before(&out, against)?;
+    }
     if run.submit.is_some() {
         return submit(&run, &scenario, &out, program);
     }
@@ -128,8 +145,7 @@ pub(super) fn run_scenario(run: Run, home: &Path, this: &Path, program: &str) ->
         ));
     };
     let published = published::compare(&Folder(&out), &scenario, &done.executed)?;
-    let (text, manifest) =
-        ending::describe(&out, library.folder(), published.as_ref(), &done.executed)?;
+    let text = ending::describe(&out, library.folder(), published.as_ref(), &done.executed)?;
     print(&text)?;
     if let Some(found) = published
         && !found.differing.is_empty()
@@ -144,22 +160,26 @@ pub(super) fn run_scenario(run: Run, home: &Path, this: &Path, program: &str) ->
             hint: OTHER_BITS,
         });
     }
+    if against.is_none() && run.expect.is_empty() {
+        return Ok(());
+    }
+    let say = |line: &str| print(&format!("{line}\n"));
     if let Some(against) = &against {
-        let say = |line: &str| print(&format!("{line}\n"));
         against::check(&out, against, this, &progress, say)?;
     }
-    match run.expect.iter().find(|link| !manifest.has_link(link)) {
-        None => Ok(()),
-        Some(link) => {
-            let place = out.display();
-            let problem =
-                format!("{place}: {link} is neither its closing hash nor the last link of a stage");
-            Err(Error::Unverified {
-                problem,
-                hint: UNEXPECTED,
-            })
-        }
+    against::check_expected(&out, &run.expect)?;
+    let links = confirm::links(&out, &done.executed)?;
+    if links.executed == links.all() {
+        return Ok(());
     }
+    if run.found_is_enough {
+        return Err(Error::Unverified {
+            problem: format!("{}: {links}", out.display()),
+            hint: FOUND,
+        });
+    }
+    say(&links.to_string())?;
+    confirm::execute_found(&out, &done.executed, threads, &progress, say)
 }
 
 /// Writes a job script for a run, and submits it. The scenario goes into the folder now, so that what runs is what was
@@ -180,11 +200,13 @@ fn submit(run: &Run, scenario: &CheckedScenario, out: &Path, program: &str) -> R
             .map(|link| ("--expect", Some(link.clone()))),
     );
     let folder = utf8(out)?;
+    let mut words = vec!["run", "--resume", &folder];
+    words.extend(run.found_is_enough.then_some("--found-is-enough"));
     let mut submission = Submission::new(out, &run.sbatch)?;
     submission.one(&Work {
         kind: "run",
         name: &scenario.name,
-        command: &shared_words(program, &["run", "--resume", &folder], &options),
+        command: &shared_words(program, &words, &options),
         folder: Some(&quoted(&folder)),
         threads: run.threads.unwrap_or(1),
     })?;

@@ -6,6 +6,7 @@ use clap::Args;
 
 use super::bed::Beds;
 use super::channels::{print, processors, shown, stoppable};
+use super::run::FOUND;
 use super::slurm::{check_scheduler, utf8};
 use super::tasks::{Pieces, interval, max_input, shared_words, told};
 use bitgrain_analysis::claims::evidence::Evidence;
@@ -14,7 +15,7 @@ use bitgrain_lab::campaign::folder::CampaignFolder;
 use bitgrain_lab::campaign::only::Only;
 use bitgrain_lab::campaign::table::CampaignTable;
 use bitgrain_lab::campaign::tasks::{Worker, perform};
-use bitgrain_lab::campaign::{self, forecast, sweep};
+use bitgrain_lab::campaign::{self, forecast, found, sweep};
 use bitgrain_lab::folder::write_beside;
 use bitgrain_lab::run::SaveEvery;
 use bitgrain_sim::error::{Error, Result};
@@ -47,10 +48,14 @@ pub(super) struct Sweep {
     /// given several times. The others can be done later.
     #[arg(long, value_name = "NAME")]
     only: Vec<String>,
-    /// Compare each run that is done with its row in this table of the same campaign, such as one of
-    /// those under golden/, and end with status 3 if a digit differs.
-    #[arg(long, value_name = "TABLE")]
+    /// Compare each run that is asked for with its row in this table of the same campaign, such as one of those under
+    /// golden/, and end with status 3 if a digit differs. Runs and beds that were found are executed again.
+    #[arg(long, value_name = "TABLE", conflicts_with_all = ["dry_run", "task", "tasks", "submit"])]
     against: Option<PathBuf>,
+    /// With --against: do not execute again what was found, in the folder or in the library of beds. The command then
+    /// ends with status 3 and says how many links it executed, unless it executed all.
+    #[arg(long, requires = "against")]
+    found_is_enough: bool,
     /// Try runs again that failed before.
     #[arg(long)]
     retry: bool,
@@ -153,7 +158,36 @@ pub(super) fn run(what: Sweep, home: &Path, program: &str) -> Result<()> {
         let there = outcome.done + outcome.failed;
         return pieces.lacking(outcome.missing, outcome.missing + there);
     }
-    conclude(&out, outcome, against)
+    let folder = CampaignFolder(&out);
+    let evidence = conclude(&folder, &outcome)?;
+    if let Some((table, path)) = against {
+        let place = path.display().to_string();
+        let wants = |member: &str, run: &str| only.wants(member, run);
+        let same = evidence.table.check_against(&table, &place, wants)?;
+        print(&format!("{same} runs agree with {place} digit by digit\n"))?;
+        let parts = found::wanted(&folder, &plan, &only, &outcome.taken)?;
+        let links = found::links(&folder, &plan, &parts)?;
+        if links.executed < links.all() {
+            if what.found_is_enough {
+                let problem = format!("{}: {links}", out.display());
+                return Err(Error::Unverified {
+                    problem,
+                    hint: FOUND,
+                });
+            }
+            let say = |line: &str| print(&format!("{line}\n"));
+            say(&links.to_string())?;
+            found::execute(&folder, &plan, &parts, threads, &progress, say)?;
+        }
+    }
+    match outcome.failed {
+        0 => Ok(()),
+        failed => Err(Error::Failed {
+            failed,
+            done: outcome.done,
+            table: outcome.table,
+        }),
+    }
 }
 
 /// The words that every process of a campaign in pieces is called with.
@@ -171,14 +205,9 @@ fn command(what: &Sweep, program: &str) -> Result<String> {
     Ok(shared_words(program, &["sweep", &campaign], &options))
 }
 
-/// Writes what the table says, and holds it against another.
-fn conclude(
-    out: &Path,
-    outcome: sweep::Outcome,
-    against: Option<(CampaignTable, PathBuf)>,
-) -> Result<()> {
-    let folder = CampaignFolder(out);
-    let evidence = Evidence::read(out, false)?;
+/// Writes what the table says.
+fn conclude(folder: &CampaignFolder<'_>, outcome: &sweep::Outcome) -> Result<Evidence> {
+    let evidence = Evidence::read(folder.0, false)?;
     write_beside(&folder.analysis(), evidence.text().as_bytes())?;
     write_beside(&folder.report(), campaign_page(&evidence).as_bytes())?;
     print(&format!(
@@ -186,17 +215,5 @@ fn conclude(
         shown(&outcome.table),
         shown(&folder.report())
     ))?;
-    if let Some((table, path)) = against {
-        let place = path.display().to_string();
-        let same = evidence.table.check_against(&table, &place)?;
-        print(&format!("{same} runs agree with {place} digit by digit\n"))?;
-    }
-    match outcome.failed {
-        0 => Ok(()),
-        failed => Err(Error::Failed {
-            failed,
-            done: outcome.done,
-            table: outcome.table,
-        }),
-    }
+    Ok(evidence)
 }

@@ -51,33 +51,6 @@ fn two_commands_part_at_the_first_step() {
     assert!(told.contains("no difference"), "{told}");
     let told = bisect(one, other, &["--to", "37"], 3);
     assert!(told.contains(found), "{told}");
-    // Both ends are found without being told, with strides too.
-    for every in ["1", "7"] {
-        let told = bisect(
-            "sh child.sh 1000 50",
-            "sh child.sh 1000 50",
-            &["--every", every],
-            0,
-        );
-        assert!(told.contains("both end at step 50"), "{told}");
-        let told = bisect(
-            "sh child.sh 1000 50",
-            "sh child.sh 1000 60",
-            &["--every", every],
-            0,
-        );
-        assert!(told.contains("one run ends before the other"), "{told}");
-        let told = bisect(
-            "sh child.sh 1000 50",
-            "sh child.sh 50 60",
-            &["--every", every],
-            3,
-        );
-        assert!(
-            told.contains("the same to step 49, different at step 50"),
-            "{told}"
-        );
-    }
     let other = |name: &str, from: &str, to: &str| {
         assert!(CHILD.contains(from));
         std::fs::write(room.path().join(name), CHILD.replace(from, to)).unwrap();
@@ -103,6 +76,62 @@ fn two_commands_part_at_the_first_step() {
         told.starts_with("different from the beginning, step 0\n"),
         "{told}"
     );
+}
+
+/// A run that ends before the other, or before the step that was asked for, is not the same, unless that is meant.
+#[test]
+#[cfg(unix)]
+fn a_command_that_ends_first_differs() {
+    let room = tempfile::tempdir().unwrap();
+    std::fs::write(room.path().join("child.sh"), CHILD).unwrap();
+    let bisect = |a: &str, b: &str, more: &[&str], status: i32| {
+        let args = [&["bisect", "--commands", a, b], more].concat();
+        printed(PROGRAM, room.path(), &args, status)
+    };
+    // Both ends are found without being told, with strides too.
+    for every in ["1", "7"] {
+        let told = bisect(
+            "sh child.sh 1000 50",
+            "sh child.sh 1000 50",
+            &["--every", every],
+            0,
+        );
+        assert!(told.contains("both end at step 50"), "{told}");
+        let told = bisect(
+            "sh child.sh 1000 50",
+            "sh child.sh 1000 60",
+            &["--every", every],
+            3,
+        );
+        let ends =
+            "the same to step 50: the first ends with step 50, the second goes on with step 51";
+        assert!(told.contains(ends), "{told}");
+        let told = bisect(
+            "sh child.sh 1000 60",
+            "sh child.sh 1000 50",
+            &["--every", every, "--prefix"],
+            0,
+        );
+        assert!(told.contains("one run ends before the other"), "{told}");
+        let told = bisect(
+            "sh child.sh 1000 50",
+            "sh child.sh 50 60",
+            &["--every", every],
+            3,
+        );
+        assert!(
+            told.contains("the same to step 49, different at step 50"),
+            "{told}"
+        );
+    }
+    let ended = "sh child.sh 1000 50";
+    let told = bisect(ended, ended, &["--to", "51"], 3);
+    assert!(
+        told.contains("both end at step 50, and step 51 was asked for"),
+        "{told}"
+    );
+    bisect(ended, ended, &["--to", "51", "--prefix"], 0);
+    bisect(ended, ended, &["--to", "50"], 0);
 }
 
 /// A command that has another label in its first execution than in later ones is told from one that differs always.

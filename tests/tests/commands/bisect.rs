@@ -67,6 +67,79 @@ fn two_runs_part_at_a_contact() {
     assert_eq!(told.matches("(0x").count(), 4, "{told}");
 }
 
+/// Only what two programs wrote in this call is compared: a program that writes no run is named, and so is a folder in
+/// which an earlier one left something.
+#[test]
+#[cfg(unix)]
+fn programs_that_do_nothing_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let small = bitgrain_tests::two_drags();
+    std::fs::write(folder.path().join("small.toml"), small).unwrap();
+    let bisect = |a: &str, b: &str, more: &[&str]| {
+        let args = [&["bisect", a, b, "--scenario", "small.toml"], more].concat();
+        printed(folder.path(), &args, 2)
+    };
+    let told = bisect("true", PROGRAM, &[]);
+    let begin =
+        "true: left no finished run of small.toml in out/bisect/a: it ended with exit status: 0";
+    assert!(told.contains(begin), "{told}");
+    let told = bisect("echo", "echo", &[]);
+    assert!(
+        told.contains("standard output: run small.toml --out out/bisect/a"),
+        "{told}"
+    );
+    let told = bisect("false", "true", &[]);
+    assert!(
+        told.contains("false: did not run small.toml: exit status: 1"),
+        "{told}"
+    );
+    // Of an earlier call, or of somebody else.
+    for (k, name) in ["a", "b", "beds-a", "beds-b"].into_iter().enumerate() {
+        let out = format!("out-{k}");
+        std::fs::create_dir(folder.path().join(&out)).unwrap();
+        let place = folder.path().join(&out).join(name);
+        match k {
+            0 => bitgrain_tests::wee::copy_all(&RUN.path().join("run"), &place),
+            1 => std::os::unix::fs::symlink("nowhere", place).unwrap(),
+            _ => std::fs::write(place, "mine").unwrap(),
+        }
+        let told = bisect("true", "true", &["--out", &out]);
+        assert!(told.contains(&format!("{out}: holds `{name}`")), "{told}");
+    }
+    assert!(!folder.path().join("nowhere").exists());
+}
+
+/// A run that ends before the other, or was stopped, is another one, unless that is meant.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn a_run_that_has_less_is_another_one() {
+    let room = crate::FURNISHED.copy();
+    room.done("run wee.toml --out part --only run-1");
+    for (pair, ends) in [
+        ("run part", "run-2: the second run has none"),
+        ("part run", "run-2: the first run has none"),
+        (
+            "part part",
+            "the first run: part/manifest.json does not say that it is finished",
+        ),
+    ] {
+        let told = room.says(&format!("bisect {pair}"), 3);
+        assert!(
+            told.contains(ends) && !told.contains("no difference"),
+            "{told}"
+        );
+        let told = room.done(&format!("bisect {pair} --prefix"));
+        assert!(told.contains("no difference"), "{told}");
+    }
+    room.done("run wee.toml --out short --set drag.distance=1.45");
+    let told = room.says("bisect run short", 3);
+    assert!(
+        told.contains("run-1: the first run ends at step "),
+        "{told}"
+    );
+    room.done("bisect run short --prefix");
+}
+
 /// Two builds and one scenario: one of them is this program with another coefficient.
 #[test]
 #[cfg(unix)]

@@ -49,7 +49,7 @@ fn orbits(nudge: f64) -> impl Iterator<Item = (u64, Vec<Array>)> {
 
 fn parting(a: &Recorded, b: &Recorded) -> (Option<Parting>, String) {
     let mut said = String::new();
-    let parting = part(&[a.clone(), b.clone()], |line| {
+    let parting = part(&[a.clone(), b.clone()], false, |line| {
         said += line;
         Ok(())
     });
@@ -331,15 +331,36 @@ fn other_shapes_arrays_and_steps_are_named() {
         Keep::All,
         orbits(0.0).filter(|(step, _)| step % 2 == 0),
     );
-    let said = "3 steps are in both; 3 are in the first alone, 0 in the second alone".to_string();
-    assert_eq!(parting(&base, &even), (None, said));
+    let told = |a, b| parting(a, b).0.unwrap().to_string();
+    assert_eq!(
+        told(&base, &even),
+        "the same to step 0: the first goes on with step 1, the second goes on with step 2"
+    );
     let late = write(
         &room.path().join("late"),
         Keep::All,
         orbits(0.0).map(|(step, arrays)| (step + 10, arrays)),
     );
-    let none = part(&[base, late], |_| Ok(())).unwrap_err().to_string();
-    assert!(none.contains("has no step in common with"), "{none}");
+    assert_eq!(
+        told(&base, &late),
+        "different from the beginning: the first begins with step 0, the second begins with step 10"
+    );
+}
+
+/// That one may end before the other lets it leave out no step; of nothing nothing is compared.
+#[test]
+fn a_beginning_has_every_step() {
+    let room = tempfile::tempdir().unwrap();
+    let [base, gap, none] = ["012345", "013", ""].map(|steps| {
+        let kept = orbits(0.0).filter(|(step, _)| steps.contains(&step.to_string()));
+        write(&room.path().join(format!("of{steps}")), Keep::All, kept)
+    });
+    let part = |a: &Recorded, b: &Recorded| part(&[a.clone(), b.clone()], true, |_| Ok(()));
+    assert_eq!(part(&base, &gap).unwrap().unwrap().step, 2);
+    for (a, b) in [(&none, &none), (&base, &none), (&none, &base)] {
+        let told = part(a, b).unwrap_err().to_string();
+        assert!(told.contains("no step of it was compared"), "{told}");
+    }
 }
 
 /// A program that is killed leaves a recording without an end, whose last step may lack arrays.
@@ -357,11 +378,23 @@ fn a_recording_without_an_end_is_compared_to_its_last_whole_step() {
     drop(recorder);
     let killed = Recorded::open(&folder).unwrap();
     let (found, said) = parting(&base, &killed);
-    assert!(
-        found.is_none() && said.starts_with("the second has no end"),
-        "{said}"
-    );
+    assert!(said.starts_with("the second has no end"), "{said}");
     assert!(said.contains("its last step, 3, is not compared"), "{said}");
+    let cut = "the first goes on with step 3, the second was cut off after step 2";
+    assert_eq!(
+        found.unwrap().to_string(),
+        format!("the same to step 2: {cut}")
+    );
+    assert_eq!(
+        part(&[base, killed.clone()], true, |_| Ok(())).unwrap(),
+        None
+    );
+    // Nor is it the whole of itself.
+    let told = parting(&killed, &killed).0.unwrap().to_string();
+    assert!(
+        told.contains("the second was cut off after step 2"),
+        "{told}"
+    );
 }
 
 /// What is refused leaves the recording as it was, and it goes on.

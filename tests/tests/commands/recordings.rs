@@ -134,6 +134,119 @@ bitgrain: the runs differ
     );
 }
 
+/// What comes is compared with another recording as it comes, to the end of both.
+#[test]
+fn what_comes_is_held_against_a_recording() {
+    let room = tempfile::tempdir().unwrap();
+    let record = |name: &str, more: &[&str], input: &[u8], status: i32| {
+        let out = fed(room.path(), &[&["record", name], more].concat(), input);
+        let told = String::from_utf8_lossy(&out.stdout).into_owned()
+            + &String::from_utf8_lossy(&out.stderr);
+        assert_eq!(out.status.code(), Some(status), "{name}: {told}");
+        told
+    };
+    let good = frames(0..6, 9);
+    let told = record("golden", &["--keep", "all"], &good, 0);
+    let link = told.trim().rsplit(' ').next().unwrap();
+    let against = ["--against", "golden"];
+    let told = record(
+        "same",
+        &[&against[..], &["--expect", link]].concat(),
+        &good,
+        0,
+    );
+    assert!(told.contains("no difference"), "{told}");
+
+    let told = record("bit", &against, &frames(0..6, 3), 3);
+    let found = "the first is golden, the second standard input, recorded in bit
+the same to step 2, different at step 3
+  arrays: x
+  x[0, 1]: 0.5 (0x3fe0000000000000) against 0.5000000000000001 (0x3fe0000000000001)
+";
+    assert!(told.starts_with(found), "{told}");
+    // Nothing after the difference was read, and what was recorded has no end.
+    let text = std::fs::read_to_string(room.path().join("bit/recording.csv")).unwrap();
+    assert!(text.lines().last().unwrap().starts_with("3,x,"), "{text}");
+
+    let told = record("short", &against, &frames(0..4, 9), 3);
+    let ends = "the same to step 3: the first goes on with step 4, the second ends with step 3";
+    assert!(told.contains(ends), "{told}");
+    let told = record("long", &against, &frames(0..8, 9), 3);
+    let ends = "the same to step 5: the first ends with step 5, the second goes on with step 6";
+    assert!(told.contains(ends), "{told}");
+    // A program that dies, between two steps and in the midst of one.
+    let frame = good.len() / 6;
+    for (name, left) in [("died", 3 * frame), ("dying", 3 * frame + 33)] {
+        let cut = &good[..left];
+        let told = record(name, &against, cut, 3);
+        assert!(
+            told.contains("the second was cut off after step 2"),
+            "{told}"
+        );
+        record(&format!("{name}-alone"), &[], cut, 2);
+    }
+    let prefix = ["--against", "golden", "--prefix"];
+    for (name, steps) in [("short-meant", 0..4), ("long-meant", 0..8)] {
+        record(name, &prefix, &frames(steps, 9), 0);
+    }
+    record("bit-meant", &prefix, &frames(0..6, 3), 3);
+    let told = record("other", &["--expect", link], &frames(0..6, 3), 3);
+    assert!(told.contains("its last link is not"), "{told}");
+
+    // A recording that was cut is not a whole one, whatever it is compared with.
+    std::fs::create_dir(room.path().join("cut")).unwrap();
+    let text = std::fs::read_to_string(room.path().join("golden/recording.csv")).unwrap();
+    let lines: Vec<&str> = text.split_inclusive('\n').collect();
+    for left in [lines.len() - 1, lines.len() - 2] {
+        std::fs::write(
+            room.path().join("cut/recording.csv"),
+            lines[..left].concat(),
+        )
+        .unwrap();
+        for pair in [["cut", "golden"], ["golden", "cut"], ["cut", "cut"]] {
+            let told = printed(PROGRAM, room.path(), &["bisect", pair[0], pair[1]], 3);
+            assert!(told.contains("cut off"), "{told}");
+            let args = ["bisect", "--prefix", pair[0], pair[1]];
+            printed(PROGRAM, room.path(), &args, 0);
+        }
+        record(&format!("of-cut-{left}"), &["--against", "cut"], &good, 3);
+    }
+    printed(PROGRAM, room.path(), &["bisect", "golden", "short"], 3);
+    printed(
+        PROGRAM,
+        room.path(),
+        &["bisect", "golden", "short", "--prefix"],
+        0,
+    );
+}
+
+/// A recording is written neither through a link nor over what lies there.
+#[test]
+#[cfg(unix)]
+fn a_recording_replaces_nothing() {
+    let room = tempfile::tempdir().unwrap();
+    let place = |name: &str| room.path().join(name);
+    std::fs::create_dir_all(place("others")).unwrap();
+    for (folder, name, to) in [
+        ("one", "recording.csv", "others/notes.csv"),
+        ("two", "arrays", "others"),
+        ("three", "recording.csv", "nowhere"),
+    ] {
+        std::fs::create_dir(place(folder)).unwrap();
+        std::os::unix::fs::symlink(place(to), place(folder).join(name)).unwrap();
+        let out = fed(
+            room.path(),
+            &["record", folder, "--keep", "all"],
+            &frames(0..2, 9),
+        );
+        let told = String::from_utf8_lossy(&out.stderr).into_owned();
+        assert_eq!(out.status.code(), Some(2), "{told}");
+        assert!(told.contains("has a recording already"), "{told}");
+    }
+    assert!(!place("nowhere").exists());
+    assert_eq!(std::fs::read_dir(place("others")).unwrap().count(), 0);
+}
+
 /// Messages, as they are told.
 struct Table {
     room: tempfile::TempDir,
@@ -204,10 +317,8 @@ fn frames_that_are_refused(table: &mut Table) {
 }
 
 fn recordings_that_are_refused(table: &mut Table) {
-    for (name, steps) in [("good", 0..3), ("far", 7..9)] {
-        let out = fed(table.folder(), &["record", name], &frames(steps, 9));
-        assert!(out.status.success());
-    }
+    let out = fed(table.folder(), &["record", "good"], &frames(0..3, 9));
+    assert!(out.status.success());
     let whole = std::fs::read_to_string(table.folder().join("good/recording.csv")).unwrap();
     let lines: Vec<&str> = whole.split_inclusive('\n').collect();
     let spoilt = [
@@ -224,9 +335,28 @@ fn recordings_that_are_refused(table: &mut Table) {
         table.add(&["bisect", "good", name], b"");
     }
     std::fs::create_dir(table.folder().join("empty")).unwrap();
-    for args in [["good", "empty"], ["none.csv", "good"], ["good", "far"]] {
+    let out = fed(table.folder(), &["record", "no-steps"], b"end\n");
+    assert!(out.status.success());
+    let pairs = [
+        ["good", "empty"],
+        ["none.csv", "good"],
+        ["no-steps", "no-steps"],
+    ];
+    for args in pairs {
         table.add(&["bisect", args[0], args[1]], b"");
     }
+    let good = frames(0..3, 9);
+    table.add(&["record", "new", "--against", "nowhere"], &good);
+    table.add(&["record", "new", "--against", "half.csv"], &good);
+    table.add(&["record", "new", "--prefix"], &good);
+    table.add(&["record", "new", "--expect", "abc"], &good);
+    let link = "0".repeat(64);
+    table.add(&["record", "none-1", "--expect", &link], b"end\n");
+    table.add(
+        &["record", "none-2", "--against", "good", "--prefix"],
+        b"end\n",
+    );
+    assert!(!table.folder().join("new").exists());
 }
 
 fn commands_that_misbehave(table: &mut Table) {

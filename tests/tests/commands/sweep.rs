@@ -239,6 +239,29 @@ fn a_row_is_done_alone_and_held_against_a_table() {
     let said = String::from_utf8_lossy(&out.stdout).into_owned();
     assert_eq!(out.status.code(), Some(0), "{said}");
     assert!(said.contains("1 runs agree with"), "{said}");
+    assert!(!said.contains("executed again"), "{said}");
+    // Once more nothing is executed: what was found is executed again.
+    let again = desk.sweep(&row);
+    let said = String::from_utf8_lossy(&again.stdout).into_owned();
+    assert_eq!(again.status.code(), Some(0), "{said}");
+    for told in [
+        "1 runs agree with",
+        "links 0 were executed by this call",
+        "executed again: all",
+    ] {
+        assert!(said.contains(told), "{said}");
+    }
+    let again = desk.sweep(&[&row[..], &["--found-is-enough"]].concat());
+    let said = String::from_utf8_lossy(&again.stderr).into_owned();
+    assert!(
+        again.status.code() == Some(3) && said.contains("links 0 were executed"),
+        "{said}"
+    );
+    // Where nothing is compared, nothing is asked for.
+    for nothing in [&["--dry-run"][..], &["--tasks"], &["--task", "mu0.5/run-2"]] {
+        let out = desk.sweep(&[nothing, &["--against", golden]].concat());
+        assert_eq!(out.status.code(), Some(2), "{nothing:?}");
+    }
     let table = desk.table();
     assert_eq!((table.len(), table.text(0, "run")), (1, "run-2"));
     let page = std::fs::read_to_string(desk.out().join("report.html")).unwrap();

@@ -101,11 +101,14 @@ fn rows_done_again_are_those_of_the_table() {
         &rows[1],
         "--against",
         table.to_str().unwrap(),
+        "--found-is-enough",
         "-v",
     ];
     let out = output(PROGRAM, folder.path(), &args);
     let lines = String::from_utf8_lossy(&out.stderr).into_owned();
-    assert_eq!(out.status.code(), Some(0), "{lines}");
+    // The bed was found.
+    assert_eq!(out.status.code(), Some(3), "{lines}");
+    assert!(lines.contains("were executed by this call"), "{lines}");
     for how in ["run-5: Fr 2, drag", "run-9: Fr 10, drag", "(dragged,"] {
         assert!(lines.contains(how), "{how}: {lines}");
     }

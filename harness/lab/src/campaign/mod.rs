@@ -9,6 +9,7 @@ mod column;
 pub mod columns;
 pub mod folder;
 pub mod forecast;
+pub mod found;
 pub mod keys;
 pub mod only;
 pub mod parquet;

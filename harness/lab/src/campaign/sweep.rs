@@ -16,8 +16,9 @@ use crate::bed::recipe::Recipe;
 use crate::bed::{self, library::BedCache};
 use crate::folder::{DirectoryLock, FAILURE, Folder};
 use crate::manifest::Ledger;
+use crate::performance::StagePerformance;
 use crate::progress::{Overall, Progress};
-use crate::run::{self, SaveEvery, Setting, WriteReport, side_by_side};
+use crate::run::{self, SaveEvery, Setting, Taken, WriteReport, side_by_side};
 use crate::scenario::{BedPlan, CheckedScenario};
 use crate::summary::{BedSummary, parse_record};
 use bitgrain_sim::disk;
@@ -62,6 +63,8 @@ pub struct Outcome {
     pub missing: usize,
     /// The table.
     pub table: PathBuf,
+    /// What was done for the stages of each member; of those that are missing here nothing.
+    pub taken: Vec<Vec<Taken>>,
 }
 
 /// A campaign in progress.
@@ -74,6 +77,7 @@ struct Under<'a> {
     claims: Vec<DirectoryLock>,
     jobs: Vec<Job>,
     slots: Mutex<Vec<Slot>>,
+    taken: Mutex<Vec<Vec<Taken>>>,
 }
 
 /// Runs a campaign into its folder, or what is left of it.
@@ -109,6 +113,7 @@ pub fn sweep(what: &Sweep<'_>) -> Result<Outcome> {
         return Err(Error::input(what.out.display().to_string(), problem));
     }
     let slots = jobs.iter().map(|_| None).collect();
+    let taken = Mutex::new(vec![Vec::new(); places.len()]);
     let under = Under {
         what,
         folder,
@@ -117,6 +122,7 @@ pub fn sweep(what: &Sweep<'_>) -> Result<Outcome> {
         claims,
         jobs,
         slots: Mutex::new(slots),
+        taken,
     };
     under.take_up()?;
     if what.merge {
@@ -164,6 +170,12 @@ impl Under<'_> {
 
     fn slots(&self) -> MutexGuard<'_, Vec<Slot>> {
         self.slots.lock().expect("no job panics with it")
+    }
+
+    /// Keeps what was done for a stage of a member.
+    fn took(&self, member: usize, stage: &str, done: &StagePerformance) {
+        let mut taken = self.taken.lock().expect("no job panics with it");
+        taken[member].push(Taken::new(stage, done));
     }
 
     fn scenario(&self, member: usize) -> &CheckedScenario {
@@ -297,7 +309,10 @@ impl Under<'_> {
             let setting = self.setting(job.member, &folder, &progress);
             let ledger = self.ledger_of(job.member);
             let dragged = run::drag(setting, ledger, &job.plan, &found[job.plan.bed]);
-            let dragged = dragged.map(|(run, _)| run);
+            let dragged = dragged.map(|(run, done)| {
+                self.took(job.member, &run.name, &done);
+                run
+            });
             let ended = self.end(dragged, ledger, &self.run_folder(job))?;
             overall.run_ended(ended.is_err());
             self.record(open[k], ended, &found[job.plan.bed])
@@ -326,7 +341,11 @@ impl Under<'_> {
                     let planned = self.planned(members[k]);
                     let all: Vec<usize> = (0..setting.scenario.beds().len()).collect();
                     let ledger = self.ledger_of(members[k]);
-                    let made = run::beds(setting, ledger, &all).map(|(beds, _)| beds);
+                    let made = run::beds(setting, ledger, &all).map(|(beds, done)| {
+                        done.iter()
+                            .for_each(|bed| self.took(members[k], &bed.stage, bed));
+                        beds
+                    });
                     if let Ok(beds) = &made
                         && planned > 0
                     {

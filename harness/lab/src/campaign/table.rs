@@ -161,11 +161,16 @@ impl CampaignTable {
         words.join(" ")
     }
 
-    /// How many of its done runs have the same row in another table: every column of that one.
+    /// How many of its done runs that are wanted have the same row in another table: every column of that one.
     ///
     /// # Errors
     /// [`Error::Unverified`] with the first run, column and both texts that differ, or what is missing.
-    pub fn check_against(&self, other: &CampaignTable, place: &str) -> Result<usize> {
+    pub fn check_against(
+        &self,
+        other: &CampaignTable,
+        place: &str,
+        wants: impl Fn(&str, &str) -> bool,
+    ) -> Result<usize> {
         let missing = other.names.iter().find(|name| !self.names.contains(name));
         let digest = other.names.iter().any(|name| name == "digest");
         if missing.is_some() || !digest {
@@ -182,6 +187,9 @@ impl CampaignTable {
                 ["member", "run"].map(|c| table.text(row, c).to_owned())
             };
             let [member, run] = key(self, row);
+            if !wants(&member, &run) {
+                continue;
+            }
             let twin = (0..other.len()).find(|&k| key(other, k) == key(self, row));
             let problem = match twin {
                 None => Some(format!("{place} has no row of {member}/{run}")),

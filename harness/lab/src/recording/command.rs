@@ -24,7 +24,7 @@ const SLICE: Duration = Duration::from_millis(100);
 /// How long a command that was told to end, or that closed its output, has for ending, in slices.
 const GRACE: u64 = 10;
 
-/// Most of what a command said on standard error that an error repeats, in bytes.
+/// Most of what a command said that an error repeats, in bytes.
 const WORDS: u64 = 2000;
 
 /// How a command is dealt with.
@@ -127,28 +127,11 @@ impl Running {
         if let Some(status) = self.ended() {
             problem += &format!("; it ended with {status}");
         }
-        let words = self.words();
+        let words = last_words(&mut self.told);
         if !words.is_empty() {
             problem += &format!("; it said: {words}");
         }
         Error::input(format!("`{}`", self.text), problem)
-    }
-
-    /// The end of what the command said on standard error.
-    fn words(&mut self) -> String {
-        let length = self.told.seek(io::SeekFrom::End(0)).unwrap_or(0);
-        let mut bytes = Vec::new();
-        let begin = self
-            .told
-            .seek(io::SeekFrom::Start(length.saturating_sub(WORDS)));
-        let read = begin.and_then(|_| {
-            Read::by_ref(&mut self.told)
-                .take(WORDS)
-                .read_to_end(&mut bytes)
-        });
-        read.map_or(String::new(), |_| {
-            String::from_utf8_lossy(&bytes).trim().to_string()
-        })
     }
 
     /// How the command ended, if it does soon.
@@ -161,6 +144,17 @@ impl Running {
         }
         None
     }
+}
+
+/// The end of what a command wrote into a file.
+pub(crate) fn last_words(told: &mut File) -> String {
+    let length = told.seek(io::SeekFrom::End(0)).unwrap_or(0);
+    let mut bytes = Vec::new();
+    let begin = told.seek(io::SeekFrom::Start(length.saturating_sub(WORDS)));
+    let read = begin.and_then(|_| told.take(WORDS).read_to_end(&mut bytes));
+    read.map_or(String::new(), |_| {
+        String::from_utf8_lossy(&bytes).trim().to_string()
+    })
 }
 
 impl Drop for Running {

@@ -4,8 +4,9 @@ use std::fmt;
 
 use bitgrain_sim::error::{Error, Result};
 
+use super::array::Array;
 use super::difference::{Difference, difference, kind};
-use super::read::{Item, Recorded, Step};
+use super::read::{Item, Recorded, Recording, Step};
 
 /// Where two recordings, or two running commands, first differ.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -14,7 +15,8 @@ pub struct Parting {
     pub equal: Option<u64>,
     /// The first step that was compared and differs.
     pub step: u64,
-    /// Names of all arrays that differ there, in the order of the first side; then those that only the second has.
+    /// Names of all arrays that differ there, in the order of the first side; then those that only the second has. None
+    /// if only one has the step, or lacks its end: then `hint` says which.
     pub arrays: Vec<String>,
     /// How the first of them differs; none if only digests are known.
     pub difference: Option<Difference>,
@@ -22,93 +24,168 @@ pub struct Parting {
     pub hint: Option<String>,
 }
 
+impl Parting {
+    /// Two that are the same to a step, after which the next steps of both are not of one number, or one is not there:
+    /// it has ended, or was cut off if it is not `whole`.
+    pub(super) fn uneven(equal: Option<u64>, next: [Option<u64>; 2], whole: [bool; 2]) -> Self {
+        let told = |side: usize| match (next[side], equal) {
+            (Some(step), Some(_)) => format!("goes on with step {step}"),
+            (Some(step), None) => format!("begins with step {step}"),
+            (None, None) => "has no step".into(),
+            (None, Some(last)) if whole[side] => format!("ends with step {last}"),
+            (None, Some(last)) => format!("was cut off after step {last}"),
+        };
+        let step = next.into_iter().flatten().min().or(equal);
+        Self {
+            equal,
+            step: step.unwrap_or(0),
+            arrays: Vec::new(),
+            difference: None,
+            hint: Some(format!("the first {}, the second {}", told(0), told(1))),
+        }
+    }
+}
+
 impl fmt::Display for Parting {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let step = self.step;
+        let (step, uneven) = (self.step, self.arrays.is_empty());
         match self.equal {
+            Some(equal) if uneven => write!(f, "the same to step {equal}")?,
+            None if uneven => f.write_str("different from the beginning")?,
             Some(equal) => write!(f, "the same to step {equal}, different at step {step}")?,
             None => write!(f, "different from the beginning, step {step}")?,
         }
-        write!(f, "\n  arrays: {}", self.arrays.join(", "))?;
+        if !uneven {
+            write!(f, "\n  arrays: {}", self.arrays.join(", "))?;
+        }
         if let (Some(name), Some(difference)) = (self.arrays.first(), &self.difference) {
             write!(f, "\n  {name}{difference}")?;
         }
         match &self.hint {
+            Some(hint) if uneven => write!(f, ": {hint}"),
             Some(hint) => write!(f, "\n  {hint}"),
             None => Ok(()),
         }
     }
 }
 
-/// Finds where two recordings part; `None` if every step that both have is the same. `say` reports what there is to
-/// know beside that.
+/// Finds where two recordings part; `None` if both have their ends and the same steps, and every step is the same. With
+/// `prefix` one may be the beginning of the other, and may lack its end. `say` reports what there is to know beside
+/// that.
 ///
 /// # Errors
-/// Recordings without a step in common, and kept arrays that are not those recorded.
+/// Recordings of which no step was compared, and kept arrays that are not those recorded.
 pub fn part(
     sides: &[Recorded; 2],
+    prefix: bool,
     mut say: impl FnMut(&str) -> Result<()>,
 ) -> Result<Option<Parting>> {
-    let steps = [
-        compared(&sides[0], "first", &mut say)?,
-        compared(&sides[1], "second", &mut say)?,
-    ];
-    let pairs = common(steps);
-    let only = [steps[0].len() - pairs.len(), steps[1].len() - pairs.len()];
-    if pairs.is_empty() {
-        let [one, other] = sides
-            .each_ref()
-            .map(|side| side.place.display().to_string());
-        return Err(Error::input(
-            one,
-            format!("has no step in common with {other}"),
-        ));
-    }
-    if only != [0, 0] {
-        say(&format!(
-            "{} steps are in both; {} are in the first alone, {} in the second alone",
-            pairs.len(),
-            only[0],
-            only[1]
-        ))?;
-    }
-    let mut equal = None;
-    for (a, b) in pairs {
-        let names = differing(&a.arrays, &b.arrays);
-        if !names.is_empty() {
-            return explain(sides, equal, [a, b], names).map(Some);
+    let [one, other] = sides;
+    for (side, which) in [(one, "first"), (other, "second")] {
+        if let Some(last) = side
+            .recording
+            .steps
+            .last()
+            .filter(|_| !side.recording.closed)
+        {
+            say(&format!(
+                "the {which} has no end: its program was stopped, or lines are missing; its last step, {}, is not \
+                 compared",
+                last.step
+            ))?;
         }
-        equal = Some(a.step);
     }
-    Ok(None)
+    let mut held = Held::new(one, prefix);
+    for step in whole_steps(&other.recording) {
+        let parting = held.next(step, || other.arrays(step))?;
+        if parting.is_some() {
+            return Ok(parting);
+        }
+    }
+    held.end(other.recording.closed, &other.place.display().to_string())
 }
 
-/// The steps of a side that can be compared: the last one of a recording without an end may lack arrays.
-fn compared<'a>(
-    side: &'a Recorded,
-    which: &str,
-    say: &mut impl FnMut(&str) -> Result<()>,
-) -> Result<&'a [Step]> {
-    let steps = &side.recording.steps[..];
-    if side.recording.closed {
-        return Ok(steps);
+/// The steps that can be compared: the last one of a recording without an end may lack arrays.
+fn whole_steps(recording: &Recording) -> &[Step] {
+    let steps = &recording.steps[..];
+    match steps.split_last() {
+        Some((_, before)) if !recording.closed => before,
+        _ => steps,
     }
-    let Some((last, before)) = steps.split_last() else {
-        return Ok(steps);
-    };
-    say(&format!(
-        "the {which} has no end: its program was stopped, or lines are missing; its last step, {}, is not compared",
-        last.step
-    ))?;
-    Ok(before)
 }
 
-/// The steps that both have.
-fn common([a, b]: [&[Step]; 2]) -> Vec<(&Step, &Step)> {
-    let find = |step: &Step| b.binary_search_by_key(&step.step, |other| other.step);
-    a.iter()
-        .filter_map(|step| Some((step, &b[find(step).ok()?])))
-        .collect()
+/// A recording with which the steps of another one are compared as they come.
+pub struct Held<'a> {
+    first: &'a Recorded,
+    steps: &'a [Step],
+    prefix: bool,
+    /// How many steps are the same.
+    pub same: usize,
+}
+
+impl<'a> Held<'a> {
+    /// Before the first step. With `prefix` one may be the beginning of the other.
+    pub fn new(first: &'a Recorded, prefix: bool) -> Self {
+        Self {
+            first,
+            steps: whole_steps(&first.recording),
+            prefix,
+            same: 0,
+        }
+    }
+
+    /// The last step that is the same.
+    fn equal(&self) -> Option<u64> {
+        self.same.checked_sub(1).map(|k| self.steps[k].step)
+    }
+
+    fn uneven(&self, next: [Option<u64>; 2], whole: bool) -> Option<Parting> {
+        let whole = [self.first.recording.closed, whole];
+        Some(Parting::uneven(self.equal(), next, whole))
+    }
+
+    /// Compares the next step of the other one, whose arrays `kept` reads if there are any.
+    ///
+    /// # Errors
+    /// Kept arrays that are not those recorded.
+    pub fn next(
+        &mut self,
+        step: &Step,
+        kept: impl FnOnce() -> Result<Option<Vec<Array>>>,
+    ) -> Result<Option<Parting>> {
+        let own = self.steps.get(self.same);
+        match own {
+            None if self.prefix => Ok(None),
+            Some(own) if own.step == step.step => {
+                let names = differing(&own.arrays, &step.arrays);
+                if names.is_empty() {
+                    self.same += 1;
+                    return Ok(None);
+                }
+                let kept = || Ok([self.first.arrays(own)?, kept()?]);
+                explain(self.equal(), [own, step], names, kept).map(Some)
+            }
+            own => Ok(self.uneven([own.map(|own| own.step), Some(step.step)], true)),
+        }
+    }
+
+    /// Compares the end of the other one, which is called `name` and is `whole` if it was not cut off.
+    ///
+    /// # Errors
+    /// If no step was compared.
+    pub fn end(&self, whole: bool, name: &str) -> Result<Option<Parting>> {
+        let next = self.steps.get(self.same).map(|step| step.step);
+        if self.same == 0 && (next.is_none() || self.prefix) {
+            let place = self.first.place.display().to_string();
+            let problem = format!("no step of it was compared with one of {name}");
+            return Err(Error::input(place, problem));
+        }
+        let same = next.is_none() && whole && self.first.recording.closed;
+        match self.prefix || same {
+            true => Ok(None),
+            false => Ok(self.uneven([next, None], whole)),
+        }
+    }
 }
 
 /// Names of the arrays that are not the same on both sides.
@@ -120,12 +197,12 @@ fn differing(a: &[Item], b: &[Item]) -> Vec<String> {
     in_a.chain(in_b).map(|item| item.name.clone()).collect()
 }
 
-/// What can be said of a step at which two recordings differ.
+/// What can be said of a step at which two recordings differ, by the arrays that `kept` reads.
 fn explain(
-    sides: &[Recorded; 2],
     equal: Option<u64>,
     steps: [&Step; 2],
     arrays: Vec<String>,
+    kept: impl FnOnce() -> Result<[Option<Vec<Array>>; 2]>,
 ) -> Result<Parting> {
     let step = steps[0].step;
     let mut parting = Parting {
@@ -148,7 +225,7 @@ fn explain(
         parting.difference = Some(Difference::Kind { first, second });
         return Ok(parting);
     }
-    let kept = [sides[0].arrays(steps[0])?, sides[1].arrays(steps[1])?];
+    let kept = kept()?;
     if let [Some(one), Some(other)] = &kept {
         parting.difference = difference(&one[i], &other[j]);
         return Ok(parting);

@@ -22,10 +22,12 @@ const UNSTEADY: &str = "what it computes depends on more than the step (threads,
 pub struct Commands {
     /// Command lines for the shell; see [`super::command`] for what they are asked.
     pub texts: [String; 2],
-    /// The last step that is compared; without it, until one of them ends.
+    /// The last step that is compared; without it, until both end.
     pub to: Option<u64>,
     /// Steps between the frames of the first execution, at least 1.
     pub every: u64,
+    /// Whether the run of one may end before that of the other.
+    pub prefix: bool,
     /// How long an answer may take, and how the search is stopped.
     pub patience: Patience,
 }
@@ -43,14 +45,16 @@ enum Seen {
     },
 }
 
-/// Finds where two commands part; `None` if all frames that were compared are the same. If every step is compared,
-/// what is found is the first step that differs, and each command is executed once. Else both are executed again for
-/// the steps between two frames, at a sixteenth of their distance, then of that, until two frames are neighbours; a
-/// difference that goes away again before the next frame is not seen. `say` reports what is being done.
+/// Finds where two commands part; `None` if all frames that were compared are the same and both runs end with one step,
+/// or reach the last that is compared. If every step is compared, what is found is the first step that differs, and
+/// each command is executed once. Else both are executed again for the steps between two frames, at a sixteenth of
+/// their distance, then of that, until two frames are neighbours; a difference that goes away again before the next
+/// frame is not seen. `say` reports what is being done.
 ///
 /// # Errors
 /// [`Error::Input`] for a command that does not answer as it should, [`Error::Unverified`] for one whose arrays are
-/// others when it is started again, [`Error::Interrupted`].
+/// others when it is started again, and for two that end before the last step that is asked for;
+/// [`Error::Interrupted`].
 pub fn search(commands: &Commands, say: impl FnMut(&str) -> Result<()>) -> Result<Option<Parting>> {
     let mut search = Search {
         commands,
@@ -71,12 +75,15 @@ impl<S: FnMut(&str) -> Result<()>> Search<'_, S> {
     fn run(&mut self) -> Result<Option<Parting>> {
         let (to, every) = (self.commands.to, self.commands.every);
         let mut seen = self.execute(first_steps(to, every))?;
+        let mut uneven = None;
         if let Seen::Uneven { equal, ends } = seen {
             let [first, second] = ends;
             (self.say)(&format!(
                 "the first is at step {first} when the second is at step {second}: one run ends before the other"
             ))?;
             let last = first.min(second);
+            let next = ends.map(|end| (end > last).then_some(last.saturating_add(1)));
+            uneven = Some(Parting::uneven(Some(last), next, [true; 2]));
             seen = match equal {
                 Some(equal) if equal == last => Seen::Same,
                 _ => self.execute(equal.into_iter().chain([last]))?,
@@ -84,7 +91,7 @@ impl<S: FnMut(&str) -> Result<()>> Search<'_, S> {
         }
         loop {
             let (equal, frames) = match seen {
-                Seen::Same => return Ok(None),
+                Seen::Same => return Ok(uneven.filter(|_| !self.commands.prefix)),
                 Seen::Differ { equal, frames } => (equal, frames),
                 // Digests of both frames are known, so an execution that is another was told before.
                 Seen::Uneven { .. } => {
@@ -133,8 +140,15 @@ impl<S: FnMut(&str) -> Result<()>> Search<'_, S> {
             }
             equal = Some(one.step);
             if one.step < step {
-                (self.say)(&format!("both end at step {}", one.step))?;
-                return Ok(Seen::Same);
+                let ends = format!("both end at step {}", one.step);
+                (self.say)(&ends)?;
+                return match commands.to.filter(|to| one.step < *to && !commands.prefix) {
+                    None => Ok(Seen::Same),
+                    Some(to) => Err(Error::Unverified {
+                        problem: format!("{ends}, and step {to} was asked for"),
+                        hint: "leave --to out to compare them to their ends",
+                    }),
+                };
             }
         }
         Ok(Seen::Same)

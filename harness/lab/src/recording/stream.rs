@@ -11,6 +11,8 @@ use bitgrain_sim::disk;
 use bitgrain_sim::error::{Error, Result};
 
 use super::array::{Array, ArrayRef, read_element, read_shape};
+use super::parting::{Held, Parting};
+use super::read::{Item, Step};
 use super::recorder::Recorder;
 
 /// Most bytes of a line; the longest that means something has 270.
@@ -25,6 +27,22 @@ pub struct Frame {
     pub arrays: Vec<Array>,
 }
 
+impl Frame {
+    /// What a recording says of it.
+    fn digests(&self) -> Step {
+        let item = |array: &Array| Item {
+            name: array.name.clone(),
+            element: array.element,
+            shape: array.shape.clone(),
+            digest: *blake3::hash(&array.bytes).as_bytes(),
+        };
+        Step {
+            step: self.step,
+            arrays: self.arrays.iter().map(item).collect(),
+        }
+    }
+}
+
 /// Frames as they come from a source.
 pub struct Frames<R> {
     source: R,
@@ -32,6 +50,8 @@ pub struct Frames<R> {
     lines: u64,
     /// What it means if the source ends.
     cut: &'static str,
+    /// Whether it ended before the line `end`.
+    ended: bool,
 }
 
 impl<R: BufRead> Frames<R> {
@@ -42,6 +62,7 @@ impl<R: BufRead> Frames<R> {
             name: name.into(),
             lines: 0,
             cut: "has ended without the line `end`: the program that writes it has stopped, or does not write that",
+            ended: false,
         }
     }
 
@@ -84,16 +105,18 @@ impl<R: BufRead> Frames<R> {
             .read_until(b'\n', &mut bytes);
         read.map_err(|e| self.failed(&e))?;
         if bytes.is_empty() {
+            self.ended = true;
             return Ok(None);
         }
         self.lines += 1;
         if bytes.pop_if(|last| *last == b'\n').is_none() {
-            let problem = match bytes.len() as u64 == LINE {
-                true => {
+            self.ended = bytes.len() as u64 != LINE;
+            let problem = match self.ended {
+                true => "is cut off",
+                false => {
                     "is no line of a frame: it has more than 1000 bytes; an array may have more bytes than its \
                          shape says"
                 }
-                false => "is cut off",
             };
             return Err(self.wrong(problem));
         }
@@ -176,6 +199,7 @@ impl<R: BufRead> Frames<R> {
             .read_to_end(&mut bytes);
         read.map_err(|e| self.failed(&e))?;
         if bytes.len() < count {
+            self.ended = true;
             let there = bytes.len();
             return Err(self.wrong(format!(
                 "announces an array of {count} bytes, of which {there} came before the end"
@@ -195,14 +219,34 @@ fn begin(line: &str) -> String {
     line.chars().take(60).collect()
 }
 
-/// Records all frames of a source; returns how many there were. The recorder is not closed.
+/// Records all frames of a source, whose steps are compared with those of another recording if there is one; returns
+/// how many there were, and where the two part. At the first difference nothing more is read. The recorder is not
+/// closed.
 ///
 /// # Errors
-/// As [`Frames::next_frame`] and [`Recorder::record`]; what came before is recorded.
-pub fn record_all(source: impl BufRead, name: &str, recorder: &mut Recorder) -> Result<u64> {
+/// As [`Frames::next_frame`], [`Recorder::record`] and [`Held::next`]; what came before is recorded.
+pub fn record_all(
+    source: impl BufRead,
+    name: &str,
+    recorder: &mut Recorder,
+    mut held: Option<&mut Held<'_>>,
+) -> Result<(u64, Option<Parting>)> {
     let mut frames = Frames::new(source, name);
     let mut count = 0;
-    while let Some(frame) = frames.next_frame()? {
+    loop {
+        let frame = match frames.next_frame() {
+            Ok(Some(frame)) => frame,
+            Ok(None) => return Ok((count, None)),
+            Err(cut) => {
+                let held = held.filter(|_| frames.ended);
+                let parting = held.and_then(|held| held.end(false, name).ok().flatten());
+                let Some(mut parting) = parting else {
+                    return Err(cut);
+                };
+                parting.hint = parting.hint.map(|hint| format!("{hint}\n  {cut}"));
+                return Ok((count, Some(parting)));
+            }
+        };
         let arrays: Vec<(&str, ArrayRef<'_>)> = frame
             .arrays
             .iter()
@@ -214,6 +258,11 @@ pub fn record_all(source: impl BufRead, name: &str, recorder: &mut Recorder) -> 
             other => other,
         })?;
         count += 1;
+        if let Some(held) = &mut held {
+            let step = frame.digests();
+            if let Some(parting) = held.next(&step, || Ok(Some(frame.arrays)))? {
+                return Ok((count, Some(parting)));
+            }
+        }
     }
-    Ok(count)
 }

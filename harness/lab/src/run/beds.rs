@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::saving::Saver;
 use super::setting::Setting;
+use super::taken::{KEPT, RESUMED, REUSED};
 use crate::bed;
 use crate::bed::recipe::Recipe;
 use crate::bed::{Pouring, PouringState};
@@ -46,7 +47,10 @@ pub(super) fn pour_bare(
     let (how, steps) = fetch_bed(setting, ledger, plan, &mut stage)?;
     let (sim, note) = read_settled(setting, ledger, plan)?;
     ledger.finish_stage(&plan.name, &note.link)?;
-    let performance = timed(stage, how, &sim, steps);
+    let performance = StagePerformance {
+        stage: plan.name.clone(),
+        ..timed(stage, how, &sim, steps)
+    };
     progress.line(&format!(
         "{}: {} grains {how} ({:.1} s)",
         plan.name,
@@ -80,7 +84,10 @@ pub(super) fn settle_one(
     let (path, bytes) = data_file(setting.folder, scenario, plan, &sim)?;
     ledger.write(&path, &bytes)?;
     ledger.finish_stage(&plan.name, &note.link)?;
-    let performance = timed(stage, how, &sim, steps);
+    let performance = StagePerformance {
+        stage: plan.name.clone(),
+        ..timed(stage, how, &sim, steps)
+    };
     let summary = surveyed(scenario, plan, &mut sim, &note)?;
     progress.line(&format!(
         "{}: {} grains {how} ({} steps, {:.1} s); surface at {}, depth {}, packing fraction {:.3}, \
@@ -196,15 +203,15 @@ fn fetch_bed(
             library.keep(&recipe, &bytes)?;
         }
         ledger.remove_state(&saved)?;
-        return Ok(("reused", 0));
+        return Ok((KEPT, 0));
     }
     if let Some(bytes) = library.find(&recipe)? {
         ledger.write(path, &bytes)?;
         ledger.remove_state(&saved)?;
-        return Ok(("reused", 0));
+        return Ok((REUSED, 0));
     }
     let (mut bed, how) = match unsettled_here(setting, plan, &saved)? {
-        Some(bed) => (bed, "resumed"),
+        Some(bed) => (bed, RESUMED),
         None => {
             let how = if plan.lid.is_some() {
                 "covered"

@@ -3,12 +3,13 @@
 
 use std::path::Path;
 
+use super::files::names;
 use crate::bed::PouringState;
 use crate::bed::recipe::Recipe;
 use crate::changes;
 use crate::drag::Dragging;
 use crate::folder::{DirectoryLock, Folder, RUN, at_work};
-use crate::manifest::Ledger;
+use crate::manifest::{Ledger, When};
 use crate::scenario::{BedPlan, CheckedScenario, Scenario};
 use crate::summary::{DragRecord, Summary};
 use bitgrain_sim::below::Below;
@@ -88,14 +89,6 @@ fn survey(folder: &Folder<'_>, scenario: &CheckedScenario, ledger: &Ledger) -> R
         }
     }
     let inputs = folder.inputs(scenario);
-    if let (Some(source), Some(file)) = (&scenario.source, &inputs.bed.file) {
-        let copy = folder.0.join(file);
-        let other =
-            copy != *source && disk::is_there(&copy) && disk::read(&copy)? != disk::read(source)?;
-        if other {
-            ledger.refuse_foreign(&copy)?;
-        }
-    }
     for plan in scenario.drags() {
         let key = scenario.key(&plan.name);
         let kept = plan.checkpoints.iter();
@@ -108,7 +101,16 @@ fn survey(folder: &Folder<'_>, scenario: &CheckedScenario, ledger: &Ledger) -> R
             |record| record.inputs == *inputs,
         )?;
     }
-    each.summary::<Summary<Scenario>>(&folder.summary(), |whole| whole.inputs == *inputs)
+    each.summary::<Summary<Scenario>>(&folder.summary(), |whole| whole.inputs == *inputs)?;
+    for (name, when) in names(scenario) {
+        let path = folder.0.join(name);
+        // The scenario's own text was looked at; so was an imported bed, if it was taken from here.
+        let known = path == folder.scenario() || scenario.source.as_ref() == Some(&path);
+        if when != When::Beside && !known {
+            ledger.refuse_foreign(&path)?;
+        }
+    }
+    Ok(())
 }
 
 /// Whether a state is one of this bed: by its recipe, or by the file it was imported from.

@@ -8,6 +8,7 @@ use super::files;
 use super::film::Frames;
 use super::saving::{SaveEvery, Saver};
 use super::summarise::summarise;
+use super::taken::{KEPT, RESUMED};
 use super::task::DragTask;
 use super::told;
 use crate::drag::Dragging;
@@ -62,8 +63,8 @@ pub(super) fn drag_one(
     stage.resume(began);
     let how = match began {
         0 => "dragged",
-        n if n < plan.steps() => "resumed",
-        _ => "kept",
+        n if n < plan.steps() => RESUMED,
+        _ => KEPT,
     };
     let mut files = Files {
         drag,

@@ -10,6 +10,7 @@ mod jobs;
 mod saving;
 mod setting;
 mod summarise;
+mod taken;
 mod task;
 mod told;
 
@@ -23,6 +24,7 @@ pub use files::{names, planned};
 pub(crate) use jobs::side_by_side;
 pub use saving::SaveEvery;
 pub use setting::{Setting, WriteReport};
+pub use taken::{Links, Taken};
 pub use task::DragTask;
 
 use std::path::{Path, PathBuf};
@@ -48,8 +50,8 @@ use drags::drag_one;
 pub struct Done {
     /// Its report.
     pub report: PathBuf,
-    /// Its stages, and how many of the last steps of each were executed: of those that were there already none.
-    pub executed: Vec<(String, u64)>,
+    /// Its stages, and what was done for each.
+    pub executed: Vec<Taken>,
 }
 
 /// Runs a scenario into its folder, or what is left of it, and says where its report is; `None` if only some of
@@ -107,9 +109,9 @@ pub fn run_in(setting: Setting<'_>) -> Result<Option<Done>> {
     let dragged: Vec<(DragSummary, StagePerformance)> =
         dragged.into_iter().collect::<Result<_>>()?;
     let (runs, timed): (Vec<_>, Vec<_>) = dragged.into_iter().unzip();
-    let poured = stages.iter().map(|bed| (bed.stage.clone(), bed.steps));
+    let poured = stages.iter().map(|bed| Taken::new(&bed.stage, bed));
     let pulled = runs.iter().zip(&timed);
-    let pulled = pulled.map(|(run, done)| (run.name.clone(), done.steps));
+    let pulled = pulled.map(|(run, done)| Taken::new(&run.name, done));
     let executed = poured.chain(pulled).collect();
     stages.extend(timed);
     let whole = runs.len() == scenario.drags().len();

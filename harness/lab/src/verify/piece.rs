@@ -3,6 +3,7 @@
 use super::scope::{Scope, Segment};
 use crate::manifest::Manifest;
 use crate::rerun::{RunArchive, RunPart};
+use crate::run::Taken;
 use crate::scenario::{BedPlan, DragPlan};
 use bitgrain_sim::disk;
 use bitgrain_sim::error::{Error, Result};
@@ -49,6 +50,15 @@ impl<'a> Job<'a> {
             Piece::Bed(plan) => Some(plan),
             Piece::Drag(..) => None,
         }
+    }
+
+    /// Whether a call that did this for the stages of its run did not execute every step of it; of other stages none.
+    pub(crate) fn is_found(&self, taken: &[Taken]) -> bool {
+        let mut taken = taken.iter().filter(|one| one.stage == self.piece.name());
+        taken.any(|one| match self.piece {
+            Piece::Bed(_) => !one.is_whole(),
+            Piece::Drag(plan, from, _) => from < plan.steps().saturating_sub(one.steps),
+        })
     }
 }
 

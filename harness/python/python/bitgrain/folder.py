@@ -134,7 +134,7 @@ def run(
     only : sequence of str
         Names of the drags to do; all by default.
     expect : sequence of str
-        Closing hashes or last links that the run must arrive at.
+        Closing hashes or last links that the run must arrive at. What was found of it is executed again.
     verbose : bool
         Lines on standard error, if that is not a terminal.
     tables : str, optional
@@ -233,11 +233,12 @@ def bisect(
     *,
     program_a: Optional[PathLike] = None,
     program_b: Optional[PathLike] = None,
+    prefix: bool = False,
 ) -> Union[Divergence, Parting, None]:
     """Finds where two runs or two recordings differ first, as `bitgrain bisect` does; None if they agree.
 
     Of runs it is the first step, grain and contact, as a `Divergence`; of recordings the first step, array, element
-    and bit, as a `Parting`. What only one recording has is left out, with a warning.
+    and bit, as a `Parting`. If one has less than the other, or a recording lacks its end, that is a difference.
 
     Parameters
     ----------
@@ -245,6 +246,8 @@ def bisect(
         The folders of the runs or of the recordings; of a recording also its file `recording.csv` alone.
     program_a, program_b : path, optional
         The programs that execute runs again; the script `bitgrain` of this package by default.
+    prefix : bool
+        One may be the beginning of the other.
 
     Raises
     ------
@@ -254,12 +257,12 @@ def bisect(
     if _native.is_recording(Path(a)) or _native.is_recording(Path(b)):
         if program_a is not None or program_b is not None:
             raise wrong("program_a", "recordings are compared without their programs; leave out both")
-        return parting(Path(a), Path(b))
+        return parting(Path(a), Path(b), prefix)
     own = program()
     if own is None and (program_a is None or program_b is None):
         raise wrong("program_a", "the script bitgrain of this package is not installed; name both programs")
     programs = [Path(p or own or "") for p in (program_a, program_b)]
-    found, _ = _native.bisect((Path(a), Path(b)), (programs[0], programs[1]))
+    found, _ = _native.bisect((Path(a), Path(b)), (programs[0], programs[1]), prefix)
     return None if found is None else Divergence(**json.loads(found))
 
 

@@ -148,9 +148,10 @@ class Parting:
 
     #: The last step that both have and that is the same; None if they differ from the beginning.
     equal: Optional[int]
-    #: The first step that differs.
+    #: The first step that differs, or that only one has.
     step: int
-    #: Names of all arrays that differ there; the other fields are of the first.
+    #: Names of all arrays that differ there; the other fields are of the first. None if only one has the step, or a
+    #: recording lacks its end: then `hint` says which.
     arrays: List[str]
     #: Index of the first element that differs; None if the arrays were not kept, or differ in type or shape.
     index: Optional[Tuple[int, ...]]
@@ -175,9 +176,9 @@ class Parting:
         return self.text
 
 
-def parting(a: Path, b: Path) -> Optional[Parting]:
-    """Where two recordings part; None if every step that both have is the same."""
-    found, notes = _native.part_recordings(a, b)
+def parting(a: Path, b: Path, prefix: bool) -> Optional[Parting]:
+    """Where two recordings part; None if every step is the same. With `prefix` one may be the beginning of the other."""
+    found, notes = _native.part_recordings(a, b, prefix)
     for note in notes:
         # Of the call of `bitgrain.bisect`.
         warnings.warn(note, stacklevel=3)

@@ -78,6 +78,7 @@ impl Under<'_> {
             failed: count(|status| matches!(status, Status::Failed(_))),
             missing,
             table: self.folder.table(),
+            taken: Vec::new(),
         }))
     }
 
@@ -128,6 +129,7 @@ impl Under<'_> {
             failed,
             missing: 0,
             table: self.folder.table(),
+            taken: self.taken.lock().expect("no job panics with it").clone(),
         })
     }
 }

@@ -1,0 +1,88 @@
+//! What a call executed of finished runs, and what it found of them executed again: only execution confirms a result.
+
+use std::path::Path;
+
+use crate::bisect::chain_of;
+use crate::folder::Folder;
+use crate::manifest::Manifest;
+use crate::progress::Progress;
+use crate::rerun::RunArchive;
+use crate::run::{Links, Taken};
+use crate::verify::{Job, Scope, execute, pieces};
+use bitgrain_sim::error::{CHANGED, Error, Result};
+
+/// The links of the run in a folder, by what the call did for its stages.
+///
+/// # Errors
+/// If a chain cannot be read.
+pub fn links(root: &Path, taken: &[Taken]) -> Result<Links> {
+    let mut links = Links::default();
+    for one in taken {
+        if let Some(chain) = chain_of(root, &one.stage)? {
+            links += one.links(&chain);
+        }
+    }
+    Ok(links)
+}
+
+/// Executes again what the call that did this for the stages of a finished run did not execute of it. Nothing is
+/// written. Each finding is a line of `say`.
+///
+/// # Errors
+/// [`Error::Unverified`] if a piece does not hold, after all was reported; [`Error::Interrupted`].
+pub fn execute_found(
+    root: &Path,
+    taken: &[Taken],
+    threads: usize,
+    progress: &Progress,
+    mut say: impl FnMut(&str) -> Result<()>,
+) -> Result<()> {
+    let folder = Folder(root);
+    let archive = RunArchive::open(&folder)?;
+    let manifest = Manifest::of(root)?;
+    let jobs = found(&archive, manifest.as_ref(), taken, "")?;
+    execute_pieces(root, &jobs, threads, progress, &mut say)
+}
+
+/// The pieces of a finished run of which the call that did this for its stages did not execute every step.
+///
+/// # Errors
+/// As [`pieces`].
+pub(crate) fn found<'a>(
+    archive: &'a RunArchive<'a>,
+    manifest: Option<&'a Manifest>,
+    taken: &[Taken],
+    label: &'a str,
+) -> Result<Vec<Job<'a>>> {
+    let mut jobs = pieces(archive, manifest, &Scope::default())?;
+    jobs.retain(|job| job.is_found(taken));
+    jobs.iter_mut().for_each(|job| job.label = label);
+    Ok(jobs)
+}
+
+/// Executes pieces of the runs in `root` again.
+///
+/// # Errors
+/// As [`execute_found`].
+pub(crate) fn execute_pieces(
+    root: &Path,
+    jobs: &[Job<'_>],
+    threads: usize,
+    progress: &Progress,
+    say: &mut impl FnMut(&str) -> Result<()>,
+) -> Result<()> {
+    let done = execute(jobs, threads, progress, say)?;
+    let (links, count) = (done.links, done.pieces);
+    match done.wrong {
+        0 => say(&format!(
+            "executed again: all {links} links of {count} pieces that were found hold"
+        )),
+        wrong => Err(Error::Unverified {
+            problem: format!(
+                "{}: {wrong} of {count} pieces that were found do not hold",
+                root.display()
+            ),
+            hint: CHANGED,
+        }),
+    }
+}
