@@ -224,9 +224,9 @@ mod tests {
         ];
         for (own, gradient, what) in describe_at {
             let light = plan(own + 0.99 * least, gradient);
-            let told = lid_density(&scenario, &light, &bare(0.08))
-                .unwrap_err()
-                .to_string();
+            let unfit = lid_density(&scenario, &light, &bare(0.08)).unwrap_err();
+            assert!(unfit.is_physical());
+            let told = unfit.to_string();
             assert!(told.contains(what) && told.contains("grains"), "{told}");
             let heavy = plan(own + 1.01 * least, gradient);
             assert!(lid_density(&scenario, &heavy, &bare(0.08)).is_ok());

@@ -1,6 +1,6 @@
 //! How a folder departs from its manifest, and that from what is planned.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use super::record::{Departure, FolderKind, Manifest, NAME, RESULTS};
@@ -130,6 +130,8 @@ fn unplanned(manifest: &Manifest, planned: &Planned) -> Vec<String> {
     if wrong.is_empty() && !listed.into_iter().eq(&planned.stages) {
         wrong.push("its stages are not in the order in which they are run, each once".into());
     }
+    let finished = manifest.stages.iter().filter(|stage| stage.finished);
+    let finished: BTreeSet<&String> = finished.map(|stage| &stage.name).collect();
     for entry in &manifest.files {
         let path = &entry.path;
         match planned.files.get(path) {
@@ -138,7 +140,7 @@ fn unplanned(manifest: &Manifest, planned: &Planned) -> Vec<String> {
                     "{path} in {NAME} is no file that its scenario gives"
                 ));
             }
-            Some(When::Unfinished(stages)) if stages.iter().all(|s| manifest.has_finished(s)) => {
+            Some(When::Unfinished(stages)) if stages.iter().all(|s| finished.contains(s)) => {
                 let stages = stages.join(", ");
                 wrong.push(format!(
                     "{path} in {NAME} is of a stage that has not ended well: {stages}"
@@ -150,7 +152,7 @@ fn unplanned(manifest: &Manifest, planned: &Planned) -> Vec<String> {
     for (path, when) in &planned.files {
         let due = match when {
             When::Always => true,
-            When::Finished(stage) => manifest.has_finished(stage),
+            When::Finished(stage) => finished.contains(stage),
             When::Whole => manifest.finished,
             When::Perhaps | When::Unfinished(_) | When::Beside => false,
         };

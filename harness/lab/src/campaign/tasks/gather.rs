@@ -71,7 +71,10 @@ fn take_in(
             Found::Failed(manifest, _) => (manifest, false),
         };
         if done {
-            ledger.remove(&Folder(&to).of_run(drag, FAILURE))?;
+            let to = Folder(&to);
+            for of_a_failure in [to.of_run(drag, FAILURE), to.partial_series(drag)] {
+                ledger.remove(&of_a_failure)?;
+            }
         }
         copy(&from, &to, ledger, &manifest, &own)?;
         for stage in manifest.stages.iter().filter(|stage| stage.finished) {
