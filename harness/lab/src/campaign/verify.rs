@@ -90,7 +90,7 @@ pub fn verify(
     }
     if jobs.is_empty() {
         let problem = "no member has a kept checkpoint: nothing can be executed again";
-        problems.add(Cause::Changed, problem);
+        problems.add(Cause::Unfinished(FolderKind::Campaign), problem);
     }
     let done = execute(&sampled(jobs, scope), threads, progress, &mut say)?;
     if done.wrong > 0 {
