@@ -108,17 +108,18 @@ pub fn check_before(out: &Path, reference: &Reference) -> Result<()> {
                        `bitgrain verify` executes this one again";
         return Err(Error::input(path.display().to_string(), problem));
     }
-    let told = |bytes: &[u8]| serde_json::from_slice::<Difference>(bytes).is_ok();
-    let state = |bytes: &[u8]| checkpoint::unpack_foreign(bytes, STATE).is_ok();
-    let ours: [(&str, &dyn Fn(&[u8]) -> bool); 2] = [(DIFFERENCE, &told), (STATE, &state)];
-    for (name, is_ours) in ours {
+    let is_ours = |name: &str, bytes: &[u8]| match name {
+        DIFFERENCE => serde_json::from_slice::<Difference>(bytes).is_ok(),
+        _ => checkpoint::unpack_foreign(bytes, name).is_ok(),
+    };
+    for name in [DIFFERENCE, STATE] {
         let path = out.join(name);
-        let kept = match disk::kind(&path) {
-            None => continue,
-            Some(Kind::File) => !is_ours(&disk::read(&path)?),
-            Some(_) => true,
+        let ours = match disk::kind(&path) {
+            None => true,
+            Some(Kind::File) => is_ours(name, &disk::read(&path)?),
+            Some(_) => false,
         };
-        if kept {
+        if !ours {
             let problem = "has the name of a file that --against writes, and no comparison left it: move it away, or \
                            choose another --out";
             return Err(Error::input(path.display().to_string(), problem));

@@ -50,7 +50,7 @@ pub(super) struct Sweep {
     only: Vec<String>,
     /// Compare each run that is asked for with its row in this table of the same campaign, such as one of those under
     /// golden/, and end with status 3 if a digit differs. Runs and beds that were found are executed again.
-    #[arg(long, value_name = "TABLE", conflicts_with_all = ["dry_run", "task", "tasks", "submit"])]
+    #[arg(long, value_name = "TABLE", conflicts_with_all = ["task", "tasks", "submit"])]
     against: Option<PathBuf>,
     /// With --against: do not execute again what was found, in the folder or in the library of beds. The command then
     /// ends with status 3 and says how many links it executed, unless it executed all.
