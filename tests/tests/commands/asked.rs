@@ -124,6 +124,9 @@ fn a_command_that_ends_first_differs() {
             "{told}"
         );
     }
+    let still = "sh child.sh 1000 0";
+    let told = bisect(still, still, &[], 3);
+    assert!(told.contains("and none after that was compared"), "{told}");
     let ended = "sh child.sh 1000 50";
     let told = bisect(ended, ended, &["--to", "51"], 3);
     assert!(

@@ -120,7 +120,7 @@ pub struct Held<'a> {
     steps: &'a [Step],
     prefix: bool,
     /// How many steps are the same.
-    pub same: usize,
+    same: usize,
 }
 
 impl<'a> Held<'a> {

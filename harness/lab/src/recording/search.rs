@@ -53,7 +53,7 @@ enum Seen {
 ///
 /// # Errors
 /// [`Error::Input`] for a command that does not answer as it should, [`Error::Unverified`] for one whose arrays are
-/// others when it is started again, and for two that end before the last step that is asked for;
+/// others when it is started again, and for two that end before the last step that is asked for, or at once;
 /// [`Error::Interrupted`].
 pub fn search(commands: &Commands, say: impl FnMut(&str) -> Result<()>) -> Result<Option<Parting>> {
     let mut search = Search {
@@ -142,13 +142,16 @@ impl<S: FnMut(&str) -> Result<()>> Search<'_, S> {
             if one.step < step {
                 let ends = format!("both end at step {}", one.step);
                 (self.say)(&ends)?;
-                return match commands.to.filter(|to| one.step < *to && !commands.prefix) {
-                    None => Ok(Seen::Same),
-                    Some(to) => Err(Error::Unverified {
-                        problem: format!("{ends}, and step {to} was asked for"),
-                        hint: "leave --to out to compare them to their ends",
-                    }),
+                let problem = match commands.to {
+                    _ if commands.prefix => return Ok(Seen::Same),
+                    Some(to) => format!("{ends}, and step {to} was asked for"),
+                    None if one.step == 0 => format!("{ends}, and none after that was compared"),
+                    None => return Ok(Seen::Same),
                 };
+                return Err(Error::Unverified {
+                    problem,
+                    hint: "see that they go on when they are asked to; --prefix takes what there is",
+                });
             }
         }
         Ok(Seen::Same)
