@@ -10,8 +10,9 @@ use snapshot::{Still, flow, panel_of, scene};
 
 use crate::report::{self, BedPicture, Drawings, FieldPicture, Film, FlowSeries, TankSeries};
 use bitgrain_lab::bed::library::BedCache;
+use bitgrain_lab::beside::write_beside;
 use bitgrain_lab::flow::{FLOW, PROFILE};
-use bitgrain_lab::folder::{Folder, write_beside};
+use bitgrain_lab::folder::Folder;
 use bitgrain_lab::frames::{self, Frame};
 use bitgrain_lab::manifest::{FolderKind, Vouched};
 use bitgrain_lab::progress::Progress;

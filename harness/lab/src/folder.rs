@@ -3,8 +3,8 @@
 use std::fs::{File, TryLockError};
 use std::path::{Component, Path, PathBuf};
 
+use crate::beside::{ANALYSIS, PERFORMANCE, REPORT, refuse_foreign};
 use crate::manifest::{self, FolderKind, Ledger, Manifest};
-use crate::pace;
 use crate::progress::Progress;
 use crate::scenario::{self, CheckedScenario};
 use bitgrain_sim::below::Below;
@@ -36,17 +36,11 @@ pub(crate) const RUN: Contents = Contents {
         manifest::NAME,
         "summary.json",
         REPORT,
-        pace::NAME,
+        PERFORMANCE,
         ANALYSIS,
     ],
     folders: &["beds", "runs", SUBMITTED],
 };
-
-/// The page of a run or campaign.
-pub(crate) const REPORT: &str = "report.html";
-
-/// What the table of a campaign, or a run, says.
-pub(crate) const ANALYSIS: &str = "analysis.json";
 
 /// The folder with the job scripts that were submitted: of the machine, not of the results.
 pub const SUBMITTED: &str = "slurm";
@@ -215,38 +209,6 @@ fn refuse_other_kinds(folder: &Path, contents: &Contents) -> Result<()> {
     Ok(())
 }
 
-/// Refuses to replace a file that lies beside results and that this program did not write, by its name and how it
-/// begins. Other names are those of results, which the manifest lists.
-///
-/// # Errors
-/// [`Error::Input`].
-pub fn refuse_foreign(path: &Path) -> Result<()> {
-    let name = path.file_name().unwrap_or_default();
-    let mark = match name.to_str() {
-        Some(REPORT) => "Before you believe these numbers",
-        Some(ANALYSIS) => "{\n  \"around\": ",
-        Some(pace::NAME) => "\"bits_version\":",
-        _ => return Ok(()),
-    };
-    let Some(held) = disk::read_if_there(path)? else {
-        return Ok(());
-    };
-    if disk::bears(&held, mark) {
-        return Ok(());
-    }
-    let problem = "is no file that bitgrain wrote, and would be replaced: move it away, or choose another folder";
-    Err(Error::input(path.display().to_string(), problem))
-}
-
-/// Writes a file beside results, in a folder of ours: a page, findings, or facts of the machine.
-///
-/// # Errors
-/// As [`refuse_foreign`]; [`Error::Write`].
-pub fn write_beside(path: &Path, bytes: &[u8]) -> Result<()> {
-    refuse_foreign(path)?;
-    disk::write_whole(path, bytes)
-}
-
 /// Whether a folder is one of this kind, by its marker or its manifest.
 pub fn is_of(folder: &Path, contents: &Contents) -> bool {
     let marker = folder.join(contents.marker);
@@ -339,7 +301,7 @@ impl Folder<'_> {
 
     /// Timings and other facts of the machine.
     pub fn performance(&self) -> PathBuf {
-        self.0.join(pace::NAME)
+        self.0.join(PERFORMANCE)
     }
 
     /// The scenario of the run that this folder holds.

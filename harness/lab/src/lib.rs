@@ -21,6 +21,7 @@
 pub mod against;
 pub mod bed;
 pub mod benchmark;
+pub mod beside;
 pub mod bisect;
 pub mod campaign;
 pub mod case;

@@ -6,14 +6,11 @@ use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
-use crate::folder::write_beside;
+use crate::beside::{PERFORMANCE, write_beside};
 use bitgrain_kernel::BITS_VERSION;
 use bitgrain_sim::disk;
 use bitgrain_sim::parts::Ranks;
 use bitgrain_sim::threads::threads;
-
-/// Name of the file, which belongs to the machine and not to the results.
-pub(crate) const NAME: &str = "performance.json";
 
 /// Least time that a speed is believed from, in seconds.
 const LEAST: f64 = 60.0;
@@ -82,7 +79,9 @@ struct Kept {
 impl Pace {
     /// What a folder says of itself; nothing if it says nothing.
     pub fn read(folder: &Path) -> Self {
-        let bytes = disk::read_if_there(&folder.join(NAME)).ok().flatten();
+        let bytes = disk::read_if_there(&folder.join(PERFORMANCE))
+            .ok()
+            .flatten();
         let kept = bytes.and_then(|bytes| serde_json::from_slice::<Kept>(&bytes).ok());
         let sound = |a: f64, b: f64| a >= 0.0 && b >= 0.0 && (a + b).is_finite();
         let works = |work: TimedWork| sound(work.grain_steps, work.seconds);
@@ -142,7 +141,7 @@ impl PaceLog {
     /// Goes on from what this folder says, and keeps it there from now on: what was done in another is told there.
     pub fn keep_in(&self, folder: &Path) {
         if let Ok(mut log) = self.0.lock() {
-            *log = (Pace::read(folder), Some(folder.join(NAME)));
+            *log = (Pace::read(folder), Some(folder.join(PERFORMANCE)));
         }
     }
 
@@ -292,7 +291,7 @@ mod tests {
             "{}",
             "{\"bits_version\": 1, \"pace\": {\"pouring\": 3}}",
         ] {
-            std::fs::write(folder.path().join(NAME), text).unwrap();
+            std::fs::write(folder.path().join(PERFORMANCE), text).unwrap();
             assert_eq!(Pace::read(folder.path()), Pace::default(), "{text}");
         }
     }

@@ -11,12 +11,12 @@ use super::slurm::{check_scheduler, utf8};
 use super::tasks::{Pieces, interval, max_input, shared_words, told};
 use bitgrain_analysis::claims::evidence::Evidence;
 use bitgrain_analysis::report::campaign_page;
+use bitgrain_lab::beside::write_beside;
 use bitgrain_lab::campaign::folder::CampaignFolder;
 use bitgrain_lab::campaign::only::Only;
 use bitgrain_lab::campaign::table::CampaignTable;
 use bitgrain_lab::campaign::tasks::{Worker, perform};
 use bitgrain_lab::campaign::{self, forecast, found, sweep};
-use bitgrain_lab::folder::write_beside;
 use bitgrain_lab::run::SaveEvery;
 use bitgrain_sim::error::{Error, Result};
 

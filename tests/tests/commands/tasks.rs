@@ -396,6 +396,13 @@ fn a_merge_believes_manifests_alone() {
         let printed = String::from_utf8_lossy(&out.stdout).into_owned();
         assert!(printed.contains("--task mu0.1/run-2"), "{name}: {printed}");
         assert_eq!(desk.table().len(), 3, "{name}");
+        if std::fs::read(desk.out().join("tasks/mu0.1/run-2/manifest.json")).unwrap()
+            == text.as_bytes()
+        {
+            // By that manifest these files are of others.
+            assert!(does(&desk, &printed, 2).contains("has no entry of it"));
+            std::fs::remove_dir_all(desk.out().join("tasks/mu0.1/run-2/runs")).unwrap();
+        }
         does(&desk, &printed, 0);
         desk.done(&["--merge"]);
         same(&desk, want);

@@ -6,12 +6,11 @@ use serde::{Deserialize, Serialize};
 
 use super::plan::{Member, Plan};
 use super::written;
+use crate::beside::{ANALYSIS, PERFORMANCE, REPORT};
 use crate::changes;
-use crate::folder::{
-    ANALYSIS, Contents, DirectoryLock, FAILURE, Folder, REPORT, SUBMITTED, refuse_others,
-};
+use crate::folder::{Contents, DirectoryLock, FAILURE, Folder, SUBMITTED, refuse_others};
 use crate::manifest::{self, FolderKind, Ledger, Planned, Vouched, When};
-use crate::pace::{self, Pace};
+use crate::pace::Pace;
 use crate::run::stages;
 use bitgrain_sim::below::Below;
 use bitgrain_sim::disk::{self, Kind};
@@ -26,7 +25,7 @@ pub const CAMPAIGN: Contents = Contents {
         manifest::NAME,
         "results.csv",
         "results.parquet",
-        pace::NAME,
+        PERFORMANCE,
         ANALYSIS,
         REPORT,
     ],
@@ -220,7 +219,7 @@ impl CampaignFolder<'_> {
     pub(super) fn planned(plan: &Plan) -> Planned {
         let results =
             ["campaign.toml", "results.csv", "results.parquet"].map(|name| (name, When::Always));
-        let beside = [manifest::NAME, pace::NAME, "report.html", "analysis.json"];
+        let beside = [manifest::NAME, PERFORMANCE, REPORT, ANALYSIS];
         let files = results
             .into_iter()
             .chain(beside.map(|name| (name, When::Beside)));

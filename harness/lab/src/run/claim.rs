@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use super::files::names;
+use super::files::{names, stages};
 use crate::bed::PouringState;
 use crate::bed::recipe::Recipe;
 use crate::changes;
@@ -61,13 +61,6 @@ pub(crate) fn try_claim(
     }
     claim.ledger.save()?;
     Ok(Some(claim))
-}
-
-/// Names of the stages of a run, in order.
-pub fn stages(scenario: &CheckedScenario) -> Vec<String> {
-    let beds = scenario.all_beds().into_iter().map(|bed| &bed.name);
-    let drags = scenario.drags().iter().map(|drag| &drag.name);
-    beds.chain(drags).cloned().collect()
 }
 
 /// Refuses a folder in which anything is of another scenario, or something of others has a place of this one.

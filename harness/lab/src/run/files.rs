@@ -3,10 +3,9 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use super::claim::stages;
+use crate::beside::{ANALYSIS, PERFORMANCE, REPORT};
 use crate::folder::{FAILURE, Folder};
 use crate::manifest::{self, FolderKind, Planned, When, relative};
-use crate::pace;
 use crate::scenario::{CheckedScenario, DragPlan, IntruderShape};
 use bitgrain_sim::files::packed_name;
 
@@ -17,6 +16,13 @@ pub fn planned(scenario: &CheckedScenario) -> Planned {
         stages: stages(scenario),
         files: names(scenario),
     }
+}
+
+/// Names of the stages of a run, in order.
+pub fn stages(scenario: &CheckedScenario) -> Vec<String> {
+    let beds = scenario.all_beds().into_iter().map(|bed| &bed.name);
+    let drags = scenario.drags().iter().map(|drag| &drag.name);
+    beds.chain(drags).cloned().collect()
 }
 
 /// Every file that a run of this scenario may write, by its path from the run directory on, and when it is there.
@@ -30,7 +36,7 @@ pub fn names(scenario: &CheckedScenario) -> BTreeMap<String, When> {
     };
     add(folder.scenario(), When::Always);
     add(folder.summary(), When::Whole);
-    for beside in [manifest::NAME, pace::NAME, "report.html", "analysis.json"] {
+    for beside in [manifest::NAME, PERFORMANCE, REPORT, ANALYSIS] {
         add(beside.into(), When::Beside);
     }
     if let (Some(_), Some(file)) = (&scenario.source, &folder.inputs(scenario).bed.file) {

@@ -16,11 +16,11 @@ mod told;
 
 use crate::json::json_text;
 pub use beds::{begin_bed, data_file, surveyed};
+pub use claim::claim;
 pub(crate) use claim::try_claim;
-pub use claim::{claim, stages};
 pub use drags::{begin, read, record, results};
 pub(crate) use files::LOAD;
-pub use files::{names, planned};
+pub use files::{names, planned, stages};
 pub(crate) use jobs::side_by_side;
 pub use saving::SaveEvery;
 pub use setting::{Setting, WriteReport};
@@ -33,7 +33,8 @@ use std::time::Instant;
 use bitgrain_kernel::BITS_VERSION;
 
 use crate::bed::recipe::Recipe;
-use crate::folder::{DirectoryLock, Folder, write_beside};
+use crate::beside::write_beside;
+use crate::folder::{DirectoryLock, Folder};
 use crate::manifest::Ledger;
 use crate::performance::{Performance, StagePerformance};
 use crate::progress::Progress;

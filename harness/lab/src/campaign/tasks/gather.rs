@@ -4,9 +4,10 @@ use std::path::Path;
 
 use super::ended::{Found, look};
 use super::names::name_of;
+use crate::beside::refuse_foreign;
 use crate::campaign::folder::CampaignFolder;
 use crate::campaign::plan::{Member, Plan};
-use crate::folder::{DirectoryLock, FAILURE, Folder, Held, RUN, hold, refuse_foreign};
+use crate::folder::{DirectoryLock, FAILURE, Folder, Held, RUN, hold};
 use crate::manifest::{self, Departure, Ledger, Manifest};
 use crate::progress::Progress;
 use crate::run::stages;
