@@ -103,6 +103,17 @@ def test_one_drag_of_two(desk, made):
     assert files(only.path / "runs/run-2") == files(made.path / "runs/run-2")
 
 
+def test_what_is_expected_of_a_finished_run_is_executed_again(desk, made):
+    spoilt = desk / "half-way"
+    shutil.copytree(made.path, spoilt)
+    bitgrain.run(resume=spoilt, beds=desk / "beds", expect=[made.closing])
+    for wrong in ({"expect": ["0" * 64]}, {"expect": [made.closing], "only": ["run-1"]}):
+        with pytest.raises((bitgrain.Unverified, bitgrain.InputError), match="neither its closing hash|with only"):
+            bitgrain.run(resume=spoilt, beds=desk / "beds", **wrong)
+    assert bitgrain.bisect(made.path, desk / "only", prefix=True) is None
+    assert bitgrain.bisect(made.path, desk / "only").text == "run-1: the second run has none"
+
+
 def test_verify(made):
     lines = bitgrain.verify(made.path, expect=[made.closing])
     assert re.match("all \\d+ links of \\d+ pieces hold", lines[-1])
