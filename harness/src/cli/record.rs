@@ -65,6 +65,10 @@ pub(super) fn run(what: &Record) -> Result<()> {
         let parting = held.end(true, SOURCE)?;
         print(&sides)?;
         verdict(parting)?;
+        let (same, all) = held.counts();
+        print(&format!(
+            "{same} of {all} steps of the first were compared\n"
+        ))?;
     }
     match &what.expect {
         Some(expected) if *expected != link => Err(Error::Unverified {

@@ -186,8 +186,13 @@ the same to step 2, different at step 3
         record(&format!("{name}-alone"), &[], cut, 2);
     }
     let prefix = ["--against", "golden", "--prefix"];
-    for (name, steps) in [("short-meant", 0..4), ("long-meant", 0..8)] {
-        record(name, &prefix, &frames(steps, 9), 0);
+    for (name, steps, same) in [
+        ("short-meant", 0..4, "4 of 6"),
+        ("long-meant", 0..8, "6 of 6"),
+    ] {
+        let told = record(name, &prefix, &frames(steps, 9), 0);
+        let compared = format!("{same} steps of the first were compared");
+        assert!(told.contains(&compared), "{told}");
     }
     record("bit-meant", &prefix, &frames(0..6, 3), 3);
     let told = record("other", &["--expect", link], &frames(0..6, 3), 3);

@@ -134,6 +134,11 @@ impl<'a> Held<'a> {
         }
     }
 
+    /// How many steps are the same, and how many could have been compared.
+    pub fn counts(&self) -> (usize, usize) {
+        (self.same, self.steps.len())
+    }
+
     /// The last step that is the same.
     fn equal(&self) -> Option<u64> {
         self.same.checked_sub(1).map(|k| self.steps[k].step)
