@@ -293,6 +293,7 @@ fn a_run_survives_a_call_that_fails() {
     spoil_all(&run(), 197);
 }
 
+/// Ten seconds, because the campaign is begun anew for each call that is failed, and the files are really synced.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
 fn a_campaign_survives_a_call_that_fails() {
@@ -312,7 +313,7 @@ fn a_campaign_survives_every_call_that_fails() {
 }
 
 /// Whatever is damaged of a run that was killed in the middle of a bed or a drag is made again, or named and left as
-/// it is.
+/// it is. A quarter of a minute, because each kind of file is damaged in each way and gone on from.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
 fn an_interrupted_run_mends_what_is_damaged() {

@@ -50,6 +50,7 @@ impl Drop for Restored {
     }
 }
 
+/// Ten seconds to pour the bed that all tests of this file share, because nothing else may run in the process.
 #[test]
 fn a_mode_between_two_calls_is_found_by_whichever_comes_first() {
     let _alone = alone();

@@ -69,6 +69,7 @@ impl Work for Pieces {
     }
 }
 
+/// Ten seconds, because all tasks are begun anew for each call that is failed.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
 fn a_campaign_in_pieces_survives_a_call_that_fails() {
@@ -96,6 +97,7 @@ impl Watch for Killed {
     }
 }
 
+/// Ten seconds, because the merge is begun anew for each call that it is killed at.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
 fn a_merge_that_is_killed_loses_no_row() {

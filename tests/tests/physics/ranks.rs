@@ -86,6 +86,7 @@ fn steps(release: u64) -> u64 {
 }
 
 /// Calls of several steps, digests, edits of rows and copies in between.
+/// Ten seconds, because every cut of the world and two laws are gone through with all threads of one process.
 #[test]
 fn ranks_change_no_bit() {
     for rolls in [false, true] {

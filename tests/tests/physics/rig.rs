@@ -65,6 +65,7 @@ fn part_into(out: &Path, beds: &Path, only: &[&str]) -> bitgrain::error::Result<
     })
 }
 
+/// Made once for all tests of this file; the first of them waits some ten seconds for it.
 static MADE: LazyLock<Made> = LazyLock::new(|| {
     // Not a temporary folder: nothing that is static is ever dropped.
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("rig");

@@ -85,6 +85,7 @@ const CASES: [&str; 5] = [
 ];
 
 /// Whether the lists are nearly full or nearly empty.
+/// Ten seconds, because each case of the goldens is followed twice, on stores of the kernel alone.
 #[test]
 fn a_store_of_any_size_gives_the_golden_digests() {
     for name in CASES {

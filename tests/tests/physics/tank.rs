@@ -32,6 +32,8 @@ struct Made {
     whole: Summary,
 }
 
+/// Poured and turned once for all tests of this file: a quarter of a minute, because the budget of energy, which is
+/// part of its goldens, is summed by one thread.
 static MADE: LazyLock<Made> = LazyLock::new(|| {
     // Not a temporary folder: nothing that is static is ever dropped.
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("tank");
