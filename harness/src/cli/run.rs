@@ -188,7 +188,7 @@ fn submit(run: &Run, scenario: &CheckedScenario, out: &Path, program: &str) -> R
     drop(run::claim(&Folder(out), scenario)?);
     let beds = run.beds.folder.as_deref().map(utf8).transpose()?;
     let mut options = vec![
-        ("--beds", beds.map(String::from)),
+        ("--beds", beds),
         ("--save-every", run.save_every.map(interval)),
         ("--max-input", max_input()),
         ("--against", run.against.clone()),
