@@ -6,6 +6,7 @@ use bitgrain_kernel::BITS_VERSION;
 use serde::{Deserialize, Serialize};
 
 use crate::bisect::{Divergence, Side, bisect, chain_of};
+use crate::confirm;
 use crate::folder::Folder;
 use crate::manifest::{Manifest, NAME};
 use crate::progress::Progress;
@@ -15,7 +16,7 @@ use bitgrain_sim::below::Below;
 use bitgrain_sim::chain::{Chain, Link, differing};
 use bitgrain_sim::checkpoint;
 use bitgrain_sim::disk::{self, Kind, is_file, is_folder};
-use bitgrain_sim::error::{Error, Result, UNEXPECTED};
+use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::files::read_text;
 
 /// Names of the files that a failed comparison leaves in the run's folder: what differs, and the state to replay.
@@ -108,9 +109,14 @@ pub fn check_before(out: &Path, reference: &Reference) -> Result<()> {
                        `bitgrain verify` executes this one again";
         return Err(Error::input(path.display().to_string(), problem));
     }
+    let left = || {
+        let text = disk::read(&out.join(DIFFERENCE)).ok()?;
+        serde_json::from_slice::<Difference>(&text).ok()
+    };
+    // A state is ours where an earlier comparison names it.
     let is_ours = |name: &str, bytes: &[u8]| match name {
-        DIFFERENCE => serde_json::from_slice::<Difference>(bytes).is_ok(),
-        _ => checkpoint::unpack_foreign(bytes, name).is_ok(),
+        DIFFERENCE => left().is_some(),
+        _ => left().is_some_and(|left| left.state.is_some()) && checkpoint::begins(bytes),
     };
     for name in [DIFFERENCE, STATE] {
         let path = out.join(name);
@@ -128,25 +134,6 @@ pub fn check_before(out: &Path, reference: &Reference) -> Result<()> {
     Ok(())
 }
 
-/// Whether the finished run in `out` has all these links.
-///
-/// # Errors
-/// [`Error::Unverified`] with the first that is neither its closing hash nor the last link of a stage.
-pub fn check_expected(out: &Path, expect: &[String]) -> Result<()> {
-    let manifest = Manifest::of(out)?;
-    let has = |link: &&String| manifest.as_ref().is_some_and(|own| own.has_link(link));
-    match expect.iter().find(|link| !has(link)) {
-        None => Ok(()),
-        Some(link) => Err(Error::Unverified {
-            problem: format!(
-                "{}: {link} is neither its closing hash nor the last link of a stage",
-                out.display()
-            ),
-            hint: UNEXPECTED,
-        }),
-    }
-}
-
 /// Compares the run in `out` with a reference; `program` executes steps again. If they differ, says where and
 /// writes `difference.json`.
 ///
@@ -162,11 +149,11 @@ pub fn check(
     let place = out.display();
     check_before(out, reference)?;
     // From an earlier comparison.
-    Below(out).remove(&out.join(DIFFERENCE))?;
     Below(out).remove(&out.join(STATE))?;
+    Below(out).remove(&out.join(DIFFERENCE))?;
     match reference {
         Reference::Link(link) => {
-            check_expected(out, std::slice::from_ref(link))?;
+            confirm::check_expected(out, std::slice::from_ref(link))?;
             say(&format!("{place}: has the link {link}"))
         }
         Reference::Chain(path) => {
@@ -432,7 +419,15 @@ fn report(
     }
     say(&format!("written to {}", path.display()))?;
     let mut replay = difference.replay.clone();
-    match save_state(out, &difference, progress) {
+    // The state is named before it is there: one that nothing names is not ours.
+    difference.state = Some(STATE.into());
+    write(out, &difference)?;
+    let saved = save_state(out, &difference, progress);
+    if !matches!(saved, Ok(true)) {
+        difference.state = None;
+        write(out, &difference)?;
+    }
+    match saved {
         Err(e @ Error::Interrupted { .. }) => return Err(e),
         Err(e) => say(&format!("no state to replay was kept: {e}"))?,
         Ok(false) => {}
@@ -444,7 +439,6 @@ fn report(
                     file.display()
                 )
             };
-            difference.state = Some(STATE.into());
             difference.replay = command(Path::new(STATE));
             write(out, &difference)?;
             let state = out.join(STATE);

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::manifest;
 use bitgrain_sim::disk;
 use bitgrain_sim::error::{Error, Result};
 
@@ -24,7 +25,7 @@ pub fn refuse_foreign(path: &Path) -> Result<()> {
     let mark = match name.to_str() {
         Some(REPORT) => "Before you believe these numbers",
         Some(ANALYSIS) => "{\n  \"around\": ",
-        Some(PERFORMANCE) => "\"bits_version\":",
+        Some(PERFORMANCE | manifest::NAME) => "\"bits_version\":",
         _ => return Ok(()),
     };
     let Some(held) = disk::read_if_there(path)? else {

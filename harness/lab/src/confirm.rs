@@ -9,7 +9,26 @@ use crate::progress::Progress;
 use crate::rerun::RunArchive;
 use crate::run::{Links, Taken};
 use crate::verify::{Job, Scope, execute, pieces};
-use bitgrain_sim::error::{CHANGED, Error, Result};
+use bitgrain_sim::error::{CHANGED, Error, Result, UNEXPECTED};
+
+/// Whether the finished run in `out` has all these links.
+///
+/// # Errors
+/// [`Error::Unverified`] with the first that is neither its closing hash nor the last link of a stage.
+pub fn check_expected(out: &Path, expect: &[String]) -> Result<()> {
+    let manifest = Manifest::of(out)?;
+    let has = |link: &&String| manifest.as_ref().is_some_and(|own| own.has_link(link));
+    match expect.iter().find(|link| !has(link)) {
+        None => Ok(()),
+        Some(link) => Err(Error::Unverified {
+            problem: format!(
+                "{}: {link} is neither its closing hash nor the last link of a stage",
+                out.display()
+            ),
+            hint: UNEXPECTED,
+        }),
+    }
+}
 
 /// The links of the run in a folder, by what the call did for its stages.
 ///

@@ -1,12 +1,12 @@
 //! The run directory: where everything of a run is, and which process owns it during a run.
 
 use std::fs::{File, TryLockError};
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 use crate::beside::{ANALYSIS, PERFORMANCE, REPORT, refuse_foreign};
 use crate::manifest::{self, FolderKind, Ledger, Manifest};
 use crate::progress::Progress;
-use crate::scenario::{self, CheckedScenario};
+use crate::scenario::{self, BedFile, CheckedScenario};
 use bitgrain_sim::below::Below;
 use bitgrain_sim::disk::{self, Kind, make_folder};
 use bitgrain_sim::error::{Error, Result};
@@ -333,27 +333,13 @@ impl Folder<'_> {
         self.parse_saved(&text)
     }
 
-    /// Reads the text of a scenario that lies in this folder: the file of an imported bed lies in it too.
+    /// Reads the text of a scenario that lies in this folder, and no file elsewhere that it names.
     ///
     /// # Errors
-    /// [`Error::Input`] if the scenario names a file elsewhere, or is none.
+    /// [`Error::Input`] if it is none, or the folder has no copy of the file of its bed.
     pub(crate) fn parse_saved(&self, text: &str) -> Result<CheckedScenario> {
         let place = self.scenario().display().to_string();
-        let table = toml::from_str::<toml::Table>(text).unwrap_or_default();
-        let file = table.get("bed").and_then(|bed| bed.get("file"));
-        if let Some(file) = file.and_then(toml::Value::as_str) {
-            let name = file.strip_prefix("beds/imported/").unwrap_or_default();
-            let mut words = Path::new(name).components();
-            let is_name =
-                matches!(words.next(), Some(Component::Normal(_))) && words.next().is_none();
-            if !is_name {
-                let problem = "names a file outside of beds/imported: in the folder of a run the file of a bed is \
-                               copied there, and no other is read";
-                return Err(Error::input(format!("{place}: `bed.file`"), problem));
-            }
-            Below(self.0).check_file(&self.0.join(file))?;
-        }
-        scenario::parse(text, &place, &[], self.0)
+        scenario::parse_from(text, &place, &[], BedFile::CopiedIn(self.0))
     }
 
     /// The scenario as this folder holds it: the file of an imported bed lies in it.

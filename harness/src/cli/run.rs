@@ -167,7 +167,7 @@ pub(super) fn run_scenario(run: Run, home: &Path, this: &Path, program: &str) ->
     if let Some(against) = &against {
         against::check(&out, against, this, &progress, say)?;
     }
-    against::check_expected(&out, &run.expect)?;
+    confirm::check_expected(&out, &run.expect)?;
     let links = confirm::links(&out, &done.executed)?;
     if links.executed == links.all() {
         return Ok(());

@@ -68,7 +68,14 @@ impl Submission {
         Below(out).check_folder(&above)?;
         let names = disk::list(&above)?.into_iter();
         let last = names.filter_map(|(name, _)| name.parse::<u32>().ok()).max();
-        let folder = above.join((last.unwrap_or(0) + 1).to_string());
+        let next = last.unwrap_or(0).checked_add(1);
+        let folder = next.map(|next| above.join(next.to_string()));
+        let folder = folder
+            .filter(|folder| !disk::is_there(folder))
+            .ok_or_else(|| {
+                let problem = "has no number left for a new submission: move the largest away";
+                Error::input(above.display().to_string(), problem)
+            })?;
         utf8(&folder)?;
         Ok(Self {
             out: out.to_path_buf(),

@@ -11,7 +11,7 @@ use bitgrain::claims::book::Book;
 use bitgrain::manifest::FolderKind;
 use bitgrain::summary::{parse_record, parse_summary, read_summary};
 use bitgrain_tests::wee::forge_manifest;
-use bitgrain_tests::{CAMPAIGN, golden, output, root, small_from_file};
+use bitgrain_tests::{CAMPAIGN, golden, output, root};
 use serde_json::{Value, json};
 
 use crate::PROGRAM;
@@ -288,86 +288,6 @@ fn campaigns_that_reach_out_are_refused() {
         assert!(sound.contains(from), "{from}");
         let told = parse(&sound.replacen(from, to, 1)).unwrap_err().to_string();
         assert!(told.contains(key), "{to:.60}: {told:.300}");
-    }
-}
-
-/// The file in a campaign's folder names nothing elsewhere: the base is written out, and of an imported bed the copy
-/// in the folder is read.
-#[test]
-fn a_campaigns_folder_stands_alone() {
-    let desk = tempfile::tempdir().unwrap();
-    let out = desk.path().join("out");
-    std::fs::create_dir(&out).unwrap();
-    std::fs::write(
-        desk.path().join("secret.toml"),
-        "a line that is told = to nobody",
-    )
-    .unwrap();
-    let text = CAMPAIGN.replacen("small.toml", "../secret.toml", 1);
-    std::fs::write(out.join("campaign.toml"), text).unwrap();
-    let table = "member,run,status,froude,drag,drag_error\n";
-    std::fs::write(out.join("results.csv"), table).unwrap();
-    let analyse = || {
-        forge_manifest(&out, FolderKind::Campaign, &[]);
-        let out = output(PROGRAM, desk.path(), &["analyse", "out"]);
-        let told = String::from_utf8_lossy(&out.stderr).into_owned();
-        (out.status.code(), told)
-    };
-    let (status, told) = analyse();
-    assert_eq!(status, Some(2), "{told}");
-    assert!(
-        told.contains("campaign.toml: `base`") && !told.contains("nobody"),
-        "{told}"
-    );
-
-    let bed = std::fs::read_to_string(golden("peers/bed200.data")).unwrap();
-    let bed = bed.replacen("\n2 3 ", "\n2 2 ", 1);
-    std::fs::write(desk.path().join("bed.data"), &bed).unwrap();
-    let base = small_from_file("../bed.data", "speed = 1.0\n").replacen("speed = 1.0\n", "", 1);
-    let base = format!("[base]\n{}", base.replace("\n[", "\n[base."));
-    let campaign = CAMPAIGN.replacen("base = \"small.toml\"\n", "", 1) + &base;
-    std::fs::write(out.join("campaign.toml"), campaign).unwrap();
-    let (status, told) = analyse();
-    assert_eq!(status, Some(2), "{told}");
-    assert!(
-        told.contains("`bed.file`: no member in this folder"),
-        "{told}"
-    );
-    let copies = out.join("members/mu0.1/beds/imported");
-    std::fs::create_dir_all(&copies).unwrap();
-    std::fs::write(copies.join("bed.data"), &bed).unwrap();
-    let (status, told) = analyse();
-    assert!(!told.contains("`bed.file`"), "{status:?} {told}");
-}
-
-/// A run's folder reads no file elsewhere, whatever its scenario names.
-#[test]
-#[cfg_attr(debug_assertions, ignore = "pours a small bed: seconds in release")]
-fn a_runs_folder_stands_alone() {
-    let room = crate::FURNISHED.copy();
-    let secret = "a line that is told to nobody\n";
-    room.write("secret", secret);
-    room.write("run/beds/imported/sub/secret", secret);
-    let here = room.path("secret");
-    let whole = String::from_utf8(room.read("run/scenario.toml")).unwrap();
-    for file in [
-        here.to_str().unwrap(),
-        "../secret",
-        "beds/imported/../../../secret",
-        "beds/imported/sub/secret",
-        "beds/bed.data",
-    ] {
-        let named = whole.replacen("[bed]\n", &format!("[bed]\nfile = \"{file}\"\n"), 1);
-        assert_ne!(named, whole);
-        room.write("run/scenario.toml", named);
-        for words in [
-            "verify run",
-            "run --resume run",
-            "replay run --stage run-1 --steps 1",
-        ] {
-            let told = room.says(words, 2);
-            assert!(!told.contains("nobody"), "{words}: {told}");
-        }
     }
 }
 

@@ -19,6 +19,7 @@ mod cli;
 mod corpus;
 mod damage;
 mod documents;
+mod elsewhere;
 mod errors;
 mod export;
 mod figures;

@@ -11,7 +11,7 @@ use crate::changes;
 use crate::folder::{Contents, DirectoryLock, FAILURE, Folder, SUBMITTED, refuse_others};
 use crate::manifest::{self, FolderKind, Ledger, Planned, Vouched, When};
 use crate::pace::Pace;
-use crate::run::stages;
+use crate::run::{refuse_foreign_names, refuse_other_kinds, stages};
 use bitgrain_sim::below::Below;
 use bitgrain_sim::disk::{self, Kind};
 use bitgrain_sim::error::{Error, Result};
@@ -175,21 +175,20 @@ impl CampaignFolder<'_> {
     /// [`Error::Input`] with the difference.
     pub fn refuse_others(&self, plan: &Plan) -> Result<()> {
         refuse_others(self.0, &CAMPAIGN)?;
-        self.refuse_links(plan)?;
+        self.refuse_other_kinds(plan)?;
         match self.has_begun() {
             true => self.refuse_another(plan, &self.text(plan)),
             false => Ok(()),
         }
     }
 
-    /// Refuses a folder in which a folder of a member or task is a link or something else.
-    fn refuse_links(&self, plan: &Plan) -> Result<()> {
+    /// Refuses a folder in which a link or another kind of thing has a place of a member or task.
+    fn refuse_other_kinds(&self, plan: &Plan) -> Result<()> {
         let below = Below(self.0);
         for member in &plan.members {
             let place = self.member(&member.name);
-            for own in Folder(&place).own_folders(&member.scenario) {
-                below.check_folder(&own)?;
-            }
+            below.check_folder(&place)?;
+            refuse_other_kinds(&Folder(&place), &member.scenario)?;
             for stage in stages(&member.scenario) {
                 below.check_folder(&self.task(&member.name, &stage))?;
             }
@@ -233,7 +232,11 @@ impl CampaignFolder<'_> {
     pub(super) fn claim(&self, plan: &Plan) -> Result<DirectoryLock> {
         let text = self.text(plan);
         let claim = DirectoryLock::take(self.0, &CAMPAIGN, &Self::stages(plan), |ledger| {
-            self.refuse_links(plan)?;
+            self.refuse_other_kinds(plan)?;
+            for member in &plan.members {
+                let place = self.member(&member.name);
+                refuse_foreign_names(&Folder(&place), &member.scenario)?;
+            }
             self.survey(plan, &text, ledger)?;
             for own in [self.table(), self.parquet()] {
                 ledger.refuse_foreign(&own)?;

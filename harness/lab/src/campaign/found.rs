@@ -44,11 +44,12 @@ pub fn wanted(
         let mut own: Vec<Taken> = Vec::new();
         for bed in scenario.all_beds() {
             let mut one = Taken::of(taken, &bed.name);
-            let which = which_bed(scenario, &Folder(&place), bed)?;
-            match poured.iter().find(|(other, _)| *other == which) {
-                Some((_, how)) => one.how = String::clone(how),
-                None if one.is_whole() => poured.push((which, one.how.clone())),
-                None => {}
+            if let Some(which) = which_bed(scenario, &Folder(&place), bed)? {
+                match poured.iter().find(|(other, _)| *other == which) {
+                    Some((_, how)) => one.how = String::clone(how),
+                    None if one.is_whole() => poured.push((which, one.how.clone())),
+                    None => {}
+                }
             }
             own.push(one);
         }
@@ -59,11 +60,22 @@ pub fn wanted(
     Ok(parts)
 }
 
-/// What distinguishes a settled bed from those of other members: its recipe, and its bytes.
-fn which_bed(scenario: &CheckedScenario, folder: &Folder<'_>, bed: &BedPlan) -> Result<String> {
+/// What distinguishes a settled bed from those of other members: its recipe, and its bytes. An imported bed has no
+/// recipe that tells its file: it is executed for each member.
+///
+/// # Errors
+/// [`bitgrain_sim::error::Error::Input`] if the bed cannot be read.
+pub(super) fn which_bed(
+    scenario: &CheckedScenario,
+    folder: &Folder<'_>,
+    bed: &BedPlan,
+) -> Result<Option<String>> {
+    if scenario.source.is_some() {
+        return Ok(None);
+    }
     let bytes = disk::read(&folder.bed(&bed.name))?;
     let recipe = Recipe::new(scenario, bed).digest();
-    Ok(format!("{recipe} {}", blake3::hash(&bytes)))
+    Ok(Some(format!("{recipe} {}", blake3::hash(&bytes))))
 }
 
 /// The links of these stages.
@@ -105,8 +117,9 @@ pub fn execute(
     let members = archives.iter().zip(&manifests).zip(parts).zip(&labels);
     for (((archive, manifest), (_, taken)), label) in members {
         for job in confirm::found(archive, manifest.as_ref(), taken, label)? {
-            if let Some(bed) = job.bed() {
-                let which = which_bed(&archive.scenario, archive.folder, bed)?;
+            if let Some(bed) = job.bed()
+                && let Some(which) = which_bed(&archive.scenario, archive.folder, bed)?
+            {
                 if beds.contains(&which) {
                     continue;
                 }

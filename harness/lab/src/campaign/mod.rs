@@ -5,6 +5,7 @@
 //! every drag: inputs, observables, digest. [`tasks`] are the pieces of it that many processes do. [`written`] reads
 //! back what lies in a campaign's folder.
 
+mod base;
 mod column;
 pub mod columns;
 pub mod folder;

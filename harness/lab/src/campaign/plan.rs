@@ -2,15 +2,14 @@
 
 use std::path::Path;
 
-use toml::{Table, Value};
+use toml::Value;
 
+use super::base::base_table;
 use super::keys::{Axis, Base, Campaign, ParameterGrid};
 use super::rules::{Rule, damping, followers};
 use crate::parse_errors::wrong_toml;
-use crate::scenario::{self, CheckedScenario, DragPlan, IntruderMotion, Scenario};
-use bitgrain_sim::disk;
+use crate::scenario::{self, BedFile, CheckedScenario, DragPlan, IntruderMotion, Scenario};
 use bitgrain_sim::error::{Error, Result};
-use bitgrain_sim::files::read_text;
 
 /// Most members: a guard against typing errors.
 const MEMBERS_MAX: usize = 10_000;
@@ -60,7 +59,21 @@ struct Cell<'a> {
 /// # Errors
 /// [`Error::Input`] with line, grid or key, and what was expected.
 pub fn parse(text: &str, place: &str, sets: &[String], folder: &Path) -> Result<Plan> {
-    plan_of(parse_campaign(text, place)?, place, sets, folder)
+    plan_of(
+        parse_campaign(text, place)?,
+        place,
+        sets,
+        Files::From(folder),
+    )
+}
+
+/// Where the files of imported beds are looked for.
+#[derive(Clone, Copy)]
+pub(super) enum Files<'a> {
+    /// Where the campaign says, from this folder on.
+    From(&'a Path),
+    /// In the members of the campaign's own folder alone.
+    CopiedIn(&'a Path),
 }
 
 /// The keys of a campaign's file, not yet looked at.
@@ -73,13 +86,14 @@ pub(super) fn plan_of(
     mut campaign: Campaign,
     place: &str,
     sets: &[String],
-    folder: &Path,
+    files: Files<'_>,
 ) -> Result<Plan> {
     let plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
     if campaign.name.is_empty() || !campaign.name.chars().all(plain) {
         let problem = "expected letters, digits, `-` and `_`: it names a folder";
         return Err(Error::input(format!("{place}: `name`"), problem));
     }
+    let (Files::From(folder) | Files::CopiedIn(folder)) = files;
     let mut base = base_table(&campaign.base, place, folder)?;
     for set in sets {
         scenario::apply(&mut base, set)?;
@@ -109,7 +123,7 @@ pub(super) fn plan_of(
         base: &toml::to_string(&base).map_err(|e| Error::input(place, e.to_string()))?,
         campaign: &campaign,
         place,
-        folder,
+        files,
     };
     let mut members: Vec<Member> = Vec::new();
     let mut runs = 0;
@@ -139,35 +153,6 @@ fn is_folder_name(name: &str) -> bool {
         && !name.starts_with(['.', ' ', '-'])
         && !name.ends_with(['.', ' '])
         && name.chars().all(plain)
-}
-
-/// The base as a table, whose keys may be incomplete.
-fn base_table(base: &Base, place: &str, folder: &Path) -> Result<Table> {
-    let (text, name) = match base {
-        Base::Written(table) => {
-            let mut table = table.clone();
-            // The campaign and its members must have their own names.
-            table
-                .entry("name")
-                .or_insert_with(|| Value::String("base".into()));
-            return Ok(table);
-        }
-        Base::Named(name) => match scenario::SHIPPED.iter().find(|(key, _)| key == name) {
-            Some((_, text)) => (text.to_string(), name.clone()),
-            None => {
-                let path = folder.join(name);
-                if !disk::is_file(&path) {
-                    let problem = format!(
-                        "is `{name}`: no shipped scenario has that name, and {} is not a file",
-                        path.display()
-                    );
-                    return Err(Error::input(format!("{place}: `base`"), problem));
-                }
-                (read_text(&path)?, path.display().to_string())
-            }
-        },
-    };
-    toml::from_str(&text).map_err(|e| wrong_toml(&name, &text, &e))
 }
 
 /// Refuses what is given twice, or not at all.
@@ -310,13 +295,21 @@ struct Maker<'a> {
     base: &'a str,
     campaign: &'a Campaign,
     place: &'a str,
-    folder: &'a Path,
+    files: Files<'a>,
 }
 
 impl Maker<'_> {
     fn parse(&self, name: &str, sets: &[String]) -> Result<CheckedScenario> {
         let place = format!("{}: member `{name}`", self.place);
-        let member = scenario::parse(self.base, &place, sets, self.folder)?;
+        let run;
+        let from = match self.files {
+            Files::From(folder) => BedFile::From(folder),
+            Files::CopiedIn(folder) => {
+                run = folder.join("members").join(name);
+                BedFile::CopiedIn(&run)
+            }
+        };
+        let member = scenario::parse_from(self.base, &place, sets, from)?;
         if member.intruder.motion != IntruderMotion::Dragged {
             let problem = "expected \"dragged\": a campaign's table is of drags at constant speed";
             let place = format!("{place}: `intruder.motion`");

@@ -230,6 +230,7 @@ impl Under<'_> {
         let ledger = self.ledger_of(job.member);
         let beds = self.scenario(job.member).all_beds();
         let settled = beds.iter().all(|bed| ledger.is_finished(&bed.name));
+        let damaged = ledger.damaged(&format!("runs/{}/", job.plan.name));
         for (path, over) in [
             (self.places[job.member].join(FAILURE), settled),
             (
@@ -246,12 +247,11 @@ impl Under<'_> {
                 continue;
             }
             let failure = serde_json::from_slice::<Failure>(&disk::read(&path)?).ok();
-            if let Some(failure) = failure {
+            if let Some(failure) = failure.filter(|_| damaged.is_empty()) {
                 return Ok(Some(Status::Failed(failure.reason)));
             }
         }
         let path = self.run_folder(job).join("summary.json");
-        let damaged = ledger.damaged(&format!("runs/{}/", job.plan.name));
         // What no manifest vouches for is not trusted.
         if !damaged.is_empty() || !ledger.is_finished(&job.plan.name) || !ledger.vouches(&path) {
             return Ok(None);

@@ -3,9 +3,9 @@
 
 use super::columns::{Row, Status};
 use super::folder::{CampaignFolder, Failure};
+use super::found::which_bed;
 use super::plan::{Member, Plan};
 use super::{parquet, table, written};
-use crate::bed::recipe::Recipe;
 use crate::folder::{FAILURE, Folder};
 use crate::manifest::{FolderKind, Manifest, NAME, Vouched};
 use crate::progress::Progress;
@@ -74,10 +74,10 @@ pub fn verify(
         for mut job in pieces(archive, manifest.as_ref(), scope).unwrap_or_default() {
             job.label = label;
             // Members share beds: one that is byte for byte another's is poured once.
-            if let Some(bed) = job.bed() {
-                let bytes = disk::read(&archive.folder.bed(&bed.name)).unwrap_or_default();
-                let recipe = Recipe::new(&archive.scenario, bed).digest();
-                let which = format!("{recipe} {}", blake3::hash(&bytes));
+            let bed = job.bed();
+            let which = bed.map(|bed| which_bed(&archive.scenario, archive.folder, bed));
+            // One that cannot be read is told when it is executed.
+            if let Some(Ok(Some(which))) = which {
                 if poured.contains(&which) {
                     let problem = beside_twin(&job).map(|problem| format!("{label}{problem}"));
                     problems.tell(problem, &mut say)?;

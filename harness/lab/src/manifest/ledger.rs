@@ -32,6 +32,8 @@ struct Known {
     listed: BTreeSet<String>,
     /// What lies on the disk.
     saved: Option<String>,
+    /// Whether there was a manifest that is lost.
+    lost: bool,
 }
 
 impl Known {
@@ -74,11 +76,10 @@ impl Ledger {
             sound: BTreeSet::new(),
             listed: BTreeSet::new(),
             saved: old.as_ref().map(Manifest::text),
+            lost: damage.is_some(),
         };
-        known.manifest.adopts = damage.is_some();
         if let Some(old) = old {
             let manifest = &mut known.manifest;
-            manifest.adopts = old.adopts;
             for stage in &mut manifest.stages {
                 let before = old.stages.iter().find(|one| one.name == stage.name);
                 *stage = before.unwrap_or(stage).clone();
@@ -117,25 +118,21 @@ impl Ledger {
     }
 
     /// Refuses a file of others in the place of one that will be written: something lies there, and the manifest has no
-    /// entry of it. If the manifest was lost, what lies in its folder counts as written here.
+    /// entry of it. If the manifest was lost, what lies there counts as written here, and as damaged.
     ///
     /// # Errors
     /// [`Error::Input`], also if it is no regular file or is reached through a link.
     pub fn refuse_foreign(&self, path: &Path) -> Result<()> {
         Below(&self.root).check_file(path)?;
-        let known = self.known();
-        if known.manifest.adopts
-            || known.entries.contains_key(&self.name(path))
-            || !disk::is_there(path)
-        {
+        let (mut known, name) = (self.known(), self.name(path));
+        if known.entries.contains_key(&name) || !disk::is_there(path) {
             return Ok(());
         }
-        let problem = format!(
-            "has the name of a file of the {}, and {NAME} has no entry of it: it is not replaced; move it away, or \
-             choose another folder",
-            known.manifest.of.word()
-        );
-        Err(Error::input(path.display().to_string(), problem))
+        if known.lost {
+            known.entries.insert(name.clone(), FileRecord::lost(&name));
+            return Ok(());
+        }
+        Err(known.manifest.foreign(path))
     }
 
     /// Whether there is an entry of a file, in whatever state it is.
@@ -200,7 +197,7 @@ impl Ledger {
         });
         for (path, _, entry) in &open {
             match known.entries.get(&entry.path) {
-                Some(before) if before != entry && !may_change(&entry.path) => {
+                Some(before) if before.was_another(entry) && !may_change(&entry.path) => {
                     let problem = format!(
                         "{}, made again, does not match its entry in {NAME}",
                         path.display()
@@ -291,7 +288,6 @@ impl Ledger {
     pub fn finish(&self) -> Result<String> {
         let mut known = self.known();
         known.manifest.finished = known.manifest.stages.iter().all(|stage| stage.finished);
-        known.manifest.adopts &= !known.manifest.finished;
         drop(self.save_known(known)?);
         Ok(self.closing())
     }
@@ -369,18 +365,24 @@ mod tests {
     }
 
     #[test]
-    fn where_the_manifest_was_lost_files_count_as_ours_until_all_is_finished() {
+    fn where_the_manifest_was_lost_files_count_as_ours_and_damaged() {
         let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("beds/a");
-        open(folder.path()).write(&path, b"1").unwrap();
+        let [path, other] = ["beds/a", "beds/b"].map(|name| folder.path().join(name));
+        open(folder.path())
+            .write_all(&[(&path, b"1"), (&other, b"2")])
+            .unwrap();
         std::fs::remove_file(folder.path().join(NAME)).unwrap();
-        open(folder.path()).save().unwrap();
-        // Killed before it wrote the file again, and begun once more.
+        let ledger = open(folder.path());
+        for path in [&path, &other] {
+            ledger.refuse_foreign(path).unwrap();
+        }
+        ledger.save().unwrap();
+        // Killed before it wrote the files again, and begun once more.
         let ledger = open(folder.path());
         ledger.refuse_foreign(&path).unwrap();
+        assert_eq!(ledger.damaged("beds/"), ["beds/a", "beds/b"]);
         ledger.write(&path, b"1").unwrap();
-        ledger.finish_stage("bed", "ab").unwrap();
-        ledger.finish().unwrap();
-        assert!(!Manifest::of(folder.path()).unwrap().unwrap().adopts);
+        ledger.remove(&other).unwrap();
+        assert!(ledger.vouches(&path) && !other.exists());
     }
 }

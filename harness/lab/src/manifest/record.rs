@@ -75,10 +75,6 @@ pub struct Manifest {
     pub of: FolderKind,
     /// Whether all of it is finished.
     pub finished: bool,
-    /// Whether an earlier manifest was lost, and it is not finished since: files that have no entry count as written
-    /// here.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub adopts: bool,
     /// Its stages, in the order in which they are run.
     pub stages: Vec<StageRecord>,
     /// Its files, by path.
@@ -104,6 +100,20 @@ impl FileRecord {
             bytes: bytes.len() as u64,
             blake3: hex(blake3::hash(bytes).as_bytes()),
         }
+    }
+
+    /// The entry of a file that was written here, nobody knows with what bytes: the manifest that had it is lost.
+    pub(super) fn lost(path: &str) -> Self {
+        Self {
+            path: path.to_string(),
+            bytes: 0,
+            blake3: String::new(),
+        }
+    }
+
+    /// Whether it is known to have been written with other bytes than those of this entry.
+    pub(super) fn was_another(&self, entry: &Self) -> bool {
+        self != entry && !self.blake3.is_empty()
     }
 
     /// Whether these are the bytes of the file.
@@ -162,7 +172,6 @@ impl Manifest {
             bits_version: BITS_VERSION,
             of,
             finished: false,
-            adopts: false,
             stages: stages.iter().map(stage).collect(),
             files: Vec::new(),
             closing: String::new(),
@@ -244,6 +253,16 @@ impl Manifest {
         let bytes = disk::read(&path)?;
         let text = std::str::from_utf8(&bytes).map_err(|e| damaged(e.to_string()))?;
         Self::parse(text).map(Some).map_err(damaged)
+    }
+
+    /// What is told of a file that has the name of a result and no entry.
+    pub(crate) fn foreign(&self, path: &Path) -> Error {
+        let problem = format!(
+            "has the name of a file of the {}, and {NAME} has no entry of it: it is not replaced; move it away, or \
+             choose another folder",
+            self.of.word()
+        );
+        Error::input(path.display().to_string(), problem)
     }
 
     /// The entry of a file.

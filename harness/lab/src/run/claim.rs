@@ -1,15 +1,15 @@
 //! A run directory that this process owns: its content is compared with the scenario before anything is
 //! written.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::files::{names, stages};
 use crate::bed::PouringState;
 use crate::bed::recipe::Recipe;
 use crate::changes;
 use crate::drag::Dragging;
-use crate::folder::{DirectoryLock, Folder, RUN, at_work};
-use crate::manifest::{Ledger, When};
+use crate::folder::{DirectoryLock, Folder, RUN, at_work, refuse_others};
+use crate::manifest::{Ledger, Manifest, When, relative};
 use crate::scenario::{BedPlan, CheckedScenario, Scenario};
 use crate::summary::{DragRecord, Summary};
 use bitgrain_sim::below::Below;
@@ -65,11 +65,10 @@ pub(crate) fn try_claim(
 
 /// Refuses a folder in which anything is of another scenario, or something of others has a place of this one.
 fn survey(folder: &Folder<'_>, scenario: &CheckedScenario, ledger: &Ledger) -> Result<()> {
-    for own in folder.own_folders(scenario) {
-        Below(folder.0).check_folder(&own)?;
-    }
+    refuse_other_kinds(folder, scenario)?;
     refuse_other_scenario(folder, scenario, ledger)?;
-    let each = Looking { ledger };
+    let below = Below(folder.0);
+    let each = Looking { below, ledger };
     for plan in scenario.all_beds() {
         let begins = match &scenario.bed.hash {
             Some(hash) if scenario.source.is_some() => Some(chain::beginning(hash)),
@@ -95,15 +94,55 @@ fn survey(folder: &Folder<'_>, scenario: &CheckedScenario, ledger: &Ledger) -> R
         )?;
     }
     each.summary::<Summary<Scenario>>(&folder.summary(), |whole| whole.inputs == *inputs)?;
-    for (name, when) in names(scenario) {
-        let path = folder.0.join(name);
-        // The scenario's own text was looked at; so was an imported bed, if it was taken from here.
-        let known = path == folder.scenario() || scenario.source.as_ref() == Some(&path);
-        if when != When::Beside && !known {
-            ledger.refuse_foreign(&path)?;
-        }
+    for path in result_places(folder, scenario) {
+        ledger.refuse_foreign(&path)?;
     }
     Ok(())
+}
+
+/// Paths of all results that a run may write, but for its scenario and for an imported bed that was taken from here.
+fn result_places(folder: &Folder<'_>, scenario: &CheckedScenario) -> Vec<PathBuf> {
+    let results = names(scenario).into_iter();
+    let results = results.filter(|(_, when)| *when != When::Beside);
+    let places = results.map(|(name, _)| folder.0.join(name));
+    let known =
+        |path: &PathBuf| *path == folder.scenario() || scenario.source.as_ref() == Some(path);
+    places.filter(|path| !known(path)).collect()
+}
+
+/// Refuses a folder of a run in which a link or another kind of thing has a place of this scenario.
+///
+/// # Errors
+/// [`Error::Input`].
+pub(crate) fn refuse_other_kinds(folder: &Folder<'_>, scenario: &CheckedScenario) -> Result<()> {
+    let below = Below(folder.0);
+    for own in folder.own_folders(scenario) {
+        below.check_folder(&own)?;
+    }
+    for name in names(scenario).keys() {
+        below.check_file(&folder.0.join(name))?;
+    }
+    Ok(())
+}
+
+/// The same, and where a file of others has the name of a result. Only names are looked at, and nothing is written: for
+/// a campaign that no other process owns, before it writes into any of its members.
+///
+/// # Errors
+/// [`Error::Input`].
+pub(crate) fn refuse_foreign_names(folder: &Folder<'_>, scenario: &CheckedScenario) -> Result<()> {
+    refuse_others(folder.0, &RUN)?;
+    refuse_other_kinds(folder, scenario)?;
+    let Ok(Some(manifest)) = Manifest::of(folder.0) else {
+        return Ok(());
+    };
+    let listed = |path: &Path| {
+        let name = relative(folder.0, path);
+        name.is_some_and(|name| manifest.entry(&name).is_some())
+    };
+    let mut places = result_places(folder, scenario).into_iter();
+    let foreign = places.find(|path| disk::is_there(path) && !listed(path));
+    foreign.map_or(Ok(()), |path| Err(manifest.foreign(&path)))
 }
 
 /// Whether a state is one of this bed: by its recipe, or by the file it was imported from.
@@ -165,6 +204,7 @@ fn same_scenario(folder: &Folder<'_>, text: &str, scenario: &CheckedScenario) ->
 
 /// Checks the files that the manifest does not vouch for.
 struct Looking<'a> {
+    below: Below<'a>,
     ledger: &'a Ledger,
 }
 
@@ -174,6 +214,7 @@ impl Looking<'_> {
         if self.ledger.vouches(path) {
             return Ok(None);
         }
+        self.below.check_file(path)?;
         disk::read_if_there(path)
     }
 

@@ -83,11 +83,15 @@ pub(super) fn drag_one(
             scenario.measure.columns(plan.release),
             &dragging.record.series,
         );
-        // For inspection and bisection; the error to report is why the drag stopped.
-        let _ = ledger.write(&folder.partial_series(&plan.name), text.as_bytes());
-        let chain = dragging.chain.text();
-        let _ = ledger.write(&folder.chain(&plan.name), chain.as_bytes());
-        let _ = ledger.save();
+        let left = [
+            (folder.partial_series(&plan.name), text),
+            (folder.chain(&plan.name), dragging.chain.text()),
+        ];
+        let written = ledger.write_all(&left).and_then(|()| ledger.save());
+        if error.is_physical() {
+            // They belong to the failure, which is not one of the drag if they cannot be kept.
+            written?;
+        }
         if matches!(error, Error::Interrupted { .. }) {
             files
                 .saver
@@ -109,6 +113,10 @@ pub(super) fn drag_one(
         .collect();
     ledger.write_all(&tables)?;
     ledger.remove(&folder.partial_series(&plan.name))?;
+    // What was not made again is no file of a finished drag: frames that are not wanted, an old failure.
+    for file in ledger.damaged(&format!("runs/{}/", plan.name)) {
+        ledger.remove(&folder.0.join(file))?;
+    }
     ledger.finish_stage(&plan.name, &summary.chain)?;
     files.saver.clear();
     told::report(scenario, &summary, how, performance.seconds, progress);

@@ -17,7 +17,7 @@ mod told;
 use crate::json::json_text;
 pub use beds::{begin_bed, data_file, surveyed};
 pub use claim::claim;
-pub(crate) use claim::try_claim;
+pub(crate) use claim::{refuse_foreign_names, refuse_other_kinds, try_claim};
 pub use drags::{begin, read, record, results};
 pub(crate) use files::LOAD;
 pub use files::{names, planned, stages};

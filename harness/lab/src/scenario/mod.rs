@@ -30,6 +30,7 @@ use crate::parse_errors::{teach, wrong_toml};
 use bitgrain_sim::disk;
 use bitgrain_sim::error::{Error, Result};
 use keys::kumar_law;
+pub(crate) use source::BedFile;
 
 /// Names and texts of the scenarios that ship with the program.
 pub const SHIPPED: [(&str, &str); 16] = [
@@ -147,12 +148,6 @@ fn unknown_name(name: &str) -> Error {
 /// # Errors
 /// As [`load`].
 pub fn parse(text: &str, place: &str, sets: &[String], folder: &Path) -> Result<CheckedScenario> {
-    let from_file = |e: toml::de::Error| wrong_toml(place, text, &e);
-    let alone = toml::from_str::<Scenario>(text);
-    let mut table: toml::Table = toml::from_str(text).map_err(from_file)?;
-    for set in sets {
-        apply(&mut table, set)?;
-    }
     // A file named on the command line lies where the command was given.
     let key = |set: &String| {
         set.split('=')
@@ -161,7 +156,23 @@ pub fn parse(text: &str, place: &str, sets: &[String], folder: &Path) -> Result<
     };
     let named = sets.iter().any(key);
     let folder = if named { Path::new("") } else { folder };
-    let source = source::fill_in(&mut table, place, folder)?;
+    parse_from(text, place, sets, BedFile::From(folder))
+}
+
+/// The same; `from` is where a bed's file is looked for, whoever names it.
+pub(crate) fn parse_from(
+    text: &str,
+    place: &str,
+    sets: &[String],
+    from: BedFile<'_>,
+) -> Result<CheckedScenario> {
+    let from_file = |e: toml::de::Error| wrong_toml(place, text, &e);
+    let alone = toml::from_str::<Scenario>(text);
+    let mut table: toml::Table = toml::from_str(text).map_err(from_file)?;
+    for set in sets {
+        apply(&mut table, set)?;
+    }
+    let source = source::fill_in(&mut table, place, from)?;
     refuse_reduced_defaults(&table, place)?;
     let mut scenario = if sets.is_empty() && source.is_none() {
         alone.map_err(from_file)?

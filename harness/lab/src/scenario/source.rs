@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use toml::{Table, Value};
 
+use bitgrain_sim::below::Below;
 use bitgrain_sim::disk;
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::export::OBSTACLE_TYPE as INTRUDER_TYPE;
@@ -15,16 +16,52 @@ use bitgrain_sim::simulation::hex;
 /// the same: programs that store a mass give a density back with its last digits changed.
 pub(crate) const SAME: f64 = 1e-9;
 
+/// Where the file of an imported bed is looked for.
+#[derive(Clone, Copy)]
+pub(crate) enum BedFile<'a> {
+    /// Where `bed.file` says, from this folder on.
+    From(&'a Path),
+    /// Nowhere but below this folder of a run, which has a copy of that name in `beds/imported`.
+    CopiedIn(&'a Path),
+}
+
+impl BedFile<'_> {
+    /// The path of a file that a scenario names.
+    fn path(self, file: &str) -> Result<PathBuf> {
+        match self {
+            BedFile::From(folder) => Ok(folder.join(file)),
+            BedFile::CopiedIn(run) => {
+                let name = Path::new(file).file_name().unwrap_or_default();
+                let path = run.join("beds/imported").join(name);
+                Below(run).check_file(&path)?;
+                Ok(path)
+            }
+        }
+    }
+}
+
 /// If `bed.file` names a file, fills in the keys that the file knows and the scenario leaves out,
 /// and refuses those that it contradicts. Returns where the file is.
 ///
 /// # Errors
 /// [`Error::Input`] if the file cannot be read, is not a bed, or is not what the scenario says.
-pub(super) fn fill_in(table: &mut Table, place: &str, folder: &Path) -> Result<Option<PathBuf>> {
+pub(super) fn fill_in(
+    table: &mut Table,
+    place: &str,
+    from: BedFile<'_>,
+) -> Result<Option<PathBuf>> {
     let Some(Value::String(file)) = table.get("bed").and_then(|bed| bed.get("file")) else {
         return Ok(None);
     };
-    let path = folder.join(file);
+    let path = from.path(file)?;
+    if matches!(from, BedFile::CopiedIn(_)) && !disk::is_there(&path) {
+        let problem = format!(
+            "{} is not there: of the file that a scenario names the folder of its run has a copy, and no other is \
+             read; the command that began the run makes it",
+            path.display()
+        );
+        return Err(Error::input(format!("{place}: `bed.file`"), problem));
+    }
     if !disk::is_file(&path) {
         let problem = format!(
             "{} does not exist or is not a file; paths are relative to the folder of the \

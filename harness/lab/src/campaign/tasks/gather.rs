@@ -119,7 +119,12 @@ fn discard(
     let place = folder.task(&member.name, stage);
     let below = Below(folder.0);
     let (own, scenario) = (Folder(&place), &member.scenario);
-    if let Ok(Some(manifest)) = Manifest::of(&place) {
+    let text = own.scenario_text(scenario);
+    let is_own = |manifest: &Manifest| {
+        let marker = manifest.entry(RUN.marker);
+        marker.is_some_and(|entry| entry.is_of(text.as_bytes()))
+    };
+    if let Some(manifest) = Manifest::of(&place).ok().flatten().filter(is_own) {
         let listed = manifest.files.iter().map(|entry| place.join(&entry.path));
         let beds = scenario.all_beds().into_iter();
         let states = beds.map(|bed| own.pouring(&bed.name));
