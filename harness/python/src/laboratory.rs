@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
-use bitgrain::against;
 use bitgrain::bed::library::BedCache;
 use bitgrain::campaign;
 use bitgrain::campaign::folder::CampaignFolder;
@@ -120,7 +119,7 @@ pub fn run(
         if let Some(done) = done.as_ref().filter(|_| !expect.is_empty()) {
             let quiet = |_: &str| Ok(());
             confirm::execute_found(&out, &done.executed, threads, progress, quiet)?;
-            against::check_expected(&out, &expect)?;
+            confirm::check_expected(&out, &expect)?;
         }
         let executed = done
             .as_ref()
