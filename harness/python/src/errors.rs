@@ -63,7 +63,7 @@ pub fn stale() -> PyErr {
 pub fn laboratory(error: &Error) -> PyErr {
     let mut attributes = json!({});
     let class = match error {
-        Error::Input { place, problem } | Error::Unfit { place, problem } => {
+        Error::Input { place, problem } => {
             attributes = json!({ "place": place, "problem": problem });
             "InputError"
         }
@@ -92,6 +92,10 @@ pub fn laboratory(error: &Error) -> PyErr {
         } => {
             attributes = json!({ "bed": bed, "step": step, "energy": energy, "bound": bound, "carried": carried });
             "Unsettled"
+        }
+        Error::Unfit { place, problem } => {
+            attributes = json!({ "place": place, "problem": problem });
+            "Unfit"
         }
         Error::Unverified { problem, .. } => {
             attributes = json!({ "problem": problem });

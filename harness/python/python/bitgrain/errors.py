@@ -54,6 +54,7 @@ __all__ = [
     "BadManifest",
     "RunFailed",
     "Unsettled",
+    "Unfit",
     "Unverified",
     "MembersFailed",
     "Parted",
@@ -332,6 +333,13 @@ class Unsettled(LaboratoryError):
     energy: float
     bound: float
     carried: float
+
+
+class Unfit(LaboratoryError):
+    """A settled bed does not allow what the scenario asks for, which only pouring it shows."""
+
+    place: str
+    problem: str
 
 
 class Unverified(LaboratoryError):
