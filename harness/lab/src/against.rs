@@ -392,6 +392,8 @@ fn report(
     progress: &Progress,
     say: &mut impl FnMut(&str) -> Result<()>,
 ) -> Result<()> {
+    // The state is named before it is there: one that nothing names is not ours.
+    difference.state = Some(STATE.into());
     let path = write(out, &difference)?;
     let Difference { stage, differ, .. } = &difference;
     let equal = difference
@@ -419,9 +421,6 @@ fn report(
     }
     say(&format!("written to {}", path.display()))?;
     let mut replay = difference.replay.clone();
-    // The state is named before it is there: one that nothing names is not ours.
-    difference.state = Some(STATE.into());
-    write(out, &difference)?;
     let saved = save_state(out, &difference, progress);
     if !matches!(saved, Ok(true)) {
         difference.state = None;

@@ -113,16 +113,14 @@ impl BedCache {
     ///
     /// # Errors
     /// [`Error::Write`] if nothing can be written; [`Error::Input`] if something of others has the place of a bed.
-    pub fn prepare<'a>(&self, recipes: impl IntoIterator<Item = &'a Recipe>) -> Result<()> {
-        let mut any = false;
-        for recipe in recipes {
-            self.check_place(recipe)?;
-            any = true;
+    pub fn prepare(&self, recipes: &[Recipe]) -> Result<()> {
+        if recipes.is_empty() {
+            return Ok(());
         }
-        match any {
-            true => disk::check_writable(&self.folder),
-            false => Ok(()),
-        }
+        recipes
+            .iter()
+            .try_for_each(|recipe| self.check_place(recipe))?;
+        disk::check_writable(&self.folder)
     }
 
     /// Refuses a link or another kind of thing in the place of a bed's file, and a file there that is none of a bed.

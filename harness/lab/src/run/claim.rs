@@ -125,14 +125,13 @@ pub(crate) fn refuse_other_kinds(folder: &Folder<'_>, scenario: &CheckedScenario
     Ok(())
 }
 
-/// The same, and where a file of others has the name of a result. Only names are looked at, and nothing is written: for
-/// a campaign that no other process owns, before it writes into any of its members.
+/// Refuses a folder of a run, whose kinds were looked at, in which a file of others has the name of a result. Only
+/// names are read, and nothing is written: for a campaign, before it writes into any of its members.
 ///
 /// # Errors
 /// [`Error::Input`].
 pub(crate) fn refuse_foreign_names(folder: &Folder<'_>, scenario: &CheckedScenario) -> Result<()> {
     refuse_others(folder.0, &RUN)?;
-    refuse_other_kinds(folder, scenario)?;
     let Ok(Some(manifest)) = Manifest::of(folder.0) else {
         return Ok(());
     };

@@ -236,7 +236,7 @@ impl Worker<'_> {
         if let Some(made) = before() {
             return Ok(Some(made));
         }
-        self.library.prepare([recipe])?;
+        self.library.prepare(std::slice::from_ref(recipe))?;
         claim.ledger.remove(&place.join(FAILURE))?;
         let (own, progress) = (Folder(&place), self.progress.labelled(&owner.name));
         let setting = self.setting(owner, &own, &progress);
