@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::manifest;
+use crate::manifest::{self, Manifest};
 use bitgrain_sim::disk;
 use bitgrain_sim::error::{Error, Result};
 
@@ -45,4 +45,31 @@ pub fn refuse_foreign(path: &Path) -> Result<()> {
 pub fn write_beside(path: &Path, bytes: &[u8]) -> Result<()> {
     refuse_foreign(path)?;
     disk::write_whole(path, bytes)
+}
+
+/// Refuses a file that the user names for output if it is a result: one that the manifest of a folder above it lists,
+/// or that manifest. What else lies there is the user's to replace.
+///
+/// # Errors
+/// [`Error::Input`].
+pub fn refuse_result(path: &Path) -> Result<()> {
+    let parent = path.parent().filter(|parent| *parent != Path::new(""));
+    let parent = parent.unwrap_or(Path::new(".")).canonicalize();
+    let (Ok(parent), Some(name)) = (parent, path.file_name()) else {
+        return Ok(());
+    };
+    let full = parent.join(name);
+    for above in full.ancestors().skip(1) {
+        let name = manifest::relative(above, &full).unwrap_or_default();
+        let Ok(Some(manifest)) = Manifest::of(above) else {
+            continue;
+        };
+        if name == manifest::NAME || manifest.entry(&name).is_some() {
+            let folder = above.display();
+            let problem =
+                format!("is a result, which the manifest in {folder} lists: name another file");
+            return Err(Error::input(path.display().to_string(), problem));
+        }
+    }
+    Ok(())
 }

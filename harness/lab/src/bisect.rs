@@ -172,10 +172,16 @@ pub(crate) fn chain_of(root: &Path, stage: &str) -> Result<Option<Chain>> {
         let name = manifest::relative(root, path)?;
         manifest.as_ref()?.entry(&name).cloned()
     };
-    let found = paths.iter().find(|path| listed(path).is_some());
-    let found = found.or_else(|| paths.iter().find(|path| disk::is_there(path)));
-    let Some(path) = found else {
-        return Ok(None);
+    let there = paths
+        .iter()
+        .filter(|path| disk::is_there(path) || listed(path).is_some());
+    let path = match &there.collect::<Vec<_>>()[..] {
+        [] => return Ok(None),
+        [path] => *path,
+        [one, other, ..] => {
+            let problem = format!("is beside {}: a stage has one chain", other.display());
+            return Err(Error::input(one.display().to_string(), problem));
+        }
     };
     let text = match listed(&path) {
         Some(entry) => {
@@ -188,7 +194,17 @@ pub(crate) fn chain_of(root: &Path, stage: &str) -> Result<Option<Chain>> {
         }
         None => read_text(path)?,
     };
-    Chain::parse(&text, &path.display().to_string()).map(Some)
+    let place = path.display().to_string();
+    let chain = Chain::parse(&text, &place)?;
+    let ends = manifest.as_ref().and_then(|own| own.link(stage));
+    if ends.is_some_and(|link| link != chain.end()) {
+        let problem = format!(
+            "does not end with the link that {} has of {stage}",
+            manifest::NAME
+        );
+        return Err(Error::input(place, problem));
+    }
+    Ok(Some(chain))
 }
 
 /// Links of two chains at equal steps.

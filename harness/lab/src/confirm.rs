@@ -4,10 +4,11 @@ use std::path::Path;
 
 use crate::bisect::chain_of;
 use crate::folder::Folder;
-use crate::manifest::Manifest;
+use crate::manifest::audit::audit;
+use crate::manifest::{Manifest, NAME};
 use crate::progress::Progress;
 use crate::rerun::RunArchive;
-use crate::run::{Links, Taken};
+use crate::run::{Links, Taken, planned};
 use crate::verify::{Job, Scope, execute, pieces};
 use bitgrain_sim::error::{CHANGED, Error, Result, UNEXPECTED};
 
@@ -28,6 +29,37 @@ pub fn check_expected(out: &Path, expect: &[String]) -> Result<()> {
             hint: UNEXPECTED,
         }),
     }
+}
+
+/// Refuses a folder in which something lies that a run of its scenario does not write, as a manifest that was found may
+/// have it.
+///
+/// # Errors
+/// [`Error::Unverified`], after each finding was a line of `say`.
+pub fn check_folder(root: &Path, say: &mut impl FnMut(&str) -> Result<()>) -> Result<()> {
+    let planned = planned(&Folder(root).saved_scenario()?);
+    let Some(manifest) = Manifest::of(root)? else {
+        return Ok(());
+    };
+    let wrong = audit(root, &manifest, &planned)?.wrong;
+    for line in &wrong {
+        say(line)?;
+    }
+    match wrong.len() {
+        0 => Ok(()),
+        count => Err(Error::Unverified {
+            problem: format!(
+                "{}: its folder differs from {NAME} in {count} places",
+                root.display()
+            ),
+            hint: CHANGED,
+        }),
+    }
+}
+
+/// Whether a call executed all of these stages from the beginning.
+pub fn is_whole(taken: &[Taken]) -> bool {
+    taken.iter().all(Taken::is_whole)
 }
 
 /// The links of the run in a folder, by what the call did for its stages.

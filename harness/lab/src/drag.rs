@@ -354,7 +354,8 @@ impl Dragging {
             read.fields = Some(whole.ok_or("holds other sums of fields than its grid has")?);
         }
         read.frames.clone_from(&note.frames);
-        if read.chain.end() == note.link && read.record.angles.is_whole() {
+        let whole = read.chain.is_whole_at(read.step) && read.record.angles.is_whole();
+        if read.chain.end() == note.link && whole {
             Ok(read)
         } else {
             Err("does not hold the drag that its chain of digests is of".into())

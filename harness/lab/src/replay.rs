@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use bitgrain_kernel::{ContactForce, Partner, vec3};
 use serde::{Deserialize, Serialize};
 
+use crate::beside::refuse_result;
 use crate::case;
 use crate::folder::Folder;
 use crate::progress::Progress;
@@ -173,6 +174,7 @@ pub fn replay_run(
     out: &mut impl Write,
 ) -> Result<()> {
     let past = RunArchive::open(folder)?;
+    stretch.save.as_deref().map_or(Ok(()), refuse_result)?;
     what.vtk.as_deref().map_or(Ok(()), make_vtk_folder)?;
     let part = past.part(&stretch.stage)?;
     let past_all = || Error::input(&stretch.stage, "does not have so many steps");

@@ -109,7 +109,8 @@ impl<'a> RunArchive<'a> {
         if step == 0 {
             return run::begin(drag);
         }
-        run::read(drag, &self.folder.checkpoint(&drag.plan.name, step))
+        let path = self.folder.checkpoint(&drag.plan.name, step);
+        run::read(drag, &path, Some(step))
     }
 
     /// The last step at or before this one at which the state of a drag was kept.

@@ -117,7 +117,8 @@ pub fn run(
             progress,
         })?;
         if let Some(done) = done.as_ref().filter(|_| !expect.is_empty()) {
-            let quiet = |_: &str| Ok(());
+            let mut quiet = |_: &str| Ok(());
+            confirm::check_folder(&out, &mut quiet)?;
             confirm::execute_found(&out, &done.executed, threads, progress, quiet)?;
             confirm::check_expected(&out, &expect)?;
         }

@@ -123,6 +123,18 @@ impl Chain {
         self.links.last()
     }
 
+    /// Whether it is that of a stage which begins with step 0 and has come to this step: every link follows from the
+    /// one before, none that is due is missing, and none lies ahead.
+    pub fn is_whole_at(&self, step: u64) -> bool {
+        let follows = Self::parse(&self.text(), "").is_ok_and(|read| read.links == self.links);
+        let (last, ahead) = match self.links.split_last() {
+            Some((last, before)) if !last.step.is_multiple_of(self.every) => (last.step, before),
+            _ => (step, &self.links[..]),
+        };
+        let due = (0..).map(|k| k * self.every).take_while(|due| *due <= step);
+        follows && last == step && due.eq(ahead.iter().map(|link| link.step))
+    }
+
     /// The file: a comment with what the chain begins with, the column names, the links.
     pub fn text(&self) -> String {
         let mut out = format!("{BEGINS}{}; {}\n{}\n", self.begins, bits(), columns());
@@ -192,6 +204,39 @@ mod tests {
             obstacles: part(5),
             whole: part(6),
         }
+    }
+
+    /// Links that follow are not enough: none may be missing, and none may lie ahead of the state.
+    #[test]
+    fn a_whole_chain_has_every_link_that_is_due() {
+        let of = |steps: &[u64]| {
+            let mut chain = Chain::new(beginning("a recipe"), 100);
+            for step in steps {
+                chain.add(*step, &digest(*step as u8));
+            }
+            chain
+        };
+        for (steps, at) in [
+            (&[0, 100][..], 100),
+            (&[0, 100], 199),
+            (&[0, 100, 150], 150),
+            (&[0], 0),
+        ] {
+            assert!(of(steps).is_whole_at(at), "{steps:?} at {at}");
+        }
+        let wrong = [
+            (&[0, 100][..], 99),
+            (&[0, 100], 200),
+            (&[0, 200], 200),
+            (&[], 0),
+            (&[0, 150], 199),
+        ];
+        for (steps, at) in wrong {
+            assert!(!of(steps).is_whole_at(at), "{steps:?} at {at}");
+        }
+        let mut changed = of(&[0, 100]);
+        changed.links[0].parts[0].replace_range(..1, "x");
+        assert!(!changed.is_whole_at(100));
     }
 
     fn chain() -> Chain {

@@ -54,8 +54,10 @@ pub enum Kind {
     Folder,
     /// A symbolic link.
     Link,
-    /// A pipe, device or socket, or nothing that can be looked at.
+    /// A pipe, device or socket.
     Other,
+    /// What cannot be looked at, for want of a permission or because its disk fails.
+    Hidden,
 }
 
 impl Kind {
@@ -79,6 +81,7 @@ impl Kind {
             Kind::Folder => "a folder",
             Kind::Link => "a symbolic link",
             Kind::Other => "a pipe, device or socket",
+            Kind::Hidden => "something that cannot be looked at: see that you may enter its folder",
         }
     }
 }
@@ -88,7 +91,7 @@ pub fn kind(path: &Path) -> Option<Kind> {
     match std::fs::symlink_metadata(path) {
         Ok(data) => Some(Kind::of(&data)),
         Err(e) if missing(&e) => None,
-        Err(_) => Some(Kind::Other),
+        Err(_) => Some(Kind::Hidden),
     }
 }
 
@@ -216,7 +219,7 @@ pub fn list(folder: &Path) -> Result<Vec<(String, Kind)>> {
     for item in items {
         let item = item.map_err(|e| Error::read(folder, &e))?;
         let name = item.file_name().to_string_lossy().into_owned();
-        names.push((name, kind(&item.path()).unwrap_or(Kind::Other)));
+        names.push((name, kind(&item.path()).unwrap_or(Kind::Hidden)));
     }
     names.sort();
     Ok(names)

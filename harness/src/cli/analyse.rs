@@ -11,7 +11,7 @@ use bitgrain_analysis::claims::evidence::{Evidence, record_direct};
 use bitgrain_analysis::claims::means;
 use bitgrain_analysis::claims::{lines, table};
 use bitgrain_analysis::report::campaign_page;
-use bitgrain_lab::beside::{refuse_foreign, write_beside};
+use bitgrain_lab::beside::{refuse_foreign, refuse_result, write_beside};
 use bitgrain_lab::campaign::folder::CampaignFolder;
 use bitgrain_sim::disk::{is_folder, write_whole};
 use bitgrain_sim::error::Result;
@@ -51,6 +51,9 @@ pub(super) struct Claims {
 
 /// Runs `bitgrain analyse`.
 pub(super) fn run(what: Analyse) -> Result<()> {
+    for named in what.out.iter().chain(&what.report) {
+        refuse_result(named)?;
+    }
     let evidence = Evidence::read(&what.from, what.plugs)?;
     print(&describe(&evidence.analysis))?;
     if let Some(summary) = &evidence.summary {

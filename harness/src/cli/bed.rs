@@ -170,21 +170,24 @@ fn remove(library: &BedCache, names: &[String], all: bool) -> Result<String> {
     beds.sort_by(|a, b| a.name.cmp(&b.name));
     beds.dedup_by(|a, b| a.name == b.name);
     let mut out = String::new();
+    let (mut count, mut all) = (0, 0);
     for bed in &beds {
-        let stays = match library.remove(bed)? {
-            true => "",
-            false => "; its folder holds other files and stays",
+        let (freed, gone) = library.remove(bed)?;
+        let done = freed.map_or("nothing of".into(), |freed| {
+            count += 1;
+            all += freed;
+            format!("{} of", bytes(freed as f64))
+        });
+        let stays = if gone {
+            ""
+        } else {
+            "; its folder holds other files and stays"
         };
-        let _ = writeln!(out, "removed {}, {}{stays}", bed.name, disk(bed));
+        let _ = writeln!(out, "removed {done} {}{stays}", bed.name);
     }
-    let freed: u64 = beds.iter().map(|bed| bed.bytes).sum();
-    let _ = writeln!(
-        out,
-        "{} bed(s) removed from {}, {}",
-        beds.len(),
-        library.folder().display(),
-        bytes(freed as f64)
-    );
+    let folder = library.folder().display();
+    let all = bytes(all as f64);
+    let _ = writeln!(out, "{count} bed(s) removed from {folder}, {all}");
     Ok(out)
 }
 

@@ -163,13 +163,14 @@ pub(super) fn run_scenario(run: Run, home: &Path, this: &Path, program: &str) ->
     if against.is_none() && run.expect.is_empty() {
         return Ok(());
     }
-    let say = |line: &str| print(&format!("{line}\n"));
+    let mut say = |line: &str| print(&format!("{line}\n"));
+    confirm::check_folder(&out, &mut say)?;
     if let Some(against) = &against {
         against::check(&out, against, this, &progress, say)?;
     }
     confirm::check_expected(&out, &run.expect)?;
     let links = confirm::links(&out, &done.executed)?;
-    if links.executed == links.all() {
+    if confirm::is_whole(&done.executed) {
         return Ok(());
     }
     if run.found_is_enough {

@@ -8,6 +8,7 @@ use std::process::Command;
 
 use super::channels::print;
 use bitgrain_lab::folder::SUBMITTED;
+use bitgrain_lab::plain::escaped;
 use bitgrain_sim::below::Below;
 use bitgrain_sim::disk;
 use bitgrain_sim::error::{Error, Result};
@@ -276,11 +277,16 @@ fn quoted_unless(word: &str, signs: &str) -> String {
     }
 }
 
+/// Whether the lines of a text are those that other programs see, and are printed as they stand.
+pub(super) fn is_plain(text: &str) -> bool {
+    escaped(text) == text && !text.contains(['\u{2028}', '\u{2029}'])
+}
+
 /// The text of a path, which no program reads as an option.
 pub(super) fn utf8(path: &Path) -> Result<String> {
-    let plain = |text: &&str| !text.contains(['\n', '\r']);
+    let plain = |text: &&str| is_plain(text) && !text.contains('\n');
     let text = path.to_str().filter(plain).ok_or_else(|| {
-        let problem = "cannot be written into a script: expected UTF-8 in one line";
+        let problem = "cannot be written into a script: expected UTF-8 in one line, without control characters";
         Error::input(path.display().to_string(), problem)
     })?;
     Ok(match text.starts_with('-') {

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::channels::{MAX_INPUT, print};
-use super::slurm::{Submission, Work, quoted, quoted_first, utf8};
+use super::slurm::{Submission, Work, is_plain, quoted, quoted_first, utf8};
 use bitgrain_lab::bed::library::BedCache;
 use bitgrain_lab::campaign::folder::CampaignFolder;
 use bitgrain_lab::campaign::only::Only;
@@ -66,9 +66,9 @@ impl Pieces<'_> {
             format!("{command} --threads {}\n", self.threads)
         };
         let lines: String = wanted.iter().map(line).collect();
-        if lines.contains(SPECIAL) {
-            let problem = "a name in the commands has one of $ ` ; & | < > ( ), which `xargs` hands to a shell \
-                           without its quotes: choose names without these";
+        if lines.contains(SPECIAL) || !is_plain(&lines) {
+            let problem = "a name in the commands has a control character, or one of $ ` ; & | < > ( ), which `xargs` \
+                           hands to a shell without its quotes: choose names without these";
             return Err(Error::input("--tasks", problem));
         }
         print(&lines)

@@ -42,7 +42,8 @@ const LINE: usize = 400;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Refusal {
-    /// The name is empty, longer than [`NAME_MAX`], or has other characters than ASCII letters, digits and `_ . - /`.
+    /// The name is empty, longer than [`NAME_MAX`], has other characters than ASCII letters, digits and `_ . - /`, or
+    /// is `__metadata__`, which files of kept arrays keep for themselves.
     BadName,
     /// The shape has more than [`AXES_MAX`] axes, or more elements than can be counted.
     BadShape,
@@ -62,7 +63,8 @@ impl fmt::Display for Refusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::BadName => f.write_str(
-                "the name of an array has 1 to 64 characters, which are letters (a to z, A to Z), digits, _ . - or /",
+                "the name of an array has 1 to 64 characters, which are letters (a to z, A to Z), digits, _ . - or /, \
+                 and is not __metadata__, which safetensors files keep for themselves",
             ),
             Self::BadShape => f.write_str("the shape has more than 8 axes, or more elements than can be counted"),
             Self::BadLength { expected } => {
@@ -225,7 +227,8 @@ impl Chain {
             return Err(Refusal::BadStep { last: self.step });
         }
         let allowed = |byte: u8| byte.is_ascii_alphanumeric() || b"_.-/".contains(&byte);
-        if name.is_empty() || name.len() > NAME_MAX || !name.bytes().all(allowed) {
+        let safe = name.bytes().all(allowed) && name != "__metadata__";
+        if name.is_empty() || name.len() > NAME_MAX || !safe {
             return Err(Refusal::BadName);
         }
         length(element, shape)?;

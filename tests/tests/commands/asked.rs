@@ -125,8 +125,15 @@ fn a_command_that_ends_first_differs() {
         );
     }
     let still = "sh child.sh 1000 0";
-    let told = bisect(still, still, &[], 3);
-    assert!(told.contains("and none after that was compared"), "{told}");
+    for more in [&[][..], &["--prefix"], &["--prefix", "--to", "9"]] {
+        let told = bisect(still, still, more, 3);
+        assert!(told.contains("and none after that was compared"), "{told}");
+    }
+    let told = bisect(still, "sh child.sh 1000 9", &["--prefix"], 3);
+    assert!(told.contains("no step after step 0"), "{told}");
+    let bare = "while read a n; do printf \"step $n\\narray x u8 0\\ndone\\n\"; done";
+    let told = bisect(bare, bare, &["--to", "9"], 3);
+    assert!(told.contains("no array that was compared has"), "{told}");
     let ended = "sh child.sh 1000 50";
     let told = bisect(ended, ended, &["--to", "51"], 3);
     assert!(
@@ -174,7 +181,8 @@ fn a_command_that_differs_from_itself_is_told() {
 fn nothing_is_left_running() {
     let room = tempfile::tempdir().unwrap();
     std::fs::write(room.path().join("child.sh"), CHILD).unwrap();
-    let hanging = "sleep 1000 & echo $! > pid; wait";
+    // One in the group of the command, and one that left the group; the number of the last is written last.
+    let hanging = "sleep 1000 & setsid sh -c 'echo $$ > pid; exec sleep 1000' & wait";
     let alive = || {
         let pid = std::fs::read_to_string(room.path().join("pid")).unwrap();
         let status = std::fs::read_to_string(format!("/proc/{}/status", pid.trim()));

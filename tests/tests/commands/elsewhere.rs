@@ -98,6 +98,17 @@ fn grids_may_name_files_of_beds() {
         "plans/camp.toml",
         &format!("name = \"camp\"\n{base}{grids}"),
     );
+    // One that the command line names lies where the command is given.
+    write("here.data", &bed);
+    let plain = "[[grid]]\nname = \"one\"\nset = { \"measure.every\" = 1 }\nspeed = 1.0\n";
+    write(
+        "plans/plain.toml",
+        &format!("name = \"plain\"\n{base}{plain}"),
+    );
+    let dry = ["sweep", "plans/plain.toml", "--dry-run", "--set"];
+    let (status, told) = does(&[&dry[..], &["bed.file=here.data"]].concat());
+    assert_eq!(status, Some(0), "{told}");
+
     let (status, told) = does(&["sweep", "plans/camp.toml", "--out", "out"]);
     assert_eq!(status, Some(0), "{told}");
     let (status, told) = does(&["verify", "out"]);

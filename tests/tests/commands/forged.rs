@@ -400,6 +400,13 @@ fn advice_fits_the_cause() {
     assert!(told.contains("move manifest.json away"), "{told}");
     assert_eq!(room.read(&format!("run/{name}")), b"mine");
     std::fs::rename(room.path("run/manifest.json"), room.path("away")).unwrap();
+    // What is not marked as a result is of others, and stays.
+    let told = room.says("run --resume run", 2);
+    assert!(
+        told.contains("angles.csv") && told.contains("move it away"),
+        "{told}"
+    );
+    std::fs::remove_file(room.path(&format!("run/{name}"))).unwrap();
     room.done("run --resume run");
     room.done("verify run");
     assert!(room.files("run").iter().all(|(name, bytes)| {

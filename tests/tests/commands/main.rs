@@ -39,6 +39,7 @@ mod recorder;
 mod recordings;
 mod releases;
 mod resume;
+mod resumed;
 mod safety;
 mod saved;
 mod slurm;

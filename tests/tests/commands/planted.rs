@@ -266,10 +266,17 @@ fn ours_and_others_are_told_apart() {
     let told = room.done("sweep weecamp.toml --out camp");
     assert!(told.contains("holds other files and stays"), "{told}");
     assert_eq!(room.files(place), before);
-    // The manifest is lost: what lies there was written here, and what is not made again goes.
+    // The manifest is lost: what is marked as a result was written here, and what is not made again goes.
     let room = FURNISHED.copy();
     std::fs::remove_file(room.path("run/manifest.json")).unwrap();
-    room.write("run/runs/run-1/forces.partial.csv", "half");
+    let (series, half) = (
+        room.read("run/runs/run-1/forces.csv"),
+        "run/runs/run-1/forces.partial.csv",
+    );
+    room.write(half, "mine");
+    let told = room.says("run --resume run", 2);
+    assert!(told.contains("move it away"), "{told}");
+    room.write(half, series);
     room.done("run --resume run");
     room.done("verify run");
     assert_eq!(room.files("run"), FURNISHED.files("run"));

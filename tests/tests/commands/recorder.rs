@@ -359,7 +359,10 @@ fn a_beginning_has_every_step() {
     assert_eq!(part(&base, &gap).unwrap().unwrap().step, 2);
     for (a, b) in [(&none, &none), (&base, &none), (&none, &base)] {
         let told = part(a, b).unwrap_err().to_string();
-        assert!(told.contains("no step of it was compared"), "{told}");
+        assert!(
+            told.contains("no element of a step of it was compared"),
+            "{told}"
+        );
     }
 }
 

@@ -291,7 +291,7 @@ fn messages_say_what_is_wrong() {
 
 fn frames_that_are_refused(table: &mut Table) {
     let good = frames(0..3, 9);
-    let inputs: [(&str, &[u8]); 16] = [
+    let inputs: [(&str, &[u8]); 18] = [
         ("nothing", b""),
         ("no-end", &good[..good.len() - 4]),
         ("cut", &good[..good.len() - 20]),
@@ -311,6 +311,8 @@ fn frames_that_are_refused(table: &mut Table) {
         ("large", b"step 1\narray x f64 1000000x1000\n"),
         ("long", &[b'a'; 2000]),
         ("binary", b"\xff\n"),
+        ("kept", b"step 1\narray __metadata__ u8 1\nadone\nend\n"),
+        ("after", b"step 1\narray x u8 1\nadone\nend\nstep 2\n"),
     ];
     for (name, input) in inputs {
         table.add(&["record", name], input);
@@ -340,12 +342,19 @@ fn recordings_that_are_refused(table: &mut Table) {
         table.add(&["bisect", "good", name], b"");
     }
     std::fs::create_dir(table.folder().join("empty")).unwrap();
-    let out = fed(table.folder(), &["record", "no-steps"], b"end\n");
-    assert!(out.status.success());
+    let empty = b"step 1\narray x f64 0x3\ndone\nend\n";
+    for (name, input) in [("no-steps", &b"end\n"[..]), ("no-element", empty)] {
+        assert!(
+            fed(table.folder(), &["record", name], input)
+                .status
+                .success()
+        );
+    }
     let pairs = [
         ["good", "empty"],
         ["none.csv", "good"],
         ["no-steps", "no-steps"],
+        ["no-element", "no-element"],
     ];
     for args in pairs {
         table.add(&["bisect", args[0], args[1]], b"");
@@ -393,6 +402,19 @@ fn commands_that_misbehave(table: &mut Table) {
             "1",
         ];
         table.add(&args, b"");
+    }
+    // What a command does after its last answer.
+    let answer = "read a; printf 'step 0\\narray x u8 1\\nadone\\n'";
+    for last in [
+        "read b; kill -9 $$",
+        "read b; echo no room left >&2; exit 4",
+        "echo step 1",
+        "echo end; echo step 1",
+        "sleep 1000",
+    ] {
+        let command = format!("{answer}; {last}");
+        let args = ["bisect", "--commands", &command, &command, "--to", "0"];
+        table.add(&[&args[..], &["--limit", "1"]].concat(), b"");
     }
     table.add(&["bisect", "a", "b", "--to", "3"], b"");
 }

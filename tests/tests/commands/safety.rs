@@ -37,6 +37,25 @@ fn files_of_others_are_not_removed() {
     );
 }
 
+/// A file that is named for output replaces no result, whatever the folder is called.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn a_named_file_replaces_no_result() {
+    let room = FURNISHED.copy();
+    let before = room.files("run");
+    for command in [
+        "analyse run --out run/summary.json",
+        "analyse run --report run/manifest.json",
+        "analyse run --out ./run/runs/../summary.json",
+        "replay run --stage bed --steps 1 --save run/beds/bed.safetensors",
+    ] {
+        let told = room.says(command, 2);
+        assert!(told.contains("is a result, which the manifest"), "{told}");
+    }
+    assert_eq!(room.files("run"), before);
+    room.done("verify run");
+}
+
 /// A run in a folder above another's does not disturb it.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
@@ -110,7 +129,14 @@ fn a_bed_is_removed_without_what_lies_beside_it() {
     room.write("beds/0123456789abcdef/thesis.tex", "mine");
     let told = room.done("bed remove --all");
     assert!(told.contains("holds other files"), "{told}");
+    assert!(told.contains("\n2 bed(s) removed"), "{told}");
     assert_eq!(room.files("beds").len(), 2);
+    // What is left is no bed, whatever it is called, and what others put there is not told to be removed as one.
+    room.write(&format!("beds/{name}/bed.safetensors"), "mine too");
+    assert!(room.done("bed list").starts_with("no beds in"));
+    assert!(room.done("bed remove --all").starts_with("0 bed(s)"));
+    let told = room.says("run wee.toml --out new", 2);
+    assert!(told.contains("move it away"), "{told}");
 }
 
 /// With another seed, friction or speed in `scenario.toml` a finished run is refused before a byte of it is

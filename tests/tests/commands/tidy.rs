@@ -189,6 +189,8 @@ fn nothing_of_the_machine_can_reach_a_result() {
         ("ranks/joined.rs", "available_parallelism"),
         ("parts/ranks.rs", "Instant"),
         ("disk.rs", "process::id"),
+        // What the processes of a command that is asked are known by.
+        ("recording/command.rs", "process::id"),
         ("threads.rs", "current_num_threads"),
         ("cli/channels.rs", "available_parallelism"),
         // Which pieces of a run are verified, if no seed is given.

@@ -72,6 +72,9 @@ impl BedCache {
             return Ok(None);
         };
         let name = path.display().to_string();
+        if !checkpoint::begins(&bytes) {
+            return Err(foreign(&path));
+        }
         match prove(&bytes, &name, recipe) {
             Ok(()) => Ok(Some(bytes)),
             Err(Error::Contract { problem }) => Err(Error::Contract { problem }),
@@ -129,9 +132,7 @@ impl BedCache {
         for path in [bed.with_file_name(RECIPE), bed] {
             Below(&self.folder).check_file(&path)?;
             if disk::is_there(&path) && !is_ours(&path)? {
-                let problem = "has the name of a bed's file and is none: it is not replaced; move it away, or choose \
-                               another --beds";
-                return Err(Error::input(path.display().to_string(), problem));
+                return Err(foreign(&path));
             }
         }
         Ok(())
@@ -148,7 +149,9 @@ impl BedCache {
             let ours = name.len() == NAME && name.bytes().all(|b| b.is_ascii_hexdigit());
             let path = self.folder.join(&name);
             let files = FILES.map(|file| path.join(file));
-            if !ours || kind != Kind::Folder || !files.iter().any(|file| disk::is_there(file)) {
+            // One that cannot be read may be a damaged bed.
+            let holds = |file: &PathBuf| disk::is_there(file) && is_ours(file).unwrap_or(true);
+            if !ours || kind != Kind::Folder || !files.iter().rev().any(holds) {
                 continue;
             }
             let text = disk::read(&path.join(RECIPE)).unwrap_or_default();
@@ -199,12 +202,12 @@ impl BedCache {
         }
     }
 
-    /// Removes a bed: the files that were written for it, and its folder. Says whether the folder is gone: if it
-    /// holds other files it stays with them.
+    /// Removes a bed: the files that were written for it, and its folder. Returns how many bytes they had, `None` if
+    /// there was no such file, and whether the folder is gone: if it holds other files it stays with them.
     ///
     /// # Errors
     /// [`Error::Input`] if another process is writing the bed; [`Error::Write`].
-    pub fn remove(&self, bed: &CachedBed) -> Result<bool> {
+    pub fn remove(&self, bed: &CachedBed) -> Result<(Option<u64>, bool)> {
         let (path, below) = (self.folder.join(&bed.name), Below(&self.folder));
         below.check_folder(&path)?;
         let folder = disk::open_folder(&path).map_err(|e| Error::read(&path, &e))?;
@@ -217,13 +220,22 @@ impl BedCache {
             // The file system has no locks: what is half written may be in use.
             Err(TryLockError::Error(_)) => {}
         }
+        let mut removed = None;
         for path in FILES.map(|file| path.join(file)) {
             if disk::kind(&path) == Some(Kind::File) && is_ours(&path)? {
+                removed = Some(removed.unwrap_or(0) + disk::size(&path));
                 below.remove(&path)?;
             }
         }
-        below.remove_if_empty(&path)
+        Ok((removed, below.remove_if_empty(&path)?))
     }
+}
+
+/// A file in the place of a bed's.
+fn foreign(path: &Path) -> Error {
+    let problem = "has the name of a bed's file and is none: it is not replaced; move it away, or choose another \
+                   --beds";
+    Error::input(path.display().to_string(), problem)
 }
 
 /// Whether a file of a bed's folder is one that was written for a bed, damaged or not, and not something of others.

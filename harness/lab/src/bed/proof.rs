@@ -25,6 +25,11 @@ pub fn prove(bytes: &[u8], name: &str, recipe: &Recipe) -> Result<()> {
         place: name.into(),
         problem,
     };
+    if sim.dt != recipe.dt || recipe.law.build().is_ok_and(|law| law != sim.law) {
+        return Err(damaged(
+            "it is under another law or time step than its recipe".into(),
+        ));
+    }
     let course = PouringState::of(&note).map_err(damaged)?;
     let chain = course.chain();
     let same = Chain::parse(&chain.text(), name).is_ok_and(|read| read.links == chain.links);

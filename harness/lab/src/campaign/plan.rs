@@ -54,17 +54,15 @@ struct Cell<'a> {
 }
 
 /// Parses the text of a campaign and plans it; `place` is what errors call it, `sets` change its base, and
-/// `folder` is where files that it names are looked for.
+/// `folder` is where files that it names are looked for; one that `sets` name is looked for in the current folder.
 ///
 /// # Errors
 /// [`Error::Input`] with line, grid or key, and what was expected.
 pub fn parse(text: &str, place: &str, sets: &[String], folder: &Path) -> Result<Plan> {
-    plan_of(
-        parse_campaign(text, place)?,
-        place,
-        sets,
-        Files::From(folder),
-    )
+    let mut campaign = parse_campaign(text, place)?;
+    campaign.base = Base::Written(base_table(&campaign.base, place, folder)?);
+    let files = Files::From(scenario::bed_folder(sets, folder));
+    plan_of(campaign, place, sets, files)
 }
 
 /// Where the files of imported beds are looked for.

@@ -8,6 +8,7 @@ use super::record::{
     Departure, FileRecord, FolderKind, Manifest, NAME, RESULTS, StageRecord, relative,
 };
 use bitgrain_sim::below::Below;
+use bitgrain_sim::checkpoint;
 use bitgrain_sim::disk;
 use bitgrain_sim::error::{Error, Result};
 
@@ -118,7 +119,7 @@ impl Ledger {
     }
 
     /// Refuses a file of others in the place of one that will be written: something lies there, and the manifest has no
-    /// entry of it. If the manifest was lost, what lies there counts as written here, and as damaged.
+    /// entry of it. If the manifest was lost, what bears the mark of a result counts as written here, and as damaged.
     ///
     /// # Errors
     /// [`Error::Input`], also if it is no regular file or is reached through a link.
@@ -128,7 +129,7 @@ impl Ledger {
         if known.entries.contains_key(&name) || !disk::is_there(path) {
             return Ok(());
         }
-        if known.lost {
+        if known.lost && is_marked(&name, &disk::read(path)?) {
             known.entries.insert(name.clone(), FileRecord::lost(&name));
             return Ok(());
         }
@@ -316,6 +317,22 @@ impl Ledger {
         }
         Ok(known)
     }
+}
+
+/// Whether a file of this name begins or is marked as those that are written here.
+fn is_marked(name: &str, bytes: &[u8]) -> bool {
+    let begin: &[u8] = match name.rsplit('.').next() {
+        Some("dump") => b"ITEM: ",
+        Some("gz") => &[0x1f, 0x8b],
+        Some("parquet") => b"PAR1",
+        Some("safetensors") => return checkpoint::begins(bytes),
+        Some("json") if !name.ends_with("failure.json") => {
+            return disk::bears(bytes, "\"bits_version\":");
+        }
+        Some("json") => b"{\n  \"reason\": ",
+        _ => return disk::bears(bytes, "BITS_VERSION"),
+    };
+    bytes.is_empty() || bytes.starts_with(begin)
 }
 
 /// If a file cannot be both what the manifest says and what the run gives.

@@ -7,13 +7,15 @@
 use std::collections::VecDeque;
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, Write};
-use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::path::Path;
+use std::process::{Child, ChildStdin, ChildStdout, Command, ExitStatus, Stdio};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::thread;
 use std::time::Duration;
 
+use bitgrain_sim::disk;
 use bitgrain_sim::error::{Error, Result};
 
 use super::stream::{Frame, Frames};
@@ -21,8 +23,18 @@ use super::stream::{Frame, Frames};
 /// How often a request to stop is looked at.
 const SLICE: Duration = Duration::from_millis(100);
 
-/// How long a command that was told to end, or that closed its output, has for ending, in slices.
-const GRACE: u64 = 10;
+/// How long to wait before it is looked again whether a command has ended.
+const LOOK: Duration = Duration::from_millis(10);
+
+/// How often a command that was given up is looked at before it is ended.
+const GRACE: u64 = 100;
+
+/// The variable by which processes that a command started are known, with a value of its own for each command.
+const MARK: &str = "BITGRAIN_COMMAND";
+
+/// How often what a command started is looked for.
+#[cfg(unix)]
+const ROUNDS: usize = 10;
 
 /// Most of what a command said that an error repeats, in bytes.
 const WORDS: u64 = 2000;
@@ -39,6 +51,8 @@ pub struct Patience {
 /// A command at work. It is ended, with all that it started, when this is dropped.
 pub struct Running {
     text: String,
+    /// Its value of [`MARK`].
+    mark: String,
     child: Child,
     input: Option<ChildStdin>,
     frames: Frames<BufReader<Answers>>,
@@ -57,8 +71,12 @@ impl Running {
         // Into a file: a pipe that nobody empties would block a command that says much.
         let told = tempfile::tempfile().map_err(failed)?;
         let stderr = told.try_clone().map_err(failed)?;
+        static STARTED: AtomicU64 = AtomicU64::new(0);
+        let number = STARTED.fetch_add(1, Ordering::Relaxed);
+        let mark = format!("{}-{number}", std::process::id());
         let mut command = shell(text);
         command
+            .env(MARK, &mark)
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(stderr);
@@ -71,6 +89,7 @@ impl Running {
         let answers = Answers::of(out, patience.clone());
         Ok(Self {
             text: text.to_string(),
+            mark,
             child,
             input,
             frames: Frames::answers(BufReader::new(answers)),
@@ -102,11 +121,7 @@ impl Running {
                 );
             }
             Err(_) if self.patience.stop.load(Ordering::Relaxed) => {
-                return Err(Error::Interrupted {
-                    stage: "bisect".into(),
-                    step: self.asked,
-                    saved: false,
-                });
+                return Err(self.interrupted());
             }
             Err(e) => return Err(self.failed(&e.to_string())),
         };
@@ -120,13 +135,54 @@ impl Running {
         Ok(frame)
     }
 
+    /// Ends the input of a command that has answered for the last time, and waits for its end.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for a command that says more than the line `end`, ends with another status than 0, or not
+    /// within the time that an answer may take; [`Error::Interrupted`].
+    pub fn finish(mut self) -> Result<()> {
+        self.input = None;
+        let limit = self.patience.limit;
+        let status = self.ended(limit.saturating_mul(100));
+        if self.patience.stop.load(Ordering::Relaxed) {
+            return Err(self.interrupted());
+        }
+        let after = format!("after its answer to `goto {}`", self.asked);
+        let Some(status) = status else {
+            let problem = format!(
+                "{after} its input was ended, and it did not end within {limit} s; --limit allows more"
+            );
+            return Err(self.told(problem));
+        };
+        // What it left behind may hold its output open.
+        end_all(&mut self.child, &self.mark);
+        if !status.success() {
+            return Err(self.told(format!("{after} it ended with {status}")));
+        }
+        let rest = self.frames.finish();
+        rest.map_err(|e| self.told(e.to_string()))
+    }
+
     /// What the command did instead of answering, and how it ended and what it said if it has ended.
     fn failed(&mut self, what: &str) -> Error {
         let mut problem = format!("asked to `goto {}`: {what}", self.asked);
         // A pipe closes a moment before its process has ended.
-        if let Some(status) = self.ended() {
+        if let Some(status) = self.ended(10) {
             problem += &format!("; it ended with {status}");
         }
+        self.told(problem)
+    }
+
+    fn interrupted(&self) -> Error {
+        Error::Interrupted {
+            stage: "bisect".into(),
+            step: self.asked,
+            saved: false,
+        }
+    }
+
+    /// A problem of this command, with what it said.
+    fn told(&mut self, mut problem: String) -> Error {
         let words = last_words(&mut self.told);
         if !words.is_empty() {
             problem += &format!("; it said: {words}");
@@ -134,13 +190,16 @@ impl Running {
         Error::input(format!("`{}`", self.text), problem)
     }
 
-    /// How the command ended, if it does soon.
-    fn ended(&mut self) -> Option<std::process::ExitStatus> {
-        for _ in 0..GRACE {
+    /// How the command ended, if it does within so many looks and nobody asks to stop.
+    fn ended(&mut self, looks: u64) -> Option<ExitStatus> {
+        for _ in 0..looks {
             if let Ok(Some(status)) = self.child.try_wait() {
                 return Some(status);
             }
-            thread::sleep(SLICE / 10);
+            if self.patience.stop.load(Ordering::Relaxed) {
+                return None;
+            }
+            thread::sleep(LOOK);
         }
         None
     }
@@ -161,12 +220,8 @@ impl Drop for Running {
     fn drop(&mut self) {
         // The end of its input ends a command that keeps to the protocol.
         self.input = None;
-        for _ in 0..GRACE {
-            if self.ended().is_some() {
-                break;
-            }
-        }
-        end_all(&mut self.child);
+        self.ended(GRACE);
+        end_all(&mut self.child, &self.mark);
         let _ = self.child.wait();
     }
 }
@@ -189,16 +244,42 @@ fn shell(text: &str) -> Command {
 
 /// Ends what is left of a command and of what it started.
 #[cfg(unix)]
-fn end_all(child: &mut Child) {
-    use rustix::process::{Pid, Signal, kill_process_group};
+fn end_all(child: &mut Child, mark: &str) {
+    use rustix::process::{Pid, Signal, kill_process, kill_process_group};
     // The group has the number of its first process.
     let group = i32::try_from(child.id()).ok().and_then(Pid::from_raw);
     let _ = group.map(|group| kill_process_group(group, Signal::KILL));
+    // Again, for what started another one while it was looked for.
+    for _ in 0..ROUNDS {
+        let left = marked(mark);
+        if left.is_empty() {
+            break;
+        }
+        for process in left.into_iter().filter_map(Pid::from_raw) {
+            let _ = kill_process(process, Signal::KILL);
+        }
+    }
 }
 
 #[cfg(not(unix))]
-fn end_all(child: &mut Child) {
+fn end_all(child: &mut Child, _: &str) {
     let _ = child.kill();
+}
+
+/// Processes that have this value of [`MARK`]: also those that left the group of the command that started them. Where
+/// there is no /proc none are found.
+#[cfg(unix)]
+fn marked(mark: &str) -> Vec<i32> {
+    let wanted = format!("{MARK}={mark}");
+    let is_marked = |process: &i32| {
+        let environment = Path::new("/proc").join(format!("{process}/environ"));
+        let environment = disk::read(&environment).unwrap_or_default();
+        let mut variables = environment.split(|byte| *byte == 0);
+        variables.any(|variable| variable == wanted.as_bytes())
+    };
+    let entries = disk::list(Path::new("/proc")).unwrap_or_default();
+    let processes = entries.iter().filter_map(|(name, _)| name.parse().ok());
+    processes.filter(is_marked).collect()
 }
 
 /// What a command writes, read by a thread so that silence can be measured.

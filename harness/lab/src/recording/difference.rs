@@ -1,5 +1,6 @@
-//! How two arrays of one name differ: their kind, or the first element, to the bit.
+//! Which arrays of two steps differ, and how two of one name do: their kind, or the first element, to the bit.
 
+use std::collections::BTreeMap;
 use std::fmt;
 
 use super::array::{Array, Element, shape_text};
@@ -46,6 +47,23 @@ pub fn kind(element: Element, shape: &[usize]) -> String {
         [] => format!("{}, a single number", element.name()),
         _ => format!("{} {}", element.name(), shape_text(shape)),
     }
+}
+
+/// Names of what is not the same on both sides, in the order of the first; then of what only the second has. On each
+/// side every name is there once.
+pub(super) fn differing<T: PartialEq>(a: &[T], b: &[T], name: fn(&T) -> &str) -> Vec<String> {
+    let by_name = |side: &'_ [T]| -> BTreeMap<String, usize> {
+        let places = side.iter().enumerate();
+        places
+            .map(|(k, item)| (name(item).to_string(), k))
+            .collect()
+    };
+    let (in_a, in_b) = (by_name(a), by_name(b));
+    let differs = |item: &&T| in_b.get(name(item)).is_none_or(|k| b[*k] != **item);
+    let changed = a.iter().filter(differs);
+    let added = b.iter().filter(|item| !in_a.contains_key(name(item)));
+    let differing = changed.chain(added);
+    differing.map(|item| name(item).to_string()).collect()
 }
 
 /// How two arrays differ; `None` if they have the same type, shape and bits.

@@ -5,8 +5,8 @@ use std::fmt;
 use bitgrain_sim::error::{Error, Result};
 
 use super::array::Array;
-use super::difference::{Difference, difference, kind};
-use super::read::{Item, Recorded, Recording, Step};
+use super::difference::{Difference, difference, differing, kind};
+use super::read::{Recorded, Recording, Step};
 
 /// Where two recordings, or two running commands, first differ.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -162,7 +162,7 @@ impl<'a> Held<'a> {
         match own {
             None if self.prefix => Ok(None),
             Some(own) if own.step == step.step => {
-                let names = differing(&own.arrays, &step.arrays);
+                let names = differing(&own.arrays, &step.arrays, |item| &item.name);
                 if names.is_empty() {
                     self.same += 1;
                     return Ok(None);
@@ -177,29 +177,21 @@ impl<'a> Held<'a> {
     /// Compares the end of the other one, which is called `name` and is `whole` if it was not cut off.
     ///
     /// # Errors
-    /// If no step was compared.
+    /// If no element was compared.
     pub fn end(&self, whole: bool, name: &str) -> Result<Option<Parting>> {
         let next = self.steps.get(self.same).map(|step| step.step);
-        if self.same == 0 && (next.is_none() || self.prefix) {
+        let ends = next.is_none() && whole && self.first.recording.closed;
+        if !self.prefix && !ends && (self.same > 0 || next.is_some()) {
+            return Ok(self.uneven([next, None], whole));
+        }
+        let mut items = self.steps[..self.same].iter().flat_map(|step| &step.arrays);
+        if items.all(|item| item.shape.contains(&0)) {
             let place = self.first.place.display().to_string();
-            let problem = format!("no step of it was compared with one of {name}");
+            let problem = format!("no element of a step of it was compared with one of {name}");
             return Err(Error::input(place, problem));
         }
-        let same = next.is_none() && whole && self.first.recording.closed;
-        match self.prefix || same {
-            true => Ok(None),
-            false => Ok(self.uneven([next, None], whole)),
-        }
+        Ok(None)
     }
-}
-
-/// Names of the arrays that are not the same on both sides.
-fn differing(a: &[Item], b: &[Item]) -> Vec<String> {
-    let in_a = a.iter().filter(|item| !b.contains(item));
-    let in_b = b
-        .iter()
-        .filter(|item| !a.iter().any(|other| other.name == item.name));
-    in_a.chain(in_b).map(|item| item.name.clone()).collect()
 }
 
 /// What can be said of a step at which two recordings differ, by the arrays that `kept` reads.

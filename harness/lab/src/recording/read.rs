@@ -1,5 +1,6 @@
 //! A recording, read: every line is checked, and kept arrays against their digests.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use bitgrain_kernel::record::{Chain, HEAD};
@@ -69,6 +70,8 @@ impl Recording {
             return Err(broken(1 + same.count().min(1), problem));
         }
         let mut chain = Chain::new();
+        // Of the last step.
+        let mut names = BTreeSet::new();
         let mut recording = Self {
             steps: Vec::new(),
             link: String::new(),
@@ -105,16 +108,17 @@ impl Recording {
                      were not computed as the guide says (File formats)",
                 ));
             }
-            match recording.steps.last_mut().filter(|last| last.step == step) {
-                None => recording.steps.push(Step {
-                    step,
-                    arrays: vec![item],
-                }),
-                Some(last) if last.arrays.iter().any(|other| other.name == item.name) => {
-                    let problem = format!("names `{}` a second time at step {step}", item.name);
-                    return Err(at(&problem));
-                }
-                Some(last) => last.arrays.push(item),
+            if recording.steps.last().is_none_or(|last| last.step != step) {
+                let arrays = Vec::new();
+                recording.steps.push(Step { step, arrays });
+                names.clear();
+            }
+            if !names.insert(item.name.clone()) {
+                let problem = format!("names `{}` a second time at step {step}", item.name);
+                return Err(at(&problem));
+            }
+            if let Some(last) = recording.steps.last_mut() {
+                last.arrays.push(item);
             }
         }
         recording.link = hex(chain.link());

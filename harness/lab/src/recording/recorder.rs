@@ -1,6 +1,6 @@
 //! Writes a recording while a program runs.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeSet, VecDeque};
 use std::path::{Path, PathBuf};
 
 use bitgrain_kernel::record::{Chain, HEAD};
@@ -96,8 +96,9 @@ impl Recorder {
         }
         let mut chain = self.chain;
         let mut lines = String::new();
-        for (k, (name, array)) in arrays.iter().enumerate() {
-            if arrays[..k].iter().any(|(other, _)| other == name) {
+        let mut names = BTreeSet::new();
+        for (name, array) in arrays {
+            if !names.insert(*name) {
                 return Err(refused(format!(
                     "step {step} has two arrays of the name `{name}`"
                 )));

@@ -6,7 +6,7 @@ use bitgrain_kernel::record::Chain;
 use bitgrain_sim::error::{Error, Result};
 
 use super::command::{Patience, Running};
-use super::difference::{Difference, difference};
+use super::difference::{Difference, difference, differing};
 use super::parting::Parting;
 use super::stream::Frame;
 
@@ -59,6 +59,7 @@ pub fn search(commands: &Commands, say: impl FnMut(&str) -> Result<()>) -> Resul
     let mut search = Search {
         commands,
         known: BTreeMap::new(),
+        elements: false,
         say,
     };
     search.run()
@@ -68,6 +69,8 @@ struct Search<'a, S> {
     commands: &'a Commands,
     /// Digests of all frames so far, by side and step.
     known: BTreeMap<(usize, u64), [u8; 32]>,
+    /// Whether an array that was compared has an element.
+    elements: bool,
     say: S,
 }
 
@@ -91,7 +94,18 @@ impl<S: FnMut(&str) -> Result<()>> Search<'_, S> {
         }
         loop {
             let (equal, frames) = match seen {
-                Seen::Same => return Ok(uneven.filter(|_| !self.commands.prefix)),
+                Seen::Same if uneven.is_some() && !self.commands.prefix => return Ok(uneven),
+                Seen::Same
+                    if uneven
+                        .as_ref()
+                        .is_some_and(|parting| parting.equal == Some(0)) =>
+                {
+                    return Err(short("no step after step 0 was compared".into()));
+                }
+                Seen::Same if !self.elements => {
+                    return Err(short("no array that was compared has an element".into()));
+                }
+                Seen::Same => return Ok(None),
                 Seen::Differ { equal, frames } => (equal, frames),
                 // Digests of both frames are known, so an execution that is another was told before.
                 Seen::Uneven { .. } => {
@@ -133,27 +147,31 @@ impl<S: FnMut(&str) -> Result<()>> Search<'_, S> {
             let [one, other] = &frames;
             if one.step != other.step {
                 let ends = [one.step, other.step];
+                if commands.prefix {
+                    pair.into_iter().try_for_each(Running::finish)?;
+                }
                 return Ok(Seen::Uneven { equal, ends });
             }
-            if !differing(one, other).is_empty() {
+            if !differing(&one.arrays, &other.arrays, |array| &array.name).is_empty() {
                 return Ok(Seen::Differ { equal, frames });
             }
+            self.elements |= one.arrays.iter().any(|array| !array.bytes.is_empty());
             equal = Some(one.step);
             if one.step < step {
                 let ends = format!("both end at step {}", one.step);
                 (self.say)(&ends)?;
-                let problem = match commands.to {
-                    _ if commands.prefix => return Ok(Seen::Same),
-                    Some(to) => format!("{ends}, and step {to} was asked for"),
-                    None if one.step == 0 => format!("{ends}, and none after that was compared"),
-                    None => return Ok(Seen::Same),
-                };
-                return Err(Error::Unverified {
-                    problem,
-                    hint: "see that they go on when they are asked to; --prefix takes what there is",
-                });
+                match commands.to {
+                    _ if one.step == 0 => {
+                        return Err(short(format!("{ends}, and none after that was compared")));
+                    }
+                    Some(to) if !commands.prefix => {
+                        return Err(short(format!("{ends}, and step {to} was asked for")));
+                    }
+                    _ => break,
+                }
             }
         }
+        pair.into_iter().try_for_each(Running::finish)?;
         Ok(Seen::Same)
     }
 
@@ -196,6 +214,14 @@ impl<S: FnMut(&str) -> Result<()>> Search<'_, S> {
     }
 }
 
+/// Two commands of which less was compared than a confirmation needs.
+fn short(problem: String) -> Error {
+    Error::Unverified {
+        problem,
+        hint: "see that they go on when they are asked to; --prefix takes what there is",
+    }
+}
+
 /// The steps of the first execution.
 fn first_steps(to: Option<u64>, every: u64) -> impl Iterator<Item = u64> {
     let last = to.unwrap_or(u64::MAX);
@@ -204,23 +230,9 @@ fn first_steps(to: Option<u64>, every: u64) -> impl Iterator<Item = u64> {
     steps.chain([last])
 }
 
-/// Names of arrays that are not the same in both frames.
-fn differing(one: &Frame, other: &Frame) -> Vec<String> {
-    let in_one = one
-        .arrays
-        .iter()
-        .filter(|array| !other.arrays.contains(array));
-    let in_other = other.arrays.iter();
-    let in_other = in_other.filter(|array| !one.arrays.iter().any(|a| a.name == array.name));
-    in_one
-        .chain(in_other)
-        .map(|array| array.name.clone())
-        .collect()
-}
-
 fn parting(equal: Option<u64>, frames: &[Frame; 2]) -> Parting {
     let [one, other] = frames;
-    let arrays = differing(one, other);
+    let arrays = differing(&one.arrays, &other.arrays, |array| &array.name);
     let named = |frame: &'_ Frame| {
         frame
             .arrays

@@ -4,6 +4,7 @@
 //! little-endian, row by row, without a line feed after them; and the line `done`. After the last frame comes the line
 //! `end`.
 
+use std::collections::BTreeSet;
 use std::io::{self, BufRead, Read};
 
 use bitgrain_kernel::record::Chain;
@@ -130,6 +131,29 @@ impl<R: BufRead> Frames<R> {
         })
     }
 
+    /// Reads what is left when every frame was read: nothing.
+    ///
+    /// # Errors
+    /// [`Error::Input`] with the line that is there.
+    fn over(&mut self, after: &str) -> Result<()> {
+        match self.line()? {
+            None => Ok(()),
+            Some(line) => Err(self.wrong(format!("is `{}` after {after}", begin(&line)))),
+        }
+    }
+
+    /// Reads what is left after the last answer: nothing, or the line `end`.
+    ///
+    /// # Errors
+    /// As [`Frames::over`].
+    pub fn finish(&mut self) -> Result<()> {
+        match self.line()? {
+            None => Ok(()),
+            Some(line) if line == "end" => self.over("the line `end`"),
+            Some(line) => Err(self.wrong(format!("is `{}` after the last answer", begin(&line)))),
+        }
+    }
+
     /// The next frame; `None` after the line `end`.
     ///
     /// # Errors
@@ -151,6 +175,7 @@ impl<R: BufRead> Frames<R> {
             ))
         })?;
         let mut arrays: Vec<Array> = Vec::new();
+        let mut names = BTreeSet::new();
         loop {
             let Some(line) = self.line()? else {
                 return Err(self.instead(self.cut));
@@ -159,7 +184,7 @@ impl<R: BufRead> Frames<R> {
                 return Ok(Some(Frame { step, arrays }));
             }
             let array = self.array(&line)?;
-            if arrays.iter().any(|other| other.name == array.name) {
+            if !names.insert(array.name.clone()) {
                 return Err(self.wrong(format!(
                     "names `{}` a second time at step {step}",
                     array.name
@@ -236,7 +261,10 @@ pub fn record_all(
     loop {
         let frame = match frames.next_frame() {
             Ok(Some(frame)) => frame,
-            Ok(None) => return Ok((count, None)),
+            Ok(None) => {
+                frames.over("the line `end`")?;
+                return Ok((count, None));
+            }
             Err(cut) => {
                 let held = held.filter(|_| frames.ended);
                 let parting = held.and_then(|held| held.end(false, name).ok().flatten());

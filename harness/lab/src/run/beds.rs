@@ -197,11 +197,8 @@ fn fetch_bed(
     let recipe = Recipe::new(scenario, plan);
     // The bed here comes first: its drags may have begun.
     if let Some(bytes) = settled_here(setting, ledger, path, &recipe)? {
+        // Not for the library: who made this folder is not known.
         ledger.write(path, &bytes)?;
-        // An earlier run may have poured it and then found no room in the library.
-        if !library.has(&recipe) {
-            library.keep(&recipe, &bytes)?;
-        }
         ledger.remove_state(&saved)?;
         return Ok((KEPT, 0));
     }
@@ -229,7 +226,7 @@ fn fetch_bed(
         if matches!(error, Error::Interrupted { .. }) {
             saver.save(&mut bed.sim, &bed.course.note())?;
         } else if error.is_physical() {
-            saver.clear();
+            saver.clear()?;
         }
         return Err(error.saved());
     }
@@ -241,7 +238,8 @@ fn fetch_bed(
     let bytes = checkpoint::pack(&mut bed.sim, &bed.course.note())?;
     // First in the folder that uses it: days of pouring are not lost if there is no library.
     ledger.write(path, &bytes)?;
-    saver.clear();
+    // If it stays it is older than the bed, and harmless.
+    let _ = saver.clear();
     library.keep(&recipe, &bytes)?;
     Ok((how, bed.sim.step_count() - began))
 }

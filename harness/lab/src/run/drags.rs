@@ -55,17 +55,13 @@ pub(super) fn drag_one(
     );
     // Asked to stop before it began.
     stage.look().map_err(Error::saved)?;
-    let (mut sim, mut dragging) = match take_up(drag, ledger, progress)? {
-        Some(found) => found,
-        None => begin(drag)?,
+    let (how, (mut sim, mut dragging)) = match take_up(drag, ledger, progress)? {
+        Some(found) if found.1.step < plan.steps() => (RESUMED, found),
+        Some(found) => (KEPT, found),
+        None => ("dragged", begin(drag)?),
     };
     let began = dragging.step;
     stage.resume(began);
-    let how = match began {
-        0 => "dragged",
-        n if n < plan.steps() => RESUMED,
-        _ => KEPT,
-    };
     let mut files = Files {
         drag,
         ledger,
@@ -98,7 +94,7 @@ pub(super) fn drag_one(
                 .save(&mut sim, &files.frames.note(dragging.note()))?;
         } else if error.is_physical() {
             // It would fail again from there: what is left does not tell whether the drag was ever stopped.
-            files.saver.clear();
+            files.saver.clear()?;
         }
         return Err(error.saved());
     }
@@ -118,7 +114,8 @@ pub(super) fn drag_one(
         ledger.remove(&folder.0.join(file))?;
     }
     ledger.finish_stage(&plan.name, &summary.chain)?;
-    files.saver.clear();
+    // If it stays it is older than the end, and harmless.
+    let _ = files.saver.clear();
     told::report(scenario, &summary, how, performance.seconds, progress);
     Ok((summary, performance))
 }
@@ -152,14 +149,14 @@ fn take_up(
     }
     let mut furthest: Option<(Simulation, Dragging)> = None;
     let kept = drag.plan.checkpoints.iter().rev();
-    let kept = kept.map(|&step| folder.checkpoint(name, step));
+    let kept = kept.map(|&step| (folder.checkpoint(name, step), Some(step)));
     // The kept ones descend, so that the first sound one is the furthest of them.
-    for path in std::iter::once(folder.latest(name)).chain(kept) {
-        let latest = path == folder.latest(name);
+    for (path, step) in std::iter::once((folder.latest(name), None)).chain(kept) {
+        let latest = step.is_none();
         if disk::kind(&path) != Some(Kind::File) || !latest && !ledger.vouches(&path) {
             continue;
         }
-        let found = match read(drag, &path) {
+        let found = match read(drag, &path, step) {
             Err(damage @ Error::Damaged { .. }) => {
                 progress.warn(&format!("{damage}; going on from a state before it"));
                 continue;
@@ -179,11 +176,11 @@ fn take_up(
     Ok(furthest)
 }
 
-/// A state of a drag.
+/// A state of a drag; after this step, if one is given.
 ///
 /// # Errors
 /// [`Error::Damaged`], and [`Error::Input`] if it is another drag's or another version's.
-pub fn read(drag: DragTask<'_>, path: &Path) -> Result<(Simulation, Dragging)> {
+pub fn read(drag: DragTask<'_>, path: &Path, step: Option<u64>) -> Result<(Simulation, Dragging)> {
     let (sim, note) = checkpoint::read_noted(path)?;
     let place = path.display().to_string();
     let dragging = Dragging::of(&note).map_err(|problem| Error::Damaged {
@@ -194,6 +191,10 @@ pub fn read(drag: DragTask<'_>, path: &Path) -> Result<(Simulation, Dragging)> {
         let problem = "was saved by a run of another scenario: was scenario.toml changed since? \
                        Restore it, or choose another folder";
         return Err(Error::input(place, problem));
+    }
+    if dragging.step > drag.plan.steps() || step.is_some_and(|step| dragging.step != step) {
+        let problem = format!("holds step {}, at which it is not kept", dragging.step);
+        return Err(Error::Damaged { place, problem });
     }
     if dragging.chain.begins != drag.bed.chain {
         let problem = "was dragged through a bed other than the one here now; choose another folder, \

@@ -80,10 +80,12 @@ impl<'a> Saver<'a> {
             .write_state(&self.path, &checkpoint::pack(sim, note)?)
     }
 
-    /// Removes what was saved, of a stage that is finished.
-    pub fn clear(&self) {
-        // If it stays it is older than the end, and harmless.
-        let _ = self.ledger.remove_state(&self.path);
+    /// Removes what was saved, of a stage that has ended.
+    ///
+    /// # Errors
+    /// As [`Ledger::remove_state`].
+    pub fn clear(&self) -> Result<()> {
+        self.ledger.remove_state(&self.path)
     }
 }
 

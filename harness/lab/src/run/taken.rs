@@ -49,7 +49,8 @@ impl Taken {
         ![REUSED, KEPT, RESUMED].contains(&&self.how[..])
     }
 
-    /// How many links of its chain came to be in which way.
+    /// How many links of its chain came to be in which way. That all were executed does not say that the stage is
+    /// confirmed: only one that is [whole](Taken::is_whole) went on from no state that was found.
     pub fn links(&self, chain: &Chain) -> Links {
         let last = chain.links.last().map_or(0, |link| link.step);
         let own =

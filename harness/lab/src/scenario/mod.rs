@@ -148,15 +148,21 @@ fn unknown_name(name: &str) -> Error {
 /// # Errors
 /// As [`load`].
 pub fn parse(text: &str, place: &str, sets: &[String], folder: &Path) -> Result<CheckedScenario> {
-    // A file named on the command line lies where the command was given.
-    let key = |set: &String| {
-        set.split('=')
-            .next()
-            .is_some_and(|key| key.trim() == "bed.file")
+    let from = BedFile::From(bed_folder(sets, folder));
+    parse_from(text, place, sets, from)
+}
+
+/// Where a bed's file is looked for: one that the command line names lies where the command was given.
+pub(crate) fn bed_folder<'a>(sets: &[String], folder: &'a Path) -> &'a Path {
+    let names_file = |set: &String| {
+        let mut alone = toml::Table::new();
+        let read = apply(&mut alone, set);
+        read.is_ok() && alone.get("bed").and_then(|bed| bed.get("file")).is_some()
     };
-    let named = sets.iter().any(key);
-    let folder = if named { Path::new("") } else { folder };
-    parse_from(text, place, sets, BedFile::From(folder))
+    match sets.iter().any(names_file) {
+        true => Path::new(""),
+        false => folder,
+    }
 }
 
 /// The same; `from` is where a bed's file is looked for, whoever names it.

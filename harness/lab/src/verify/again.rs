@@ -121,7 +121,7 @@ fn drag_again(
     let drag = archive.drag(plan, &bed);
     let path = archive.folder.checkpoint(&plan.name, to);
     let bytes = disk::read(&path)?;
-    let (_, recorded) = run::read(drag, &path)?;
+    let (_, recorded) = run::read(drag, &path, Some(to))?;
     let (mut sim, mut dragging) = archive.state(drag, from)?;
     let mut check = Check::new(&recorded.chain.links, to);
     check.drag = Some(drag);

@@ -52,13 +52,11 @@ impl<'a> Job<'a> {
         }
     }
 
-    /// Whether a call that did this for the stages of its run did not execute every step of it; of other stages none.
+    /// Whether a call that did this for the stages of its run did not execute its stage from the beginning; of other
+    /// stages none. What a stage goes on from may be forged, and with it all that follows.
     pub(crate) fn is_found(&self, taken: &[Taken]) -> bool {
         let mut taken = taken.iter().filter(|one| one.stage == self.piece.name());
-        taken.any(|one| match self.piece {
-            Piece::Bed(_) => !one.is_whole(),
-            Piece::Drag(plan, from, _) => from < plan.steps().saturating_sub(one.steps),
-        })
+        taken.any(|one| !one.is_whole())
     }
 }
 

@@ -10,7 +10,7 @@ use crate::campaign::plan::{Member, Plan};
 use crate::folder::{DirectoryLock, FAILURE, Folder, Held, RUN, hold};
 use crate::manifest::{self, Departure, Ledger, Manifest};
 use crate::progress::Progress;
-use crate::run::stages;
+use crate::run::{names, stages};
 use bitgrain_sim::below::Below;
 use bitgrain_sim::checkpoint;
 use bitgrain_sim::disk::{self, Kind};
@@ -77,7 +77,12 @@ fn take_in(
                 ledger.remove(&of_a_failure)?;
             }
         }
-        copy(&from, &to, ledger, &manifest, &own)?;
+        let planned = names(&member.scenario);
+        let wanted = |name: &str| {
+            let own = ["beds/", &own].iter().any(|begin| name.starts_with(begin));
+            name == FAILURE || own && planned.contains_key(name)
+        };
+        copy(&from, &to, ledger, &manifest, wanted)?;
         for stage in manifest.stages.iter().filter(|stage| stage.finished) {
             ledger.finish_stage(&stage.name, &stage.link)?;
         }
@@ -87,15 +92,15 @@ fn take_in(
     discard(folder, (member, drag), held, progress)
 }
 
-/// Writes what the manifest of a task has into the folder of its member.
-fn copy(from: &Path, to: &Path, ledger: &Ledger, manifest: &Manifest, own: &str) -> Result<()> {
-    for entry in &manifest.files {
-        let wanted = ["beds/", own]
-            .iter()
-            .any(|begin| entry.path.starts_with(begin));
-        if !wanted && entry.path != FAILURE {
-            continue;
-        }
+/// Writes what is wanted of what the manifest of a task has into the folder of its member.
+fn copy(
+    from: &Path,
+    to: &Path,
+    ledger: &Ledger,
+    manifest: &Manifest,
+    wanted: impl Fn(&str) -> bool,
+) -> Result<()> {
+    for entry in manifest.files.iter().filter(|entry| wanted(&entry.path)) {
         let bytes = entry.read(from).map_err(|departure| match departure {
             Departure::Changed(how) => {
                 let place = from.join(&entry.path).display().to_string();
