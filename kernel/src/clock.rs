@@ -107,6 +107,12 @@ impl<R: Real> Clock<R> {
         self.count
     }
 
+    /// The smallest radius of a grain, or period of the box if that is smaller, as of the last start or edit (length);
+    /// the largest number without either.
+    pub fn radius_min(&self) -> R {
+        self.radius_min
+    }
+
     /// Whether grains have left under a [`LossPolicy`](crate::LossPolicy) and must be taken out, with
     /// [`crate::take_out`], before the next step.
     pub fn is_losing(&self) -> bool {

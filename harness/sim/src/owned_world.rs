@@ -167,6 +167,23 @@ impl<R: Real> OwnedWorld<R> {
         })
     }
 
+    /// Enlarges the list that a call found full, or lists less in it: with skins of a tenth of the smallest radius at
+    /// most, and then with none. `false` of other errors, and if it is full without skins. Not for a part of a world,
+    /// since all parts have the same.
+    pub(crate) fn fit_lists(&mut self, full: KernelError) -> bool {
+        if self.make_room(full) {
+            return true;
+        }
+        let is_wider = |least: R| self.skin > least || self.outer_skin > least;
+        if needed(full).is_none() || !is_wider(R::ZERO) {
+            return false;
+        }
+        let tenth = self.clock.radius_min() * R::from_f64(0.1);
+        let narrower = if is_wider(tenth) { tenth } else { R::ZERO };
+        (self.skin, self.outer_skin) = (R::ZERO, narrower);
+        true
+    }
+
     /// Makes lists of at least this many entries.
     ///
     /// # Errors

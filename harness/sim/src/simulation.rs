@@ -192,16 +192,16 @@ impl Simulation {
         self.parts = Parts::default();
     }
 
-    /// Runs `act`, enlarging the lists as often as it finds them full: capacity affects no result. Lists that would
-    /// be longer than bodies beside each other can make them, or than there is memory for, stay full, and that is
-    /// returned.
+    /// Runs `act`, enlarging the lists, or with less in them, as often as it finds them full: neither affects a result.
+    /// Lists that would even so be longer than bodies beside each other can make them, or than there is memory for,
+    /// stay full, and that is returned.
     pub(crate) fn grow_while_full(
         &mut self,
         mut act: impl FnMut(&mut Self) -> Result<(), KernelError>,
     ) -> Result<(), KernelError> {
         loop {
             match act(self) {
-                Err(full) if self.make_room(full) => (),
+                Err(full) if self.fit_lists(full) => (),
                 done => return done,
             }
         }

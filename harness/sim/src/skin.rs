@@ -23,10 +23,22 @@ fn change(wider: bool) -> f64 {
     if wider { CHANGE } else { 1.0 / CHANGE }
 }
 
-/// Skins are kept within these parts of a grain's radius.
+/// Skins are kept within these parts of the smallest radius of the whole world, so that whatever the clock says asks
+/// for no list that is refused: no more than some 85 larger grains have room so near a grain.
 const SKINS: [f64; 2] = [1e-4, 0.4];
 /// So are reaches.
 const OUTER_SKINS: [f64; 2] = [0.02, 1.0];
+
+/// Keeps what was tuned within its bounds; none is wanted in open space without grains.
+fn bound(world: &mut World<'_, f64>) {
+    let radius = match world.clock.radius_min() {
+        f64::MAX => 0.0,
+        radius => radius,
+    };
+    let within = |[least, most]: [f64; 2], skin: f64| skin.clamp(least * radius, most * radius);
+    world.skin = within(SKINS, world.skin);
+    world.outer_skin = within(OUTER_SKINS, world.outer_skin);
+}
 
 /// What is known of the costs.
 #[derive(Clone, Copy, Debug, Default)]
@@ -54,6 +66,7 @@ impl Skin {
             let vain = self.picking_since_search.mul_f64(0.5);
             if !self.picking_since_search.is_zero() {
                 world.outer_skin *= change(took > vain);
+                bound(world);
             }
             self.picking_since_search = Duration::ZERO;
         } else {
@@ -80,10 +93,41 @@ impl Skin {
         let vain = self.stepping.mul_f64(POWER * share);
         world.skin *= change(self.picking > vain);
         (self.steps, self.picking, self.stepping) = (0, Duration::ZERO, Duration::ZERO);
-        let radius = world.grains.position.first().map_or(0.0, |x| x[3]);
-        world.skin = world.skin.clamp(SKINS[0] * radius, SKINS[1] * radius);
-        world.outer_skin = world
-            .outer_skin
-            .clamp(OUTER_SKINS[0] * radius, OUTER_SKINS[1] * radius);
+        bound(world);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::owned_world::OwnedWorld;
+    use bitgrain_kernel::{Domain, Group};
+
+    /// Times as a busy or odd machine may take them: searches that cost far more than all picking, or far less.
+    #[test]
+    fn no_time_asks_for_more_than_the_bounds() {
+        let mut owned = OwnedWorld::new(Domain::open(), 1e-3);
+        owned.groups.push(Group::free([0.0; 3]));
+        owned.add(1, 0, [0.0, 0.0, 0.0, 2.0], [0.0, 0.0, 0.0, 1.0], [0.0; 3]);
+        owned.add(2, 0, [9.0, 0.0, 0.0, 0.5], [0.0, 0.0, 0.0, 1.0], [0.0; 3]);
+        owned.fit_search();
+        owned.reserve(8, 8, 8).unwrap();
+        let law = bitgrain_kernel::contact::HertzTsuji::new(1e4, 0.3, 0.5, 0.5);
+        bitgrain_kernel::start(&mut owned.world(), &law).unwrap();
+        let long_ago = Instant::now() - Duration::from_secs(1);
+        for (searched, picked) in [(long_ago, Instant::now()), (Instant::now(), long_ago)] {
+            let mut skin = Skin::default();
+            for _ in 0..500 {
+                let mut world = owned.world();
+                let searches = world.clock.outer_list_rebuilds();
+                skin.listed(&mut world, searches, picked);
+                skin.stepped(&mut world);
+                skin.listed(&mut world, searches - 1, searched);
+                let (inner, outer) = (world.skin, world.outer_skin);
+                // Of the smaller radius.
+                assert!((0.0..=0.2).contains(&inner) && (0.0..=0.5).contains(&outer));
+                (owned.skin, owned.outer_skin) = (inner, outer);
+            }
+        }
     }
 }

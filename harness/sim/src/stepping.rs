@@ -42,7 +42,7 @@ pub struct Stepping {
     count: usize,
 }
 
-/// A copy has the settings; what is fitted to a pair list stays with that list.
+/// A copy has the settings, and what is known of the costs: a world that is copied at each edit is tuned as any other.
 impl Clone for Stepping {
     fn clone(&self) -> Self {
         Self {
@@ -51,6 +51,7 @@ impl Clone for Stepping {
             tunes: self.tunes,
             cutting: self.cutting,
             ranks: self.ranks.clone(),
+            skin: self.skin,
             ..Self::default()
         }
     }
@@ -133,7 +134,7 @@ impl Stepping {
         if let Some(book) = &mut book {
             book.find(Some);
         }
-        let done = home.while_full(|home| {
+        let done = loop {
             let mut world = home.world();
             let done = law.with(Here {
                 world: &mut world,
@@ -142,8 +143,11 @@ impl Stepping {
                 notes: book.as_mut(),
             });
             (home.skin, home.outer_skin) = (world.skin, world.outer_skin);
-            done
-        });
+            match done {
+                Err(full) if home.fit_lists(full) => (),
+                done => break done,
+            }
+        };
         if let Some(taken) = notes {
             let all = join(taken.watch, book.into_iter(), home.clock.step);
             taken.notes.extend(all);

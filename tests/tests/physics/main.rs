@@ -38,6 +38,7 @@ mod released;
 mod rig;
 mod rolling;
 mod silo;
+mod stopped;
 mod store;
 mod tank;
 mod walls;
