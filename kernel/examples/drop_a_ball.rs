@@ -44,6 +44,6 @@ pub fn main() -> Result<(), Error> {
     // It rests, and the floor carries its weight.
     assert!(world.grains.velocity[0][2].abs() < 1e-6);
     assert!((world.obstacles[0].force[2] + MASS).abs() < 1e-6);
-    println!("digest {:02x?}", &digest(&world).whole[..8]);
+    println!("digest {:02x?}", &digest(&world)?.whole[..8]);
     Ok(())
 }

@@ -39,8 +39,10 @@ pub struct Clock<R> {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) enum Stage {
-    /// Not started, or stopped by a fault.
+    /// Not started, or changed since so that it must be started again: the rows are what their owner has put there.
     #[default]
+    New,
+    /// Stopped by a fault, in the middle of a step.
     Stopped,
     /// Between two stretches of steps, and sealed.
     Resting,
@@ -69,7 +71,7 @@ impl<R: Real> Clock<R> {
         seal: 0,
         count: 0,
         losing: false,
-        stage: Stage::Stopped,
+        stage: Stage::New,
     };
 
     /// Searches done.
@@ -130,6 +132,20 @@ impl<R: Real> Clock<R> {
         self.stage == Stage::Going
     }
 
+    /// Whether the world has a state: that of its last finished step, or what its owner has put there before a start.
+    /// It has none in the middle of a step, nor after a fault has stopped one there: numbers of two steps stand in the
+    /// rows then, and how many are of which depends on how the host steps.
+    pub fn has_state(&self) -> bool {
+        matches!(self.stage, Stage::New | Stage::Resting | Stage::Going)
+    }
+
+    /// Notes that the owner has changed what a step reads. What a fault has stopped stays so.
+    pub(crate) fn unstart(&mut self) {
+        if self.has_state() {
+            self.stage = Stage::New;
+        }
+    }
+
     /// How far beyond touching the law of the world acts (length, zero or more); see
     /// [`Law::reach`](crate::contact::Law::reach). [`crate::start`] asks the law; a world that is resumed is told
     /// before that.
@@ -142,8 +158,8 @@ impl<R: Real> Clock<R> {
         self.reach
     }
 
-    /// Stops a world that was computed wrongly, as its host found: all further steps are refused
-    /// with [`NotStarted`](crate::Error::NotStarted).
+    /// Stops a world that was computed wrongly, as its host found: it has no state then, and all that would read one,
+    /// or go on from it, is refused with [`NotStarted`](crate::Error::NotStarted).
     pub fn stop(&mut self) {
         self.stage = Stage::Stopped;
     }

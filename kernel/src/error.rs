@@ -156,8 +156,8 @@ pub enum Error {
         /// The obstacle.
         obstacle: u32,
     },
-    /// A step was requested of a world that was not started, or was stopped by a fault, or whose last stretch
-    /// of steps was not ended.
+    /// A step of a world that was not started, or whose last stretch of steps was not ended; or whatever needs a state
+    /// of a world that a fault has stopped, which has none.
     NotStarted,
     /// There is no grain at this place.
     NoGrain {
@@ -258,6 +258,11 @@ impl Error {
             Self::UnknownGrain { .. } => 53,
             Self::GrainsLeaving => 54,
         }
+    }
+
+    /// Whether it is one of the motion, which stops a world; see [`Error::code`].
+    pub(crate) fn stops(&self) -> bool {
+        (30..50).contains(&self.code())
     }
 
     /// Of two faults of grains the one of the lower id: what one pass over both would have found first.
@@ -373,7 +378,7 @@ impl fmt::Display for Error {
                 f,
                 "grain {id} overlaps obstacle {obstacle} by more than a quarter of the smaller diameter"
             ),
-            Error::NotStarted => write!(f, "the world was not started, or was stopped by a fault"),
+            Error::NotStarted => f.write_str(NOT_STARTED),
             Error::NoGrain { place } => write!(f, "there is no grain at place {place}"),
             Error::UnknownGrain { id } => write!(f, "there is no grain with id {id}"),
             Error::GrainsLeaving => f.write_str(LEAVING),
@@ -391,6 +396,9 @@ fn full(f: &mut fmt::Formatter<'_>, list: &str, needed: usize) -> fmt::Result {
 }
 
 const LEAVING: &str = "grains have left the world: take them out before the next step";
+
+const NOT_STARTED: &str =
+    "the world was not started, or a fault stopped it in the middle of a step and it has no state";
 
 const TOO_LARGE: &str = "take one with fewer places after the point, or other units";
 

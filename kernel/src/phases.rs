@@ -350,6 +350,7 @@ pub fn finish<R: Real>(world: &mut World<'_, R>, passed: MotionCheck<R>) -> Resu
     if !matches!(world.clock.stage, Stage::Drifted | Stage::Listed) {
         return Err(Error::NotStarted);
     }
+    world.clock.stage = Stage::Stopped;
     for body in world.obstacles.iter_mut() {
         body.kick(world.dt);
     }
@@ -360,13 +361,12 @@ pub fn finish<R: Real>(world: &mut World<'_, R>, passed: MotionCheck<R>) -> Resu
     Ok(())
 }
 
-/// Leaves a world between two steps, unless it is unsound.
+/// Leaves a world between two steps, unless it is unsound: then it stays as it is.
 #[inline]
 pub(crate) fn go_on<R: Real>(
     world: &mut World<'_, R>,
     passed: MotionCheck<R>,
 ) -> Result<(), Error> {
-    world.clock.stage = Stage::Stopped;
     if let Some(fault) = passed.unsound {
         return Err(fault);
     }

@@ -32,8 +32,9 @@ use crate::world::{Stage, World};
 ///
 /// # Errors
 /// A full list leaves the state untouched: enlarge the storage and call again. So does [`Error::Edited`],
-/// of a world that was written to: start or resume it. Any other fault leaves the world stopped, in the
-/// middle of the step or after it, for inspection.
+/// of a world that was written to: start or resume it. Any other fault stops the world in the middle of the step: it
+/// has no state then ([`Clock::has_state`](crate::Clock::has_state)), and is neither digested, saved, edited nor
+/// started; [`Clock::step`](crate::Clock) says how many steps were finished.
 #[inline]
 pub fn step<R: Real, L: Law<R>>(world: &mut World<'_, R>, law: &L) -> Result<(), Error> {
     step_watched(world, law, nobody)
@@ -109,7 +110,9 @@ fn advance<R: Real>(
         begin(world, sealed)?;
     }
     if let Err(fault) = ensure_pair_list_ahead(world) {
-        if !held {
+        if fault.stops() {
+            world.clock.stage = Stage::Stopped;
+        } else if !held {
             // As it was when it began, so that its seal holds.
             world.clock.stage = Stage::Resting;
         }
@@ -136,7 +139,8 @@ fn nobody<R>(_: ContactForce<R>) {}
 ///
 /// # Errors
 /// Whatever is wrong with the world, before anything is changed; a full list: enlarge the storage
-/// and start again; or what the forces show: overlaps too deep, speeds too high.
+/// and start again; or what the forces show: overlaps too deep, speeds too high. [`Error::NotStarted`] of a world that
+/// a fault has stopped: whoever puts a state into its rows begins with a new [`Clock`](crate::Clock).
 #[inline]
 pub fn start<R: Real, L: Law<R>>(world: &mut World<'_, R>, law: &L) -> Result<(), Error> {
     start_watched(world, law, nobody)
@@ -223,7 +227,10 @@ pub(crate) fn take_up<R: Real>(
 #[inline]
 fn prepare<R: Real>(world: &mut World<'_, R>, has_moved: bool, begins: bool) -> Result<(), Error> {
     let clock = &mut *world.clock;
-    clock.stage = Stage::Stopped;
+    if !clock.has_state() {
+        return Err(Error::NotStarted);
+    }
+    clock.stage = Stage::New;
     clock.losing = false;
     if !world.pairs.holds(clock.listed) || !world.stretches.holds(clock.listed.stretches) {
         // Of other storage.

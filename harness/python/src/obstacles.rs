@@ -78,6 +78,12 @@ impl Obstacle {
         Ok(read(&self.shared)?.sim.obstacles[self.number])
     }
 
+    /// The body as it moves, in a world that has a state.
+    fn moving(&self) -> PyResult<Body<f64>> {
+        let core = read(&self.shared)?;
+        Ok(core.state().map_err(kernel)?.obstacles[self.number])
+    }
+
     fn free_motion(&self) -> PyResult<Option<FreeMotion<f64>>> {
         Ok(match self.body()?.motion {
             Motion::Free(free) => Some(free),
@@ -134,7 +140,7 @@ impl Obstacle {
     /// InputError, Busy
     #[getter]
     fn point<'py>(&self, py: Python<'py>) -> Vector<'py> {
-        fixed(py, self.body()?.point)
+        fixed(py, self.moving()?.point)
     }
 
     #[setter]
@@ -153,7 +159,7 @@ impl Obstacle {
     /// InputError, Busy
     #[getter]
     fn velocity<'py>(&self, py: Python<'py>) -> Vector<'py> {
-        fixed(py, self.body()?.velocity)
+        fixed(py, self.moving()?.velocity)
     }
 
     #[setter]
@@ -171,7 +177,7 @@ impl Obstacle {
     /// InputError, Busy
     #[getter]
     fn angular_velocity<'py>(&self, py: Python<'py>) -> Vector<'py> {
-        fixed(py, self.body()?.angular_velocity)
+        fixed(py, self.moving()?.angular_velocity)
     }
 
     #[setter]
@@ -191,7 +197,7 @@ impl Obstacle {
     /// InputError, Busy
     #[getter]
     fn orientation<'py>(&self, py: Python<'py>) -> Vector<'py> {
-        let array = PyArray1::from_slice(py, &self.body()?.orientation);
+        let array = PyArray1::from_slice(py, &self.moving()?.orientation);
         array.call_method1("setflags", (false,))?;
         Ok(array)
     }
@@ -285,13 +291,13 @@ impl Obstacle {
     /// Force of the grains on it after the last step, shape (3,).
     #[getter]
     fn force<'py>(&self, py: Python<'py>) -> Vector<'py> {
-        fixed(py, self.body()?.force)
+        fixed(py, self.moving()?.force)
     }
 
     /// Torque of that force about `point`, shape (3,).
     #[getter]
     fn torque<'py>(&self, py: Python<'py>) -> Vector<'py> {
-        fixed(py, self.body()?.torque)
+        fixed(py, self.moving()?.torque)
     }
 
     /// Mean of `force` over the steps of the last `World.step`, shape (3,); NaN before the first.
@@ -349,12 +355,14 @@ impl Obstacle {
     }
 
     fn __repr__(&self) -> PyResult<String> {
-        let body = self.body()?;
-        let [x, y, z] = body.point;
-        Ok(format!(
-            "<bitgrain.Obstacle {}: {} at ({x:?}, {y:?}, {z:?})>",
-            self.number,
-            self.shape()?
-        ))
+        let place = match read(&self.shared)?.state() {
+            Ok(sim) => {
+                let [x, y, z] = sim.obstacles[self.number].point;
+                format!("at ({x:?}, {y:?}, {z:?})")
+            }
+            Err(_) => "of a stopped world".to_owned(),
+        };
+        let (number, shape) = (self.number, self.shape()?);
+        Ok(format!("<bitgrain.Obstacle {number}: {shape} {place}>"))
     }
 }

@@ -22,6 +22,8 @@ impl World {
     /// ------
     /// Arithmetic
     ///     Something changed the processor's modes, as a library built with fast-math does.
+    /// NotStarted
+    ///     An error of the motion has stopped the world: it has no state.
     /// Busy
     #[getter]
     fn digest(&self) -> PyResult<String> {
@@ -163,7 +165,8 @@ impl World {
     /// Kinetic energy of all grains, of translation and rotation (mass length^2 / time^2).
     #[getter]
     fn kinetic_energy(&self) -> PyResult<f64> {
-        Ok(read(&self.shared)?.sim.kinetic_energy())
+        let core = read(&self.shared)?;
+        Ok(core.state().map_err(kernel)?.kinetic_energy())
     }
 }
 

@@ -7,7 +7,7 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 
 use crate::arrays::rows;
-use crate::errors::input;
+use crate::errors::{input, kernel};
 use crate::obstacles::{Obstacle, steps_over, turned};
 use crate::views::{Shared, read, write};
 use crate::world::World;
@@ -30,7 +30,8 @@ fn array<'py>(py: Python<'py>, vectors: Vec<[f64; 3]>) -> Rows<'py> {
 impl Obstacles {
     fn bodies<'py>(&self, py: Python<'py>, of: impl Fn(&Body<f64>) -> [f64; 3]) -> Rows<'py> {
         let core = read(&self.shared)?;
-        let vectors = self.numbers.iter().map(|k| of(&core.sim.obstacles[*k]));
+        let sim = core.state().map_err(kernel)?;
+        let vectors = self.numbers.iter().map(|k| of(&sim.obstacles[*k]));
         array(py, vectors.collect())
     }
 

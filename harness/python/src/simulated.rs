@@ -137,12 +137,26 @@ impl Core {
         Ok(())
     }
 
+    /// The state.
+    ///
+    /// # Errors
+    /// [`KernelError::NotStarted`] after a fault that stopped a step: there is none.
+    pub fn state(&self) -> Result<&Simulation, KernelError> {
+        match self.sim.clock.has_state() {
+            true => Ok(&self.sim),
+            false => Err(KernelError::NotStarted),
+        }
+    }
+
     /// Changes a copy of the simulation, which takes its place if all of the change succeeds.
     ///
     /// # Errors
     /// What `act` returns; the world is as it was.
-    pub fn edit<E>(&mut self, act: impl FnOnce(&mut Simulation) -> Result<(), E>) -> Result<(), E> {
-        let mut sim = self.sim.clone();
+    pub fn edit(
+        &mut self,
+        act: impl FnOnce(&mut Simulation) -> Result<(), KernelError>,
+    ) -> Result<(), KernelError> {
+        let mut sim = self.state()?.clone();
         act(&mut sim)?;
         self.sim = sim;
         self.generation += 1;

@@ -50,7 +50,8 @@ impl World {
     /// ------
     /// KernelError
     ///     What stopped a step, as `Escaped` with the id of the grain; `step_count` says how many were done. After an
-    ///     error of the motion the world is stopped, for inspection.
+    ///     error of the motion the world is stopped and has no state: whatever reads one or goes on raises
+    ///     `NotStarted`.
     /// InputError, Busy
     #[pyo3(signature = (n=1, *, force=None, torque=None))]
     fn step(

@@ -11,7 +11,7 @@ use numpy::{Element, PyArray};
 use parking_lot::{ArcRwLockReadGuard, ArcRwLockWriteGuard, RawRwLock, RwLock};
 use pyo3::prelude::*;
 
-use crate::errors::{busy, stale};
+use crate::errors::{busy, kernel, stale};
 use crate::simulated::Core;
 
 /// A world that handles, views and threads share.
@@ -81,9 +81,13 @@ impl Window {
     /// Of the present state.
     ///
     /// # Errors
-    /// `Busy`.
+    /// `Busy`; `NotStarted` after a fault that stopped a step, but for what no step changes.
     pub fn of(shared: &Shared, shown: Shown) -> PyResult<Self> {
         let core = read(shared)?;
+        match shown {
+            Shown::Radii | Shown::Masses | Shown::Ids | Shown::Groups => {}
+            _ => drop(core.state().map_err(kernel)?),
+        }
         Ok(Self {
             shared: Arc::clone(shared),
             shown,

@@ -98,13 +98,54 @@ def test_errors_that_a_world_meets():
     raised(bitgrain.ObstacleTooSlow, w.step, obstacle=0, code=10)
 
 
-def test_a_world_that_was_stopped_stays_for_inspection():
+@pytest.mark.parametrize("at_once", [1, 10_000])
+def test_a_world_that_was_stopped_has_no_state(at_once):
     w = world()
-    w.add([[4, 4, 0.1]], 0.5, 1.0)
-    escaped = raised(bitgrain.Escaped, lambda: w.step(10_000), id=1, code=36)
+    ball = w.sphere(radius=0.5, point=(1, 1, 1))
+    ids = w.add([[4, 4, 0.1]], 0.5, 1.0)
+    data = w.save()
+    positions = w.positions
+
+    def steps():
+        for _ in range(10_000 // at_once):
+            w.step(at_once)
+
+    escaped = raised(bitgrain.Escaped, steps, id=1, code=36)
     assert "grain 1 left the box" in str(escaped)
-    assert 0 < w.step_count < 10_000 and w.positions[0, 2] < 0.01
-    raised(bitgrain.NotStarted, w.step, code=50)
+    before = bitgrain.World.load(data)
+    before.step(w.step_count)
+    assert before.positions[0, 2] < 0.01
+    raised(bitgrain.Escaped, before.step, id=1, code=36)
+
+    def edit():
+        with w.edit() as e:
+            e.remove(ids)
+
+    def place():
+        ball.point = (2, 2, 2)
+
+    for act in [
+        w.step,
+        w.save,
+        edit,
+        place,
+        lambda: w.digest,
+        lambda: w.digests,
+        lambda: w.positions,
+        lambda: w.forces,
+        lambda: w.kinetic_energy,
+        lambda: ball.point,
+        lambda: ball.force,
+        lambda: w.select([ball]).forces,
+        lambda: w.add([[4, 4, 4]], 0.5, 1.0),
+        lambda: w.plane(normal=(0, 0, 1)),
+    ]:
+        raised(bitgrain.NotStarted, act, code=50)
+    with pytest.raises(bitgrain.StaleView):
+        positions[0]
+    # What no step changes is there, and so is the number of steps.
+    assert (w.ids[0], w.radii[0], w.masses.shape, len(w), w.step_count) == (1, 0.5, (1,), 1, before.step_count)
+    assert repr(ball) == "<bitgrain.Obstacle 0: sphere of a stopped world>"
 
 
 @pytest.mark.parametrize(

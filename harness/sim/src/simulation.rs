@@ -304,9 +304,10 @@ impl Simulation {
     /// Advances by `count` steps, on the threads of the rayon pool that this is called in.
     ///
     /// # Errors
-    /// What stopped a step; [`Simulation::step_count`] says how many were finished. [`KernelError::Edited`], if rows
-    /// were written to since the last step: [`Simulation::resume`] or start again. A list for which there is no memory:
-    /// on one thread the world can go on once there is, on several it is stopped.
+    /// What stopped a step; [`Simulation::step_count`] says how many were finished. The simulation has no state then
+    /// ([`Clock::has_state`]): rows, obstacles and contacts are of no one step, and no two ways of stepping leave the
+    /// same. [`KernelError::Edited`], if rows were written to since the last step: [`Simulation::resume`] or start
+    /// again. A list for which there is no memory stops a step too: on one thread it goes on once there is memory.
     pub fn steps(&mut self, count: u64) -> Result<(), KernelError> {
         // A file may say that any number of steps was done.
         self.go_to(self.clock.step.saturating_add(count), None)
@@ -388,10 +389,10 @@ impl Simulation {
     ///
     /// # Errors
     /// [`KernelError::Arithmetic`], if something changed the processor's modes since the last step: what was
-    /// measured of the state since then may be wrong.
+    /// measured of the state since then may be wrong. [`KernelError::NotStarted`] after a fault that stopped a step.
     pub fn digest(&mut self) -> Result<Digest, KernelError> {
         check_arithmetic::<f64>()?;
-        Ok(bitgrain_kernel::digest(&self.world()))
+        bitgrain_kernel::digest(&self.world())
     }
 
     /// The touching contacts with what the law keeps of them, by places.

@@ -100,7 +100,7 @@ impl Stepping {
             self.begin(home, parts)?;
             self.held = false;
         }
-        if self.count > 1 && home.clock.has_begun() {
+        let went = if self.count > 1 && home.clock.has_begun() {
             let settings = Settings {
                 law: law.clone(),
                 registers: self.registers,
@@ -108,14 +108,16 @@ impl Stepping {
                 ranks: self.ranks.clone(),
                 cutting: self.cutting,
             };
-            parts.steps(home, &settings, (self.count, last), notes)?;
+            parts.steps(home, &settings, (self.count, last), notes)
         } else {
-            parts.come_home(home)?;
-            self.whole(home, law, last, notes)?;
-        }
-        if !self.held {
+            let came = parts.come_home(home);
+            came.and_then(|()| self.whole(home, law, last, notes))
+        };
+        // What could not begin a step is the world that it was.
+        if !self.held && home.clock.has_begun() {
             self.end(home, parts)?;
         }
+        went?;
         match home.clock.step < last {
             true => Err(KernelError::GrainsLeaving),
             false => Ok(()),

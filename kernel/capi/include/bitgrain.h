@@ -103,7 +103,7 @@
 // A grain and an obstacle do.
 #define BG_OBSTACLE_TOO_DEEP 38
 
-// The world was not started, or was stopped by a fault.
+// The world was not started, or a fault stopped it in the middle of a step and it has no state.
 #define BG_NOT_STARTED 50
 
 // Memory of the world was written to between two steps.
@@ -598,6 +598,7 @@ int32_t bg_push(bg_world *world,
 int32_t bg_drive(bg_world *world, uint32_t number, const double *velocity);
 
 // Sets `out` to an obstacle as it is: its place, the force on it in the last step, and the means over the last steps.
+// After a fault of the motion there is none.
 int32_t bg_get_obstacle(bg_world *world,
                         uint32_t number,
                         bg_obstacle *out);
@@ -626,7 +627,7 @@ int32_t bg_record_end(bg_recording *recording, char *out, size_t size);
 
 // Copies a field of `count` grains from the place `first` on, by ascending id, to `out`: one record every `stride`
 // bytes, or one after the other if `stride` is 0. Types and lengths of records stand at `BG_ID` and the others; `out`
-// need not be aligned.
+// need not be aligned. After a fault of the motion only what no step changes can be read: ids, groups, radii, masses.
 int32_t bg_read(bg_world *world,
                 uint32_t field,
                 void *out,
@@ -717,7 +718,8 @@ int32_t bg_step_apply(bg_world *world,
                       bg_departed departed,
                       void *user);
 
-// Sets `out` to the digests of the state: the same on every machine and in every language.
+// Sets `out` to the digests of the state: the same on every machine and in every language. After a fault of the motion
+// a world has none.
 int32_t bg_get_digest(bg_world *world, bg_digest *out);
 
 #ifdef __cplusplus

@@ -37,7 +37,9 @@ pub extern "C" fn bg_insert(world: *mut bg_world, grains: *const bg_grain, count
             velocity: grain.velocity,
             spin: grain.spin,
         });
-        if parts.store.world().clock.rests() {
+        let clock = *parts.store.world().clock;
+        // One that a fault has stopped refuses them too.
+        if clock.rests() || !clock.has_state() {
             return Ok(parts.store.insert(new)?);
         }
         let room = parts.store.capacity().grains;

@@ -1,6 +1,6 @@
 //! Obstacles: what they are, how they move, and the forces on them.
 
-use bitgrain_kernel::{FACETS_MAX, Facet, FreeMotion, Motion, Obstacle, Shape, arrange};
+use bitgrain_kernel::{Error, FACETS_MAX, Facet, FreeMotion, Motion, Obstacle, Shape, arrange};
 
 use crate::block::{Parts, give, lent, put, take, vector, with};
 use crate::laws::material;
@@ -178,12 +178,16 @@ pub extern "C" fn bg_drive(world: *mut bg_world, number: u32, velocity: *const f
 }
 
 /// Sets `out` to an obstacle as it is: its place, the force on it in the last step, and the means over the last steps.
+/// After a fault of the motion there is none.
 #[unsafe(no_mangle)]
 pub extern "C" fn bg_get_obstacle(world: *mut bg_world, number: u32, out: *mut bg_obstacle) -> i32 {
     with(world, |parts| {
         let steps = (*parts.stepped).max(1) as f64;
         let sums = parts.sums.get(number as usize).copied();
         let world = parts.store.world();
+        if !world.clock.has_state() {
+            return Err(Error::NotStarted.into());
+        }
         let body = world.obstacles.get(number as usize).zip(sums);
         let (body, sums) = body.ok_or(fault(BG_BAD_ARGUMENT))?;
         let nothing = [0.0; 3];

@@ -2,6 +2,8 @@
 
 use core::ffi::c_void;
 
+use bitgrain_kernel::Error;
+
 use crate::block::{lent_mut, with};
 use crate::status::{BG_BAD_ARGUMENT, BG_NO_GRAIN, Done, fault};
 use crate::types::{
@@ -11,7 +13,7 @@ use crate::types::{
 
 /// Copies a field of `count` grains from the place `first` on, by ascending id, to `out`: one record every `stride`
 /// bytes, or one after the other if `stride` is 0. Types and lengths of records stand at `BG_ID` and the others; `out`
-/// need not be aligned.
+/// need not be aligned. After a fault of the motion only what no step changes can be read: ids, groups, radii, masses.
 #[unsafe(no_mangle)]
 pub extern "C" fn bg_read(
     world: *mut bg_world,
@@ -24,6 +26,10 @@ pub extern "C" fn bg_read(
     with(world, |parts| {
         let world = parts.store.world();
         let g = &world.grains;
+        let stays = matches!(field, BG_ID | BG_GROUP | BG_RADIUS | BG_MASS);
+        if !stays && !world.clock.has_state() {
+            return Err(Error::NotStarted.into());
+        }
         let end = first.checked_add(count).filter(|end| *end <= g.count());
         let range = first..end.ok_or(fault(BG_NO_GRAIN))?;
         let rows = |rows: &[[f64; 4]]| {

@@ -66,7 +66,7 @@ pub const BG_ESCAPED: i32 = 36;
 pub const BG_OVERLAP_TOO_DEEP: i32 = 37;
 /// A grain and an obstacle do.
 pub const BG_OBSTACLE_TOO_DEEP: i32 = 38;
-/// The world was not started, or was stopped by a fault.
+/// The world was not started, or a fault stopped it in the middle of a step and it has no state.
 pub const BG_NOT_STARTED: i32 = 50;
 /// Memory of the world was written to between two steps.
 pub const BG_EDITED: i32 = 51;
@@ -194,7 +194,9 @@ fn text(code: i32) -> &'static core::ffi::CStr {
         BG_OBSTACLE_TOO_DEEP => {
             c"a grain overlaps an obstacle by more than a quarter of the smaller diameter"
         }
-        BG_NOT_STARTED => c"the world was not started, or was stopped by a fault",
+        BG_NOT_STARTED => {
+            c"the world was not started, or a fault stopped it in the middle of a step and it has no state"
+        }
         BG_EDITED => c"the world's memory was written to between two steps",
         BG_NO_GRAIN => c"there is no such grain",
         BG_UNKNOWN_GRAIN => c"there is no grain with this id",

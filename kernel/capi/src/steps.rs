@@ -166,11 +166,12 @@ fn departure(step: u64, gone: &Departure<f64>) -> bg_departure {
     }
 }
 
-/// Sets `out` to the digests of the state: the same on every machine and in every language.
+/// Sets `out` to the digests of the state: the same on every machine and in every language. After a fault of the motion
+/// a world has none.
 #[unsafe(no_mangle)]
 pub extern "C" fn bg_get_digest(world: *mut bg_world, out: *mut bg_digest) -> i32 {
     with(world, |parts| {
-        let d = digest(&parts.store.world());
+        let d = digest(&parts.store.world())?;
         give(
             out,
             bg_digest {

@@ -243,12 +243,12 @@ fn follow<R: Real, L: Law<R>>(
     let mut world = room.world();
     if world.clock.step == 0 {
         start(&mut world, law)?;
-        tell(0, digest(&world).whole);
+        tell(0, digest(&world)?.whole);
     }
     while world.clock.step < last {
         step(&mut world, law)?;
         if world.clock.step.is_multiple_of(EVERY) {
-            tell(world.clock.step, digest(&world).whole);
+            tell(world.clock.step, digest(&world)?.whole);
         }
     }
     Ok(())

@@ -4,6 +4,7 @@
 //! of either byte order, and its parts say what differs when two runs differ.
 
 use crate::blake3::Hasher;
+use crate::error::Error;
 use crate::math::real::Real;
 use crate::math::rows::{get_or_default, prefix};
 use crate::math::vec3::head;
@@ -67,7 +68,18 @@ impl Digest {
 }
 
 /// Digests a state. Forces and histories are those of the last evaluation.
-pub fn digest<R: Real>(world: &World<'_, R>) -> Digest {
+///
+/// # Errors
+/// [`Error::NotStarted`] of a world in the middle of a step, or that a fault has stopped there: it has no state.
+pub fn digest<R: Real>(world: &World<'_, R>) -> Result<Digest, Error> {
+    match world.clock.has_state() {
+        true => Ok(digest_rows(world)),
+        false => Err(Error::NotStarted),
+    }
+}
+
+/// Digests what stands in the rows.
+pub(crate) fn digest_rows<R: Real>(world: &World<'_, R>) -> Digest {
     let g = &world.grains;
     let id = |place: u32| get_or_default(g.id, place as usize);
     let positions = hash(|h| {

@@ -16,7 +16,7 @@ use crate::state::facet::Facet;
 use crate::state::grains::{Grains, Group, NewGrain};
 use crate::state::losses::LossPolicy;
 use crate::state::obstacle::Obstacle;
-use crate::world::{Clock, Stage, World};
+use crate::world::{Clock, World};
 
 /// What a lent store keeps beside its rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -162,7 +162,7 @@ impl<'a, R: Real> LentStore<'a, R> {
         }
         set(self.memory.groups, head.groups, group);
         head.groups += 1;
-        head.clock.stage = Stage::Stopped;
+        head.clock.unstart();
         Ok(number)
     }
 
@@ -178,7 +178,7 @@ impl<'a, R: Real> LentStore<'a, R> {
         }
         set(self.memory.obstacles, head.obstacles, obstacle);
         head.obstacles += 1;
-        head.clock.stage = Stage::Stopped;
+        head.clock.unstart();
         Ok(number)
     }
 
@@ -215,7 +215,7 @@ impl<'a, R: Real> LentStore<'a, R> {
         let mut world = self.lend(count + 1);
         world.grains.put(count, grain);
         world.clock.count = count + 1;
-        world.clock.stage = Stage::Stopped;
+        world.clock.unstart();
         Ok(())
     }
 

@@ -17,7 +17,7 @@ use crate::state::facet::Facet;
 use crate::state::grains::{Grains, Group, NewGrain};
 use crate::state::losses::LossPolicy;
 use crate::state::obstacle::Obstacle;
-use crate::world::{Clock, Stage, World};
+use crate::world::{Clock, World};
 
 /// A world of at most `GRAINS` grains, `PAIRS` listed pairs, `OBSTACLE_CONTACTS` listed obstacle contacts and
 /// `BODIES` obstacles and as many groups, all inside one value.
@@ -232,7 +232,7 @@ impl<
             return Err(group);
         };
         self.groups.push(group)?;
-        self.clock.stage = Stage::Stopped;
+        self.clock.unstart();
         Ok(number)
     }
 
@@ -242,14 +242,14 @@ impl<
     /// The obstacle, if there are `BODIES` already.
     pub fn add_obstacle(&mut self, obstacle: Obstacle<R>) -> Result<(), Obstacle<R>> {
         self.obstacles.push(obstacle)?;
-        self.clock.stage = Stage::Stopped;
+        self.clock.unstart();
         Ok(())
     }
 
     /// The triangles of all meshes, instead of those before; see [`Obstacle::mesh`].
     pub fn set_facets(&mut self, facets: &'static [Facet<R>]) {
         self.facets = facets;
-        self.clock.stage = Stage::Stopped;
+        self.clock.unstart();
     }
 
     /// What becomes of grains that leave, from now on; at first they stop the world.
@@ -272,7 +272,7 @@ impl<
         self.fit();
         let count = self.id.len();
         self.lengthen(1)?;
-        self.clock.stage = Stage::Stopped;
+        self.clock.unstart();
         self.clock.count = count + 1;
         self.lend().grains.put(
             count,

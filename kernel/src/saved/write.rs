@@ -6,7 +6,7 @@ use super::layout::{
 };
 use crate::blake3::Hasher;
 use crate::digest::BITS_VERSION;
-use crate::digest::state::digest;
+use crate::digest::state::digest_rows;
 use crate::edit::settle::open;
 use crate::error::Error;
 use crate::math::real::Real;
@@ -187,7 +187,7 @@ impl<'a> Writer<'a> {
         for corner in world.facets.iter().flat_map(Facet::corners) {
             self.numbers(&corner);
         }
-        self.hash(&digest(world).whole);
+        self.hash(&digest_rows(world).whole);
     }
 
     fn word(&mut self, word: u32) {

@@ -105,7 +105,7 @@ fn run<R: Real>(skin: f64, cut: Option<f64>) -> Vec<(Digest, Vec<u32>)> {
     for round in 0..6 {
         steps(&mut bed.world(), 120).unwrap();
         edits(&mut bed, round);
-        let look = |world: &World<'_, R>| (digest(world), world.grains.id.to_vec());
+        let look = |world: &World<'_, R>| (digest(world).unwrap(), world.grains.id.to_vec());
         seen.push(look(&bed.world()));
         if let Some(skin) = cut {
             bed = again(&mut bed, skin);
@@ -347,7 +347,7 @@ fn lose(
         }
     }
     let world = store.world();
-    (seen, digest(&world), world.grains.id.to_vec())
+    (seen, digest(&world).unwrap(), world.grains.id.to_vec())
 }
 
 #[test]

@@ -57,7 +57,10 @@ pub fn steps<R: Real>(world: &mut World<'_, R>, count: usize) -> Result<(), Erro
 }
 
 /// What becomes of a world that is edited after 20 steps, and its state 60 steps later.
-fn edited(skin: f64, edit: impl Fn(&mut World<'_, f64>)) -> (Result<(), Error>, Digest) {
+fn edited(
+    skin: f64,
+    edit: impl Fn(&mut World<'_, f64>),
+) -> (Result<(), Error>, Result<Digest, Error>) {
     let mut store = row::<f64>(skin);
     let mut world = store.world();
     steps(&mut world, 20).unwrap();

@@ -1,7 +1,8 @@
 //! What hosts do to a world between and within steps: forces of their own, and blows.
 
 use bitgrain_kernel::{
-    ContactHistory, Error, GrainState, Real, World, digest, nudge, resume, step, step_with,
+    Clock, ContactHistory, Error, GrainState, Real, World, digest, nudge, remove, resume, save,
+    start, step, step_with,
 };
 
 use crate::edits::{SKINS, law, row, steps};
@@ -112,6 +113,56 @@ fn a_force_that_is_no_number_is_found_at_its_grain() {
             assert_eq!(fault, Err(Error::NotFinite { id: 3 }));
             assert_eq!(step(&mut world, &law()), Err(Error::NotStarted));
         }
+    }
+}
+
+/// After a fault of the motion a world has no state: nothing reads one, and nothing goes on from it.
+#[test]
+fn a_fault_leaves_no_state() {
+    type Act = fn(&mut World<'_, f64>) -> Result<(), Error>;
+    let faults: [(Act, Error); 3] = [
+        (
+            |world| with(world, 1, |_| ([f64::NAN; 3], [0.0; 3])),
+            Error::NotFinite { id: 1 },
+        ),
+        (
+            |world| {
+                nudge(world, 1, [400.0, 0.0, 0.0], [0.0; 3])?;
+                steps(world, 10)
+            },
+            Error::OverlapTooDeep { i: 3, j: 4 },
+        ),
+        (
+            |world| {
+                world.obstacles[1].velocity[0] = 1e4;
+                steps(world, 1)
+            },
+            Error::ObstacleTooFast { obstacle: 1 },
+        ),
+    ];
+    for (act, fault) in faults {
+        let mut store = row::<f64>(0.03);
+        let mut world = store.world();
+        steps(&mut world, 5).unwrap();
+        let histories: Vec<ContactHistory<f64>> = world.contact_histories().collect();
+        assert!(world.clock.has_state());
+        assert_eq!(act(&mut world), Err(fault));
+        world.obstacles[1].velocity[0] = 0.0;
+        let refused = Err(Error::NotStarted);
+        assert!(!world.clock.has_state());
+        assert_eq!(digest(&world).err(), refused.err());
+        assert_eq!(save(&mut world, &mut [0; 9000]), Err(Error::NotStarted));
+        assert_eq!(step(&mut world, &law()), refused);
+        assert_eq!(start(&mut world, &law()), refused);
+        assert_eq!(resume(&mut world, histories), refused);
+        assert_eq!(nudge(&mut world, 1, [0.0; 3], [0.0; 3]), refused);
+        assert_eq!(remove(&mut world, &[1]), refused);
+        // What is added does not make it a state.
+        store.add_grain(9, 0, [5.0; 3], 0.5, 0.5).unwrap();
+        assert!(!store.world().clock.has_state());
+        // Another clock is of another world, which begins with what stands in the rows.
+        *store.world().clock = Clock::default();
+        assert!(store.world().clock.has_state());
     }
 }
 

@@ -307,7 +307,7 @@ fn two_that_fly_at_each_other_meet_in_time() {
             for n in 0..300 {
                 step_watched(&mut world, &law, |_| first = first.or(Some(n))).unwrap();
             }
-            met.push((skin, first.expect("they meet"), digest(&world)));
+            met.push((skin, first.expect("they meet"), digest(&world).unwrap()));
         }
         for (skin, step, state) in &met {
             assert_eq!(

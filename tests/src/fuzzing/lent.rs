@@ -60,6 +60,6 @@ pub(super) fn growing<R: Real>(
 }
 
 /// What a full list must not change.
-pub(super) fn told<R: Real>(lent: &mut Lent<R>) -> (Digest, u64) {
+pub(super) fn told<R: Real>(lent: &mut Lent<R>) -> (Result<Digest, KernelError>, u64) {
     (digest(&lent.world()), lent.clock.step)
 }

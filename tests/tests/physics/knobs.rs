@@ -206,7 +206,7 @@ fn cut(sim: &Simulation, law: &impl Law<f64>, name: &str) {
     let mut whole = sim.clone();
     let mut world = whole.world();
     (0..3).for_each(|_| step(&mut world, law).unwrap());
-    let whole = digest(&world);
+    let whole = digest(&world).unwrap();
     // By ids in two halves and in three runs, by turns of four and of sixteen, and by height.
     let mut by_height: Vec<usize> = (0..count).collect();
     by_height.sort_by(|a, b| sim.position[*a][2].total_cmp(&sim.position[*b][2]));
@@ -242,7 +242,7 @@ fn after_steps_in_parts(
     for _ in 0..3 / at_once {
         steps_in_parts(&mut world, owner, ghosts, law, at_once).unwrap();
     }
-    digest(&world)
+    digest(&world).unwrap()
 }
 
 /// The digests of every build: run these in debug and in release.
@@ -300,7 +300,7 @@ fn column_f32() -> [u8; 32] {
         contacts += world.contact_histories().count();
     }
     assert!(contacts > 6000, "grains hit and rest on each other");
-    bitgrain_kernel::digest(&world).whole
+    bitgrain_kernel::digest(&world).unwrap().whole
 }
 
 /// The verb `debug` of `.ci/run` builds what it says.

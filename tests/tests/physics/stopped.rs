@@ -1,9 +1,9 @@
-//! What stops a world, and what does not: no failure comes of the clock.
+//! What stops a world, and what does not: no failure comes of the clock, and a fault leaves the same on every path.
 
 use bitgrain::simulation::{AnyLaw, Grain, Simulation};
 use bitgrain::threads::on_threads;
 use bitgrain_kernel::contact::HertzHistory;
-use bitgrain_kernel::{Domain, Group, Obstacle};
+use bitgrain_kernel::{Domain, Error, Group, Obstacle};
 
 const DT: f64 = 1e-3;
 
@@ -87,4 +87,72 @@ fn too_wide_a_skin_stops_nothing() {
         sim.digest().unwrap()
     };
     assert_eq!(run(1e3), run(0.05));
+}
+
+/// After a fault all that reads a state is refused, and so is all that goes on from one, however the steps were done.
+#[test]
+fn a_fault_leaves_no_state_on_any_path() {
+    let still = [0.0; 3];
+    let resting = |k: u32| [0.5 + 2.0 * f64::from(k), 4.0, 4.0];
+    // Deep in another grain, in an obstacle, out of the box, and an obstacle that a grain makes too fast.
+    let faults: [(&dyn Fn() -> Simulation, Error); 4] = [
+        (
+            &|| {
+                room(
+                    &[(resting(0), still), (resting(1), [-300.0, 0.0, 0.0])],
+                    vec![],
+                )
+            },
+            Error::OverlapTooDeep { i: 1, j: 2 },
+        ),
+        (
+            &|| {
+                let floor = Obstacle::plane([0.0; 3], [0.0, 0.0, 1.0]);
+                room(
+                    &[(resting(0), still), (resting(1), [0.0, 0.0, -300.0])],
+                    vec![floor],
+                )
+            },
+            Error::ObstacleTooDeep { id: 2, obstacle: 0 },
+        ),
+        (
+            &|| {
+                room(
+                    &[(resting(0), [0.0, 0.0, 20.0]), (resting(1), still)],
+                    vec![],
+                )
+            },
+            Error::Escaped { id: 1 },
+        ),
+        (
+            &|| {
+                let ball = Obstacle::sphere(resting(1), 0.5);
+                let ball = ball.free(1.0, [8e4, 0.0, 0.0]).unwrap();
+                room(&[(resting(3), still), (resting(0), still)], vec![ball])
+            },
+            Error::ObstacleTooFast { obstacle: 0 },
+        ),
+    ];
+    for (begin, fault) in faults {
+        let mut ends = Vec::new();
+        for (threads, at_once) in [(1, 1000), (1, 1), (2, 1000), (2, 1), (3, 7)] {
+            let mut sim = begin();
+            sim.start().unwrap();
+            let went = on_threads(threads, || {
+                (0..1000 / at_once).try_for_each(|_| sim.steps(at_once))
+            });
+            assert_eq!(went.unwrap(), Err(fault), "{threads} {at_once}");
+            ends.push(sim.step_count());
+            let refused = Error::NotStarted;
+            let histories = sim.contact_histories();
+            assert_eq!(sim.digest(), Err(refused), "{fault:?} {threads} {at_once}");
+            assert_eq!(sim.save(), Err(refused));
+            assert_eq!(sim.steps(1), Err(refused));
+            assert_eq!(sim.start(), Err(refused));
+            assert_eq!(sim.resume(&histories), Err(refused));
+            assert_eq!(sim.nudge(1, still, still), Err(refused));
+            assert!(!sim.clock.has_state());
+        }
+        assert!(ends.iter().all(|end| *end == ends[0]), "{fault:?} {ends:?}");
+    }
 }

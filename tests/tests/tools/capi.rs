@@ -62,7 +62,7 @@ fn compiled(folder: &Path, example: &str, options: &[&str]) -> PathBuf {
 const EXAMPLES: [&str; 4] = ["drop.c", "tank.c", "bed.cpp", "record.c"];
 
 fn hash(world: &World<'_, f64>) -> String {
-    let whole = digest(world).whole;
+    let whole = digest(world).unwrap().whole;
     whole.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 

@@ -258,7 +258,7 @@ class ObstacleTooDeep(KernelError):
 
 
 class NotStarted(KernelError):
-    """The world was stopped by a fault, and cannot be stepped."""
+    """The world was stopped by a fault in the middle of a step: it has no state to be read or to go on from."""
 
 
 class Edited(KernelError):

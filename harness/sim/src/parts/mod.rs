@@ -130,7 +130,7 @@ impl Parts {
     /// Advances a world that has begun to step `last`, in so many parts.
     ///
     /// # Errors
-    /// What stopped a step; the rows are as they were left.
+    /// What stopped a step; the world has no state then.
     pub fn steps(
         &mut self,
         home: &mut OwnedWorld<f64>,

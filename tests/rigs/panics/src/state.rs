@@ -118,7 +118,7 @@ pub struct State<R: Real + 'static> {
     and: fn(MotionCheck<R>, MotionCheck<R>) -> MotionCheck<R>,
     seal: fn(&GrainMotion<'_, R>, usize) -> Sealed,
     and_sealed: fn(Sealed, Sealed) -> Sealed,
-    digest: fn(&World<'_, R>) -> Digest,
+    digest: fn(&World<'_, R>) -> Result<Digest, KernelError>,
     contact_histories: fn(&World<'_, R>, &mut dyn FnMut(ContactHistory<R>)),
     kept_contacts: fn(&World<'_, R>, &mut dyn FnMut(KeptContact<R>)),
     kept: fn(&KeptContact<R>) -> (Kept<R>, bool),
@@ -185,7 +185,7 @@ impl<R: Real + 'static> State<R> {
             (
                 [clock.outer_list_rebuilds(), clock.prunes(), clock.picked()],
                 listed,
-                clock.rests() || clock.has_begun() || clock.is_losing(),
+                clock.rests() || clock.has_begun() || clock.is_losing() || clock.has_state(),
             )
         },
         stop: |clock| clock.stop(),
