@@ -130,8 +130,8 @@ impl Obstacle {
 
     /// Centre, a point of the axis or a point of the plane (length), in the box, as a read-only array of shape (3,).
     ///
-    /// Set it to move the obstacle there at once; its contacts keep their histories. The velocity stays, but that of a
-    /// drive, which ends.
+    /// Set it to move the obstacle there at once: contacts that still touch keep their histories, and the others end.
+    /// The velocity stays, but that of a drive, which ends.
     ///
     /// Raises
     /// ------
@@ -188,7 +188,7 @@ impl Obstacle {
     }
 
     /// Unit quaternion (w, x, y, z) from its own axes to those of the world, as a read-only array of shape (4,). Set it
-    /// to turn the obstacle there at once; its contacts keep their histories.
+    /// to turn the obstacle there at once; contacts are as of `point`.
     ///
     /// Raises
     /// ------

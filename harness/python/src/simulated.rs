@@ -1,7 +1,6 @@
 //! A simulation with what a Python world adds to it: drives of obstacles, mean forces, groups by kind, a number that
 //! says whether a view is of the present state. Nothing here knows Python.
 
-use bitgrain::histories::Histories;
 use bitgrain::mesh::{Triangle, add_mesh};
 use bitgrain::notes::Watch;
 use bitgrain::simulation::{Grain, Simulation};
@@ -163,25 +162,19 @@ impl Core {
         Ok(())
     }
 
-    /// Changes something other than grains; contact histories stay.
+    /// Changes something other than grains; contacts that still touch keep their histories.
     ///
     /// # Errors
     /// What the kernel finds wrong with the changed world; the world is as it was.
     pub fn rearrange(&mut self, act: impl FnOnce(&mut Simulation)) -> Result<(), KernelError> {
         let started = self.started;
         self.edit(|sim| {
-            let histories = match started {
-                true => sim.contact_histories(),
-                false => Histories::default(),
-            };
-            act(sim);
-            match started {
-                true => {
-                    sim.resume(&histories)?;
-                    try_a_step(sim)
-                }
-                false => Ok(()),
+            if started {
+                sim.rearrange(act)?;
+                return try_a_step(sim);
             }
+            act(sim);
+            Ok(())
         })
     }
 
@@ -222,7 +215,7 @@ impl Core {
         Ok(number)
     }
 
-    /// Changes an obstacle at once; its contacts keep their histories.
+    /// Changes an obstacle at once; contacts that still touch keep their histories.
     ///
     /// # Errors
     /// [`KernelError::BadObstacle`] if it does not fit the box then.

@@ -30,6 +30,23 @@ def test_a_drive_arrives_and_rests(ball):
     assert np.allclose(ball.point, (0.2, 0, -0.1), rtol=0, atol=20 * 2.8e-17)
 
 
+def test_an_obstacle_that_is_put_away_ends_its_contacts():
+    w = bitgrain.World(box=None, gravity=(0, 0, -1), dt=1e-3, law=tsuji())
+    floor, ball = w.plane(normal=(0, 0, 1)), w.sphere(radius=0.5, point=(2, 0, 0.5))
+    w.add([[0, 0, 0.5], [2, 0, 1.5]], 0.5, 1.0)
+    w.step(100)
+    assert floor.force[2] < 0 and ball.force[2] < 0
+    forces = w.forces[:].copy()
+    # The grain on the ball still touches it, the one on the floor falls.
+    floor.point, ball.point = (0, 0, -1), (2, 0, 0.5 + 1e-9)
+    assert (w.forces[:] == forces).all()
+    w.step()
+    assert floor.force.tolist() == [0, 0, 0] and ball.force[2] < 0
+    floor.point, ball.point = (0, 0, 0), (5, 0, 0.5)
+    w.step()
+    assert floor.force[2] < 0 and ball.force.tolist() == [0, 0, 0]
+
+
 def test_a_drive_has_the_bits_of_a_velocity_set_by_hand():
     driven, by_hand = falling(), falling()
     for w in (driven, by_hand):

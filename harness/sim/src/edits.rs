@@ -1,9 +1,12 @@
 //! Changes of a simulation between two steps that keep the histories of all other grains, and forces of a host.
 
-use bitgrain_kernel::{Departure, Error as KernelError, GrainState, NewGrain, insert, nudge};
-use bitgrain_kernel::{regroup, remove, take_out};
+use bitgrain_kernel::{
+    ContactHistory, Departure, Error as KernelError, GrainState, NewGrain, insert, nudge,
+    obstacle_of, regroup, remove, surface_of, take_out,
+};
 
 use crate::grain::{Grain, sphere_mass};
+use crate::histories::Histories;
 use crate::law_work::{Push, Pushed};
 use crate::simulation::Simulation;
 
@@ -57,6 +60,34 @@ impl Simulation {
         let place = world.place_of(id);
         let place = place.ok_or(KernelError::UnknownGrain { id })?;
         nudge(&mut world, place, velocity, spin)
+    }
+
+    /// Changes obstacles or groups, as the place of an obstacle, between two steps. Contacts keep their histories;
+    /// those on obstacles end where bodies do not touch any more.
+    ///
+    /// # Errors
+    /// What the kernel finds wrong with the changed world. It is changed then, and must be started or changed again.
+    pub fn rearrange(&mut self, act: impl FnOnce(&mut Self)) -> Result<(), KernelError> {
+        let histories = self.contact_histories();
+        act(self);
+        let still = histories.iter().filter(|one| self.touches(&one.history));
+        let still: Histories = still.collect();
+        self.resume(&still)
+    }
+
+    /// Whether the bodies of a contact touch where they are now; two grains do, which have not moved.
+    fn touches(&self, contact: &ContactHistory<f64>) -> bool {
+        let ContactHistory::Obstacle { i, obstacle, .. } = *contact else {
+            return true;
+        };
+        let [x, y, z, radius] = self.position[i as usize];
+        let (body, surface) = (obstacle_of(obstacle), surface_of(obstacle));
+        let body = self.obstacles.get(body as usize);
+        // A triangle of a mesh that is near enough may hand its history on to the one beside it.
+        body.is_some_and(|body| {
+            let met = body.meet(surface, &self.facets, &self.domain, [x, y, z], radius);
+            met.overlap >= 0.0
+        })
     }
 
     /// Takes out the grains that were lost in the last step, and shows each; see [`bitgrain_kernel::take_out`]. Call it

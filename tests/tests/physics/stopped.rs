@@ -1,4 +1,5 @@
-//! What stops a world, and what does not: no failure comes of the clock, and a fault leaves the same on every path.
+//! What stops a world, and what does not: no failure comes of the clock, a fault leaves the same on every path, and an
+//! obstacle may be put elsewhere.
 
 use bitgrain::simulation::{AnyLaw, Grain, Simulation};
 use bitgrain::threads::on_threads;
@@ -150,9 +151,43 @@ fn a_fault_leaves_no_state_on_any_path() {
             assert_eq!(sim.steps(1), Err(refused));
             assert_eq!(sim.start(), Err(refused));
             assert_eq!(sim.resume(&histories), Err(refused));
+            assert_eq!(sim.rearrange(|_| ()), Err(refused));
             assert_eq!(sim.nudge(1, still, still), Err(refused));
             assert!(!sim.clock.has_state());
         }
         assert!(ends.iter().all(|end| *end == ends[0]), "{fault:?} {ends:?}");
+    }
+}
+
+/// An obstacle is put away from a grain that it touches, back, and to another one: a contact ends when bodies part, at
+/// every skin, and one that still touches keeps its spring.
+#[test]
+fn an_obstacle_that_is_put_elsewhere_ends_its_contacts() {
+    let run = |skin: f64, part_min: usize| {
+        let tip = |y: f64| [4.0, y, 4.0];
+        let grains = [(tip(2.02), [0.0, -1.0, 0.3]), (tip(6.0), [0.0; 3])];
+        let mut sim = room(&grains, vec![Obstacle::sphere(tip(1.0), 0.5)]);
+        (sim.skin, sim.stepping.part_min) = (skin, part_min);
+        sim.start().unwrap();
+        let mut digests = Vec::new();
+        let mut springs = Vec::new();
+        on_threads(2, || {
+            sim.steps(22).unwrap();
+            for y in [0.999, 0.98, 3.0, 1.0, 5.01] {
+                sim.rearrange(|sim| sim.obstacles[0].point = tip(y))
+                    .unwrap();
+                digests.push(sim.digest().unwrap());
+                springs.push(sim.contact_histories().len());
+                sim.steps(1).unwrap();
+                digests.push(sim.digest().unwrap());
+            }
+        })
+        .unwrap();
+        (springs, digests)
+    };
+    let first = run(0.01, 1);
+    assert_eq!(first.0, [1, 0, 0, 0, 0]);
+    for (skin, part_min) in [(0.0, 1), (0.3, 1), (0.01, 100)] {
+        assert_eq!(run(skin, part_min), first, "{skin}");
     }
 }
