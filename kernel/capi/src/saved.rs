@@ -103,6 +103,9 @@ pub extern "C" fn bg_save_size(world: *mut bg_world, out: *mut usize) -> i32 {
 #[unsafe(no_mangle)]
 pub extern "C" fn bg_save(world: *mut bg_world, out: *mut c_void, size: usize) -> i32 {
     with(world, |parts| {
+        if !parts.store.world().clock.has_state() {
+            return Err(Error::NotStarted.into());
+        }
         let form = Form::of(parts);
         let law = form.bytes();
         let needed = save_size(&parts.store.world()).saturating_add(law + HASH);
