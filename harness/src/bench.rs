@@ -18,7 +18,7 @@ use bitgrain_sim::law::{HertzHistoryParameters, LawSpec};
 use bitgrain_sim::memory;
 use bitgrain_sim::simulation::{Grain, Simulation, hex, sphere_mass};
 use bitgrain_sim::spatial_order::spatial_order;
-use bitgrain_sim::threads::on_threads;
+use bitgrain_sim::threads::{STACK, ThreadsError, on_threads};
 
 /// Steps before the clock starts.
 const WARM_UP: u64 = 500;
@@ -225,11 +225,16 @@ pub fn bench(what: &Timing<'_>, progress: &Progress) -> Result<Speed> {
         let one = &one;
         let each = sims.iter_mut().enumerate();
         let workers: Vec<_> = each
-            .map(|(k, sim)| scope.spawn(move || on_threads(threads, || one(k, sim))?))
+            .map(|(k, sim)| {
+                let worker = std::thread::Builder::new().stack_size(STACK);
+                let work = move || on_threads(threads, || one(k, sim))?;
+                worker.spawn_scoped(scope, work)
+            })
             .collect();
-        let ends = workers
-            .into_iter()
-            .map(|w| w.join().expect("a worker does not panic"));
+        let ends = workers.into_iter().map(|started| match started {
+            Ok(worker) => worker.join().expect("a worker does not panic"),
+            Err(e) => Err(ThreadsError::start(copies, &e).into()),
+        });
         ends.collect::<Result<Vec<()>>>()
     })?;
     let seconds = began.elapsed().as_secs_f64();

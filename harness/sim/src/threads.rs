@@ -2,7 +2,7 @@
 
 use bitgrain_kernel::phases::GrainMotion;
 use bitgrain_kernel::{Error as KernelError, check_arithmetic};
-use rayon::ThreadPoolBuilder;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 
 /// Why a job was not done on this many threads.
 #[derive(Debug, thiserror::Error)]
@@ -37,6 +37,24 @@ pub fn threads() -> usize {
     }
 }
 
+/// Stack of a thread (bytes): said for each, so that no variable of the environment makes it too short.
+pub const STACK: usize = 2 << 20;
+
+/// Threads for jobs, all of which compute by the bit contract.
+///
+/// # Errors
+/// [`ThreadsError`].
+pub fn pool(threads: usize) -> Result<ThreadPool, ThreadsError> {
+    let pool = ThreadPoolBuilder::new().num_threads(threads);
+    let pool = pool.stack_size(STACK).build();
+    let pool = pool.map_err(|e| ThreadsError::start(threads, &e))?;
+    // Each thread has its own rounding mode.
+    for checked in pool.broadcast(|_| check_arithmetic::<f64>()) {
+        checked.map_err(ThreadsError::Arithmetic)?;
+    }
+    Ok(pool)
+}
+
 /// Does a job on this many threads: those of a pool round it, or, for one, where it is called.
 ///
 /// # Errors
@@ -48,13 +66,7 @@ pub fn on_threads<T: Send>(
     if threads <= 1 {
         return Ok(job());
     }
-    let pool = ThreadPoolBuilder::new().num_threads(threads).build();
-    let pool = pool.map_err(|e| ThreadsError::start(threads, &e))?;
-    // Each thread has its own rounding mode.
-    for checked in pool.broadcast(|_| check_arithmetic::<f64>()) {
-        checked.map_err(ThreadsError::Arithmetic)?;
-    }
-    Ok(pool.install(job))
+    Ok(pool(threads)?.install(job))
 }
 
 /// Something for grains one after the other that splits into two of the kind.

@@ -7,6 +7,7 @@ use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
+use bitgrain_tests::wee::Room;
 use bitgrain_tests::{SMALL, copied, golden, made_run, output};
 
 use crate::PROGRAM;
@@ -186,4 +187,16 @@ fn help_and_version_are_as_they_were() {
         .read_to_string(&mut told)
         .unwrap();
     assert_eq!((child.wait().unwrap().code(), &told[..]), (Some(0), ""));
+}
+
+/// Threads have the stack that the program gives them, whatever a variable of the environment says.
+#[test]
+fn no_variable_makes_the_stack_of_a_thread_too_short() {
+    let room = Room::new(PROGRAM);
+    let mut run = room.command("run wee.toml --out out --beds beds --threads 2");
+    let out = run.env("RUST_MIN_STACK", "1").output().unwrap();
+    let said = String::from_utf8_lossy(&out.stderr);
+    assert_eq!(out.status.code(), Some(0), "{said}");
+    let line = "RUST_MIN_STACK=1 exec \"$0\" bisect 'cat' 'cat' --commands";
+    assert_ne!(shell(Path::new("."), line).status.code(), None);
 }

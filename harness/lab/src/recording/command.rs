@@ -17,6 +17,7 @@ use std::time::Duration;
 
 use bitgrain_sim::disk;
 use bitgrain_sim::error::{Error, Result};
+use bitgrain_sim::threads::STACK;
 
 use super::stream::{Frame, Frames};
 
@@ -293,7 +294,7 @@ impl Answers {
     fn of(mut out: ChildStdout, patience: Patience) -> Self {
         // Few pieces: a command that writes without end waits, and memory does not fill.
         let (send, pieces) = sync_channel(4);
-        thread::spawn(move || {
+        let reads = move || {
             loop {
                 let mut piece = vec![0; 1 << 16];
                 let read = out.read(&mut piece);
@@ -306,7 +307,9 @@ impl Answers {
                     return;
                 }
             }
-        });
+        };
+        let reader = thread::Builder::new().stack_size(STACK);
+        reader.spawn(reads).expect("a thread to read with");
         Self {
             pieces,
             left: VecDeque::new(),

@@ -17,6 +17,7 @@ use crate::law::AnyLaw;
 use crate::memory;
 use crate::notes::{Notebook, Watch};
 use crate::owned_world::OwnedWorld;
+use crate::threads::STACK;
 
 /// An order of rank 0.
 #[derive(Serialize, Deserialize)]
@@ -223,8 +224,8 @@ impl Served {
         let parts = numbered.map(|(number, seed)| seed.grow(number, count, &Errand::none(law)));
         let parts: Vec<Part> = parts.collect();
         let pool = (parts.len() > 1).then(|| {
-            let pool = ThreadPoolBuilder::new().num_threads(parts.len()).build();
-            pool.unwrap_or_else(|e| {
+            let pool = ThreadPoolBuilder::new().num_threads(parts.len());
+            pool.stack_size(STACK).build().unwrap_or_else(|e| {
                 ranks.give_up(&format!("{} threads cannot be started: {e}", parts.len()))
             })
         });
