@@ -38,6 +38,7 @@ pub struct Clock<R> {
 /// Where a world is within a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[repr(u8)]
 pub(crate) enum Stage {
     /// Not started, or changed since so that it must be started again: the rows are what their owner has put there.
     #[default]

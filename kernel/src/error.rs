@@ -81,6 +81,13 @@ pub enum Error {
     /// The storage has no room for the words that the law, or a saved contact, keeps of a contact, or the law acts
     /// further than pairs are listed.
     LawMisfit,
+    /// There are more obstacles than [`OBSTACLES_MAX`](crate::OBSTACLES_MAX).
+    TooManyObstacles {
+        /// How many there are.
+        count: usize,
+        /// How many a world can have.
+        most: usize,
+    },
     /// The lent bytes are too few for a saved world; nothing was written.
     BufferTooShort {
         /// Bytes that would have been enough.
@@ -238,6 +245,7 @@ impl Error {
             Self::OtherFacets { .. } => 15,
             Self::UnknownMaterial { .. } => 16,
             Self::LawMisfit => 17,
+            Self::TooManyObstacles { .. } => 18,
             Self::PairListFull { .. } => 20,
             Self::OuterListFull { .. } => 21,
             Self::ObstacleContactsFull { .. } => 22,
@@ -342,6 +350,7 @@ impl fmt::Display for Error {
                 f,
                 "the law keeps more words of a contact than there is storage for, or acts further than pairs are listed"
             ),
+            Error::TooManyObstacles { count, most } => crowded(f, count, most),
             Error::BufferTooShort { needed } => write!(f, "a saved world takes {needed} bytes"),
             Error::GrainsFull { needed } => write!(f, "there is no room for {needed} grains"),
             Error::PairListFull { needed } => full(f, "pair", needed),
@@ -388,6 +397,14 @@ impl fmt::Display for Error {
             ),
         }
     }
+}
+
+/// Says how many obstacles there are, and how many there can be.
+fn crowded(f: &mut fmt::Formatter<'_>, count: usize, most: usize) -> fmt::Result {
+    write!(
+        f,
+        "there are {count} obstacles, and a world can have {most}: join those in a mesh that move as one"
+    )
 }
 
 /// Says how many entries a full list would need.

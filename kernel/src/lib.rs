@@ -21,6 +21,7 @@
 //!   one time step, [`resume`] goes on from a saved state.
 //! * [`digest()`] hashes a state, part by part. [`BITS_VERSION`] names the arithmetic. [`record`] chains digests of any
 //!   arrays, for a host that records more than a state.
+//! * [`time_step`] says how long the waves and the collisions are that a time step must resolve.
 //! * [`conformance`] holds small worlds with published digests: run them on a new target,
 //!   and see whether it keeps the contract. [`check_arithmetic`] tests what a host often gets wrong, and
 //!   every world calls it as it starts and after each stretch of steps.
@@ -88,6 +89,7 @@ pub mod phases;
 mod saved;
 mod state;
 mod step;
+pub mod time_step;
 mod world;
 
 pub use digest::BITS_VERSION;
@@ -110,6 +112,7 @@ pub use neighbors::pair_list::{
 };
 pub use neighbors::stretch::{NEIGHBORS, STRETCH, StretchList};
 pub use owners::capacity::Capacity;
+pub use owners::flags::Flag;
 pub use owners::lent::{Head, LentStore, Memory};
 pub use owners::store::Store;
 pub use saved::{Saved, save, save_size};

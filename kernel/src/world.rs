@@ -216,9 +216,10 @@ impl<R: Real> World<'_, R> {
                 return Err(Error::Escaped { id });
             }
         }
-        if self.obstacles.len() > OBSTACLES_MAX {
-            let obstacle = OBSTACLES_MAX as u32;
-            return Err(Error::BadObstacle { obstacle });
+        let count = self.obstacles.len();
+        if count > OBSTACLES_MAX {
+            let most = OBSTACLES_MAX;
+            return Err(Error::TooManyObstacles { count, most });
         }
         for (number, body) in self.obstacles.iter().enumerate() {
             let obstacle = number as u32;

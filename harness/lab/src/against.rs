@@ -370,6 +370,7 @@ fn save_state(out: &Path, difference: &Difference, progress: &Progress) -> Resul
         energy: false,
         digests: true,
         vtk: None,
+        beyond_rayleigh: false,
     };
     let nothing = &mut std::io::sink();
     replay_run(&folder, &stretch, &what, progress, nothing)?;

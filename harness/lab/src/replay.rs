@@ -7,7 +7,7 @@ use bitgrain_kernel::{ContactForce, Partner, vec3};
 use serde::{Deserialize, Serialize};
 
 use crate::beside::refuse_result;
-use crate::case;
+use crate::case::{self, Case};
 use crate::folder::Folder;
 use crate::progress::Progress;
 use crate::rerun::RunArchive;
@@ -36,6 +36,8 @@ pub struct Replay {
     /// A folder for each sample as files for ParaView: `grains.STEP.vtk` and `bodies.STEP.vtk`, and with `contacts`
     /// also `contacts.STEP.vtk`.
     pub vtk: Option<PathBuf>,
+    /// Whether a time step beyond the shortest Rayleigh time is taken too, of a case.
+    pub beyond_rayleigh: bool,
 }
 
 /// Which stretch of a run to replay.
@@ -118,19 +120,28 @@ pub struct ContactState {
 }
 
 /// Replays the case in `path`, or goes on from the checkpoint there, and writes JSON Lines to `out`. Steps count
-/// from the case or the checkpoint; of the latter the first sample has no contacts.
+/// from the case or the checkpoint; of the latter the first sample has no contacts. A time step that does not resolve
+/// the waves and the collisions of the state at the beginning is warned of.
 ///
 /// # Errors
 /// A refused case, a damaged checkpoint, a run that failed (what was sampled before has been written), or `out`.
-pub fn replay(path: &Path, what: &Replay, out: &mut impl Write) -> Result<()> {
+pub fn replay(path: &Path, what: &Replay, progress: &Progress, out: &mut impl Write) -> Result<()> {
     let name = path.display().to_string();
     what.vtk.as_deref().map_or(Ok(()), make_vtk_folder)?;
     let mut seen = Vec::new();
     let saved = path.extension().is_some_and(|end| end == "safetensors");
     let mut sim = match saved {
         true => checkpoint::read(path)?,
-        false => case::read(path)?.start(&name, |p| seen.push(p))?,
+        false => read_case(path, what)?.start(&name, |p| seen.push(p))?,
     };
+    let times = sim.shortest_times();
+    if let Some(problem) = sim.long_step(&times) {
+        let refused = !saved && !what.beyond_rayleigh && sim.dt > times.rayleigh;
+        match refused {
+            true => return Err(Error::input(format!("{name}: `dt`"), problem + BEYOND)),
+            false => progress.warn(&format!("warning: {name}: `dt`: {problem}")),
+        }
+    }
     let begin = sim.step_count();
     let mut audit = what.energy.then(|| Audit::new(&mut sim));
     let energy = |step, audit: &Option<Audit>| audit.map(|audit| audit.row(step));
@@ -159,6 +170,24 @@ pub fn replay(path: &Path, what: &Replay, out: &mut impl Write) -> Result<()> {
         write_sample(done, &mut sim, what, (&seen, energy(done, &audit)), out)?;
     }
     out.flush().map_err(Error::Output)
+}
+
+/// How a time step beyond the Rayleigh time is accepted.
+const BEYOND: &str = "; --beyond-rayleigh takes a time step above the Rayleigh time";
+
+/// The case in a file; one whose time step is beyond the Rayleigh time of its grains is refused unless it is asked for.
+fn read_case(path: &Path, what: &Replay) -> Result<Case> {
+    let most = if what.beyond_rayleigh {
+        f64::INFINITY
+    } else {
+        1.0
+    };
+    case::read_up_to(path, most).map_err(|error| match error {
+        Error::Input { place, problem } if place.ends_with("`dt`") => {
+            Error::input(place, problem + BEYOND)
+        }
+        other => other,
+    })
 }
 
 /// Replays a stretch of the run in a folder, beginning at the last state kept before it, and writes JSON

@@ -40,6 +40,7 @@ pub mod lammps;
 pub mod law;
 mod law_work;
 pub mod lists;
+mod long_step;
 pub mod memory;
 pub mod mesh;
 pub mod motion;

@@ -56,11 +56,11 @@ impl Simulation {
     }
 
     /// The simulation that [`Simulation::save`], or C's `bg_save`, wrote. Skin and reach are those of
-    /// [`Simulation::choose_skin`]. Bytes behind the saved world are not looked at.
+    /// [`Simulation::choose_skin`].
     ///
     /// # Errors
-    /// [`KernelError::BadSave`] of bytes that are not as they were written; [`KernelError::OtherVersion`]; of forged
-    /// bytes whatever is wrong with the world in them.
+    /// [`KernelError::BadSave`] of bytes that are not as they were written, or more of them;
+    /// [`KernelError::OtherVersion`]; of forged bytes whatever is wrong with the world in them.
     pub fn load(bytes: &[u8]) -> Result<Self, KernelError> {
         let size = law_size(bytes).ok_or(KernelError::BadSave)?;
         let (law, rest) = bytes.split_at_checked(size).ok_or(KernelError::BadSave)?;
@@ -70,6 +70,9 @@ impl Simulation {
         }
         let law = law_in(law)?;
         let saved = Saved::open(rest)?;
+        if saved.size() != rest.len() {
+            return Err(KernelError::BadSave);
+        }
         let groups = saved.groups().collect();
         let obstacles = saved.obstacles().collect();
         let mut sim = Self::new(law, saved.domain(), saved.dt(), groups, &[], obstacles);
@@ -334,7 +337,7 @@ mod tests {
     }
 
     #[test]
-    fn changed_and_cut_bytes_are_refused() {
+    fn changed_cut_and_longer_bytes_are_refused() {
         let bytes = heap(laws()[0].clone()).save().unwrap();
         for at in 0..bytes.len() {
             let mut changed = bytes.clone();
@@ -344,6 +347,10 @@ mod tests {
         for length in [0, LAW, LAW + HASH, bytes.len() / 2, bytes.len() - 1] {
             let cut = Simulation::load(&bytes[..length]);
             assert_eq!(cut.err(), Some(KernelError::BadSave), "{length}");
+        }
+        for more in [1, 4, 100] {
+            let longer = Simulation::load(&[&bytes[..], &vec![0; more]].concat());
+            assert_eq!(longer.err(), Some(KernelError::BadSave), "{more}");
         }
     }
 

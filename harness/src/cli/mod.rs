@@ -28,6 +28,7 @@ use bed::{Bed, run_bed};
 use bitgrain_analysis::present;
 use bitgrain_lab::folder::Folder;
 use bitgrain_lab::plain::plain;
+use bitgrain_lab::progress::Progress;
 use bitgrain_lab::replay::{Replay, Stretch, replay, replay_run};
 use bitgrain_lab::rerun::RunArchive;
 use bitgrain_lab::selftest::selftest;
@@ -168,6 +169,10 @@ struct Case {
     /// dissipated, and the residual.
     #[arg(long, conflicts_with_all = ["stage", "digests"])]
     energy: bool,
+    /// Of a case: take a time step above the shortest Rayleigh time too, which is refused otherwise; one above a fifth
+    /// of it, or a tenth of the shortest collision, is warned of.
+    #[arg(long, conflicts_with = "stage")]
+    beyond_rayleigh: bool,
 }
 
 /// Runs the command that the process was called with.
@@ -252,10 +257,11 @@ fn run_replay(case: Case) -> Result<()> {
         digests: case.digests,
         energy: case.energy,
         vtk: case.vtk,
+        beyond_rayleigh: case.beyond_rayleigh,
     };
     let out = &mut BufWriter::new(std::io::stdout().lock());
     match (is_folder(&case.case), case.stage) {
-        (false, None) => replay(&case.case, &what, out),
+        (false, None) => replay(&case.case, &what, &Progress::new(false), out),
         (true, Some(stage)) => {
             let stretch = Stretch {
                 stage,

@@ -8,13 +8,16 @@
 #include <stdint.h>
 
 // The number of the functions and structures: one that is higher may have more of them, and no others.
-#define BG_ABI_VERSION 3
+#define BG_ABI_VERSION 4
 
 // A block begins at a multiple of so many bytes; `malloc` sees to that.
 #define BG_ALIGNMENT 8
 
 // All is well.
 #define BG_OK 0
+
+// A warning, and no error: the time step is above a fifth of the Rayleigh time, or a tenth of a collision.
+#define BG_LONG_TIME_STEP -1
 
 // The edges of the box are not finite or not in order.
 #define BG_BAD_DOMAIN 1
@@ -66,6 +69,9 @@
 
 // The law resists rolling, or has several materials, and `bg_capacity.materials` has no room for that.
 #define BG_LAW_MISFIT 17
+
+// There are more obstacles than 4,096.
+#define BG_TOO_MANY_OBSTACLES 18
 
 // The list of pairs is full; nothing was changed.
 #define BG_PAIR_LIST_FULL 20
@@ -311,13 +317,13 @@ typedef struct {
   double orientation[4];
   // Angular velocity in the axes of the world (radians / time).
   double angular_velocity[3];
-  // Whether curvature counts that is not a ball's: `1/r + 1/(2 R)` on a bar, `1/r - 1/(2 R)` in a tank.
+  // Whether curvature counts (0 or 1) that is not a ball's: `1/r + 1/(2 R)` on a bar, `1/r - 1/(2 R)` in a tank.
   uint32_t curved;
-  // Whether forces move it: then `inverse_mass` and `inertia` are above 0.
+  // Whether forces move it (0 or 1): then `inverse_mass` and `inertia` are above 0.
   uint32_t is_free;
   // Bits 0, 1, 2 if it answers forces along x, y, z; along the others its velocity stays.
   uint32_t integrates;
-  // Whether it answers torques.
+  // Whether it answers torques: 0 or 1.
   uint32_t spins;
   // Moments of inertia about its own axes (mass length^2).
   double inertia[3];
@@ -645,7 +651,8 @@ int32_t bg_save(bg_world *world,
                 size_t size);
 
 // Replaces a world, its law too, by what `bg_save` wrote; its skins stay. Bytes that are not as they were written are
-// refused, and nothing is lost. After a full list the world is stopped: lessen its skin and load again.
+// refused, and nothing is lost; those behind the end of what was written are not looked at, so that `size` may be that
+// of a buffer. After a full list the world is stopped: lessen its skin and load again.
 int32_t bg_load(bg_world *world,
                 const void *bytes,
                 size_t size);
@@ -672,7 +679,7 @@ int32_t bg_init(void *memory,
 // Sets `overlap` to the deepest overlap (length) and `duration` to the duration of a collision without damping: of two
 // bodies with this effective mass and effective radius (half of each for two equal grains, those of the grain on a
 // floor) that meet at this speed. Choose `kn` so that the overlap is below a fiftieth of a diameter, and a time step
-// of at most a tenth of the duration: a longer one makes energy, and nothing refuses it. Landau and Lifshitz, Theory
+// of at most a tenth of the duration: a longer one makes energy (`bg_time_step` says so). Landau and Lifshitz, Theory
 // of Elasticity, section 9.
 int32_t bg_collision(const bg_law *law,
                      double radius,
@@ -680,6 +687,15 @@ int32_t bg_collision(const bg_law *law,
                      double speed,
                      double *overlap,
                      double *duration);
+
+// Sets `rayleigh` to the time step of a world over the shortest Rayleigh time of a grain or free body in it, and
+// `collision` to the same over the duration of its shortest collision, at the largest difference of two velocities:
+// for a look before `bg_start` and now and then, since it takes about as long as a step. Returns
+// `BG_LONG_TIME_STEP`, a warning, if they are above a fifth and a tenth: then restitution is off and collisions make
+// energy. The world can be stepped all the same, and nothing else warns.
+int32_t bg_time_step(bg_world *world,
+                     double *rayleigh,
+                     double *collision);
 
 // Sets how far beyond touching pairs are listed, and beyond that are candidates (length): speed only, never a bit.
 int32_t bg_set_skins(bg_world *world,

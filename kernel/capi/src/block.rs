@@ -1,18 +1,18 @@
 //! The block of memory of a world: a header, the arrays of a lent store, and a mark at the end.
 //!
-//! All `unsafe` that looks at a caller's pointers is in this file. What C promises, and what is checked here, is
-//! written at each.
+//! What C promises, and what is checked here, is written at each `unsafe`.
 
-use core::ffi::c_char;
+use core::mem::offset_of;
 use core::ptr::{addr_of, addr_of_mut};
 
-use bitgrain_kernel::contact::{HertzHistory, HertzTsuji, Rolling};
-use bitgrain_kernel::{Capacity, Facet, Group, Head, LentStore, Memory, Obstacle};
+use bitgrain_kernel::contact::{
+    HertzHistory, HertzTsuji, Rolling, RollingResistance, RollingSpring,
+};
+use bitgrain_kernel::{Capacity, Facet, Flag, Group, Head, LentStore, Memory, Obstacle};
 
 use crate::BG_ABI_VERSION;
 use crate::status::{
-    BG_BAD_ARGUMENT, BG_BAD_SIZE, BG_BUSY, BG_FOREIGN, BG_MISALIGNED, BG_NULL, BG_OK, BG_TOO_SMALL,
-    Done, fault,
+    BG_BUSY, BG_FOREIGN, BG_MISALIGNED, BG_NULL, BG_OK, BG_TOO_SMALL, Done, fault,
 };
 use crate::types::{bg_capacity, bg_fault, bg_world};
 
@@ -22,14 +22,17 @@ pub const BG_ALIGNMENT: u32 = 8;
 /// How a block begins: `bitgrain` in ASCII, then 0 to 9 backwards.
 const MAGIC: u64 = u64::from_le_bytes(*b"bitgrain");
 
-/// The contact law of a world.
+/// The contact law of a world: numbers alone, so that no bytes of a block make it impossible.
 #[derive(Clone, Copy)]
-pub(crate) enum Law {
-    History(HertzHistory<f64>),
-    Tsuji(HertzTsuji<f64>),
-    /// With other numbers for each pair of so many materials, or with resistance to rolling: those of the table.
-    HistoryTable(u8),
-    TsujiTable(u8),
+#[repr(C)]
+pub(crate) struct Law {
+    /// `BG_HERTZ_HISTORY` or `BG_HERTZ_TSUJI`.
+    pub kind: u32,
+    /// With other numbers for each pair of so many materials, or with resistance to rolling: those of the table. 0 for
+    /// one material.
+    pub materials: u32,
+    /// Those of one material.
+    pub numbers: [f64; 5],
 }
 
 /// What a table holds of a pair: its five numbers are those of either law.
@@ -271,12 +274,16 @@ fn open<'a>(world: *mut bg_world) -> Result<Parts<'a>, bg_fault> {
     if mark != !MAGIC {
         return Err(fault(BG_FOREIGN));
     }
+    // SAFETY: the arrays lie within the block, as above.
+    if !unsafe { is_sound(memory, &layout, &capacity) } {
+        return Err(fault(BG_FOREIGN));
+    }
     let room = capacity_of(&capacity);
     let none = fault(BG_FOREIGN);
     let (numbers, words) = (room.numbers().ok_or(none)?, room.words().ok_or(none)?);
-    // SAFETY: the parts do not overlap, lie within the block, are aligned and were initialised by `init`; the caller
-    // uses a world from one thread at a time, and a callback cannot come here, because the world is busy then. So these
-    // are the only references until the call returns.
+    // SAFETY: the parts do not overlap, lie within the block, are aligned and were initialised by `init`, and no byte
+    // of them is one that a value cannot have; the caller uses a world from one thread at a time, and a callback cannot
+    // come here, because the world is busy then. So these are the only references until the call returns.
     let (memory, parts) = unsafe {
         let used = &mut *addr_of_mut!((*header).facets);
         let facets = slice_mut(memory, layout.facets, capacity.facets as usize);
@@ -319,6 +326,47 @@ fn open<'a>(world: *mut bg_world) -> Result<Parts<'a>, bg_fault> {
     })
 }
 
+/// An obstacle.
+type Body = Obstacle<f64>;
+
+/// Where in a row the model of its resistance to rolling stands.
+const SPRING: Flag = (
+    offset_of!(Row, resistance) + offset_of!(RollingResistance<f64>, spring),
+    RollingSpring::Epsd2 as u8,
+);
+
+/// Whether the values of a block can be, whatever was written to it: all flags are those of some value.
+///
+/// # Safety
+/// The memory is a block of this layout.
+unsafe fn is_sound(memory: *const u8, layout: &Layout, capacity: &bg_capacity) -> bool {
+    let flag = |at: usize| {
+        // SAFETY: within the block, by the places below; any byte is a number.
+        unsafe { memory.add(at).read() }
+    };
+    let are_flags = |at: usize, flags: &[Flag]| flags.iter().all(|f| flag(at + f.0) <= f.1);
+    let each = |first: usize, size: usize, count: usize| (0..count).map(move |k| first + k * size);
+    let mut bodies = each(
+        layout.obstacles,
+        size_of::<Body>(),
+        capacity.obstacles as usize,
+    );
+    let mut groups = each(
+        layout.groups,
+        size_of::<Group<f64>>(),
+        capacity.groups as usize,
+    );
+    let mut rows = each(layout.table, size_of::<Row>(), pairs_of(capacity.materials));
+    let [.., moves] = Body::FLAGS;
+    are_flags(offset_of!(Header, head), &Head::<f64>::FLAGS)
+        && groups.all(|at| are_flags(at, &Group::<f64>::FLAGS))
+        && rows.all(|at| are_flags(at, &[SPRING]))
+        && bodies.all(|at| {
+            let is_free = || flag(at + moves.0) == moves.1;
+            are_flags(at, &Body::FLAGS) && (!is_free() || are_flags(at, &Body::FREE_FLAGS))
+        })
+}
+
 /// # Safety
 /// From `offset` on there are `count` initialised entries, aligned, with no other reference to them.
 unsafe fn slice_mut<'a, T>(memory: *mut u8, offset: usize, count: usize) -> &'a mut [T] {
@@ -344,92 +392,4 @@ pub(crate) fn with(world: *mut bg_world, what: impl FnOnce(&mut Parts<'_>) -> Do
 /// The last fault of a world.
 pub(crate) fn last_fault(world: *mut bg_world) -> Result<bg_fault, bg_fault> {
     open(world).map(|parts| *parts.fault)
-}
-
-/// A structure that the caller lends, if its size is right.
-pub(crate) fn take<T: Copy>(from: *const T) -> Result<T, bg_fault> {
-    check(from)?;
-    // SAFETY: not null, aligned, and the caller wrote at least a size, which each structure begins with.
-    let size = unsafe { from.cast::<u32>().read() };
-    if size as usize != size_of::<T>() {
-        return Err(fault(BG_BAD_SIZE));
-    }
-    // SAFETY: the size says that it is whole, and all fields are numbers.
-    Ok(unsafe { from.read() })
-}
-
-/// Writes a structure to where the caller says, if the size that stands there is right.
-pub(crate) fn give<T: Copy>(to: *mut T, value: T) -> Done {
-    take(to.cast_const())?;
-    // SAFETY: as `take` has read from there, it is a whole structure.
-    unsafe { to.write(value) };
-    Ok(())
-}
-
-/// Entries that the caller lends.
-pub(crate) fn lent<'a, T>(from: *const T, count: usize) -> Result<&'a [T], bg_fault> {
-    if count == 0 {
-        return Ok(&[]);
-    }
-    check(from)?;
-    check_length::<T>(count)?;
-    // SAFETY: not null, aligned, no longer than an address space; the caller says that they are there, and they are
-    // read before the call returns.
-    Ok(unsafe { core::slice::from_raw_parts(from, count) })
-}
-
-/// Entries that the caller lends for writing.
-pub(crate) fn lent_mut<'a, T>(to: *mut T, count: usize) -> Result<&'a mut [T], bg_fault> {
-    if count == 0 {
-        return Ok(&mut []);
-    }
-    check(to.cast_const())?;
-    check_length::<T>(count)?;
-    // SAFETY: as `lent`; they are initialised or plain numbers that are written only.
-    Ok(unsafe { core::slice::from_raw_parts_mut(to, count) })
-}
-
-/// A vector.
-pub(crate) fn vector(from: *const f64) -> Result<[f64; 3], bg_fault> {
-    let numbers = lent(from, 3)?;
-    numbers.try_into().map_err(|_| fault(BG_BAD_ARGUMENT))
-}
-
-/// Writes one value.
-pub(crate) fn put<T: Copy>(to: *mut T, value: T) -> Done {
-    check(to.cast_const())?;
-    // SAFETY: not null and aligned; the caller says that there is room for it.
-    unsafe { to.write(value) };
-    Ok(())
-}
-
-/// A text that ends with a zero, if that comes within `most` bytes.
-pub(crate) fn text<'a>(from: *const c_char, most: usize) -> Result<Option<&'a str>, bg_fault> {
-    check(from)?;
-    for length in 0..=most {
-        // SAFETY: the caller says that a zero ends the text, and none of the bytes before this one was it.
-        if unsafe { from.add(length).read() } == 0 {
-            let bytes = lent(from.cast::<u8>(), length)?;
-            return Ok(core::str::from_utf8(bytes).ok());
-        }
-    }
-    Ok(None)
-}
-
-fn check<T>(pointer: *const T) -> Done {
-    if pointer.is_null() {
-        return Err(fault(BG_NULL));
-    }
-    match pointer.is_aligned() {
-        true => Ok(()),
-        false => Err(fault(BG_MISALIGNED)),
-    }
-}
-
-fn check_length<T>(count: usize) -> Done {
-    let bytes = count.checked_mul(size_of::<T>());
-    match bytes.is_some_and(|bytes| isize::try_from(bytes).is_ok()) {
-        true => Ok(()),
-        false => Err(fault(BG_BAD_ARGUMENT)),
-    }
 }

@@ -2,7 +2,8 @@
 
 use bitgrain_kernel::{NewGrain, nudge, regroup, remove};
 
-use crate::block::{lent, vector, with};
+use crate::arguments::{lent, vector};
+use crate::block::with;
 use crate::status::{BG_BAD_GRAIN, BG_BAD_SIZE, BG_UNKNOWN_GRAIN, fault};
 use crate::types::{bg_fault, bg_grain, bg_world};
 

@@ -4,9 +4,12 @@ use bitgrain_kernel::contact::{
     HertzHistory, HertzTsuji, Law as Contacts, PairLaws, Rolling, RollingResistance, RollingSpring,
 };
 
-use crate::block::{Law, Parts, Row, as_tsuji, give, take, with};
+use crate::arguments::{give, take};
+use crate::block::{Law, Parts, Row, as_tsuji, with};
 use crate::setup::code;
-use crate::status::{BG_BAD_ARGUMENT, BG_BAD_LAW, BG_BAD_SIZE, BG_LAW_MISFIT, Done, fault};
+use crate::status::{
+    BG_BAD_ARGUMENT, BG_BAD_LAW, BG_BAD_SIZE, BG_FOREIGN, BG_LAW_MISFIT, Done, fault,
+};
 use crate::types::{
     BG_HERTZ_HISTORY, BG_HERTZ_TSUJI, BG_NO_ROLLING, BG_ROLLING_EPSD2, BG_ROLLING_SDS, bg_fault,
     bg_law, bg_world,
@@ -54,34 +57,31 @@ pub(crate) fn row_of(law: &bg_law) -> Result<Row, bg_fault> {
     })
 }
 
-/// The five numbers as they are of the other law.
-fn tsuji_of(law: &HertzHistory<f64>) -> HertzTsuji<f64> {
-    HertzTsuji {
-        kn: law.kn,
-        kt: law.kt,
-        cn: law.gamma_n,
-        ct: law.gamma_t,
-        mu: law.mu,
-    }
-}
-
 /// A law of this kind with the numbers of one material, without resistance to rolling.
 pub(crate) fn law_of(kind: u32, row: &Row) -> Result<Law, bg_fault> {
+    let HertzHistory {
+        kn,
+        kt,
+        gamma_n,
+        gamma_t,
+        mu,
+    } = row.law;
+    let law = Law {
+        kind,
+        materials: 0,
+        numbers: [kn, kt, gamma_n, gamma_t, mu],
+    };
     match kind {
-        BG_HERTZ_HISTORY => Ok(Law::History(row.law)),
-        BG_HERTZ_TSUJI => Ok(Law::Tsuji(tsuji_of(&row.law))),
+        BG_HERTZ_HISTORY | BG_HERTZ_TSUJI => Ok(law),
         _ => Err(fault(BG_BAD_ARGUMENT)),
     }
 }
 
-/// A law of this kind whose numbers are those of the table, of so many materials.
-pub(crate) fn table_of(kind: u32, materials: u32) -> Result<Law, bg_fault> {
-    let count = material(materials)?;
-    match kind {
-        BG_HERTZ_HISTORY => Ok(Law::HistoryTable(count)),
-        BG_HERTZ_TSUJI => Ok(Law::TsujiTable(count)),
-        _ => Err(fault(BG_BAD_ARGUMENT)),
-    }
+/// A law of this kind whose numbers are those of the table, of so many materials, which begins with this row.
+pub(crate) fn table_of(kind: u32, materials: u32, first: &Row) -> Result<Law, bg_fault> {
+    let materials = material(materials)?.into();
+    let law = law_of(kind, first)?;
+    Ok(Law { materials, ..law })
 }
 
 /// A number of a material.
@@ -91,21 +91,8 @@ pub(crate) fn material(number: u32) -> Result<u8, bg_fault> {
 
 /// The kind of a law, and how many materials its table is of; none of a law of one.
 pub(crate) fn kind_of(law: &Law) -> (u32, Option<u8>) {
-    match law {
-        Law::History(_) => (BG_HERTZ_HISTORY, None),
-        Law::Tsuji(_) => (BG_HERTZ_TSUJI, None),
-        Law::HistoryTable(materials) => (BG_HERTZ_HISTORY, Some(*materials)),
-        Law::TsujiTable(materials) => (BG_HERTZ_TSUJI, Some(*materials)),
-    }
-}
-
-/// The five numbers of a law of one material.
-pub(crate) fn numbers_of(law: &Law) -> [f64; 5] {
-    match law {
-        Law::History(l) => [l.kn, l.kt, l.gamma_n, l.gamma_t, l.mu],
-        Law::Tsuji(l) => [l.kn, l.kt, l.cn, l.ct, l.mu],
-        Law::HistoryTable(_) | Law::TsujiTable(_) => [0.0; 5],
-    }
+    let materials = u8::try_from(law.materials).ok();
+    (law.kind, materials.filter(|count| *count > 0))
 }
 
 /// Something to do with the law of a world.
@@ -116,17 +103,31 @@ pub(crate) trait WithLaw {
 
 /// Does something with a world and its law, whichever it is: it is compiled for each.
 pub(crate) fn with_law(parts: &mut Parts<'_>, what: impl WithLaw) -> Done {
-    match *parts.law {
-        Law::History(law) => what.run(parts, &law),
-        Law::Tsuji(law) => what.run(parts, &law),
-        Law::HistoryTable(materials) => {
+    let [kn, kt, gamma_n, gamma_t, mu] = parts.law.numbers;
+    match kind_of(parts.law) {
+        (BG_HERTZ_HISTORY, None) => {
+            let law = HertzHistory {
+                kn,
+                kt,
+                gamma_n,
+                gamma_t,
+                mu,
+            };
+            what.run(parts, &law)
+        }
+        (BG_HERTZ_TSUJI, None) => {
+            let (cn, ct) = (gamma_n, gamma_t);
+            what.run(parts, &HertzTsuji { kn, kt, cn, ct, mu })
+        }
+        (BG_HERTZ_HISTORY, Some(materials)) => {
             tabled(parts, |table| PairLaws::new(materials, table), what)
         }
-        Law::TsujiTable(materials) => tabled(
+        (BG_HERTZ_TSUJI, Some(materials)) => tabled(
             parts,
             |table| PairLaws::new(materials, as_tsuji(table)),
             what,
         ),
+        _ => Err(fault(BG_FOREIGN)),
     }
 }
 
@@ -200,7 +201,7 @@ pub extern "C" fn bg_law_hertz_tsuji_between(
 ) -> i32 {
     let make = || {
         let two = |from| {
-            let numbers = crate::block::lent(from, 2)?;
+            let numbers = crate::arguments::lent(from, 2)?;
             numbers.try_into().map_err(|_| fault(BG_BAD_ARGUMENT))
         };
         let both: [[f64; 2]; 2] = [two(a)?, two(b)?];

@@ -6,7 +6,7 @@
 //! reason beside it.
 //!
 //! * [`types`]: what C sees; [`status`]: the numbers of errors and their texts;
-//! * [`block`]: the block and its parts;
+//! * [`arguments`]: what pointers lead to; [`block`]: the block and its parts;
 //! * [`setup`], [`laws`], [`grains`], [`steps`], [`rows`], [`saved`]: the functions;
 //! * [`record`]: recordings of any simulator, which need no world.
 //!
@@ -21,6 +21,7 @@
 #[cfg(feature = "std")]
 extern crate std;
 
+pub mod arguments;
 pub mod block;
 pub mod grains;
 pub mod laws;
@@ -34,7 +35,7 @@ pub mod steps;
 pub mod types;
 
 /// The number of the functions and structures: one that is higher may have more of them, and no others.
-pub const BG_ABI_VERSION: u32 = 3;
+pub const BG_ABI_VERSION: u32 = 4;
 
 /// The `BG_ABI_VERSION` that the library was built with: compare it with the header's.
 #[unsafe(no_mangle)]

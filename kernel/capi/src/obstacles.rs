@@ -2,7 +2,8 @@
 
 use bitgrain_kernel::{Error, FACETS_MAX, Facet, FreeMotion, Motion, Obstacle, Shape, arrange};
 
-use crate::block::{Parts, give, lent, put, take, vector, with};
+use crate::arguments::{axes, flag, give, lent, put, take, vector};
+use crate::block::{Parts, with};
 use crate::laws::material;
 use crate::status::{BG_BAD_ARGUMENT, BG_TOO_SMALL, fault};
 use crate::types::{
@@ -83,26 +84,27 @@ fn moving(of: &bg_obstacle, made: Obstacle<f64>) -> Result<Obstacle<f64>, bg_fau
             turned => turned,
         },
         inverse_mass: of.inverse_mass,
-        curved: of.curved != 0,
+        curved: flag(of.curved)?,
         material: material(of.material)?,
-        motion: motion(of),
+        motion: motion(of)?,
         ..made
     })
 }
 
 /// How an obstacle is to move.
-fn motion(of: &bg_obstacle) -> Motion<f64> {
-    if of.is_free == 0 {
-        return Motion::Prescribed;
+fn motion(of: &bg_obstacle) -> Result<Motion<f64>, bg_fault> {
+    let (integrates, spins) = (axes(of.integrates)?, flag(of.spins)?);
+    if !flag(of.is_free)? {
+        return Ok(Motion::Prescribed);
     }
-    Motion::Free(FreeMotion {
+    Ok(Motion::Free(FreeMotion {
         inertia: of.inertia,
         gravity: of.gravity,
         force: of.applied_force,
         torque: of.applied_torque,
-        integrates: [0, 1, 2].map(|axis| of.integrates >> axis & 1 != 0),
-        spins: of.spins != 0,
-    })
+        integrates,
+        spins,
+    }))
 }
 
 /// Changes the obstacle of this number, in a world with a time step.

@@ -4,7 +4,7 @@ use core::ffi::{c_char, c_void};
 
 use bitgrain_kernel::record::{Chain, Element, HEAD, NAME_MAX, Refusal, length};
 
-use crate::block::{give, lent, lent_mut, take, text};
+use crate::arguments::{give, lent, lent_mut, take, text};
 use crate::status::{BG_BAD_RECORD, BG_OK, BG_TOO_SMALL, Done, fault};
 use crate::types::{bg_fault, bg_recording};
 

@@ -4,7 +4,8 @@ use core::ffi::c_void;
 
 use bitgrain_kernel::Error;
 
-use crate::block::{lent_mut, with};
+use crate::arguments::lent_mut;
+use crate::block::with;
 use crate::status::{BG_BAD_ARGUMENT, BG_NO_GRAIN, Done, fault};
 use crate::types::{
     BG_FORCE, BG_GROUP, BG_ID, BG_IMAGE, BG_MASS, BG_POSITION, BG_RADIUS, BG_SPIN, BG_TORQUE,

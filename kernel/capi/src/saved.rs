@@ -6,8 +6,9 @@ use bitgrain_kernel::blake3::Hasher;
 use bitgrain_kernel::contact::{RollingResistance, RollingSpring};
 use bitgrain_kernel::{Error, save, save_size};
 
-use crate::block::{Parts, Row, lent, lent_mut, pairs_of, put, with};
-use crate::laws::{kind_of, law_of, numbers_of, row_of, table_of};
+use crate::arguments::{lent, lent_mut, put};
+use crate::block::{Parts, Row, pairs_of, with};
+use crate::laws::{kind_of, law_of, row_of, table_of};
 use crate::status::{BG_LAW_MISFIT, Done, fault};
 use crate::types::{BG_NO_ROLLING, BG_ROLLING_EPSD2, BG_ROLLING_SDS, bg_fault, bg_law, bg_world};
 
@@ -126,7 +127,8 @@ pub extern "C" fn bg_save(world: *mut bg_world, out: *mut c_void, size: usize) -
 }
 
 /// Replaces a world, its law too, by what `bg_save` wrote; its skins stay. Bytes that are not as they were written are
-/// refused, and nothing is lost. After a full list the world is stopped: lessen its skin and load again.
+/// refused, and nothing is lost; those behind the end of what was written are not looked at, so that `size` may be that
+/// of a buffer. After a full list the world is stopped: lessen its skin and load again.
 #[unsafe(no_mangle)]
 pub extern "C" fn bg_load(world: *mut bg_world, bytes: *const c_void, size: usize) -> i32 {
     with(world, |parts| {
@@ -163,7 +165,7 @@ pub extern "C" fn bg_load(world: *mut bg_world, bytes: *const c_void, size: usiz
         let law = match form.materials {
             None => law_of(form.kind, &row(0)?)?,
             Some(_) if parts.table.len() < rows => return Err(fault(BG_LAW_MISFIT)),
-            Some(count) => table_of(form.kind, count.into())?,
+            Some(count) => table_of(form.kind, count.into(), &row(0)?)?,
         };
         let done: Done = parts.store.load(rest).map_err(Into::into);
         if done.is_ok() {
@@ -240,7 +242,7 @@ impl Words<'_> {
             self.word(word);
         }
         let Some(count) = form.materials else {
-            self.numbers(&numbers_of(parts.law));
+            self.numbers(&parts.law.numbers);
             return;
         };
         self.word(count.into());

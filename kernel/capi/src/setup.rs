@@ -1,10 +1,14 @@
 //! Worlds: how much memory they take, and what they are made of.
 
-use bitgrain_kernel::{Capacity, Domain, Drain, Group, Head, LossPolicy};
+use bitgrain_kernel::contact::Law;
+use bitgrain_kernel::{Capacity, Domain, Drain, Group, Head, LossPolicy, time_step};
 
-use crate::block::{bytes, give, init, last_fault, put, take, with};
-use crate::laws::{law_of, material, row_of, table_of};
-use crate::status::{BG_BAD_ARGUMENT, BG_LAW_MISFIT, BG_OK, BG_TOO_SMALL, Done, fault};
+use crate::arguments::{axes, flag, give, put, take};
+use crate::block::{Parts, bytes, init, last_fault, with};
+use crate::laws::{WithLaw, law_of, material, row_of, table_of, with_law};
+use crate::status::{
+    BG_BAD_ARGUMENT, BG_LAW_MISFIT, BG_LONG_TIME_STEP, BG_OK, BG_TOO_SMALL, Done, fault,
+};
 use crate::types::{
     BG_NO_ROLLING, bg_capacity, bg_config, bg_counts, bg_fault, bg_group, bg_law, bg_policy,
     bg_world,
@@ -63,12 +67,9 @@ pub extern "C" fn bg_init(
         let law = match (capacity.materials, config.law.rolling) {
             (0, BG_NO_ROLLING) => law_of(config.law.kind, &row)?,
             (0, _) => return Err(fault(BG_LAW_MISFIT)),
-            (materials, _) => table_of(config.law.kind, materials)?,
+            (materials, _) => table_of(config.law.kind, materials, &row)?,
         };
-        let mut axes = [false; 3];
-        for (a, axis) in axes.iter_mut().enumerate() {
-            *axis = config.periodic >> a & 1 != 0;
-        }
+        let axes = axes(config.periodic)?;
         let domain = match config.lo == config.hi && config.periodic == 0 {
             true => Domain::open(),
             false => Domain::new(config.lo, config.hi, axes)?,
@@ -86,7 +87,7 @@ pub extern "C" fn bg_init(
 /// Sets `overlap` to the deepest overlap (length) and `duration` to the duration of a collision without damping: of two
 /// bodies with this effective mass and effective radius (half of each for two equal grains, those of the grain on a
 /// floor) that meet at this speed. Choose `kn` so that the overlap is below a fiftieth of a diameter, and a time step
-/// of at most a tenth of the duration: a longer one makes energy, and nothing refuses it. Landau and Lifshitz, Theory
+/// of at most a tenth of the duration: a longer one makes energy (`bg_time_step` says so). Landau and Lifshitz, Theory
 /// of Elasticity, section 9.
 #[unsafe(no_mangle)]
 pub extern "C" fn bg_collision(
@@ -104,13 +105,52 @@ pub extern "C" fn bg_collision(
         if !sound {
             return Err(fault(BG_BAD_ARGUMENT));
         }
-        let stiffness = law.kn * libm::sqrt(radius);
-        let deepest = libm::pow(1.25 * mass * speed * speed / stiffness, 0.4);
+        let (deepest, lasts) = time_step::collision(law.kn, radius, mass, speed);
         put(overlap, deepest)?;
-        // Twice the integral of 1/sqrt(1 - x^(5/2)) from 0 to 1.
-        put(duration, 2.943_275 * deepest / speed)
+        put(duration, lasts)
     };
     code(collide())
+}
+
+/// Sets `rayleigh` to the time step of a world over the shortest Rayleigh time of a grain or free body in it, and
+/// `collision` to the same over the duration of its shortest collision, at the largest difference of two velocities:
+/// for a look before `bg_start` and now and then, since it takes about as long as a step. Returns
+/// `BG_LONG_TIME_STEP`, a warning, if they are above a fifth and a tenth: then restitution is off and collisions make
+/// energy. The world can be stepped all the same, and nothing else warns.
+#[unsafe(no_mangle)]
+pub extern "C" fn bg_time_step(
+    world: *mut bg_world,
+    rayleigh: *mut f64,
+    collision: *mut f64,
+) -> i32 {
+    let mut told = BG_OK;
+    let look = Look {
+        out: [rayleigh, collision],
+        told: &mut told,
+    };
+    match with(world, |parts| with_law(parts, look)) {
+        BG_OK => told,
+        wrong => wrong,
+    }
+}
+
+struct Look<'a> {
+    out: [*mut f64; 2],
+    told: &'a mut i32,
+}
+
+impl WithLaw for Look<'_> {
+    fn run(self, parts: &mut Parts<'_>, law: &impl Law<f64>) -> Done {
+        let world = parts.store.world();
+        let times = time_step::shortest_times(&world, law);
+        for (to, fraction) in self.out.into_iter().zip(times.fractions(world.dt)) {
+            put(to, fraction)?;
+        }
+        if !times.are_resolved_by(world.dt) {
+            *self.told = BG_LONG_TIME_STEP;
+        }
+        Ok(())
+    }
 }
 
 /// Sets how far beyond touching pairs are listed, and beyond that are candidates (length): speed only, never a bit.
@@ -132,8 +172,8 @@ pub extern "C" fn bg_set_policy(world: *mut bg_world, policy: *const bg_policy) 
             normal: policy.normal,
         };
         parts.store.set_policy(LossPolicy {
-            takes_out: policy.takes_out != 0,
-            drain: (policy.drains != 0).then_some(drain),
+            takes_out: flag(policy.takes_out)?,
+            drain: flag(policy.drains)?.then_some(drain),
         });
         Ok(())
     })
@@ -149,11 +189,10 @@ pub extern "C" fn bg_add_group(
     with(world, |parts| {
         let group = take(group)?;
         put(number, 0)?;
-        let axis = |a: u32| group.integrates >> a & 1 != 0;
         let added = parts.store.add_group(Group {
-            integrates: [axis(0), axis(1), axis(2)],
-            spins: group.spins != 0,
-            infinite_mass: group.infinite_mass != 0,
+            integrates: axes(group.integrates)?,
+            spins: flag(group.spins)?,
+            infinite_mass: flag(group.infinite_mass)?,
             gravity: group.gravity,
             material: material(group.material)?,
         })?;

@@ -8,6 +8,8 @@ use crate::types::bg_fault;
 
 /// All is well.
 pub const BG_OK: i32 = 0;
+/// A warning, and no error: the time step is above a fifth of the Rayleigh time, or a tenth of a collision.
+pub const BG_LONG_TIME_STEP: i32 = -1;
 /// The edges of the box are not finite or not in order.
 pub const BG_BAD_DOMAIN: i32 = 1;
 /// A periodic axis is not longer than twice the largest contact distance.
@@ -42,6 +44,8 @@ pub const BG_OTHER_FACETS: i32 = 15;
 pub const BG_UNKNOWN_MATERIAL: i32 = 16;
 /// The law resists rolling, or has several materials, and `bg_capacity.materials` has no room for that.
 pub const BG_LAW_MISFIT: i32 = 17;
+/// There are more obstacles than 4,096.
+pub const BG_TOO_MANY_OBSTACLES: i32 = 18;
 /// The list of pairs is full; nothing was changed.
 pub const BG_PAIR_LIST_FULL: i32 = 20;
 /// The list of candidates is full; nothing was changed.
@@ -132,6 +136,7 @@ impl From<Error> for bg_fault {
             Error::OverlapTooDeep { i, j } => (i, j, 0),
             Error::ObstacleTooDeep { id, obstacle } => (id, obstacle, 0),
             Error::NoGrain { place } => (place, 0, 0),
+            Error::TooManyObstacles { most, .. } => (most as u32, 0, 0),
             Error::PairListFull { needed }
             | Error::OuterListFull { needed }
             | Error::ObstacleContactsFull { needed }
@@ -157,6 +162,9 @@ pub extern "C" fn bg_strerror(code: i32) -> *const c_char {
 fn text(code: i32) -> &'static core::ffi::CStr {
     match code {
         BG_OK => c"all is well",
+        BG_LONG_TIME_STEP => {
+            c"a warning: the time step is above a fifth of the Rayleigh time, or a tenth of a collision"
+        }
         BG_BAD_DOMAIN => c"the edges of the box are not finite or not in order",
         BG_PERIOD_TOO_SHORT => {
             c"a periodic axis is not longer than twice the largest contact distance"
@@ -178,6 +186,7 @@ fn text(code: i32) -> &'static core::ffi::CStr {
         BG_LAW_MISFIT => {
             c"a law of several materials, or one that resists rolling, needs bg_capacity.materials (1 to 32)"
         }
+        BG_TOO_MANY_OBSTACLES => c"there are more obstacles than 4,096, the most that a world can have",
         BG_PAIR_LIST_FULL => c"the list of pairs is full",
         BG_OUTER_LIST_FULL => c"the list of candidates is full",
         BG_OBSTACLE_CONTACTS_FULL => c"the list of obstacle contacts is full",

@@ -7,7 +7,8 @@ use bitgrain_kernel::{
     Cause, Departure, Error, GrainState, World, digest, start, step, step_with, take_out,
 };
 
-use crate::block::{Parts, give, with};
+use crate::arguments::give;
+use crate::block::{Parts, with};
 use crate::laws::{WithLaw, with_law};
 use crate::status::Done;
 use crate::types::{
@@ -87,7 +88,7 @@ impl Host {
                 Some(apply) => step_with(&mut world, law, |grain| self.pushed(apply, grain)),
                 None => step(&mut world, law),
             }?;
-            *parts.stepped += 1;
+            *parts.stepped = parts.stepped.saturating_add(1);
             for (sums, body) in parts.sums.iter_mut().zip(world.obstacles.iter()) {
                 let both = body.force.iter().chain(&body.torque);
                 for (sum, now) in sums.iter_mut().zip(both) {
@@ -140,7 +141,7 @@ impl Host {
                 unsafe { departed(self.user, &departure(step, &gone)) };
             }
         })?;
-        *count += gone as u64;
+        *count = count.saturating_add(gone as u64);
         Ok(())
     }
 }

@@ -170,13 +170,13 @@ pub struct bg_obstacle {
     pub orientation: [f64; 4],
     /// Angular velocity in the axes of the world (radians / time).
     pub angular_velocity: [f64; 3],
-    /// Whether curvature counts that is not a ball's: `1/r + 1/(2 R)` on a bar, `1/r - 1/(2 R)` in a tank.
+    /// Whether curvature counts (0 or 1) that is not a ball's: `1/r + 1/(2 R)` on a bar, `1/r - 1/(2 R)` in a tank.
     pub curved: u32,
-    /// Whether forces move it: then `inverse_mass` and `inertia` are above 0.
+    /// Whether forces move it (0 or 1): then `inverse_mass` and `inertia` are above 0.
     pub is_free: u32,
     /// Bits 0, 1, 2 if it answers forces along x, y, z; along the others its velocity stays.
     pub integrates: u32,
-    /// Whether it answers torques.
+    /// Whether it answers torques: 0 or 1.
     pub spins: u32,
     /// Moments of inertia about its own axes (mass length^2).
     pub inertia: [f64; 3],

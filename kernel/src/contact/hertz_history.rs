@@ -3,7 +3,7 @@
 //! Symbols follow the paper: `delta` overlap, `R` effective radius, `m` effective mass, `s`
 //! tangential spring. The order of evaluation written here is part of the bit contract.
 
-use super::law::{Law, NormalForce, NormalState, TangentialForce, TangentialState};
+use super::law::{Law, Materials, NormalForce, NormalState, TangentialForce, TangentialState};
 use super::rolling::SpringInPlane;
 use crate::math::real::{Real, magnitude};
 use crate::math::vec3::{add, dot, either, scale, sub};
@@ -33,6 +33,10 @@ pub struct HertzHistory<R> {
 }
 
 impl<R: Real> Law<R> for HertzHistory<R> {
+    fn stiffness(&self, _: Materials) -> Option<[R; 2]> {
+        Some([self.kn, self.kt])
+    }
+
     #[inline(always)]
     fn normal_force(&self, c: &NormalState<R>) -> NormalForce<R> {
         let contact_radius = (c.radius_effective * c.overlap).sqrt();

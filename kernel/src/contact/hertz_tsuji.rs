@@ -4,7 +4,7 @@
 //! LIGGGHTS (`hertz tangential history`), whose numbers the paper reports. The order of evaluation
 //! written here is part of the bit contract.
 
-use super::law::{Law, NormalForce, NormalState, TangentialForce, TangentialState};
+use super::law::{Law, Materials, NormalForce, NormalState, TangentialForce, TangentialState};
 use super::rolling::SpringInPlane;
 use crate::math::real::{Real, magnitude};
 use crate::math::vec3::{add, dot, scale};
@@ -72,6 +72,10 @@ impl<R: Real> HertzTsuji<R> {
 }
 
 impl<R: Real> Law<R> for HertzTsuji<R> {
+    fn stiffness(&self, _: Materials) -> Option<[R; 2]> {
+        Some([self.kn, self.kt])
+    }
+
     #[inline(always)]
     fn normal_force(&self, c: &NormalState<R>) -> NormalForce<R> {
         let contact_radius = (c.radius_effective * c.overlap).sqrt();

@@ -127,6 +127,14 @@ pub trait Law<R: Real>: Copy + Send + Sync {
         R::ZERO
     }
 
+    /// Normal and tangential stiffness of Hertz' contact between two materials (pressure): `F_n = k_n sqrt(R delta)
+    /// delta`. They say how long a time step may be ([`shortest_times`](crate::time_step::shortest_times)); of a
+    /// law that does not say them nobody knows that.
+    fn stiffness(&self, materials: Materials) -> Option<[R; 2]> {
+        let _ = materials;
+        None
+    }
+
     /// Whether a contact acts. What does not act gives no force and loses spring and words. Asked of pairs within reach
     /// and a little beyond, and only if [`Law::ACTS_APART`].
     #[inline(always)]

@@ -69,6 +69,10 @@ impl<R: Real, L: Law<R>> Law<R> for PairLaws<'_, L> {
         reaches.fold(R::ZERO, larger)
     }
 
+    fn stiffness(&self, materials: Materials) -> Option<[R; 2]> {
+        self.of(materials).stiffness(materials)
+    }
+
     #[inline(always)]
     fn acts(&self, contact: &NormalState<R>) -> bool {
         self.of(contact.materials).acts(contact)

@@ -6,7 +6,8 @@
 
 use super::kept::{ContactMemory, MEMORY_MAX};
 use super::law::{
-    Law, NormalForce, NormalState, TangentialForce, TangentialState, Torque, TurningState,
+    Law, Materials, NormalForce, NormalState, TangentialForce, TangentialState, Torque,
+    TurningState,
 };
 use crate::math::real::{Real, magnitude};
 use crate::math::vec3::{Vec3, add, cross, dot, either, scale, sub};
@@ -15,6 +16,7 @@ use crate::math::vec3::{Vec3, add, cross, dot, either, scale, sub};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
+#[repr(u8)]
 pub enum RollingSpring {
     /// Spring, damper and slider: `f = -k r - gamma v` with `|f| <= mu |F_n|`, `r` the way that surfaces have rolled
     /// and `v = R (w_i - w_j) x n`; the torque is `R n x f`. The way keeps its length as its plane turns.
@@ -143,6 +145,10 @@ impl<R: Real, L: SpringInPlane<R>> Law<R> for Rolling<R, L> {
 
     fn reach(&self) -> R {
         self.law.reach()
+    }
+
+    fn stiffness(&self, materials: Materials) -> Option<[R; 2]> {
+        self.law.stiffness(materials)
     }
 
     #[inline(always)]

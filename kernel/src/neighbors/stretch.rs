@@ -84,6 +84,17 @@ impl<'a, R: Real> StretchList<'a, R> {
         self.budget.len() >= count
     }
 
+    /// Whether so many stretches are of so many grains and entries of the list at most, in order.
+    pub(crate) fn is_within(&self, count: usize, grains: usize, entries: usize) -> bool {
+        (0..count).all(|s| {
+            let own = self.grains(s);
+            let begin = get_or_default(self.begin, s) as usize;
+            let room = entries.saturating_sub(begin);
+            let pairs = get_or_default(self.pairs, s) as usize;
+            own.start <= own.end && own.end <= grains && pairs <= room
+        })
+    }
+
     /// Cuts so many grains into stretches alike, but for the last; returns how many they are.
     pub(crate) fn lay_out(&mut self, grains: usize) -> usize {
         let most = self.budget.len();

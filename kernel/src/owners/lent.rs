@@ -14,21 +14,24 @@ use crate::saved::Saved;
 use crate::state::domain::Domain;
 use crate::state::facet::Facet;
 use crate::state::grains::{Grains, Group, NewGrain};
-use crate::state::losses::LossPolicy;
+use crate::state::losses::{Drain, LossPolicy};
 use crate::state::obstacle::Obstacle;
 use crate::world::{Clock, World};
 
 /// What a lent store keeps beside its rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Head<R> {
-    domain: Domain<R>,
+    pub(super) domain: Domain<R>,
     dt: R,
     skin: R,
     outer_skin: R,
-    policy: LossPolicy<R>,
+    pub(super) takes_out: bool,
+    /// Whether there is a drain.
+    pub(super) drains: bool,
+    drain: Drain<R>,
     groups: usize,
     obstacles: usize,
-    clock: Clock<R>,
+    pub(super) clock: Clock<R>,
 }
 
 impl<R: Real> Head<R> {
@@ -39,11 +42,21 @@ impl<R: Real> Head<R> {
             dt,
             skin,
             outer_skin: R::ZERO,
-            policy: LossPolicy::STOP,
+            takes_out: false,
+            drains: false,
+            drain: Drain {
+                point: [R::ZERO; 3],
+                normal: [R::ZERO; 3],
+            },
             groups: 0,
             obstacles: 0,
             clock: Clock::ZERO,
         }
+    }
+
+    fn set_policy(&mut self, policy: LossPolicy<R>) {
+        (self.takes_out, self.drains) = (policy.takes_out, policy.drain.is_some());
+        self.drain = policy.drain.unwrap_or(self.drain);
     }
 }
 
@@ -111,7 +124,8 @@ impl<'a, R: Real> LentStore<'a, R> {
     /// A store in this memory.
     ///
     /// # Errors
-    /// [`Error::BadStorage`] for memory that is shorter than the capacity says, or whose head counts more than that.
+    /// [`Error::BadStorage`] for memory that is shorter than the capacity says, or whose head or stretches count more
+    /// than that.
     pub fn new(memory: Memory<'a, R>, capacity: Capacity) -> Result<Self, Error> {
         let holds = |least: Option<usize>, length: usize| least.is_some_and(|n| n <= length);
         let head = &memory.head;
@@ -124,8 +138,18 @@ impl<'a, R: Real> LentStore<'a, R> {
         let within = head.clock.count <= capacity.grains
             && head.groups <= capacity.groups
             && head.obstacles <= capacity.obstacles;
-        match long && within && capacity.cells > 0 {
-            true => Ok(Self { capacity, memory }),
+        if !(long && within && capacity.cells > 0) {
+            return Err(Error::BadStorage);
+        }
+        let mut store = Self { capacity, memory };
+        let world = store.world();
+        let (listed, pairs) = (world.clock.listed, world.pairs.lower.len());
+        // No loop over what is listed is longer than the lists.
+        let bounded = world.pairs.holds(listed)
+            && world.stretches.holds(listed.stretches)
+            && (world.stretches).is_within(listed.stretches, capacity.grains, pairs);
+        match bounded {
+            true => Ok(store),
             false => Err(Error::BadStorage),
         }
     }
@@ -147,7 +171,7 @@ impl<'a, R: Real> LentStore<'a, R> {
 
     /// What becomes of grains that leave, from now on.
     pub fn set_policy(&mut self, policy: LossPolicy<R>) {
-        self.memory.head.policy = policy;
+        self.memory.head.set_policy(policy);
     }
 
     /// Adds a group and returns its number.
@@ -249,7 +273,7 @@ impl<'a, R: Real> LentStore<'a, R> {
         let skins = (head.skin, head.outer_skin);
         *head = Head::new(saved.domain(), saved.dt(), skins.0);
         head.outer_skin = skins.1;
-        head.policy = saved.policy();
+        head.set_policy(saved.policy());
         for group in saved.groups() {
             self.add_group(group)?;
         }
@@ -320,7 +344,10 @@ impl<'a, R: Real> LentStore<'a, R> {
             skin: head.skin,
             outer_skin: head.outer_skin,
             owned: &[],
-            policy: head.policy,
+            policy: LossPolicy {
+                takes_out: head.takes_out,
+                drain: head.drains.then_some(head.drain),
+            },
             grains: Grains {
                 id,
                 group: front_mut(group, rows),

@@ -133,6 +133,11 @@ impl<'b, R: Real> Saved<'b, R> {
         self.counts.grains
     }
 
+    /// Its length in bytes.
+    pub fn size(&self) -> usize {
+        4 * self.words.len()
+    }
+
     fn from(&self, word: usize) -> Reader<'b> {
         Reader(self.words.get(word..).unwrap_or_default())
     }

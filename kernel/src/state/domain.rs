@@ -18,6 +18,11 @@ pub struct Domain<R> {
     half: Vec3<R>,
 }
 
+impl<R> Domain<R> {
+    /// Where in a domain it says which axes are periodic.
+    pub(crate) const PERIODIC: usize = core::mem::offset_of!(Self, periodic);
+}
+
 impl<R: Real> Domain<R> {
     /// A box from `lo` to `hi` (units of length).
     ///

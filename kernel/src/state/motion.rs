@@ -6,6 +6,7 @@ use crate::math::vec3::Vec3;
 /// What moves an obstacle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[repr(u8)]
 pub enum Motion<R> {
     /// The host alone: velocity and angular velocity stay until it changes them.
     Prescribed,

@@ -9,6 +9,7 @@ pub(crate) const MESH: u32 = 7;
 /// What an obstacle is, in its own axes and about its own point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[repr(u8)]
 pub enum Shape<R> {
     /// A ball about the obstacle's point.
     Sphere {

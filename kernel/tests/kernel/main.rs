@@ -36,3 +36,4 @@ mod search;
 mod store;
 mod stretches;
 mod sums;
+mod time_steps;

@@ -90,6 +90,8 @@ int main(void) {
     IS(bg_start(world), BG_UNKNOWN_MATERIAL);
     free(table);
     wrong.law = config.law;
+    wrong.periodic = 8;
+    IS(bg_init(memory, bytes, &room, &wrong, &world), BG_BAD_ARGUMENT);
     wrong.periodic = 1;
     IS(bg_init(memory, bytes, &room, &wrong, &world), BG_BAD_DOMAIN);
 
@@ -104,10 +106,34 @@ int main(void) {
     bg_group group = {.size = sizeof group, .integrates = 7, .spins = 1, .gravity = {0, 0, -1}};
     IS(bg_add_group(world, &group, NULL), BG_NULL);
     IS(bg_add_group(world, NULL, &number), BG_NULL);
+    /* What says yes or no is 1 or 0, and axes are three bits. */
+    bg_group yes = group;
+    yes.spins = 7;
+    IS(bg_add_group(world, &yes, &number), BG_BAD_ARGUMENT);
+    yes = group;
+    yes.infinite_mass = 2;
+    IS(bg_add_group(world, &yes, &number), BG_BAD_ARGUMENT);
+    yes = group;
+    yes.integrates = 8;
+    IS(bg_add_group(world, &yes, &number), BG_BAD_ARGUMENT);
+    bg_policy policy = {.size = sizeof policy, .takes_out = 7};
+    IS(bg_set_policy(world, &policy), BG_BAD_ARGUMENT);
+    policy.takes_out = 0;
+    policy.drains = 7;
+    IS(bg_set_policy(world, &policy), BG_BAD_ARGUMENT);
     IS(bg_add_group(world, &group, &number), BG_OK);
     bg_obstacle plane = {.size = sizeof plane, .kind = 99, .direction = {0, 0, 1}};
     IS(bg_add_obstacle(world, &plane, &number), BG_BAD_ARGUMENT);
     plane.kind = BG_PLANE;
+    plane.curved = 7;
+    IS(bg_add_obstacle(world, &plane, &number), BG_BAD_ARGUMENT);
+    plane.curved = 0;
+    plane.is_free = 7;
+    IS(bg_add_obstacle(world, &plane, &number), BG_BAD_ARGUMENT);
+    plane.is_free = 0;
+    plane.spins = 7;
+    IS(bg_add_obstacle(world, &plane, &number), BG_BAD_ARGUMENT);
+    plane.spins = 0;
     IS(bg_add_obstacle(world, &plane, &number), BG_OK);
     IS(bg_add_obstacle(world, &plane, &number), BG_BAD_STORAGE);
     bg_obstacle mesh = {.size = sizeof mesh, .kind = BG_PLANE};
@@ -139,6 +165,23 @@ int main(void) {
     IS(bg_insert(world, grains, 2), BG_BAD_SIZE);
     grains[1].size = sizeof grains[1];
     IS(bg_insert(world, grains, 2), BG_OK);
+    /* A time step is looked at, and stops nothing. */
+    double rayleigh, collides;
+    IS(bg_time_step(world, NULL, &collides), BG_NULL);
+    IS(bg_time_step(world, &rayleigh, &collides), BG_OK);
+    if (!(rayleigh > 0.053 && rayleigh < 0.055 && collides == 0)) return 6;
+    wrong = config;
+    wrong.dt = 5e-3;
+    char *slow = malloc(bytes);
+    bg_world *other;
+    IS(bg_init(slow, bytes, &room, &wrong, &other), BG_OK);
+    IS(bg_add_group(other, &group, &number), BG_OK);
+    IS(bg_insert(other, grains, 2), BG_OK);
+    IS(bg_time_step(other, &rayleigh, &collides), BG_LONG_TIME_STEP);
+    if (!(rayleigh > 0.26 && rayleigh < 0.28)) return 7;
+    IS(bg_start(other), BG_OK);
+    IS(bg_step(other, 1), BG_OK);
+    free(slow);
     IS(bg_start(world), BG_OK);
     IS(bg_insert(world, grains, 1), BG_BAD_ORDER);
     bg_fault fault = {.size = sizeof fault};

@@ -124,7 +124,7 @@ fn call(bytes: &mut Bytes, world: *mut bg_world) -> bool {
         0 => {
             let group = bg_group {
                 size: sized::<bg_group>(),
-                integrates: u32::from(bytes.byte()),
+                integrates: u32::from(bytes.byte() % 8),
                 spins: bytes.below(2) as u32,
                 infinite_mass: bytes.below(2) as u32,
                 gravity: bytes.vector(),
@@ -213,7 +213,7 @@ fn obstacle(bytes: &mut Bytes) -> bg_obstacle {
         angular_velocity: bytes.vector(),
         curved: bytes.below(2) as u32,
         is_free: bytes.below(2) as u32,
-        integrates: u32::from(bytes.byte()),
+        integrates: u32::from(bytes.byte() % 8),
         spins: bytes.below(2) as u32,
         inertia: [0; 3].map(|_| bytes.zero_or_scale(-1.0, 1.0)),
         gravity: bytes.vector(),

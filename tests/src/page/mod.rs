@@ -121,9 +121,11 @@ pub fn known_digests(cases: &[String; 2]) -> String {
             energy: false,
             digests: true,
             vtk: None,
+            beyond_rayleigh: false,
         };
         let mut out = Vec::new();
-        bitgrain::replay::replay(&path, &what, &mut out).expect("a sound case");
+        let progress = bitgrain::progress::Progress::new(false);
+        bitgrain::replay::replay(&path, &what, &progress, &mut out).expect("a sound case");
         let lines = out
             .split(|byte| *byte == b'\n')
             .filter(|line| !line.is_empty());

@@ -12,6 +12,7 @@ mod api;
 mod asked;
 mod benchmark;
 mod bisect;
+mod blocks;
 mod campaigns;
 mod channels;
 mod claims;
@@ -47,6 +48,7 @@ mod sources;
 mod sweep;
 mod tasks;
 mod tidy;
+mod time_steps;
 mod verify;
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_bitgrain-under-test");

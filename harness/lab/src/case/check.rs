@@ -9,7 +9,7 @@ use bitgrain_kernel::Domain;
 use bitgrain_sim::law::{check_rayleigh, rayleigh_time};
 use bitgrain_sim::owned_world::OwnedWorld;
 
-pub(super) fn check(case: &Case) -> Check {
+pub(super) fn check(case: &Case, most: f64) -> Check {
     case.law
         .build()
         .map_err(|(key, problem)| (format!("law.{key}"), problem))?;
@@ -32,7 +32,7 @@ pub(super) fn check(case: &Case) -> Check {
     for (k, o) in case.obstacles.iter().enumerate() {
         check_obstacle(o, case.gravity, &format!("obstacles[{k}]"))?;
     }
-    check_law(case, &case.materials()?)
+    check_law(case, &case.materials()?, most)
 }
 
 fn check_grain(g: &GrainSpec, place: &str) -> Check {
@@ -90,13 +90,16 @@ fn check_obstacle(o: &ObstacleSpec, gravity: [f64; 3], place: &str) -> Check {
     Ok(())
 }
 
-/// Checks that the time step resolves waves in the grains, and that the law has numbers for every two bodies of the
-/// case that can meet, of which these are the materials.
-fn check_law(case: &Case, [grains, bodies]: &[Vec<u8>; 2]) -> Check {
+/// Checks that the time step is at most so much of the shortest Rayleigh time of the grains, and that the law has
+/// numbers for every two bodies of the case that can meet, of which these are the materials.
+fn check_law(case: &Case, [grains, bodies]: &[Vec<u8>; 2], most: f64) -> Check {
     let too_long = |problem| ("dt".to_string(), problem);
     let sizes = case.grains.iter().map(|g| (0.5 * g.diameter, g.density));
     let law = match &case.law {
-        CaseLaw::One(law) => return law.check_time_step(case.dt, sizes).map_err(too_long),
+        CaseLaw::One(law) => {
+            let times = sizes.map(|(radius, density)| law.rayleigh_time(radius, density));
+            return check_rayleigh(case.dt, times, most).map_err(too_long);
+        }
         CaseLaw::Pairs(law) => law,
     };
     let (names, pairs) = (law.names(), law.pairs());
@@ -109,7 +112,7 @@ fn check_law(case: &Case, [grains, bodies]: &[Vec<u8>; 2]) -> Check {
             let moduli = moduli[usize::from(*material)]?;
             Some(rayleigh_time(moduli, radius, density))
         });
-    check_rayleigh(case.dt, times).map_err(too_long)?;
+    check_rayleigh(case.dt, times, most).map_err(too_long)?;
     let mut counts = vec![0; names.len()];
     grains.iter().for_each(|of| counts[usize::from(*of)] += 1);
     let count = |material: u8| counts[usize::from(material)];

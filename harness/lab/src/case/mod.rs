@@ -5,6 +5,7 @@ use std::path::Path;
 use bitgrain_kernel::{Domain, Error as KernelError, Group};
 
 use bitgrain_sim::error::{Error, FULL, Result};
+use bitgrain_sim::law::RAYLEIGH_FRACTION_MAX;
 use bitgrain_sim::mesh::read_stl;
 use bitgrain_sim::simulation::{Grain, Simulation};
 
@@ -25,6 +26,14 @@ pub use obstacle::{BodyMotion, BodyShape, ObstacleSpec};
 /// # Errors
 /// [`Error::Input`] with line or key, and what was expected.
 pub fn read(path: &Path) -> Result<Case> {
+    read_up_to(path, RAYLEIGH_FRACTION_MAX)
+}
+
+/// [`read`], with a time step up to `most` of the shortest Rayleigh time of the grains.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_up_to(path: &Path, most: f64) -> Result<Case> {
     let text = bitgrain_sim::files::read_text(path)?;
     let name = path.display().to_string();
     let mut case: Case = crate::json::parse(&text, &name)?;
@@ -34,7 +43,7 @@ pub fn read(path: &Path) -> Result<Case> {
             body.triangles = Some(read_stl(&folder.join(file))?);
         }
     }
-    checked(case, &name)
+    checked(case, &name, most)
 }
 
 /// Parses the text of a case file that names no other file; `name` is what errors call it.
@@ -42,11 +51,11 @@ pub fn read(path: &Path) -> Result<Case> {
 /// # Errors
 /// As [`read`].
 pub fn parse(text: &str, name: &str) -> Result<Case> {
-    checked(crate::json::parse(text, name)?, name)
+    checked(crate::json::parse(text, name)?, name, RAYLEIGH_FRACTION_MAX)
 }
 
-fn checked(case: Case, name: &str) -> Result<Case> {
-    check::check(&case)
+fn checked(case: Case, name: &str, most: f64) -> Result<Case> {
+    check::check(&case, most)
         .map_err(|(key, problem)| Error::input(format!("{name}: `{key}`"), problem))?;
     Ok(case)
 }

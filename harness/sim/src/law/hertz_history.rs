@@ -1,6 +1,7 @@
 //! Kumar 2018, eqs. 1 and 2, as files give it.
 
 use bitgrain_kernel::contact::{HertzHistory, Materials};
+use bitgrain_kernel::time_step::moduli;
 use serde::{Deserialize, Serialize};
 
 use super::parameters::{LawParameters, Springs, Sprung, Wrong, not_negative, positive};
@@ -70,17 +71,7 @@ impl HertzHistoryParameters {
 impl LawParameters for HertzHistoryParameters {
     /// From Kumar 2018, eq. 3: `K_t/K_n` gives nu, held to 0 .. 0.5, and the stiffer of `K_n` and `K_t` then G.
     fn moduli(&self) -> (f64, f64) {
-        let Self { kn, kt, .. } = *self;
-        let ratio = kt / kn;
-        let poisson = ((3.0 - 2.0 * ratio) / (3.0 - ratio)).clamp(0.0, 0.5);
-        let poisson = if ratio >= 1.5 { 0.0 } else { poisson };
-        let (normal, tangential) = (0.75 * (1.0 - poisson) * kn, 0.25 * (2.0 - poisson) * kt);
-        let stiffer = if tangential > normal {
-            tangential
-        } else {
-            normal
-        };
-        (stiffer, poisson)
+        moduli(self.kn, self.kt)
     }
 
     fn mu(&self) -> f64 {

@@ -1,33 +1,18 @@
 //! The time step that a law allows: waves in the grains and collisions must be resolved.
 
+use bitgrain_kernel::time_step::collision;
+pub use bitgrain_kernel::time_step::{CONTACT_FRACTION_MAX, RAYLEIGH_FRACTION_MAX, rayleigh_time};
+
 use super::laws::LawSpec;
 use crate::grain::sphere_mass;
 
-/// Longest time step as a fraction of the Rayleigh time. Beyond a fifth, grains that are hit from
-/// several sides at once gain energy from the integrator.
-pub const RAYLEIGH_FRACTION_MAX: f64 = 0.2;
-
-/// Longest time step as a fraction of the duration of a collision. At a tenth the coefficient of
-/// restitution is off by at most 0.005 under `hertz_history` as Kumar 2018 has it and by 0.022 under
-/// `hertz_tsuji` at 0.6, wherever in a step bodies meet, and an elastic collision gains half a percent
-/// of its energy; at a sixth these are 0.027, 0.058 and two percent.
-pub const CONTACT_FRACTION_MAX: f64 = 0.1;
-
-/// Duration of a Hertz collision times the speed, over the deepest overlap: twice the integral of
-/// `1/sqrt(1 - x^(5/2))` from 0 to 1 (Landau and Lifshitz, Theory of Elasticity, section 9).
-const HERTZ_DURATION: f64 = 2.943_275;
-
 impl LawSpec {
-    /// Duration of an undamped collision of two equal grains that meet at this speed (positive): 2.943
-    /// times the deepest overlap over the speed, with the overlap `(5 m v^2/(4 K_n sqrt(R)))^(2/5)`,
-    /// effective mass and radius (Landau and Lifshitz, Theory of Elasticity, section 9).
+    /// Duration of an undamped [`collision`] of two equal grains that meet at this speed (positive).
     ///
     /// It is proportional to the radius and falls with the fifth root of the speed.
     pub fn contact_duration(&self, speed: f64, radius: f64, density: f64) -> f64 {
         let mass = 0.5 * sphere_mass(2.0 * radius, density);
-        let stiffness = self.normal_stiffness() * (0.5 * radius).sqrt();
-        let deepest = libm::pow(1.25 * mass * speed * speed / stiffness, 0.4);
-        HERTZ_DURATION * deepest / speed
+        collision(self.normal_stiffness(), 0.5 * radius, mass, speed).1
     }
 
     /// Shortest duration of a collision at this speed, both grains one of `sizes` (radius, density).
@@ -80,28 +65,22 @@ impl LawSpec {
         check_rayleigh(
             dt,
             sizes.map(|(radius, density)| self.rayleigh_time(radius, density)),
+            RAYLEIGH_FRACTION_MAX,
         )
     }
 }
 
-/// Rayleigh time of a grain of a material with this shear modulus and Poisson's ratio.
-pub fn rayleigh_time((shear, poisson): (f64, f64), radius: f64, density: f64) -> f64 {
-    let wave = 0.1631 * poisson + 0.8766;
-    std::f64::consts::PI * radius * (density / shear).sqrt() / wave
-}
-
-/// Refuses a time step that is not positive or beyond [`RAYLEIGH_FRACTION_MAX`] of the shortest of these Rayleigh
-/// times.
+/// Refuses a time step that is not positive or beyond `most` of the shortest of these Rayleigh times.
 ///
 /// # Errors
-/// What is wrong and the longest step that would do.
-pub fn check_rayleigh(dt: f64, times: impl Iterator<Item = f64>) -> Result<(), String> {
+/// What is wrong and the longest step that would do, [`RAYLEIGH_FRACTION_MAX`] of it.
+pub fn check_rayleigh(dt: f64, times: impl Iterator<Item = f64>, most: f64) -> Result<(), String> {
     if !(dt > 0.0 && dt.is_finite()) {
         return Err(format!("is {dt}; expected a positive time"));
     }
     let shortest = times.fold(f64::INFINITY, |a, b| if b < a { b } else { a });
     let limit = RAYLEIGH_FRACTION_MAX * shortest;
-    if dt > limit {
+    if dt > most * shortest {
         return Err(format!(
             "is {dt}, {:.3} of the Rayleigh time; expected at most {RAYLEIGH_FRACTION_MAX} \
              of it, {limit:.3e}: shorten it or soften the grains",
@@ -145,7 +124,7 @@ mod tests {
         assert!((a / b - 1.0).abs() < 1e-12, "{a} {b}");
     }
 
-    /// The constant is the integral; its end is taken out by x = 1 - y^2.
+    /// The duration is the integral; its end is taken out by x = 1 - y^2.
     #[test]
     fn the_duration_of_a_hertz_collision_is_an_integral() {
         let n = 100_000;
@@ -156,7 +135,11 @@ mod tests {
             sum += 2.0 * y / (1.0 - x * x * x.sqrt()).sqrt();
         }
         let integral = 2.0 * sum / f64::from(n);
-        assert!((integral - HERTZ_DURATION).abs() < 1e-6, "{integral}");
+        let (overlap, duration) = collision(1e5, 0.25, 0.3, 2.0);
+        assert!(
+            (integral - duration * 2.0 / overlap).abs() < 1e-6,
+            "{integral}"
+        );
     }
 
     #[test]

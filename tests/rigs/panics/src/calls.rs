@@ -1,13 +1,14 @@
 //! What is done under a law.
 
 use bitgrain_kernel::contact::{
-    Contact, ContactMemory, Kept, Law, NormalForce, NormalState, Reaction, TangentialForce,
-    TangentialState, Torque, TurningState, react,
+    Contact, ContactMemory, Kept, Law, Materials, NormalForce, NormalState, Reaction,
+    TangentialForce, TangentialState, Torque, TurningState, react,
 };
 use bitgrain_kernel::phases::{
     After, ForceCheck, GrainRange, MotionCheck, ObstacleContactRange, accumulate, no_fetch,
     obstacle_forces,
 };
+use bitgrain_kernel::time_step::{ShortestTimes, shortest_times};
 use bitgrain_kernel::{
     ContactForce, Error as KernelError, GrainState, Real, Row, World, start, start_watched, step,
     step_summed, step_watched, step_with,
@@ -41,7 +42,8 @@ pub struct Calls<R: Real, L: Law<R>> {
     contact_acts: fn(&Contact<R>, &L, ContactMemory<R>) -> bool,
     torque: fn(&L, &NormalForce<R>, &TurningState<R>) -> Torque<R>,
     seen_by_partner: fn(&L, ContactMemory<R>) -> ContactMemory<R>,
-    tells: fn(&L) -> (usize, R),
+    tells: fn(&L, Materials) -> (usize, R, Option<[R; 2]>),
+    shortest_times: fn(&World<'_, R>, &L) -> ShortestTimes,
     react: fn(&L, &Contact<R>, Kept<R>, R) -> Reaction<R>,
 }
 
@@ -65,7 +67,8 @@ impl<R: Real, L: Law<R>> Calls<R, L> {
         contact_acts: |contact, law, memory| contact.acts(law, memory),
         torque: L::torque,
         seen_by_partner: L::seen_by_partner,
-        tells: |law| (law.materials(), law.reach()),
+        tells: |law, pair| (law.materials(), law.reach(), law.stiffness(pair)),
+        shortest_times,
         react: react::<R, L>,
     };
 }

@@ -21,7 +21,7 @@ pub struct Hosts<R: Real + 'static> {
     save: fn(&mut World<'_, R>, &mut [u8]) -> Result<usize, KernelError>,
     save_size: fn(&World<'_, R>) -> usize,
     saved: for<'b> fn(&'b [u8]) -> Result<Saved<'b, R>, KernelError>,
-    saved_settings: fn(&Saved<'_, R>) -> (Domain<R>, R, LossPolicy<R>, usize),
+    saved_settings: fn(&Saved<'_, R>) -> (Domain<R>, R, LossPolicy<R>, [usize; 2]),
     saved_groups: fn(&Saved<'_, R>, &mut dyn FnMut(Group<R>)),
     saved_obstacles: fn(&Saved<'_, R>, &mut dyn FnMut(Obstacle<R>)),
     saved_fill: fn(&Saved<'_, R>, &mut World<'_, R>),
@@ -58,7 +58,10 @@ impl<R: Real + 'static> Hosts<R> {
         save,
         save_size,
         saved: |bytes| Saved::open(bytes),
-        saved_settings: |saved| (saved.domain(), saved.dt(), saved.policy(), saved.count()),
+        saved_settings: |saved| {
+            let sizes = [saved.count(), saved.size()];
+            (saved.domain(), saved.dt(), saved.policy(), sizes)
+        },
         saved_groups: |saved, of| saved.groups().for_each(of),
         saved_obstacles: |saved, of| saved.obstacles().for_each(of),
         saved_fill: |saved, world| saved.fill(world),

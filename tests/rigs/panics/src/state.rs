@@ -16,6 +16,7 @@ use bitgrain_kernel::phases::{
 };
 use bitgrain_kernel::record::{self, Chain, Element, Refusal as Unrecorded};
 use bitgrain_kernel::scaling::{self, Margin, PRODUCTS, Refusal, Scales};
+use bitgrain_kernel::time_step::{ShortestTimes, collision, moduli, rayleigh_time};
 use bitgrain_kernel::vec3::{self, Vec3};
 use bitgrain_kernel::{
     ArithmeticDefect, Clock, ContactHistory, Digest, Domain, Error as KernelError, Grains, Group,
@@ -45,6 +46,10 @@ pub struct Plain {
     show: fn(&KernelError, &mut dyn fmt::Write) -> fmt::Result,
     code: fn(&KernelError) -> u32,
     show_flaw: fn(&ArithmeticDefect, &mut dyn fmt::Write) -> fmt::Result,
+    moduli: fn(f64, f64) -> (f64, f64),
+    rayleigh_time: fn((f64, f64), f64, f64) -> f64,
+    collision: fn(f64, f64, f64, f64) -> (f64, f64),
+    resolves: fn(&ShortestTimes, f64) -> ([f64; 2], bool),
     records: Records,
 }
 
@@ -65,6 +70,10 @@ impl Plain {
         show: |fault, out| write!(out, "{fault}"),
         code: KernelError::code,
         show_flaw: |flaw, out| write!(out, "{flaw}"),
+        moduli,
+        rayleigh_time,
+        collision,
+        resolves: |times, dt| (times.fractions(dt), times.are_resolved_by(dt)),
         records: Records::ALL,
     };
 }

@@ -4,6 +4,7 @@
 
 use std::path::{Path, PathBuf};
 
+use bitgrain::progress::Progress;
 use bitgrain::replay::{Digests, Replay, replay};
 use bitgrain_tests::page::PAGE;
 use bitgrain_tests::root;
@@ -24,9 +25,10 @@ fn command(case: &Path, steps: u64, every: u64) -> Vec<(u64, String)> {
         energy: false,
         digests: true,
         vtk: None,
+        beyond_rayleigh: false,
     };
     let mut out = Vec::new();
-    replay(case, &what, &mut out).unwrap();
+    replay(case, &what, &Progress::new(false), &mut out).unwrap();
     let text = String::from_utf8(out).unwrap();
     let read = |line| serde_json::from_str::<Digests>(line).unwrap();
     text.lines()
