@@ -9,6 +9,7 @@ use crate::arrays::{ids, rows, vector};
 use crate::changes::{Change, apply};
 use crate::errors::{input, kernel};
 use crate::grains::{Given, group_number, ids_of};
+use crate::simulated::Core;
 use crate::views::{Shared, write};
 
 /// Changes of grains that are made all together as the `with` block of `World.edit` is left, or not at all.
@@ -18,7 +19,26 @@ use crate::views::{Shared, write};
 pub struct Edit {
     shared: Shared,
     /// `None` before the block is entered and after it is left.
-    changes: Mutex<Option<Vec<Change>>>,
+    changes: Mutex<Option<Open>>,
+}
+
+/// What was asked for within a block.
+#[derive(Default)]
+struct Open {
+    changes: Vec<Change>,
+    /// The next id before its grains got theirs, and after that.
+    ids: Option<[u32; 2]>,
+}
+
+impl Open {
+    /// Gives ids back that its grains do not need, unless others were given out since.
+    fn give_back(&self, core: &mut Core) {
+        if let Some([before, after]) = self.ids
+            && core.next_id == after
+        {
+            core.next_id = before;
+        }
+    }
 }
 
 impl Edit {
@@ -33,8 +53,8 @@ impl Edit {
 
     fn add(&self, change: Change) -> PyResult<()> {
         match self.changes().as_mut() {
-            Some(changes) => {
-                changes.push(change);
+            Some(open) => {
+                open.changes.push(change);
                 Ok(())
             }
             None => Err(input(
@@ -44,7 +64,7 @@ impl Edit {
         }
     }
 
-    fn changes(&self) -> std::sync::MutexGuard<'_, Option<Vec<Change>>> {
+    fn changes(&self) -> std::sync::MutexGuard<'_, Option<Open>> {
         // Nothing that is done under the lock can panic.
         self.changes
             .lock()
@@ -65,7 +85,7 @@ impl Edit {
     /// Begins the block; starts the world, if it has not started.
     fn __enter__(slf: PyRef<'_, Self>) -> PyResult<PyRef<'_, Self>> {
         write(&slf.shared)?.start().map_err(kernel)?;
-        *slf.changes() = Some(Vec::new());
+        *slf.changes() = Some(Open::default());
         Ok(slf)
     }
 
@@ -77,13 +97,21 @@ impl Edit {
         _value: Option<&Bound<'_, PyAny>>,
         _traceback: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<bool> {
-        let changes = self.changes().take().unwrap_or_default();
-        if exception.is_some() || changes.is_empty() {
+        let open = self.changes().take().unwrap_or_default();
+        if open.changes.is_empty() {
+            return Ok(false);
+        }
+        if exception.is_some() {
+            // Of a world that is in use the ids stay used.
+            let _ = write(&self.shared).map(|mut core| open.give_back(&mut core));
             return Ok(false);
         }
         let mut core = write(&self.shared)?;
-        let done =
-            py.detach(|| core.edit(|sim| changes.iter().try_for_each(|change| apply(sim, change))));
+        let mut all = open.changes.iter();
+        let done = py.detach(|| core.edit(|sim| all.try_for_each(|change| apply(sim, change))));
+        if done.is_err() {
+            open.give_back(&mut core);
+        }
         done.map(|()| false).map_err(kernel)
     }
 
@@ -131,9 +159,16 @@ impl Edit {
         };
         let arrays = given.arrays()?;
         let group = group_number(group, &self.shared)?;
-        let grains = arrays.grains(&mut *write(&self.shared)?, group)?;
+        let mut core = write(&self.shared)?;
+        let grains = arrays.grains(&core, group)?;
         let ids = ids_of(py, &grains);
-        self.add(Change::Insert(grains))?;
+        let before = core.next_id;
+        self.add(Change::Insert(grains.clone()))?;
+        core.use_ids(&grains);
+        if let Some(open) = self.changes().as_mut() {
+            let first = open.ids.filter(|[_, after]| *after == before);
+            open.ids = Some([first.map_or(before, |[first, _]| first), core.next_id]);
+        }
         Ok(ids)
     }
 

@@ -1,5 +1,7 @@
 //! Errors as Python exceptions; their classes are in `errors.py`.
 
+use std::ffi::CString;
+
 use bitgrain::error::Error;
 use bitgrain_kernel::Error as KernelError;
 use pyo3::prelude::*;
@@ -50,6 +52,23 @@ pub fn busy() -> PyErr {
     let message = "the world is in use: another thread steps or edits it, or an operation still reads its memory; \
                    wait for it, or work on copies";
     exception("Busy", message, &json!({}))
+}
+
+/// A time step that does not resolve waves and collisions, of a world that is strict.
+pub fn long_step(problem: &str) -> PyErr {
+    exception("LongTimeStep", &format!("dt {problem}"), &json!({}))
+}
+
+/// Warns of such a time step, of the line that steps.
+///
+/// # Errors
+/// What the filter of warnings makes of it.
+pub fn warn_long_step(py: Python<'_>, problem: &str) -> PyResult<()> {
+    let text = CString::new(format!("dt {problem}"))?;
+    let kind = py
+        .import("bitgrain.errors")?
+        .getattr("LongTimeStepWarning")?;
+    PyErr::warn(py, &kind, &text, 1)
 }
 
 /// A view of a state that is gone.

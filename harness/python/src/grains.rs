@@ -160,7 +160,7 @@ impl Arrays {
     ///
     /// # Errors
     /// `InputError` for a position outside the box or ids that do not ascend.
-    pub fn grains(self, core: &mut Core, group: u8) -> PyResult<Vec<Grain>> {
+    pub fn grains(self, core: &Core, group: u8) -> PyResult<Vec<Grain>> {
         let n = self.positions.len();
         let ids = self.ids.unwrap_or_else(|| {
             (0..n as u32)
@@ -201,7 +201,6 @@ impl Arrays {
                 spin: self.spins[k],
             });
         }
-        core.next_id = next;
         Ok(grains)
     }
 }

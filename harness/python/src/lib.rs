@@ -22,7 +22,9 @@ mod several;
 mod simulated;
 mod steps;
 mod stiffness;
+mod threads;
 mod views;
+mod watch;
 mod world;
 
 /// The native part of `bitgrain`.

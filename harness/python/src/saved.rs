@@ -56,7 +56,7 @@ impl World {
     /// ----------
     /// data : bytes
     ///     What was saved.
-    /// threads, instructions
+    /// threads, instructions, strict
     ///     As of `World`.
     ///
     /// Raises
@@ -67,19 +67,21 @@ impl World {
     ///     Another version, with other bits, wrote them.
     /// InputError
     #[classmethod]
-    #[pyo3(signature = (data, *, threads=None, instructions=None))]
+    #[pyo3(signature = (data, *, threads=None, instructions=None, strict=false))]
     fn load(
         _cls: &Bound<'_, PyType>,
         py: Python<'_>,
         data: PyBackedBytes,
         threads: Option<usize>,
         instructions: Option<&str>,
+        strict: bool,
     ) -> PyResult<Self> {
         let threads = processors(threads)?;
         let registers = registers(instructions)?;
         let mut sim = py.detach(|| Simulation::load(&data)).map_err(kernel)?;
         sim.stepping.registers = registers;
-        let core = Core::loaded(sim, threads);
+        let mut core = Core::loaded(sim, threads);
+        core.watch.strict = strict;
         let gravity = core.gravity;
         Ok(Self {
             shared: Arc::new(RwLock::new(core)),

@@ -4,15 +4,12 @@
 use bitgrain::mesh::{Triangle, add_mesh};
 use bitgrain::notes::Watch;
 use bitgrain::simulation::{Grain, Simulation};
-use bitgrain::threads::ThreadsError;
-use bitgrain_kernel::{Departure, Error as KernelError, Obstacle, check_arithmetic};
-use rayon::{ThreadPool, ThreadPoolBuilder};
+use bitgrain_kernel::{Departure, Error as KernelError, OBSTACLES_MAX, Obstacle};
 
 use crate::changes::{Change, Push, add_rows, apply, pushed_step, try_a_step};
 use crate::kinds::{KINDS, Kind};
-
-/// Fewest grains of a thread: with fewer grains than twice this, a simulation steps on one thread.
-const GRAINS_OF_A_THREAD: usize = 500;
+use crate::threads::Pool;
+use crate::watch::StepWatch;
 
 /// Steps that a driven obstacle still goes, and sums of the force and torque on it over the steps of a call.
 #[derive(Clone, Copy, Debug, Default)]
@@ -47,7 +44,10 @@ pub struct Core {
     pub lost: Vec<Departure<f64>>,
     /// Steps that the means are over.
     counted: u64,
-    pool: Option<ThreadPool>,
+    /// What is said of a time step that is too long.
+    pub watch: StepWatch,
+    /// Those that were started.
+    pub pool: Option<Pool>,
 }
 
 impl Core {
@@ -96,6 +96,7 @@ impl Core {
             materials: Vec::new(),
             lost: Vec::new(),
             counted: 0,
+            watch: StepWatch::default(),
             pool: None,
         }
     }
@@ -114,11 +115,20 @@ impl Core {
     pub fn put(&mut self, grains: &[Grain]) -> Result<(), KernelError> {
         if self.started {
             let change = Change::Insert(grains.to_vec());
-            return self.edit(|sim| apply(sim, &change));
+            self.edit(|sim| apply(sim, &change))?;
+        } else {
+            add_rows(&mut self.sim, grains);
+            self.generation += 1;
         }
-        add_rows(&mut self.sim, grains);
-        self.generation += 1;
+        self.use_ids(grains);
         Ok(())
+    }
+
+    /// Takes the ids of these grains as used.
+    pub fn use_ids(&mut self, grains: &[Grain]) {
+        if let Some(last) = grains.last() {
+            self.next_id = last.id + 1;
+        }
     }
 
     /// Starts the world, if it has not started: an empty history, forces of the state as it is.
@@ -159,6 +169,7 @@ impl Core {
         act(&mut sim)?;
         self.sim = sim;
         self.generation += 1;
+        self.watch.looked = None;
         Ok(())
     }
 
@@ -178,12 +189,24 @@ impl Core {
         })
     }
 
+    /// The number of an obstacle that is to be added.
+    fn next_obstacle(&self) -> Result<usize, KernelError> {
+        let (number, most) = (self.driven.len(), OBSTACLES_MAX);
+        match number < most {
+            true => Ok(number),
+            false => Err(KernelError::TooManyObstacles {
+                count: number + 1,
+                most,
+            }),
+        }
+    }
+
     /// Adds an obstacle and returns its number.
     ///
     /// # Errors
-    /// [`KernelError::BadObstacle`] if it does not fit the box.
+    /// [`KernelError::BadObstacle`] if it does not fit the box; [`KernelError::TooManyObstacles`].
     pub fn add_obstacle(&mut self, mut body: Obstacle<f64>) -> Result<usize, KernelError> {
-        let number = self.driven.len();
+        let number = self.next_obstacle()?;
         self.sim.domain.wrap(&mut body.point, &mut [0; 3]);
         body.check(&self.sim.domain, number as u32)?;
         self.rearrange(|sim| sim.obstacles.push(body))?;
@@ -202,7 +225,7 @@ impl Core {
         material: u8,
         triangles: &[Triangle],
     ) -> Result<usize, KernelError> {
-        let number = self.driven.len();
+        let number = self.next_obstacle()?;
         self.rearrange(|sim| {
             let mut body = add_mesh(sim, point, triangles);
             (body.velocity, body.material) = (velocity, material);
@@ -317,29 +340,11 @@ impl Core {
         match self.pool.take() {
             None => self.steps_here(count, push),
             Some(pool) => {
-                let done = pool.install(|| self.steps_here(count, push));
+                let done = pool.threads.install(|| self.steps_here(count, push));
                 self.pool = Some(pool);
                 done
             }
         }
-    }
-
-    /// Starts the threads of this world, if they are wanted and not there yet.
-    ///
-    /// # Errors
-    /// [`ThreadsError`].
-    pub fn start_threads(&mut self) -> Result<(), ThreadsError> {
-        let wanted = self.threads > 1 && self.sim.count() >= 2 * GRAINS_OF_A_THREAD;
-        if wanted && self.pool.is_none() {
-            let pool = ThreadPoolBuilder::new().num_threads(self.threads).build();
-            let pool = pool.map_err(|e| ThreadsError::start(self.threads, &e))?;
-            // Each thread has its own rounding mode.
-            for checked in pool.broadcast(|_| check_arithmetic::<f64>()) {
-                checked.map_err(ThreadsError::Arithmetic)?;
-            }
-            self.pool = Some(pool);
-        }
-        Ok(())
     }
 
     /// [`Core::steps`] on the threads that it is called on.

@@ -6,9 +6,10 @@ use pyo3::prelude::*;
 
 use crate::arrays::rows;
 use crate::changes::Push;
-use crate::errors::{kernel, laboratory};
+use crate::errors::{input, kernel, laboratory, long_step, warn_long_step};
 use crate::simulated::Core;
 use crate::views::{Writing, read, write};
+use crate::watch::LOOK;
 use crate::world::World;
 
 /// Grain-steps between two looks for Ctrl-C: some tenth of a second.
@@ -52,7 +53,16 @@ impl World {
     ///     What stopped a step, as `Escaped` with the id of the grain; `step_count` says how many were done. After an
     ///     error of the motion the world is stopped and has no state: whatever reads one or goes on raises
     ///     `NotStarted`.
-    /// InputError, Busy
+    /// InputError
+    ///     Forces have another shape, or the world was stepped or edited while they were made into arrays.
+    /// LongTimeStep
+    ///     The world is `strict`, and its time step too long; no step was done since.
+    /// Busy
+    ///
+    /// Warns
+    /// -----
+    /// LongTimeStepWarning
+    ///     The time step is too long (see `strict` of `World`); once for each world.
     #[pyo3(signature = (n=1, *, force=None, torque=None))]
     fn step(
         slf: &Bound<'_, Self>,
@@ -61,46 +71,64 @@ impl World {
         torque: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
         let (py, shared) = (slf.py(), &slf.get().shared);
-        let grains = begin(py, &mut *write(shared)?)?;
+        let (grains, generation) = begin(py, &mut *write(shared)?)?;
         let given = [(force, "force"), (torque, "torque")];
         if !given
             .iter()
             .any(|(value, _)| value.is_some_and(|value| value.is_callable()))
         {
             let push = push(given, grains, |value| Ok(value.clone()))?;
-            return advance(py, write(shared)?, n, push);
+            return advance(py, write(shared)?, n, (push, generation));
         }
         for _ in 0..n {
-            let push = {
+            let pushed = {
                 // Whoever is asked may look, but not step.
                 let reading = read(shared)?;
-                push(given, reading.sim.count(), |value| {
+                let push = push(given, reading.sim.count(), |value| {
                     match value.is_callable() {
                         true => value.call1((slf,)),
                         false => Ok(value.clone()),
                     }
-                })?
+                })?;
+                (push, reading.generation)
             };
-            advance(py, write(shared)?, 1, push)?;
+            advance(py, write(shared)?, 1, pushed)?;
         }
         Ok(())
     }
 }
 
-/// Starts a world before its first step, and its threads; returns how many grains there are.
-fn begin(py: Python<'_>, core: &mut Core) -> PyResult<usize> {
+/// Starts a world before its first step, and its threads; returns how many grains there are, and of which state.
+fn begin(py: Python<'_>, core: &mut Core) -> PyResult<(usize, u64)> {
     let threads: Result<(), ThreadsError> = core.start_threads();
     threads.map_err(|why| laboratory(&why.into()))?;
     py.detach(|| core.start()).map_err(kernel)?;
     core.begin_call();
-    Ok(core.sim.count())
+    Ok((core.sim.count(), core.generation))
 }
 
-/// Steps without the interpreter's lock, but for looks for Ctrl-C.
-fn advance(py: Python<'_>, mut core: Writing, n: u64, mut push: Option<Push>) -> PyResult<()> {
-    let many = UNINTERRUPTED / (core.sim.count() as u64 + 1) + 1;
+/// Steps without the interpreter's lock, but for looks for Ctrl-C and at the time step; with forces that were given for
+/// the grains of this state.
+fn advance(
+    py: Python<'_>,
+    mut core: Writing,
+    n: u64,
+    (mut push, generation): (Option<Push>, u64),
+) -> PyResult<()> {
+    if push.is_some() && core.generation != generation {
+        let problem = "the world was stepped or edited while its forces were made into arrays, by them or by another \
+                       thread: give arrays of its present grains";
+        return Err(input("step", problem));
+    }
+    let many = (UNINTERRUPTED / (core.sim.count() as u64 + 1) + 1).min(LOOK);
     let mut left = n;
     while left > 0 {
+        if let Some(problem) = core.long_step() {
+            match core.watch.strict {
+                true => return Err(long_step(&problem)),
+                false => warn_long_step(py, &problem)?,
+            }
+        }
         let now = left.min(many);
         let done: Result<(), KernelError> = py.detach(|| core.steps(now, &mut push));
         done.map_err(kernel)?;

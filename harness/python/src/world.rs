@@ -32,7 +32,8 @@ use crate::views::{Shared, read, write};
 /// gravity : array_like, shape (3,)
 ///     Acceleration of free grains (length / time^2).
 /// dt : float
-///     Time step, positive. A tenth of the duration of a collision is short enough.
+///     Time step, positive. A fifth of the Rayleigh time and a tenth of the duration of a collision are short enough:
+///     see `strict`.
 /// law : HertzHistory or HertzTsuji
 ///     Contact law.
 /// periodic : tuple of three bool
@@ -49,6 +50,10 @@ use crate::views::{Shared, read, write};
 /// drain : tuple of two array_like of shape (3,), optional
 ///     A point (length) and a normal of a plane: a grain whose centre comes behind it, on the side that the normal
 ///     points away from, is taken out.
+/// strict : bool
+///     Whether a time step is refused (`LongTimeStep`) that is above a fifth of the shortest Rayleigh time of a grain
+///     or a free body, or a tenth of the shortest collision at the largest difference of velocities. Else `step` warns of
+///     it, once. A world is looked at before its first step, after changes, and every 1,000 steps.
 ///
 /// Units are free, as long as they fit together. Numbers are copied from arrays that are given.
 ///
@@ -79,7 +84,7 @@ pub struct World {
 impl World {
     #[new]
     #[pyo3(signature = (r#box, gravity, dt, law, *, periodic=(false, false, false), threads=None, instructions=None,
-        lose=false, drain=None))]
+        lose=false, drain=None, strict=false))]
     #[allow(clippy::too_many_arguments)]
     fn new(
         r#box: Option<&Bound<'_, PyAny>>,
@@ -91,6 +96,7 @@ impl World {
         instructions: Option<&str>,
         lose: bool,
         drain: Option<(Bound<'_, PyAny>, Bound<'_, PyAny>)>,
+        strict: bool,
     ) -> PyResult<Self> {
         let gravity = vector(gravity, "gravity")?;
         let domain = domain(r#box, periodic.into())?;
@@ -109,7 +115,8 @@ impl World {
             takes_out: lose,
             drain: drain.transpose()?,
         };
-        let core = Core::new(sim, gravity, threads, materials);
+        let mut core = Core::new(sim, gravity, threads, materials);
+        core.watch.strict = strict;
         let shared = Arc::new(RwLock::new(core));
         Ok(Self { shared, gravity })
     }
@@ -164,7 +171,7 @@ impl World {
         let arrays = given.arrays()?;
         let group = group_number(group, &self.shared)?;
         let mut core = write(&self.shared)?;
-        let grains = arrays.grains(&mut core, group)?;
+        let grains = arrays.grains(&core, group)?;
         core.put(&grains).map_err(kernel)?;
         Ok(ids_of(py, &grains))
     }

@@ -113,3 +113,42 @@ def test_a_bit_of_the_state_is_seen():
     assert one.digest != other.digest
     parts = {name for name in one.digests if one.digests[name] != other.digests[name]}
     assert parts == {"velocities"}
+
+
+#: What a process of its own does with a world whose threads were started before it was forked.
+FORKED = """
+import os, sys, time
+sys.path.insert(0, sys.argv[1])
+from conftest import falling
+w = falling(side=12, layers=8, threads=2)
+w.step(2)
+process = os.fork()
+w.step(2)
+if process == 0:
+    print(w.digest, flush=True)
+    os._exit(0)
+end = time.monotonic() + 30
+while os.waitpid(process, os.WNOHANG)[0] == 0:
+    if time.monotonic() > end:
+        os.kill(process, 9)
+        sys.exit("the forked process hangs")
+    time.sleep(0.05)
+print(w.digest)
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork")
+def test_threads_are_started_anew_in_a_forked_process():
+    words = [sys.executable, "-c", FORKED, str(ROOT / "harness/python/tests")]
+    ran = subprocess.run(words, capture_output=True, text=True)
+    assert ran.returncode == 0, ran.stderr
+    forked, own = ran.stdout.split()
+    assert forked == own
+
+
+def test_no_variable_makes_the_stack_of_a_thread_too_short():
+    code = FORKED.split("process =")[0] + "print(w.digest)"
+    small = {**os.environ, "RUST_MIN_STACK": "1"}
+    words = [sys.executable, "-c", code, str(ROOT / "harness/python/tests")]
+    ran = subprocess.run(words, capture_output=True, text=True, env=small)
+    assert ran.returncode == 0 and len(ran.stdout) == 65, (ran.returncode, ran.stderr)

@@ -132,3 +132,32 @@ def test_groups():
         falling().add([[1, 1, 1]], 0.5, 1.0, group=heavy)
     with pytest.raises(bitgrain.InputError, match="expected \"free\""):
         w.add([[1, 1, 30]], 0.5, 1.0, group="heavy")
+
+
+def test_what_is_refused_uses_no_ids():
+    w, plain = falling(), falling()
+    for one in (w, plain):
+        one.step()
+    inside = w.positions[:1].copy()
+    with pytest.raises(bitgrain.KernelError):
+        w.add(inside, 0.5, 1.0)
+    with pytest.raises(bitgrain.KernelError):
+        with w.edit() as edit:
+            assert edit.insert([[3, 3, 30]], 0.5, 1.0).tolist() == [201]
+            assert edit.insert(inside, 0.5, 1.0).tolist() == [202]
+    with pytest.raises(ZeroDivisionError):
+        with w.edit() as edit:
+            edit.insert([[3, 3, 30]], 0.5, 1.0)
+            1 / 0
+    # Ids that others got meanwhile stay theirs.
+    with pytest.raises(ZeroDivisionError):
+        with w.edit() as edit:
+            edit.insert([[3, 3, 30]], 0.5, 1.0)
+            assert w.add([[1, 1, 30]], 0.5, 1.0).tolist() == [202]
+            edit.insert([[3, 3, 32]], 0.5, 1.0)
+            1 / 0
+    assert w.add([[3, 3, 34]], 0.5, 1.0).tolist() == [203]
+    plain.add([[1, 1, 30], [3, 3, 34]], 0.5, 1.0, ids=[202, 203])
+    for one in (w, plain):
+        one.step(10)
+    assert w.digest == plain.digest

@@ -108,3 +108,41 @@ def test_a_sinking_grain_reaches_its_speed():
     w.step(20_000, force=lambda world: np.array([0, 0, 0.1 * weight]) - 0.5 * world.velocities)
     # The drag is that of the step before, which matters no more once the speed is constant; e^-19 is left of the start.
     assert w.velocities[0, 2] == pytest.approx(-0.9 * weight / 0.5, rel=1e-6)
+
+
+class Lazy:
+    """Rows that are made when they are asked for, as of torch or dask."""
+
+    def __init__(self, rows, act):
+        self.rows, self.act = rows, act
+
+    def __array__(self, dtype=None, copy=None):
+        self.act()
+        return self.rows
+
+
+def swap(w):
+    """Another grain in the place of the first."""
+    with w.edit() as edit:
+        edit.remove(w.ids[:1])
+        edit.insert([[3, 3, 30]], 0.5, 1.0)
+
+
+def remove(w):
+    with w.edit() as edit:
+        edit.remove(w.ids[:1])
+
+
+@pytest.mark.parametrize("act", [lambda w: w.add([[3, 3, 30]], 0.5, 1.0), remove, swap, lambda w: w.step()])
+def test_forces_are_of_the_state_that_they_were_asked_for(act):
+    w = falling()
+    w.step()
+    push = np.zeros((200, 3))
+    with pytest.raises(bitgrain.InputError, match="was stepped or edited"):
+        w.step(force=Lazy(push, lambda: act(w)))
+    steps = w.step_count
+    # A callable may look only.
+    with pytest.raises(bitgrain.Busy):
+        w.step(force=lambda world: Lazy(np.zeros((len(world), 3)), lambda: act(world)))
+    w.step(force=Lazy(np.zeros((len(w), 3)), lambda: None))
+    assert w.step_count == steps + 1

@@ -188,3 +188,15 @@ def test_several_obstacles_are_refused_together():
         with pytest.raises(bitgrain.InputError):
             several.drive(places, over, turns)
     assert w.obstacles[1].steps_left == 0
+
+
+def test_more_obstacles_than_a_world_can_have_are_said_so():
+    w = bitgrain.World(box=None, gravity=(0, 0, 0), dt=1e-3, law=tsuji())
+    for k in range(4096):
+        w.sphere(radius=0.5, point=(k, 0, 0))
+    for add in (lambda: w.sphere(radius=0.5), lambda: w.mesh([[[0, 0, 0], [1, 0, 0], [0, 1, 0]]])):
+        with pytest.raises(bitgrain.TooManyObstacles, match="4097 obstacles, and a world can have 4096") as found:
+            add()
+        assert (found.value.count, found.value.most, found.value.code) == (4097, 4096, 18)
+    w.add([[0, 5, 0]], 0.5, 1.0)
+    w.step()

@@ -120,3 +120,9 @@ def with_groups(data, kept):
     del world[begin + kept * group : begin + count * group]
     world[-32:] = blake3.blake3(world[:-32]).digest()
     return law + bytes(world)
+
+
+@pytest.mark.parametrize("more", [b"\0", b"\0" * 4, b"more"])
+def test_bytes_behind_the_end_are_refused(bed, more):
+    with pytest.raises(bitgrain.BadSave):
+        bitgrain.World.load(bed.save() + more)

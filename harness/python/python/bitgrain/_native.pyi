@@ -214,6 +214,7 @@ class World:
         instructions: Optional[str] = None,
         lose: bool = False,
         drain: Optional[Tuple[_Array, _Array]] = None,
+        strict: bool = False,
     ) -> World: ...
     def add(
         self,
@@ -297,6 +298,7 @@ class World:
         *,
         threads: Optional[int] = None,
         instructions: Optional[str] = None,
+        strict: bool = False,
     ) -> World: ...
     def save(self) -> bytes: ...
     def select(self, obstacles: Sequence[Obstacle]) -> Obstacles: ...

@@ -26,6 +26,7 @@ __all__ = [
     "OtherFacets",
     "UnknownMaterial",
     "LawMisfit",
+    "TooManyObstacles",
     "OtherVersion",
     "PairListFull",
     "OuterListFull",
@@ -47,6 +48,7 @@ __all__ = [
     "UnknownGrain",
     "GrainsLeaving",
     "StaleView",
+    "LongTimeStep",
     "Busy",
     "LaboratoryError",
     "InputError",
@@ -171,6 +173,13 @@ class LawMisfit(KernelError):
     """The law keeps more words of a contact than the world has room for."""
 
 
+class TooManyObstacles(KernelError):
+    """There are more obstacles than a world can have; those that move as one can be one mesh."""
+
+    count: int
+    most: int
+
+
 class PairListFull(KernelError):
     """There is no memory for so many pairs; nothing was changed."""
 
@@ -283,6 +292,14 @@ class GrainsLeaving(KernelError):
 
 class StaleView(Error):
     """A view was used after its world had been stepped or edited."""
+
+
+class LongTimeStep(Error):
+    """The time step of a strict world does not resolve the waves or the collisions of its bodies."""
+
+
+class LongTimeStepWarning(UserWarning):
+    """The time step of a world does not resolve the waves or the collisions of its bodies; the message says how."""
 
 
 class Busy(Error):
