@@ -314,10 +314,7 @@ fn no_byte_of_a_block_makes_a_call_crash_or_hang() {
     let _ = child.kill();
     let _ = child.wait();
     let told = std::fs::read_to_string(&told).unwrap();
-    let last = told
-        .lines()
-        .filter(|line| line.starts_with("flip"))
-        .next_back();
+    let last = told.lines().rfind(|line| line.starts_with("flip"));
     let last = last.unwrap_or_default();
     let status = status.unwrap_or_else(|| panic!("it hangs at {last}"));
     assert!(status.success(), "{status} at {last}");
