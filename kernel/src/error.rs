@@ -84,9 +84,9 @@ pub enum Error {
     /// There are more obstacles than [`OBSTACLES_MAX`](crate::OBSTACLES_MAX).
     TooManyObstacles {
         /// How many there are.
-        count: usize,
+        count: u32,
         /// How many a world can have.
-        most: usize,
+        most: u32,
     },
     /// The lent bytes are too few for a saved world; nothing was written.
     BufferTooShort {
@@ -400,7 +400,7 @@ impl fmt::Display for Error {
 }
 
 /// Says how many obstacles there are, and how many there can be.
-fn crowded(f: &mut fmt::Formatter<'_>, count: usize, most: usize) -> fmt::Result {
+fn crowded(f: &mut fmt::Formatter<'_>, count: u32, most: u32) -> fmt::Result {
     write!(
         f,
         "there are {count} obstacles, and a world can have {most}: join those in a mesh that move as one"

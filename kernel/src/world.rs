@@ -218,7 +218,7 @@ impl<R: Real> World<'_, R> {
         }
         let count = self.obstacles.len();
         if count > OBSTACLES_MAX {
-            let most = OBSTACLES_MAX;
+            let [count, most] = [count as u32, OBSTACLES_MAX as u32];
             return Err(Error::TooManyObstacles { count, most });
         }
         for (number, body) in self.obstacles.iter().enumerate() {

@@ -195,8 +195,8 @@ impl Core {
         match number < most {
             true => Ok(number),
             false => Err(KernelError::TooManyObstacles {
-                count: number + 1,
-                most,
+                count: number as u32 + 1,
+                most: most as u32,
             }),
         }
     }

@@ -136,7 +136,7 @@ impl From<Error> for bg_fault {
             Error::OverlapTooDeep { i, j } => (i, j, 0),
             Error::ObstacleTooDeep { id, obstacle } => (id, obstacle, 0),
             Error::NoGrain { place } => (place, 0, 0),
-            Error::TooManyObstacles { most, .. } => (most as u32, 0, 0),
+            Error::TooManyObstacles { most, .. } => (most, 0, 0),
             Error::PairListFull { needed }
             | Error::OuterListFull { needed }
             | Error::ObstacleContactsFull { needed }
