@@ -107,8 +107,8 @@ pub trait Law<R: Real>: Copy + Send + Sync {
     /// Whether it tells materials apart. If not, a step does not look them up.
     const KNOWS_MATERIALS: bool = false;
 
-    /// Words of a contact that it keeps beside the tangential spring, at most [`MEMORY_MAX`]. A world without storage
-    /// for them is not started.
+    /// Words of a contact that it keeps beside the tangential spring, at most [`MEMORY_MAX`]: the first of them. What
+    /// it gives for others is dropped. A world without storage for them is not started.
     const MEMORY: usize = 0;
 
     /// Whether [`Law::acts`] says which contacts act; if not, those that overlap.
@@ -164,6 +164,7 @@ pub trait Law<R: Real>: Copy + Send + Sync {
     }
 
     /// The words of a contact as its partner would keep them: of vectors that turn their sign as both change places.
+    /// Words that are +0 stay so: another zero counts as kept.
     #[inline(always)]
     fn seen_by_partner(&self, memory: ContactMemory<R>) -> ContactMemory<R> {
         memory

@@ -119,6 +119,9 @@ pub fn react<R: Real, L: Law<R>>(law: &L, c: &Contact<R>, kept: Kept<R>, dt: R) 
                 dt,
             },
         );
+        for word in torque.memory.iter_mut().skip(L::MEMORY) {
+            *word = R::ZERO;
+        }
     }
     Reaction {
         normal: normal_force.force,

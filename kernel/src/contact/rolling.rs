@@ -203,7 +203,14 @@ impl<R: Real, L: SpringInPlane<R>> Law<R> for Rolling<R, L> {
         // The way that surfaces roll is the same from both sides; a moment turns its sign.
         match self.resistance.spring {
             RollingSpring::Sds => memory,
-            RollingSpring::Epsd2 => memory.map(|word| -word),
+            RollingSpring::Epsd2 => {
+                let mut seen = memory;
+                for word in seen.iter_mut().take(Self::MEMORY) {
+                    // Less than zero, so that no word that is +0 becomes -0, which counts as kept.
+                    *word = R::ZERO - *word;
+                }
+                seen
+            }
         }
     }
 }
@@ -212,6 +219,7 @@ impl<R: Real, L: SpringInPlane<R>> Law<R> for Rolling<R, L> {
 mod tests {
     use super::*;
     use crate::contact::HertzTsuji;
+    use crate::contact::kept::Kept;
     use proptest::prelude::*;
 
     fn vector(size: f64) -> impl Strategy<Value = Vec3<f64>> {
@@ -299,6 +307,18 @@ mod tests {
                 let (a, b) = (law.torque(&normal, &state), law.torque(&normal, &turned));
                 prop_assert_eq!(a.torque, scale(b.torque, -1.0));
                 prop_assert_eq!(a.memory, law.seen_by_partner(b.memory));
+            }
+        }
+
+        /// Nothing that is kept of a contact is nothing from the other side too, and words of others stay as they are.
+        #[test]
+        fn nothing_is_nothing_from_either_side(state in turning(), words in 0usize..4) {
+            let mut memory = [0.0; MEMORY_MAX];
+            memory[..words].copy_from_slice(&state.contact.memory[..words]);
+            let kept = Kept { spring: [0.0; 3], memory };
+            for spring in SPRINGS {
+                let memory = law(spring, 0.2).seen_by_partner(memory);
+                prop_assert_eq!(Kept { memory, ..kept }.words(), kept.words());
             }
         }
 
