@@ -24,6 +24,7 @@ mod settle;
 mod survey;
 #[cfg(test)]
 mod tests;
+mod twist;
 
 pub use course::{Phase, Pouring, PouringState};
 pub use groups::{BASE, FREE, LID};

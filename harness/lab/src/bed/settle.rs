@@ -3,7 +3,8 @@
 use bitgrain_kernel::Error as KernelError;
 
 use super::course::Pouring;
-use super::survey::{energy_of_borne, energy_per_grain, stopped};
+use super::survey::{energy_of_borne, energy_per_grain, per_grain, stopped};
+use super::twist;
 use crate::progress::Stage;
 use crate::scenario::{BedPlan, CheckedScenario, IntruderShape};
 use bitgrain_sim::error::{Error, Result};
@@ -32,6 +33,10 @@ const STEADY: f64 = 0.1;
 
 /// Longest settling, in units of the time a grain takes to fall from the top of the lattice.
 const PATIENCE: f64 = 60.0;
+
+/// Part of the longest settling after which twist is stopped if nothing else moves: by then a bed has come to rest that
+/// comes to rest by itself.
+const TWISTED: f64 = 0.1;
 
 /// Where a settling ends.
 pub struct Goal {
@@ -114,7 +119,8 @@ pub fn settle(
     stage: &mut Stage,
     observer: &mut impl Observer,
 ) -> Result<bool> {
-    let limit = bed.course.begin + (PATIENCE * goal.fall_steps as f64) as u64 + 100 * LOOK;
+    let patience = (PATIENCE * goal.fall_steps as f64) as u64 + 100 * LOOK;
+    let twisted = (TWISTED * patience as f64) as u64;
     let buoyancy = scenario.buoyancy(plan.diameter);
     loop {
         if bed.sim.step_count() >= observer.last_step() {
@@ -137,12 +143,13 @@ pub fn settle(
         let change = (upward(sim) - bed.course.before).abs();
         bed.course.before = upward(sim);
         let steady = goal.steady.is_none_or(|bound| change < bound * buoyancy);
-        let quiet = energy < goal.energy && (carried || !goal.carried) && steady;
+        let quiet = |energy: f64| energy < goal.energy && (carried || !goal.carried) && steady;
         let step = sim.step_count();
-        if quiet && step - bed.course.begin >= goal.least {
+        let age = step - bed.course.begin;
+        if quiet(energy) && age >= goal.least {
             return Ok(true);
         }
-        if step > limit {
+        if age > patience {
             return Err(Error::Unsettled {
                 bed: plan.name.clone(),
                 step,
@@ -150,6 +157,13 @@ pub fn settle(
                 bound: goal.energy,
                 carried: support / weight,
             });
+        }
+        if age > twisted && scenario.law.rolling().is_some() && !goal.borne {
+            let twists = twist::twists(sim);
+            let left = sim.kinetic_energy() - twist::energy(sim, &twists);
+            if !quiet(energy) && quiet(per_grain(left, sim, &scenario.measures())) {
+                twist::stop(sim, &twists).map_err(|f| stopped(&plan.name, sim, f))?;
+            }
         }
         bed.looked(plan, observer)?;
         let share = support / weight;

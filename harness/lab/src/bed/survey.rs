@@ -76,7 +76,8 @@ pub fn energy_per_grain(sim: &Simulation, measures: &Measures) -> f64 {
     per_grain(sim.kinetic_energy(), sim, measures)
 }
 
-fn per_grain(energy: f64, sim: &Simulation, measures: &Measures) -> f64 {
+/// An energy per free grain over the same.
+pub fn per_grain(energy: f64, sim: &Simulation, measures: &Measures) -> f64 {
     let free = (0..sim.count())
         .filter(|&i| sim.role(i) == Role::Free)
         .count();

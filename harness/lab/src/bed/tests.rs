@@ -392,3 +392,39 @@ fn a_bed_poured_slippery_goes_on_to_the_same_bits() {
     let other = rig_with(&["bed.pouring_mu=0.06"]);
     assert!(Pouring::of(sim, &note, &other, plan).is_err());
 }
+
+/// Beds of grains that roll with resistance on a bare floor come to rest. Nothing takes the spin of a grain about the
+/// normal of its only contact, and that of this bed is a dozen times what may be left.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours a small bed: seconds in release")]
+fn a_bed_in_which_grains_twist_comes_to_rest() {
+    for rolling in [
+        "{ kind = 'sds', k = 60.0, gamma = 0.3, mu = 0.3 }",
+        "{ kind = 'epsd2', mu = 0.3 }",
+    ] {
+        let sets = [
+            "seed=5",
+            "bed.box=[6.0, 5.0, 8.0]",
+            "bed.grains=155",
+            "bed.base=0.0",
+            "bed.settled=1e-6",
+            "law.kn=1e4",
+            "law.kt=1.2e4",
+            "law.gamma_n=140.0",
+            "law.gamma_t=140.0",
+            "intruder.diameter=1.0",
+            "intruder.height=2.6",
+            "intruder.speed=1.0",
+            "drag.dt=2e-3",
+            "drag.distance=3.0",
+            "measure.every=5",
+        ];
+        let mut sets: Vec<String> = sets.map(String::from).to_vec();
+        sets.push(format!("law.rolling={rolling}"));
+        let scenario = scenario::load("quick", &sets).unwrap();
+        let plan = &scenario.beds()[0];
+        let sim = pour(&scenario, plan, &mut Stage::silent()).unwrap();
+        let energy = energy_per_grain(&sim, &scenario.measures());
+        assert!(energy < 1e-6, "{rolling}: {energy}");
+    }
+}
