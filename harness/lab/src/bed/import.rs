@@ -7,9 +7,9 @@ use bitgrain_kernel::{Domain, Error as KernelError, Group, Obstacle};
 
 use super::groups::{BASE, FREE};
 use crate::scenario::CheckedScenario;
-use crate::scenario::source::{SAME, hash, split};
+use crate::scenario::source::{check_grains, hash, split};
 use bitgrain_sim::error::{Error, Result};
-use bitgrain_sim::export::{FROZEN_TYPE, LID_TYPE, OBSTACLE_TYPE as INTRUDER_TYPE};
+use bitgrain_sim::export::{FROZEN_TYPE, OBSTACLE_TYPE as INTRUDER_TYPE};
 use bitgrain_sim::files::read_text;
 use bitgrain_sim::lammps::{Atom, DataFile, parse_atoms};
 use bitgrain_sim::simulation::{AnyLaw, Grain, Simulation, sphere_mass};
@@ -75,36 +75,6 @@ fn with_names(fault: KernelError, names: &[u32]) -> KernelError {
         },
         other => other,
     }
-}
-
-/// Diameters and densities must be those of the scenario.
-fn check_grains(scenario: &CheckedScenario, grains: &[Atom]) -> std::result::Result<(), String> {
-    let [least, most] = scenario.bed.diameters;
-    for a in grains {
-        let sized = a.diameter >= least * (1.0 - SAME) && a.diameter <= most * (1.0 + SAME);
-        if !sized {
-            return Err(format!(
-                "atom {} has the diameter {}; expected {least} to {most}: see bed.diameters",
-                a.id, a.diameter
-            ));
-        }
-        let density = scenario.bed.density;
-        if (a.density - density).abs() > SAME * density {
-            // Other programs may give this type to any grain, but ours gives it to a lid's, which are heavy.
-            let lid = if a.kind == LID_TYPE {
-                format!(
-                    "; type {LID_TYPE} is a lid's, and a bed from a file gets no lid: leave it out"
-                )
-            } else {
-                String::new()
-            };
-            return Err(format!(
-                "atom {} has the density {}; expected {density}: see bed.density{lid}",
-                a.id, a.density
-            ));
-        }
-    }
-    Ok(())
 }
 
 /// The atoms of a file as a world, not yet started: spheres of type 2 as resting obstacles with their

@@ -195,11 +195,17 @@ pub(crate) fn parse_from(
             }
         }
     };
-    scenario.source = source;
+    let (file, grains) = source.unzip();
+    scenario.source = file;
     if scenario.intruder.shape == IntruderShape::Sphere && scenario.intruder.density.is_none() {
         scenario.intruder.density = Some(1.0);
     }
-    scenario.check().map_err(|wrong| refused(place, wrong))
+    let checked = scenario.check().map_err(|wrong| refused(place, wrong))?;
+    if let (Some(file), Some(grains)) = (&checked.source, &grains) {
+        let wrong = |what| Error::input(file.display().to_string(), what);
+        source::check_grains(&checked, grains).map_err(wrong)?;
+    }
+    Ok(checked)
 }
 
 /// What is wrong with the scenario of a file as an error.

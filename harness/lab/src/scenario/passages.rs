@@ -186,24 +186,26 @@ impl Scenario {
             (
                 i.shape != IntruderShape::Sphere,
                 "intruder.shape",
-                "expected a sphere",
+                "is of a wall, infinitely heavy, and only a sphere has a mass that forces move; leave it out",
             ),
-            (self.lid.is_some(), "lid", "expected none"),
+            (
+                self.lid.is_some(),
+                "lid",
+                "carries the bed past an intruder at constant speed, and one that forces move has none; leave it out",
+            ),
             (
                 drag.moves == Moves::Bed,
                 "drag.moves",
-                "expected \"intruder\"",
+                "is \"bed\", which goes past an intruder that is held, and forces move this one; leave it out",
             ),
             (
                 self.measure.fields.is_some(),
                 "measure.fields",
-                "expected none",
+                "are means round an intruder at constant speed, and one that forces move has none; leave it out",
             ),
         ];
         match others.iter().find(|(given, ..)| *given) {
-            Some((_, key, what)) => {
-                refuse(key, format!("{what}, with an intruder that forces move"))
-            }
+            Some((_, key, why)) => refuse(key, *why),
             None => self.check_dropped(),
         }
     }

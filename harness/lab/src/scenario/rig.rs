@@ -47,7 +47,11 @@ impl Scenario {
                     "intruder.shape",
                     "a file holds a sphere as intruder",
                 ),
-                (self.lid.is_some(), "lid", "a bed from a file gets no lid"),
+                (
+                    self.lid.is_some(),
+                    "lid",
+                    "is laid on a bed that comes to rest under it, and a file's bed is taken as it is",
+                ),
                 (
                     self.drag.moves == Moves::Bed,
                     "drag.moves",

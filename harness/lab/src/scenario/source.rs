@@ -4,17 +4,18 @@ use std::path::{Path, PathBuf};
 
 use toml::{Table, Value};
 
+use super::Scenario;
 use bitgrain_sim::below::Below;
 use bitgrain_sim::disk;
 use bitgrain_sim::error::{Error, Result};
-use bitgrain_sim::export::OBSTACLE_TYPE as INTRUDER_TYPE;
+use bitgrain_sim::export::{LID_TYPE, OBSTACLE_TYPE as INTRUDER_TYPE};
 use bitgrain_sim::files::read_text;
 use bitgrain_sim::lammps::{Atom, DataFile, parse_atoms};
 use bitgrain_sim::simulation::hex;
 
 /// Largest relative difference between a number of the file and of the scenario that still counts as
 /// the same: programs that store a mass give a density back with its last digits changed.
-pub(crate) const SAME: f64 = 1e-9;
+const SAME: f64 = 1e-9;
 
 /// Where the file of an imported bed is looked for.
 #[derive(Clone, Copy)]
@@ -41,7 +42,7 @@ impl BedFile<'_> {
 }
 
 /// If `bed.file` names a file, fills in the keys that the file knows and the scenario leaves out,
-/// and refuses those that it contradicts. Returns where the file is.
+/// and refuses those that it contradicts. Returns where the file is, and its grains.
 ///
 /// # Errors
 /// [`Error::Input`] if the file cannot be read, is not a bed, or is not what the scenario says.
@@ -49,7 +50,7 @@ pub(super) fn fill_in(
     table: &mut Table,
     place: &str,
     from: BedFile<'_>,
-) -> Result<Option<PathBuf>> {
+) -> Result<Option<(PathBuf, Vec<Atom>)>> {
     let Some(Value::String(file)) = table.get("bed").and_then(|bed| bed.get("file")) else {
         return Ok(None);
     };
@@ -91,7 +92,7 @@ pub(super) fn fill_in(
     keys.same("intruder", "diameter", Value::from(intruder.diameter))?;
     keys.same("intruder", "density", Value::from(intruder.density))?;
     keys.same("intruder", "height", Value::from(intruder.position[2]))?;
-    Ok(Some(path))
+    Ok(Some((path, grains)))
 }
 
 /// The scenario's table as it is filled in.
@@ -166,4 +167,37 @@ pub(crate) fn split(data: &DataFile) -> std::result::Result<(Atom, Vec<Atom>), S
         ));
     }
     Ok((balls[0], grains))
+}
+
+/// Diameters and densities must be those of the scenario.
+pub(crate) fn check_grains(
+    scenario: &Scenario,
+    grains: &[Atom],
+) -> std::result::Result<(), String> {
+    let [least, most] = scenario.bed.diameters;
+    for a in grains {
+        let sized = a.diameter >= least * (1.0 - SAME) && a.diameter <= most * (1.0 + SAME);
+        if !sized {
+            return Err(format!(
+                "atom {} has the diameter {}; expected {least} to {most}: see bed.diameters",
+                a.id, a.diameter
+            ));
+        }
+        let density = scenario.bed.density;
+        if (a.density - density).abs() > SAME * density {
+            // Other programs may give this type to any grain, but ours gives it to a lid's, which are heavy.
+            let lid = if a.kind == LID_TYPE {
+                format!(
+                    "; type {LID_TYPE} is a lid's, and a bed from a file gets no lid: leave it out"
+                )
+            } else {
+                String::new()
+            };
+            return Err(format!(
+                "atom {} has the density {}; expected {density}: see bed.density{lid}",
+                a.id, a.density
+            ));
+        }
+    }
+    Ok(())
 }

@@ -89,7 +89,11 @@ impl Scenario {
         }
         let not_here = [
             (self.bed.file.is_some(), "bed.file", "a file holds no tank"),
-            (self.lid.is_some(), "lid", "a bed in a tank gets no lid"),
+            (
+                self.lid.is_some(),
+                "lid",
+                "is a square lattice on a bed that repeats, and a tank is round",
+            ),
             (
                 self.drag.moves == Moves::Bed,
                 "drag.moves",
