@@ -5,6 +5,7 @@ use std::sync::{Mutex, MutexGuard};
 
 mod allocations;
 mod disk;
+mod joints;
 mod modes;
 mod pieces;
 mod recordings;
