@@ -60,7 +60,7 @@ fn wanted() -> Option<Vec<&'static Choice>> {
 
 /// Every pair of options in at least one combination of many.
 #[test]
-#[ignore = "two minutes of a processor, and in one combination a thin cylinder presses grains too deep"]
+#[ignore = "two minutes of a processor"]
 fn every_pair_holds_in_a_combination_of_many() {
     let _alone = alone();
     if let Some(choices) = wanted() {

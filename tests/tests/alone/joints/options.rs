@@ -27,7 +27,7 @@ mu = 0.5
 [intruder]
 diameter = 1.0
 density = 1.0
-height = 2.6
+height = 3.4
 speed = 1.0
 
 [drag]
@@ -207,12 +207,12 @@ pub const CHOICES: [Choice; 55] = [
     choice("pouring_mu", "`pouring_mu`", "", "bed.pouring_mu = 0.2"),
     choice("halting", "`halting = true`", "", "bed.halting = true"),
     choice("halting", "`halting = false`", "", "bed.halting = false"),
-    choice("place", "`depth`", PLACE, "intruder.depth = 2.1"),
+    choice("place", "`depth`", PLACE, "intruder.depth = 1.3"),
     choice(
         "place",
         "several `height`",
         PLACE,
-        "intruder.height = [2.4, 3.0]",
+        "intruder.height = [3.3, 3.6]",
     ),
     choice(
         "diameter",
