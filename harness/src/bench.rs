@@ -161,6 +161,22 @@ pub fn tiled(one: &Simulation, tiles: usize) -> Result<Simulation> {
     ))
 }
 
+/// The bed of a file, or that of the scenario quick, and its name.
+fn named(place: Option<&Path>, progress: &Progress) -> Result<(String, Simulation)> {
+    let Some(path) = place else {
+        let quick = scenario::load("quick", &[])?;
+        let mut stage = progress.stage("pouring the quick bed", 0);
+        let sim = bed::pour(&quick, &quick.beds()[0], &mut stage)?;
+        stage.finish();
+        return Ok(("quick".to_string(), sim));
+    };
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let mut sim = read_bed(path)?;
+    sim.start()
+        .map_err(|fault| refuse(&name, fault, |id| format!("a grain (numbered {id} here)")))?;
+    Ok((name.into_owned(), sim))
+}
+
 /// Times steps of a bed.
 ///
 /// # Errors
@@ -173,28 +189,7 @@ pub fn bench(what: &Timing<'_>, progress: &Progress) -> Result<Speed> {
         tiles,
         ..
     } = *what;
-    let (name, mut sim) = match what.bed {
-        Some(path) => {
-            let name = path
-                .file_name()
-                .unwrap_or_default()
-                .to_string_lossy()
-                .into_owned();
-            let mut sim = read_bed(path)?;
-            sim.start().map_err(|fault| {
-                refuse(&name, fault, |id| format!("a grain (numbered {id} here)"))
-            })?;
-            (name, sim)
-        }
-        None => {
-            let quick = scenario::load("quick", &[])?;
-            let plan = &quick.beds()[0];
-            let mut stage = progress.stage("pouring the quick bed", 0);
-            let sim = bed::pour(&quick, plan, &mut stage)?;
-            stage.finish();
-            ("quick".to_string(), sim)
-        }
-    };
+    let (name, mut sim) = named(what.bed, progress)?;
     if tiles > 1 {
         sim = tiled(&sim, tiles)?;
         sim.start().map_err(|fault| Error::run(&name, 0, fault))?;

@@ -52,8 +52,8 @@ use crate::views::{Shared, read, write};
 ///     points away from, is taken out.
 /// strict : bool
 ///     Whether a time step is refused (`LongTimeStep`) that is above a fifth of the shortest Rayleigh time of a grain
-///     or a free body, or a tenth of the shortest collision at the largest difference of velocities. Else `step` warns of
-///     it, once. A world is looked at before its first step, after changes, and every 1,000 steps.
+///     or a free body, or a tenth of the shortest collision at the largest difference of velocities. Else `step` warns
+///     of it, once. A world is looked at before its first step, after changes, and every 1,000 steps.
 ///
 /// Units are free, as long as they fit together. Numbers are copied from arrays that are given.
 ///

@@ -290,7 +290,7 @@ fn storage_for_more_words_than_the_law_keeps_changes_nothing() {
         let is_on_obstacle =
             |c: &KeptContact<f64>| matches!(c.history, ContactHistory::Obstacle { .. });
         (
-            digest(&world),
+            digest(&world).unwrap(),
             world.kept_contacts().filter(is_on_obstacle).count(),
         )
     }

@@ -64,6 +64,55 @@ fn grain(k: u32) -> bg_grain {
     }
 }
 
+/// A floor, and bodies of many shapes if they are wanted.
+fn add_obstacles(world: *mut bg_world, many: bool) {
+    let mut number = 0;
+    let body = |kind: u32, point: [f64; 3]| bg_obstacle {
+        size: sized::<bg_obstacle>(),
+        kind,
+        point,
+        direction: [0.0, 0.0, 1.0],
+        radius: 0.4,
+        half: [0.3; 3],
+        ..bg_obstacle::default()
+    };
+    done(bg_add_obstacle(
+        world,
+        &body(BG_PLANE, [0.0; 3]),
+        &mut number,
+    ));
+    if many {
+        let free = |kind, point| bg_obstacle {
+            inverse_mass: 2.0,
+            is_free: 1,
+            integrates: 7,
+            spins: 1,
+            inertia: [0.1; 3],
+            ..body(kind, point)
+        };
+        let drum = bg_obstacle {
+            radius: 5.0,
+            half: [5.0, 0.0, 0.0],
+            ..body(BG_DRUM, [3.0, 3.0, 4.5])
+        };
+        let others = [
+            free(BG_SPHERE, [1.5, 1.5, 1.6]),
+            free(BG_BOX, [4.5, 4.5, 1.4]),
+            body(BG_CAPSULE, [4.5, 1.5, 2.0]),
+            drum,
+        ];
+        for one in others {
+            done(bg_add_obstacle(world, &one, &mut number));
+        }
+        let corners = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0].map(|x: f64| x + 0.1);
+        let corners: Vec<f64> = (0..3)
+            .flat_map(|k| corners.map(|x| x + 0.3 * f64::from(k)))
+            .collect();
+        let mesh = body(BG_MESH, [3.2, 3.2, 0.6]);
+        done(bg_add_mesh(world, &mesh, corners.as_ptr(), 3, &mut number));
+    }
+}
+
 /// A world of one material on a floor, or of two with resistance to rolling among bodies of many shapes, after a few
 /// steps.
 fn made(many: bool) -> Vec<u64> {
@@ -110,50 +159,7 @@ fn made(many: bool) -> Vec<u64> {
         };
         done(bg_add_group(world, &group, &mut number));
     }
-    let body = |kind: u32, point: [f64; 3]| bg_obstacle {
-        size: sized::<bg_obstacle>(),
-        kind,
-        point,
-        direction: [0.0, 0.0, 1.0],
-        radius: 0.4,
-        half: [0.3; 3],
-        ..bg_obstacle::default()
-    };
-    done(bg_add_obstacle(
-        world,
-        &body(BG_PLANE, [0.0; 3]),
-        &mut number,
-    ));
-    if many {
-        let free = |kind, point| bg_obstacle {
-            inverse_mass: 2.0,
-            is_free: 1,
-            integrates: 7,
-            spins: 1,
-            inertia: [0.1; 3],
-            ..body(kind, point)
-        };
-        let drum = bg_obstacle {
-            radius: 5.0,
-            half: [5.0, 0.0, 0.0],
-            ..body(BG_DRUM, [3.0, 3.0, 4.5])
-        };
-        let others = [
-            free(BG_SPHERE, [1.5, 1.5, 1.6]),
-            free(BG_BOX, [4.5, 4.5, 1.4]),
-            body(BG_CAPSULE, [4.5, 1.5, 2.0]),
-            drum,
-        ];
-        for one in others {
-            done(bg_add_obstacle(world, &one, &mut number));
-        }
-        let corners = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0].map(|x: f64| x + 0.1);
-        let corners: Vec<f64> = (0..3)
-            .flat_map(|k| corners.map(|x| x + 0.3 * f64::from(k)))
-            .collect();
-        let mesh = body(BG_MESH, [3.2, 3.2, 0.6]);
-        done(bg_add_mesh(world, &mesh, corners.as_ptr(), 3, &mut number));
-    }
+    add_obstacles(world, many);
     let grains: Vec<bg_grain> = (0..GRAINS).map(grain).collect();
     done(bg_insert(world, grains.as_ptr(), grains.len()));
     done(bg_set_policy(world, &policy()));

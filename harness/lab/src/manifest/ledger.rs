@@ -382,14 +382,22 @@ mod tests {
     }
 
     #[test]
-    fn where_the_manifest_was_lost_files_count_as_ours_and_damaged() {
+    fn where_the_manifest_was_lost_marked_files_count_as_ours_and_damaged() {
         let folder = tempfile::tempdir().unwrap();
         let [path, other] = ["beds/a", "beds/b"].map(|name| folder.path().join(name));
+        let (one, two) = (b"# BITS_VERSION 1\n1", b"# BITS_VERSION 1\n2");
         open(folder.path())
-            .write_all(&[(&path, b"1"), (&other, b"2")])
+            .write_all(&[(&path, one), (&other, two)])
             .unwrap();
         std::fs::remove_file(folder.path().join(NAME)).unwrap();
         let ledger = open(folder.path());
+        // What has no mark of ours is of others.
+        std::fs::write(folder.path().join("beds/c"), "mine").unwrap();
+        assert!(
+            ledger
+                .refuse_foreign(&folder.path().join("beds/c"))
+                .is_err()
+        );
         for path in [&path, &other] {
             ledger.refuse_foreign(path).unwrap();
         }
@@ -398,7 +406,7 @@ mod tests {
         let ledger = open(folder.path());
         ledger.refuse_foreign(&path).unwrap();
         assert_eq!(ledger.damaged("beds/"), ["beds/a", "beds/b"]);
-        ledger.write(&path, b"1").unwrap();
+        ledger.write(&path, one).unwrap();
         ledger.remove(&other).unwrap();
         assert!(ledger.vouches(&path) && !other.exists());
     }

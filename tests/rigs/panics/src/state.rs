@@ -134,6 +134,7 @@ pub struct State<R: Real + 'static> {
     words: fn(&PairList<'_, R>) -> usize,
     memory_columns: for<'m> fn([&'m mut [R]; 3]) -> MemoryColumns<'m, R>,
     reach: fn(&mut Clock<R>, R) -> R,
+    radius_min: fn(&Clock<R>) -> R,
     listed_pairs: fn(&World<'_, R>, &mut dyn FnMut((u32, u32))),
     moving: for<'w> fn(&'w mut World<'_, R>) -> GrainMotion<'w, R>,
     pushing:
@@ -177,6 +178,7 @@ impl<R: Real + 'static> State<R> {
             clock.set_reach(reach);
             clock.reach()
         },
+        radius_min: |clock| clock.radius_min(),
         listed_pairs: |world, show| world.listed_pairs().for_each(show),
         moving: |world| world.grain_motion(),
         pushing: |world, dt| world.force_ranges(dt),

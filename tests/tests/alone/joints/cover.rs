@@ -79,7 +79,7 @@ pub fn table(verdicts: &Verdicts) -> String {
         .collect();
     let (all, no) = (pairs.count(), refused.len());
     let mut text = format!(
-        "Of {all} pairs of the {} options below {} run and {no} are refused.\n\n| option | not with | because |\n\
+        "Of {all} pairs of the {} options below {} are taken and {no} are refused.\n\n| option | not with | because |\n\
          | --- | --- | --- |\n",
         CHOICES.len(),
         all - no,
