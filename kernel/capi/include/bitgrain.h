@@ -736,7 +736,8 @@ int32_t bg_step_apply(bg_world *world,
 
 // Sets `out` to the digests of the state: the same on every machine and in every language. After a fault of the motion
 // a world has none.
-int32_t bg_get_digest(bg_world *world, bg_digest *out);
+int32_t bg_get_digest(bg_world *world,
+                      bg_digest *out);
 
 #ifdef __cplusplus
 }  // extern "C"
