@@ -145,7 +145,7 @@ impl<R: BufRead> Frames<R> {
     /// Reads what is left after the last answer: nothing, or the line `end`.
     ///
     /// # Errors
-    /// As [`Frames::over`].
+    /// [`Error::Input`] with the line that is there.
     pub fn finish(&mut self) -> Result<()> {
         match self.line()? {
             None => Ok(()),
