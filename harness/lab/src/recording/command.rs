@@ -7,7 +7,6 @@
 use std::collections::VecDeque;
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, Write};
-use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command, ExitStatus, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -15,7 +14,6 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::thread;
 use std::time::Duration;
 
-use bitgrain_sim::disk;
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::threads::STACK;
 
@@ -271,6 +269,8 @@ fn end_all(child: &mut Child, _: &str) {
 /// there is no /proc none are found.
 #[cfg(unix)]
 fn marked(mark: &str) -> Vec<i32> {
+    use bitgrain_sim::disk;
+    use std::path::Path;
     let wanted = format!("{MARK}={mark}");
     let is_marked = |process: &i32| {
         let environment = Path::new("/proc").join(format!("{process}/environ"));
