@@ -18,7 +18,7 @@ use bitgrain_sim::law::{HertzHistoryParameters, LawSpec};
 use bitgrain_sim::memory;
 use bitgrain_sim::simulation::{Grain, Simulation, hex, sphere_mass};
 use bitgrain_sim::spatial_order::spatial_order;
-use bitgrain_sim::threads::{STACK, ThreadsError, on_threads};
+use bitgrain_sim::threads::{ThreadsError, builder, on_threads};
 
 /// Steps before the clock starts.
 const WARM_UP: u64 = 500;
@@ -221,9 +221,8 @@ pub fn bench(what: &Timing<'_>, progress: &Progress) -> Result<Speed> {
         let each = sims.iter_mut().enumerate();
         let workers: Vec<_> = each
             .map(|(k, sim)| {
-                let worker = std::thread::Builder::new().stack_size(STACK);
                 let work = move || on_threads(threads, || one(k, sim))?;
-                worker.spawn_scoped(scope, work)
+                builder().spawn_scoped(scope, work)
             })
             .collect();
         let ends = workers.into_iter().map(|started| match started {

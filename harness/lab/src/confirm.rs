@@ -4,12 +4,12 @@ use std::path::Path;
 
 use crate::bisect::chain_of;
 use crate::folder::Folder;
+use crate::manifest::Manifest;
 use crate::manifest::audit::audit;
-use crate::manifest::{Manifest, NAME};
 use crate::progress::Progress;
 use crate::rerun::RunArchive;
 use crate::run::{Links, Taken, planned};
-use crate::verify::{Job, Scope, execute, pieces};
+use crate::verify::{Job, Problems, Scope, execute, pieces};
 use bitgrain_sim::error::{CHANGED, Error, Result, UNEXPECTED};
 
 /// Whether the finished run in `out` has all these links.
@@ -41,20 +41,9 @@ pub fn check_folder(root: &Path, say: &mut impl FnMut(&str) -> Result<()>) -> Re
     let Some(manifest) = Manifest::of(root)? else {
         return Ok(());
     };
-    let wrong = audit(root, &manifest, &planned)?.wrong;
-    for line in &wrong {
-        say(line)?;
-    }
-    match wrong.len() {
-        0 => Ok(()),
-        count => Err(Error::Unverified {
-            problem: format!(
-                "{}: its folder differs from {NAME} in {count} places",
-                root.display()
-            ),
-            hint: CHANGED,
-        }),
-    }
+    let mut problems = Problems::default();
+    problems.tell_audit(&audit(root, &manifest, &planned)?.wrong, say)?;
+    problems.conclude(root)
 }
 
 /// Whether a call executed all of these stages from the beginning.

@@ -10,7 +10,7 @@ mod scope;
 
 pub(crate) use again::beside_twin;
 pub(crate) use ends::summary_problem;
-pub(crate) use folder::{Cause, check_expected, check_manifest};
+pub(crate) use folder::{Cause, Problems, check_expected, check_manifest};
 pub(crate) use piece::{Job, pieces, sampled};
 pub use scope::{Scope, Segment};
 

@@ -17,7 +17,7 @@ use bitgrain::progress::Progress;
 use bitgrain::rerun::RunArchive;
 use bitgrain::run::{SaveEvery, Setting};
 use bitgrain::summary::read_folder;
-use bitgrain::threads::STACK;
+use bitgrain::threads::builder;
 use bitgrain::verify::{Scope, Segment};
 use bitgrain::{present, scenario};
 use pyo3::exceptions::PyOSError;
@@ -38,7 +38,7 @@ fn interruptible<T: Send>(
     let stop = progress.stop_flag();
     let (done, interrupt) = py.detach(|| {
         std::thread::scope(|scope| {
-            let thread = std::thread::Builder::new().stack_size(STACK);
+            let thread = builder();
             let running = thread.spawn_scoped(scope, job);
             let running = running.expect("a thread for the job");
             let mut interrupt = None;

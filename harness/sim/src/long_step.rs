@@ -30,15 +30,8 @@ impl Simulation {
             return None;
         }
         let [rayleigh, collision] = times.fractions(self.dt);
-        let limits = [
-            RAYLEIGH_FRACTION_MAX * times.rayleigh,
-            CONTACT_FRACTION_MAX * times.collision,
-        ];
-        let limit = if limits[0] < limits[1] {
-            limits[0]
-        } else {
-            limits[1]
-        };
+        let wave = RAYLEIGH_FRACTION_MAX * times.rayleigh;
+        let limit = wave.min(CONTACT_FRACTION_MAX * times.collision);
         Some(format!(
             "is {}, {rayleigh:.3} of the shortest Rayleigh time and {collision:.3} of the shortest collision; from \
              {RAYLEIGH_FRACTION_MAX} and {CONTACT_FRACTION_MAX} of them on restitution is off and collisions make \

@@ -38,7 +38,12 @@ pub fn threads() -> usize {
 }
 
 /// Stack of a thread (bytes): said for each, so that no variable of the environment makes it too short.
-pub const STACK: usize = 2 << 20;
+pub(crate) const STACK: usize = 2 << 20;
+
+/// What a thread is started by; its stack is long enough.
+pub fn builder() -> std::thread::Builder {
+    std::thread::Builder::new().stack_size(STACK)
+}
 
 /// Threads for jobs, all of which compute by the bit contract.
 ///

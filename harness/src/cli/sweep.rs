@@ -167,8 +167,8 @@ pub(super) fn run(what: Sweep, home: &Path, program: &str) -> Result<()> {
         let same = evidence.table.check_against(&table, &place, wants)?;
         print(&format!("{same} runs agree with {place} digit by digit\n"))?;
         let parts = found::wanted(&folder, &plan, &only, &outcome.taken)?;
-        let links = found::links(&folder, &plan, &parts)?;
         if !parts.iter().all(|(_, taken)| confirm::is_whole(taken)) {
+            let links = found::links(&folder, &plan, &parts)?;
             if what.found_is_enough {
                 let problem = format!("{}: {links}", out.display());
                 return Err(Error::Unverified {

@@ -269,7 +269,7 @@ pub struct bg_departure {
 
 /// The last error of a world.
 #[repr(C)]
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct bg_fault {
     /// `sizeof(bg_fault)`.
     pub size: u32,
@@ -285,7 +285,7 @@ pub struct bg_fault {
 
 /// How much there is of everything.
 #[repr(C)]
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct bg_counts {
     /// `sizeof(bg_counts)`.
     pub size: u32,
@@ -320,7 +320,7 @@ pub const BG_LINE: u32 = 512;
 
 /// BLAKE3 hashes of a state and of its parts.
 #[repr(C)]
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct bg_digest {
     /// `sizeof(bg_digest)`.
     pub size: u32,

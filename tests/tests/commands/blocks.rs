@@ -224,16 +224,9 @@ fn calls(world: *mut bg_world, saved: &[u8], first: usize) {
 }
 
 fn digest(world: *mut bg_world) -> i32 {
-    let none = [0; 32];
     let mut digest = bg_digest {
         size: sized::<bg_digest>(),
-        whole: none,
-        positions: none,
-        velocities: none,
-        spins: none,
-        histories: none,
-        forces: none,
-        obstacles: none,
+        ..bg_digest::default()
     };
     bg_get_digest(world, &mut digest)
 }
@@ -241,18 +234,11 @@ fn digest(world: *mut bg_world) -> i32 {
 fn look(world: *mut bg_world) -> i32 {
     let mut counts = bg_counts {
         size: sized::<bg_counts>(),
-        grains: 0,
-        obstacles: 0,
-        groups: 0,
-        step: 0,
-        departed: 0,
+        ..bg_counts::default()
     };
     let mut fault = bg_fault {
         size: sized::<bg_fault>(),
-        code: 0,
-        first: 0,
-        second: 0,
-        needed: 0,
+        ..bg_fault::default()
     };
     let mut body = bg_obstacle {
         size: sized::<bg_obstacle>(),

@@ -158,10 +158,11 @@ pub fn settle(
                 carried: support / weight,
             });
         }
-        if age > twisted && scenario.law.rolling().is_some() && !goal.borne {
+        let rolls = scenario.law.rolling().is_some() && !goal.borne;
+        if age > twisted && rolls && !quiet(energy) {
             let twists = twist::twists(sim);
             let left = sim.kinetic_energy() - twist::energy(sim, &twists);
-            if !quiet(energy) && quiet(per_grain(left, sim, &scenario.measures())) {
+            if quiet(per_grain(left, sim, &scenario.measures())) {
                 twist::stop(sim, &twists).map_err(|f| stopped(&plan.name, sim, f))?;
             }
         }

@@ -15,7 +15,7 @@ use std::thread;
 use std::time::Duration;
 
 use bitgrain_sim::error::{Error, Result};
-use bitgrain_sim::threads::STACK;
+use bitgrain_sim::threads::builder;
 
 use super::stream::{Frame, Frames};
 
@@ -25,8 +25,8 @@ const SLICE: Duration = Duration::from_millis(100);
 /// How long to wait before it is looked again whether a command has ended.
 const LOOK: Duration = Duration::from_millis(10);
 
-/// How often a command that was given up is looked at before it is ended.
-const GRACE: u64 = 100;
+/// So many looks are a second: as long as a command that was given up has for ending by itself.
+const SECOND: u64 = 100;
 
 /// The variable by which processes that a command started are known, with a value of its own for each command.
 const MARK: &str = "BITGRAIN_COMMAND";
@@ -142,7 +142,7 @@ impl Running {
     pub fn finish(mut self) -> Result<()> {
         self.input = None;
         let limit = self.patience.limit;
-        let status = self.ended(limit.saturating_mul(100));
+        let status = self.ended(limit.saturating_mul(SECOND));
         if self.patience.stop.load(Ordering::Relaxed) {
             return Err(self.interrupted());
         }
@@ -166,7 +166,7 @@ impl Running {
     fn failed(&mut self, what: &str) -> Error {
         let mut problem = format!("asked to `goto {}`: {what}", self.asked);
         // A pipe closes a moment before its process has ended.
-        if let Some(status) = self.ended(10) {
+        if let Some(status) = self.ended(SECOND / 10) {
             problem += &format!("; it ended with {status}");
         }
         self.told(problem)
@@ -219,7 +219,7 @@ impl Drop for Running {
     fn drop(&mut self) {
         // The end of its input ends a command that keeps to the protocol.
         self.input = None;
-        self.ended(GRACE);
+        self.ended(SECOND);
         end_all(&mut self.child, &self.mark);
         let _ = self.child.wait();
     }
@@ -308,8 +308,7 @@ impl Answers {
                 }
             }
         };
-        let reader = thread::Builder::new().stack_size(STACK);
-        reader.spawn(reads).expect("a thread to read with");
+        builder().spawn(reads).expect("a thread to read with");
         Self {
             pieces,
             left: VecDeque::new(),

@@ -94,18 +94,7 @@ impl<S: FnMut(&str) -> Result<()>> Search<'_, S> {
         }
         loop {
             let (equal, frames) = match seen {
-                Seen::Same if uneven.is_some() && !self.commands.prefix => return Ok(uneven),
-                Seen::Same
-                    if uneven
-                        .as_ref()
-                        .is_some_and(|parting| parting.equal == Some(0)) =>
-                {
-                    return Err(short("no step after step 0 was compared".into()));
-                }
-                Seen::Same if !self.elements => {
-                    return Err(short("no array that was compared has an element".into()));
-                }
-                Seen::Same => return Ok(None),
+                Seen::Same => return self.same(uneven),
                 Seen::Differ { equal, frames } => (equal, frames),
                 // Digests of both frames are known, so an execution that is another was told before.
                 Seen::Uneven { .. } => {
@@ -126,6 +115,18 @@ impl<S: FnMut(&str) -> Result<()>> Search<'_, S> {
             ))?;
             let stride = ((step - from) / PARTS).max(1) as usize;
             seen = self.execute((from..step).step_by(stride).chain([step]))?;
+        }
+    }
+
+    /// What it means that all frames of both are the same, and one may be `uneven`.
+    fn same(&self, uneven: Option<Parting>) -> Result<Option<Parting>> {
+        match uneven {
+            Some(parting) if !self.commands.prefix => Ok(Some(parting)),
+            Some(parting) if parting.equal == Some(0) => {
+                Err(short("no step after step 0 was compared".into()))
+            }
+            _ if !self.elements => Err(short("no array that was compared has an element".into())),
+            _ => Ok(None),
         }
     }
 

@@ -7,7 +7,7 @@ use std::thread;
 
 use bitgrain_sim::error::Result;
 use bitgrain_sim::parts::Ranks;
-use bitgrain_sim::threads::{STACK, ThreadsError, on_threads};
+use bitgrain_sim::threads::{ThreadsError, builder, on_threads};
 
 /// Does `count` jobs, the longest first, at most `most` at a time, and returns their results in order.
 ///
@@ -43,10 +43,7 @@ pub(crate) fn side_by_side<T: Send>(
         }
     };
     thread::scope(|scope| {
-        let start = |_| {
-            let one = thread::Builder::new().stack_size(STACK);
-            one.spawn_scoped(scope, worker)
-        };
+        let start = |_| builder().spawn_scoped(scope, worker);
         let started: Vec<io::Result<_>> = (0..threads.min(most).min(count)).map(start).collect();
         let mut outcome = Ok(());
         for handle in started {

@@ -60,6 +60,25 @@ impl Problems {
         Ok(())
     }
 
+    /// Adds and reports where a folder is not as its manifest says.
+    pub(crate) fn tell_audit(
+        &mut self,
+        wrong: &[String],
+        say: &mut impl FnMut(&str) -> Result<()>,
+    ) -> Result<()> {
+        for line in wrong {
+            say(&format!("{NAME}: {line}"))?;
+        }
+        match wrong.len() {
+            0 => {}
+            n => self.add(
+                Cause::Changed,
+                format!("its folder differs from {NAME} in {n} places"),
+            ),
+        }
+        Ok(())
+    }
+
     /// Takes those of a part, each with the part's name before it.
     pub(crate) fn take(&mut self, label: &str, part: Problems) {
         let named = |(cause, problem)| (cause, format!("{label}{problem}"));
@@ -108,16 +127,7 @@ pub(crate) fn check_manifest(
         Err(other) => return Err(other),
     };
     let found = audit(root, &manifest, planned)?;
-    for line in &found.wrong {
-        say(&format!("{NAME}: {line}"))?;
-    }
-    match found.wrong.len() {
-        0 => {}
-        n => problems.add(
-            Cause::Changed,
-            format!("its folder differs from {NAME} in {n} places"),
-        ),
-    }
+    problems.tell_audit(&found.wrong, say)?;
     if !found.unfinished.is_empty() {
         let names = found.unfinished.join(", ");
         say(&format!("unfinished: {names}"))?;

@@ -6,7 +6,7 @@ use std::thread;
 
 use super::ranks::{Carrier, Message, Ranks};
 use super::service::{dismiss, serve};
-use crate::threads::STACK;
+use crate::threads::builder;
 
 /// Messages between threads.
 #[derive(Debug)]
@@ -59,8 +59,7 @@ pub fn on_ranks<T>(mut ranks: Vec<Arc<Ranks>>, job: impl FnOnce(&Arc<Ranks>) -> 
     let first = &ranks[0];
     thread::scope(|scope| {
         for other in others {
-            let one = thread::Builder::new().stack_size(STACK);
-            let started = one.spawn_scoped(scope, move || serve(&other));
+            let started = builder().spawn_scoped(scope, move || serve(&other));
             started.expect("a thread for each rank");
         }
         // Also if the job panics: else the others would wait for ever.
