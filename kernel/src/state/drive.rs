@@ -8,7 +8,7 @@ use crate::state::turning::{Orientation, after};
 impl<R: Real> Obstacle<R> {
     /// Gives it the velocity and the angular velocity at which it goes `way` (length) and turns to an orientation, the
     /// shorter way round, in so many steps of `dt`; then the host stops it. It arrives to the rounding of as many
-    /// additions and turns. For set-up, not within a step: it takes a tangent.
+    /// additions and turns. For set-up, not within a step: it takes an arc tangent.
     pub fn drive_to(&mut self, way: Vec3<R>, orientation: Orientation<R>, steps: u32, dt: R) {
         let count = f64::from(if steps > 0 { steps } else { 1 });
         let dt = dt.to_f64();
@@ -19,10 +19,9 @@ impl<R: Real> Obstacle<R> {
         let [w, x, y, z] = after(orientation, [w, -x, -y, -z]).map(R::to_f64);
         let sine = libm::sqrt((x * x + y * y) + z * z);
         let sign = if w < 0.0 { -1.0 } else { 1.0 };
-        // Half the angle is twice the arc tangent of sine / (1 + cosine); a turn at the spin w is by twice that of
-        // w dt/2.
-        let half = 2.0 * libm::atan(sine / (1.0 + sign * w)) / count;
-        let spin = sign * 2.0 * libm::tan(half) / (dt * sine);
+        // The angle is four times the arc tangent of sine / (1 + cosine).
+        let angle = 4.0 * libm::atan(sine / (1.0 + sign * w)) / count;
+        let spin = sign * angle / (dt * sine);
         let spin = if sine > 0.0 { spin } else { 0.0 };
         self.angular_velocity = [x, y, z].map(|x| R::from_f64(x * spin));
     }

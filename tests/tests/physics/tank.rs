@@ -184,9 +184,8 @@ fn the_torque_does_the_work() {
     let body = end.unwrap().obstacles[0];
     let [w, _, _, z] = body.orientation;
     let turned = 2.0 * z.atan2(w);
-    let cayley = 2.0 * (0.5 * tank.turning_rate * scenario().drag.dt).atan() * run.steps as f64;
-    let off = (cayley - turned) / std::f64::consts::TAU;
-    // A turn is by 2 atan(w dt/2); fifty thousand of them round.
+    let off = (angle - turned) / std::f64::consts::TAU;
+    // Fifty thousand turns round.
     assert!((off - off.round()).abs() < 1e-11, "{off}");
     let series = read_series(&MADE.out.join("runs/run-1/forces.csv")).unwrap();
     let last = series.last().unwrap();

@@ -183,7 +183,12 @@ pub fn drift(body: &mut Obstacle<f64>, domain: &Domain<f64>, dt: f64) {
         }
         _ if body.angular_velocity != [0.0; 3] => {
             let h = scale(body.angular_velocity, dt * 0.5);
-            body.orientation = of_length_one(product([1.0, h[0], h[1], h[2]], q));
+            // |h| / tan |h|, from the innermost of eight levels on.
+            let mut c = 1.0;
+            for odd in [15.0, 13.0, 11.0, 9.0, 7.0, 5.0, 3.0, 1.0] {
+                c = 1.0 - (dot(h, h) * (1.0 / (odd * (odd + 2.0)))) / c;
+            }
+            body.orientation = of_length_one(product([c, h[0], h[1], h[2]], q));
         }
         _ => {}
     }
