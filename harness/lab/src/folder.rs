@@ -21,6 +21,8 @@ pub struct Contents {
     pub(crate) of: FolderKind,
     /// The file that says what the folder is for; its first line names the arithmetic.
     pub(crate) marker: &'static str,
+    /// Whether these are the bytes of a marker as it is written, with nothing of somebody else in them.
+    pub(crate) is_as_made: fn(&[u8]) -> bool,
     /// Names of files that may be written directly below it.
     pub(crate) files: &'static [&'static str],
     /// Names of folders that may be made there.
@@ -31,6 +33,7 @@ pub struct Contents {
 pub(crate) const RUN: Contents = Contents {
     of: FolderKind::Run,
     marker: "scenario.toml",
+    is_as_made: scenario::is_as_made,
     files: &[
         "scenario.toml",
         manifest::NAME,
@@ -196,8 +199,8 @@ pub(crate) fn refuse_others(folder: &Path, contents: &Contents) -> Result<()> {
     }
 }
 
-/// Refuses a folder of ours with something of another kind, or a page or facts of others, in the place of what is
-/// written directly below it.
+/// Refuses a folder of ours with something of another kind, a page or facts of others, or a marker that somebody wrote,
+/// in the place of what is written directly below it.
 fn refuse_other_kinds(folder: &Path, contents: &Contents) -> Result<()> {
     for name in contents.folders {
         Below(folder).check_folder(&folder.join(name))?;
@@ -206,7 +209,17 @@ fn refuse_other_kinds(folder: &Path, contents: &Contents) -> Result<()> {
         Below(folder).check_file(&folder.join(name))?;
         refuse_foreign(&folder.join(name))?;
     }
-    Ok(())
+    let marker = folder.join(contents.marker);
+    let listed = Manifest::of(folder)
+        .is_ok_and(|it| it.is_some_and(|it| it.entry(contents.marker).is_some()));
+    match disk::read_if_there(&marker)? {
+        Some(text) if !listed && !(contents.is_as_made)(&text) => {
+            let problem = "would be replaced, is not as bitgrain writes it, and no manifest lists it: give it another \
+                           name, or choose another --out";
+            Err(Error::input(marker.display().to_string(), problem))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Whether a folder is one of this kind, by its marker or its manifest.

@@ -3,7 +3,9 @@
 use std::io;
 use std::path::{Component, Path};
 
-use crate::disk::{Call, Kind, before, free_for, list, partial_of, remove_raw, write_whole};
+use crate::disk::{
+    Call, Kind, before, free_for, is_being_written, list, partial_of, remove_raw, write_whole,
+};
 use crate::error::{Error, Result};
 
 /// A folder that a user named. Below it no link is followed, a file takes the place of a regular file or of nothing,
@@ -89,15 +91,17 @@ impl Below<'_> {
         }
     }
 
-    /// Removes what killed processes of ours left half written in a folder itself; whatever cannot be removed stays.
-    /// No other process may write a file whose name is `wanted`.
+    /// Removes what killed processes of ours left half written in a folder itself. Whatever cannot be removed stays,
+    /// and so does what is being written; where the file system cannot lock, nobody may write a name that is `wanted`.
     pub fn clear_partials(&self, folder: &Path, wanted: impl Fn(&str) -> bool) {
         if self.check_folder(folder).is_err() {
             return;
         }
         for (name, kind) in list(folder).unwrap_or_default() {
-            if kind == Kind::File && partial_of(&name).is_some_and(&wanted) {
-                let _ = remove_raw(&folder.join(name));
+            let path = folder.join(&name);
+            let left = kind == Kind::File && partial_of(&name).is_some_and(&wanted);
+            if left && !is_being_written(&path) {
+                let _ = remove_raw(&path);
             }
         }
     }
@@ -135,6 +139,19 @@ mod tests {
         let names: Vec<String> = list(&other).unwrap().into_iter().map(|(n, _)| n).collect();
         assert_eq!(names, [half, "empty", "file"]);
         assert_eq!(std::fs::read(other.join("file")).unwrap(), b"mine");
+    }
+
+    #[test]
+    fn what_is_being_written_stays_until_its_writer_is_gone() {
+        let folder = tempfile::tempdir().unwrap();
+        let half = folder.path().join("a.csv.12-0.bitgrain-partial");
+        let writer = std::fs::File::create(&half).unwrap();
+        writer.lock().unwrap();
+        Below(folder.path()).clear_partials(folder.path(), |_| true);
+        assert!(half.exists());
+        drop(writer);
+        Below(folder.path()).clear_partials(folder.path(), |_| true);
+        assert!(!half.exists());
     }
 
     #[test]

@@ -11,9 +11,12 @@
 //! Tests [`watch`] the calls, fail them, and stop a process at any of them.
 
 mod append;
+mod lock;
 mod watch;
 
 pub use append::Appended;
+pub(crate) use lock::is_being_written;
+pub use lock::{open_folder, open_to_lock};
 pub use watch::{Call, CallOutcome, Watch, watch};
 
 use std::fs::{File, Metadata};
@@ -275,17 +278,16 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
     let folder = above(path);
     make_folder(folder)?;
     let (partial, created) = new_partial(path);
-    let written = created
-        .and_then(|mut file| {
-            before(Call::Write(&partial, bytes))?;
-            file.write_all(bytes)?;
-            before(Call::Sync(&partial))?;
-            file.sync_all()
-        })
-        .and_then(|()| {
-            before(Call::Rename(&partial, path))?;
-            std::fs::rename(&partial, path)
-        });
+    let written = created.and_then(|mut file| {
+        // Held until the file has its name: so others see that somebody writes it. Not every file system can lock.
+        let _ = file.try_lock();
+        before(Call::Write(&partial, bytes))?;
+        file.write_all(bytes)?;
+        before(Call::Sync(&partial))?;
+        file.sync_all()?;
+        before(Call::Rename(&partial, path))?;
+        std::fs::rename(&partial, path)
+    });
     if let Err(e) = written {
         // Half a file is of no use to anyone and may be what filled the disk.
         let _ = remove_raw(&partial);
@@ -346,20 +348,30 @@ fn sync_folder(folder: &Path) -> io::Result<()> {
 /// # Errors
 /// [`Error::Write`].
 pub fn make_folder(folder: &Path) -> Result<()> {
-    if folder.is_dir() {
+    // Another thread may make it meanwhile.
+    if folder.is_dir() || make_new_folder(folder)? || folder.is_dir() {
         return Ok(());
     }
+    Err(Error::write(folder, io::ErrorKind::AlreadyExists.into()))
+}
+
+/// The same; says whether it was made now, or something has its name.
+///
+/// # Errors
+/// [`Error::Write`].
+pub fn make_new_folder(folder: &Path) -> Result<bool> {
     let up = above(folder);
     if up != folder {
         make_folder(up)?;
     }
     let made = before(Call::MakeFolder(folder)).and_then(|()| std::fs::create_dir(folder));
-    let made = match made {
-        // Another thread made it meanwhile.
-        Err(e) if e.kind() == io::ErrorKind::AlreadyExists && folder.is_dir() => Ok(()),
-        made => made.and_then(|()| sync_folder(up)),
-    };
-    made.map_err(|e| Error::write(folder, e))
+    match made {
+        Err(e) if e.kind() == io::ErrorKind::AlreadyExists => Ok(false),
+        made => {
+            let lasts = made.and_then(|()| sync_folder(up));
+            lasts.map(|()| true).map_err(|e| Error::write(folder, e))
+        }
+    }
 }
 
 /// Makes sure that files can be written to a folder, which is made if it is missing.
@@ -391,27 +403,6 @@ pub(crate) fn partial_of(name: &str) -> Option<&str> {
     (!name.is_empty() && number(process) && number(count)).then_some(name)
 }
 
-/// Opens a folder to lock it.
-///
-/// # Errors
-/// The system's.
-pub fn open_folder(folder: &Path) -> io::Result<File> {
-    before(Call::Lock(folder))?;
-    File::open(folder)
-}
-
-/// Opens a regular file to lock it; nothing is written to it.
-///
-/// # Errors
-/// The system's, and [`io::ErrorKind::InvalidInput`] for what is not a regular file.
-pub fn open_to_lock(path: &Path) -> io::Result<File> {
-    if !std::fs::metadata(path)?.is_file() {
-        return Err(io::ErrorKind::InvalidInput.into());
-    }
-    before(Call::Lock(path))?;
-    File::options().append(true).open(path)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -431,6 +422,16 @@ mod tests {
         ] {
             assert!(!is_partial(not), "{not}");
         }
+    }
+
+    #[test]
+    fn a_new_folder_is_made_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let new = folder.path().join("slurm/1");
+        assert_eq!(
+            [(), ()].map(|()| make_new_folder(&new).unwrap()),
+            [true, false]
+        );
     }
 
     #[test]

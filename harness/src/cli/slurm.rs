@@ -67,17 +67,21 @@ impl Submission {
         let (throttle, options) = throttle(options)?;
         let above = out.join(SUBMITTED);
         Below(out).check_folder(&above)?;
+        utf8(&above)?;
         let names = disk::list(&above)?.into_iter();
-        let last = names.filter_map(|(name, _)| name.parse::<u32>().ok()).max();
-        let next = last.unwrap_or(0).checked_add(1);
-        let folder = next.map(|next| above.join(next.to_string()));
-        let folder = folder
-            .filter(|folder| !disk::is_there(folder))
-            .ok_or_else(|| {
+        let mut next = names.filter_map(|(name, _)| name.parse::<u32>().ok()).max();
+        // Another submission may take a number meanwhile.
+        let folder = loop {
+            next = next.unwrap_or(0).checked_add(1);
+            let Some(number) = next else {
                 let problem = "has no number left for a new submission: move the largest away";
-                Error::input(above.display().to_string(), problem)
-            })?;
-        utf8(&folder)?;
+                return Err(Error::input(above.display().to_string(), problem));
+            };
+            let folder = above.join(number.to_string());
+            if disk::make_new_folder(&folder)? {
+                break folder;
+            }
+        };
         Ok(Self {
             out: out.to_path_buf(),
             folder,

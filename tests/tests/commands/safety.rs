@@ -115,6 +115,42 @@ fn a_folder_of_others_is_refused() {
     assert!(told.contains("lies among the results"), "{told}");
 }
 
+/// A scenario or campaign that somebody wrote, from one that a command wrote, is not replaced in its own folder.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn a_copied_scenario_is_not_replaced() {
+    let room = FURNISHED.copy();
+    for (verb, name) in [
+        ("run", "run/scenario.toml"),
+        ("sweep", "camp/campaign.toml"),
+    ] {
+        let file = name.split('/').next_back().unwrap();
+        let mut text = room.read(name);
+        text.extend(b"# why the friction is 0.5\n");
+        room.write(&format!("mine/{verb}/{file}"), text);
+        let command = format!("{verb} mine/{verb}/{file} --out mine/{verb}");
+        let told = room.says(&command, 2);
+        assert!(told.contains("no manifest lists it"), "{told}");
+        assert_eq!(room.files(&format!("mine/{verb}")).len(), 1);
+    }
+}
+
+/// `--merge` removes of a task what it wrote, not what somebody put in the place of a result.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn a_merge_leaves_what_was_put_in_the_place_of_a_result() {
+    let room = FURNISHED.copy();
+    room.done("sweep weecamp.toml --out camp --task mu0.3/run-1");
+    room.write("camp/tasks/mu0.3/run-1/runs/run-1/forces.csv", "mine");
+    let told = room.done("sweep weecamp.toml --out camp --merge");
+    assert!(told.contains("holds other files and stays"), "{told}");
+    assert_eq!(
+        room.read("camp/tasks/mu0.3/run-1/runs/run-1/forces.csv"),
+        b"mine"
+    );
+    assert_eq!(room.files("camp/tasks").len(), 1);
+}
+
 /// `bed remove` takes the bed, and leaves foreign files beside it.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]

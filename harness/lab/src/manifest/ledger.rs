@@ -5,10 +5,9 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard};
 
 use super::record::{
-    Departure, FileRecord, FolderKind, Manifest, NAME, RESULTS, StageRecord, relative,
+    Departure, FileRecord, FolderKind, Manifest, NAME, RESULTS, StageRecord, is_marked, relative,
 };
 use bitgrain_sim::below::Below;
-use bitgrain_sim::checkpoint;
 use bitgrain_sim::disk;
 use bitgrain_sim::error::{Error, Result};
 
@@ -317,22 +316,6 @@ impl Ledger {
         }
         Ok(known)
     }
-}
-
-/// Whether a file of this name begins or is marked as those that are written here.
-fn is_marked(name: &str, bytes: &[u8]) -> bool {
-    let begin: &[u8] = match name.rsplit('.').next() {
-        Some("dump") => b"ITEM: ",
-        Some("gz") => &[0x1f, 0x8b],
-        Some("parquet") => b"PAR1",
-        Some("safetensors") => return checkpoint::begins(bytes),
-        Some("json") if !name.ends_with("failure.json") => {
-            return disk::bears(bytes, "\"bits_version\":");
-        }
-        Some("json") => b"{\n  \"reason\": ",
-        _ => return disk::bears(bytes, "BITS_VERSION"),
-    };
-    bytes.is_empty() || bytes.starts_with(begin)
 }
 
 /// If a file cannot be both what the manifest says and what the run gives.

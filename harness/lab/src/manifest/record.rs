@@ -6,6 +6,7 @@ use std::path::{Component, Path};
 use bitgrain_kernel::BITS_VERSION;
 use serde::{Deserialize, Serialize};
 
+use bitgrain_sim::checkpoint;
 use bitgrain_sim::disk::{self, Kind};
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::simulation::hex;
@@ -18,6 +19,22 @@ pub(crate) const RESULTS: [&str; 3] = ["beds", "runs", "members"];
 
 /// Version of its layout.
 pub const FORMAT: u32 = 1;
+
+/// Whether a file of this name begins or is marked as those that are written here.
+pub(super) fn is_marked(name: &str, bytes: &[u8]) -> bool {
+    let begin: &[u8] = match name.rsplit('.').next() {
+        Some("dump") => b"ITEM: ",
+        Some("gz") => &[0x1f, 0x8b],
+        Some("parquet") => b"PAR1",
+        Some("safetensors") => return checkpoint::begins(bytes),
+        Some("json") if !name.ends_with("failure.json") => {
+            return disk::bears(bytes, "\"bits_version\":");
+        }
+        Some("json") => b"{\n  \"reason\": ",
+        _ => return disk::bears(bytes, "BITS_VERSION"),
+    };
+    bytes.is_empty() || bytes.starts_with(begin)
+}
 
 /// What a manifest belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -119,6 +136,12 @@ impl FileRecord {
     /// Whether these are the bytes of the file.
     pub fn is_of(&self, bytes: &[u8]) -> bool {
         *self == Self::of(&self.path, bytes)
+    }
+
+    /// Whether the file lies in a folder as it was written, or at least bears the mark of one that is written here.
+    pub(crate) fn is_ours(&self, root: &Path) -> bool {
+        let read = || disk::read(&root.join(&self.path));
+        self.read(root).is_ok() || read().is_ok_and(|bytes| is_marked(&self.path, &bytes))
     }
 
     /// The bytes of the file in a folder, or what is wrong with it.

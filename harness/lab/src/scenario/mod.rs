@@ -29,6 +29,7 @@ pub use rig::{BULK_FRICTION, DRAG_COEFFICIENT};
 use crate::parse_errors::{teach, wrong_toml};
 use bitgrain_sim::disk;
 use bitgrain_sim::error::{Error, Result};
+use bitgrain_sim::files::bits;
 use keys::kumar_law;
 pub(crate) use source::BedFile;
 
@@ -206,6 +207,13 @@ pub(crate) fn parse_from(
         source::check_grains(&checked, grains).map_err(wrong)?;
     }
     Ok(checked)
+}
+
+/// Whether these are the bytes that a run writes of what they say, with nothing of somebody else in them.
+pub(crate) fn is_as_made(bytes: &[u8]) -> bool {
+    let text = std::str::from_utf8(bytes).unwrap_or_default();
+    let made = toml::from_str::<Scenario>(text).map(|scenario| scenario.to_toml());
+    made.is_ok_and(|made| format!("# {}\n{made}", bits()) == text)
 }
 
 /// What is wrong with the scenario of a file as an error.

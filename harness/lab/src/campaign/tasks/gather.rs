@@ -113,8 +113,8 @@ fn copy(
     Ok(())
 }
 
-/// Removes the folder of a task: what its manifest lists, states to go on from, its manifest, and folders that are
-/// empty then. Anything else stays, and is told.
+/// Removes the folder of a task: what its manifest lists and bears the mark of a result or is as it was written, states
+/// to go on from, its manifest, and folders that are empty then. Anything else stays, and is told.
 fn discard(
     folder: CampaignFolder<'_>,
     (member, stage): (&Member, &str),
@@ -130,7 +130,8 @@ fn discard(
         marker.is_some_and(|entry| entry.is_of(text.as_bytes()))
     };
     if let Some(manifest) = Manifest::of(&place).ok().flatten().filter(is_own) {
-        let listed = manifest.files.iter().map(|entry| place.join(&entry.path));
+        let listed = manifest.files.iter().filter(|entry| entry.is_ours(&place));
+        let listed = listed.map(|entry| place.join(&entry.path));
         let beds = scenario.all_beds().into_iter();
         let states = beds.map(|bed| own.pouring(&bed.name));
         let latest = scenario.drags().iter().map(|drag| own.latest(&drag.name));
