@@ -6,7 +6,7 @@
 //! counts. For each A and q the scales are linear least squares; the best A and q come from a grid and then
 //! Gauss-Newton steps over all numbers at once.
 
-use super::linear::{Solution, solve};
+use super::linear::{RANK_LEAST, solve};
 use super::{Datum, Exact, Fit, Found, Refusal, check, check_exponent, distinct};
 
 /// A shape with one number `q`: it is 0 up to some x, and from there on `g(x, q)`.
@@ -112,25 +112,85 @@ struct Points {
     curves: usize,
 }
 
+/// What linear least squares about some numbers give.
+struct About {
+    /// To the best scales, A and q.
+    steps: Vec<f64>,
+    /// Of the scales, from the points' errors alone.
+    variances: Vec<f64>,
+    /// Of A and q.
+    covariance: Vec<Vec<f64>>,
+    /// What is left of the points before the steps.
+    residuals: Vec<f64>,
+}
+
 impl Points {
-    /// Derivatives by the scales, A and q, and what is left of the data.
-    fn linear(&self, shape: Shape, numbers: &[f64]) -> (Vec<Vec<f64>>, Vec<f64>) {
+    /// Of each point the derivatives by its scale, by A and by q, and what is left of it.
+    fn linear(&self, shape: Shape, numbers: &[f64]) -> [Vec<f64>; 4] {
         let [strength, q] = [numbers[self.curves], numbers[self.curves + 1]];
-        let mut columns = vec![vec![0.0; self.data.len()]; self.curves + 2];
-        let mut left = Vec::with_capacity(self.data.len());
-        for (k, (d, &curve)) in self.data.iter().zip(&self.curve).enumerate() {
+        let mut columns = [(); 4].map(|()| Vec::with_capacity(self.data.len()));
+        for (d, &curve) in self.data.iter().zip(&self.curve) {
             let [g, by_q] = shape.at(d.x, q);
-            let scale = numbers[curve];
-            columns[curve][k] = 1.0 + strength * g;
-            columns[self.curves][k] = scale * g;
-            columns[self.curves + 1][k] = scale * strength * by_q;
-            left.push(d.y - scale * (1.0 + strength * g));
+            let (scale, part) = (numbers[curve], 1.0 + strength * g);
+            let own = [part, scale * g, scale * strength * by_q, d.y - scale * part];
+            columns
+                .iter_mut()
+                .zip(own)
+                .for_each(|(column, x)| column.push(x));
         }
-        (columns, left)
+        columns
     }
 
     fn chi_square(&self, shape: Shape, numbers: &[f64]) -> f64 {
-        super::chi_square(&self.linear(shape, numbers).1, &self.data)
+        super::chi_square(&self.linear(shape, numbers)[3], &self.data)
+    }
+
+    /// The linear least squares of all numbers about these. A scale shows in the points of its own curve alone, so what
+    /// it explains is taken out of those first: two columns are left. `None` if the points do not tell numbers apart.
+    fn about(&self, shape: Shape, numbers: &[f64]) -> Option<About> {
+        let [by_scale, mut columns @ ..] = self.linear(shape, numbers);
+        let residuals = columns[2].clone();
+        let mut explained = vec![[0.0; 3]; self.curves];
+        let mut squares = vec![0.0; self.curves];
+        for (k, (d, &curve)) in self.data.iter().zip(&self.curve).enumerate() {
+            let weight = by_scale[k] / (d.error * d.error);
+            squares[curve] += weight * by_scale[k];
+            for (sum, column) in explained[curve].iter_mut().zip(&columns) {
+                *sum += weight * column[k];
+            }
+        }
+        for (own, square) in explained.iter_mut().zip(&squares) {
+            own.iter_mut().for_each(|sum| *sum /= square);
+        }
+        let length = |column: &[f64]| super::chi_square(column, &self.data).sqrt();
+        for (n, column) in columns.iter_mut().enumerate() {
+            let whole = length(column);
+            let own = self.curve.iter().zip(&by_scale);
+            for (x, (&curve, by_scale)) in column.iter_mut().zip(own) {
+                *x -= explained[curve][n] * by_scale;
+            }
+            // What is left of a number that the scales explain is rounding.
+            if n < 2 && length(column) <= RANK_LEAST * whole {
+                return None;
+            }
+        }
+        let [by_strength, by_q, left] = columns;
+        let shared = solve(&[by_strength, by_q], &left, &self.data).ok()?;
+        let [a, q] = [shared.values[0], shared.values[1]];
+        let steps = explained
+            .iter()
+            .map(|[by_a, by_q, own]| own - by_a * a - by_q * q);
+        let covariance = &shared.covariance;
+        let variance = |(own, square): (&[f64; 3], &f64)| {
+            let of = |i: usize, j: usize| own[i] * covariance[i][j] * own[j];
+            1.0 / square + of(0, 0) + 2.0 * of(0, 1) + of(1, 1)
+        };
+        Some(About {
+            steps: steps.chain([a, q]).collect(),
+            variances: explained.iter().zip(&squares).map(variance).collect(),
+            covariance: shared.covariance,
+            residuals,
+        })
     }
 
     /// The best scales for A and q.
@@ -167,16 +227,15 @@ impl Points {
     fn polished(&self, shape: Shape, mut numbers: Vec<f64>) -> (Vec<f64>, f64) {
         let mut least = self.chi_square(shape, &numbers);
         for _ in 0..STEPS {
-            let (columns, left) = self.linear(shape, &numbers);
-            let Ok(Solution { values, .. }) = solve(&columns, &left, &self.data) else {
+            let Some(About { steps, .. }) = self.about(shape, &numbers) else {
                 break;
             };
             let mut part = 1.0;
             let better = (0..HALVINGS).find_map(|_| {
                 let to: Vec<f64> = numbers
                     .iter()
-                    .zip(&values)
-                    .map(|(n, v)| n + part * v)
+                    .zip(&steps)
+                    .map(|(n, step)| n + part * step)
                     .collect();
                 let left = self.chi_square(shape, &to);
                 part /= 2.0;
@@ -235,31 +294,22 @@ pub fn joint(curves: &[Vec<Datum>], shape: Shape) -> Result<Joint, Refusal> {
     super::enough(points.data.len(), points.curves + 2, Exact::Refused)?;
     let (numbers, chi_square) = points.polished(shape, points.start(shape));
     let apart = || Refusal("the points do not tell the strength of the shape from its form".into());
-    let (columns, left) = points.linear(shape, &numbers);
-    let linear = solve(&columns, &left, &points.data).map_err(|_| apart())?;
-    let mut names = vec!["Y"; points.curves];
-    names.extend(shape.names());
+    let about = points.about(shape, &numbers).ok_or_else(apart)?;
+    let (scales, own) = numbers.split_at(points.curves);
     let model = shape.model();
     let found = Found {
         model: &model,
-        names: &names,
-        values: numbers,
-        covariance: linear.covariance,
-        residuals: left,
+        names: &shape.names(),
+        values: own.to_vec(),
+        covariance: about.covariance,
+        residuals: about.residuals,
         chi_square,
-        beside: 0,
+        beside: points.curves,
     };
-    let mut fit = found.finish(Exact::Refused)?;
-    let q = points.curves;
-    let scales = fit
-        .parameters
-        .drain(..q)
-        .map(|p| (p.value, p.error))
-        .collect();
-    fit.covariance.drain(..q);
-    fit.covariance
-        .iter_mut()
-        .for_each(|row| drop(row.drain(..q)));
+    let fit = found.finish(Exact::Refused)?;
+    let error = |variance: &f64| fit.scale * variance.sqrt();
+    let scales = scales.iter().zip(&about.variances);
+    let scales = scales.map(|(scale, v)| (*scale, error(v))).collect();
     if let Shape::Power { .. } = shape {
         check_exponent(fit.parameters[1].error)?;
     }
@@ -418,6 +468,9 @@ mod tests {
             refused.starts_with("a joint fit takes 2 values of x or more from 1 to 3; there are 0"),
             "{refused}"
         );
+        let at_one_speed = |x: f64| exact(&[x, x], |x| 100.0 * x, |y| 0.1 * y);
+        let alone = [1.5, 2.0, 2.5, 3.0].map(at_one_speed);
+        assert!(told(&alone).contains("do not tell"), "{}", told(&alone));
         let vague = curves(POWER, 0.2, 1.0, 0.5);
         assert!(told(&vague).contains("standard error"), "{}", told(&vague));
         assert!(told(&[]).contains("there are 0"));

@@ -10,7 +10,7 @@ use super::{Datum, Exact, Fit, Found, Refusal, check, chi_square, enough};
 pub const NUMBERS_MAX: usize = 6;
 
 /// Part of a column's length that must be left when what the columns before it explain is taken out.
-const RANK_LEAST: f64 = 1e-10;
+pub(crate) const RANK_LEAST: f64 = 1e-10;
 
 /// What a number is multiplied by in the model.
 #[derive(Clone, Debug, PartialEq)]

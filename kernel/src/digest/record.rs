@@ -51,6 +51,13 @@ pub enum Refusal {
     BadLength {
         /// Bytes that an array of this shape has.
         expected: usize,
+        /// Bytes that there are.
+        found: usize,
+    },
+    /// An element of [`Element::Bool`] is neither 0 nor 1.
+    BadBool {
+        /// The byte.
+        found: u8,
     },
     /// The step is below that of the line before.
     BadStep {
@@ -67,8 +74,11 @@ impl fmt::Display for Refusal {
                  and is not __metadata__, which safetensors files keep for themselves",
             ),
             Self::BadShape => f.write_str("the shape has more than 8 axes, or more elements than can be counted"),
-            Self::BadLength { expected } => {
-                write!(f, "an array of this type and shape has {expected} bytes")
+            Self::BadLength { expected, found } => {
+                write!(f, "has {found} bytes, and by its type and shape {expected}")
+            }
+            Self::BadBool { found } => {
+                write!(f, "an element of bool is {found}, and is 0 or 1")
             }
             Self::BadStep { last } => {
                 write!(f, "the step is below {last}, the one before: steps ascend")
@@ -92,6 +102,22 @@ pub fn length(element: Element, shape: &[usize]) -> Result<usize, Refusal> {
         bytes = bytes.checked_mul(*axis).ok_or(Refusal::BadShape)?;
     }
     Ok(bytes)
+}
+
+/// Checks that an array of this type and shape can have these bytes.
+///
+/// # Errors
+/// [`Refusal::BadShape`]; [`Refusal::BadLength`]; [`Refusal::BadBool`].
+pub fn check(element: Element, shape: &[usize], bytes: &[u8]) -> Result<(), Refusal> {
+    let expected = length(element, shape)?;
+    let found = bytes.len();
+    if found != expected {
+        return Err(Refusal::BadLength { expected, found });
+    }
+    match bytes.iter().find(|byte| **byte > 1) {
+        Some(&found) if element == Element::Bool => Err(Refusal::BadBool { found }),
+        _ => Ok(()),
+    }
 }
 
 /// A line of a recording.
@@ -203,10 +229,7 @@ impl Chain {
         shape: &[usize],
         bytes: &[u8],
     ) -> Result<Line, Refusal> {
-        let expected = length(element, shape)?;
-        if bytes.len() != expected {
-            return Err(Refusal::BadLength { expected });
-        }
+        check(element, shape, bytes)?;
         let digest = Hasher::new().finish_with(bytes);
         self.add_digest(step, name, element, shape, &digest)
     }
@@ -360,7 +383,15 @@ mod tests {
         let short = chain
             .add(5, "y", Element::F64, &[2, 2], &[0; 31])
             .unwrap_err();
-        assert_eq!(short, Refusal::BadLength { expected: 32 });
+        let expected = Refusal::BadLength {
+            expected: 32,
+            found: 31,
+        };
+        assert_eq!(short, expected);
+        let seven = chain
+            .add(5, "y", Element::Bool, &[3], &[0, 1, 7])
+            .unwrap_err();
+        assert_eq!(seven, Refusal::BadBool { found: 7 });
         let many = chain
             .add(5, "y", Element::F64, &[usize::MAX, 2], &[])
             .unwrap_err();

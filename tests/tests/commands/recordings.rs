@@ -291,7 +291,7 @@ fn messages_say_what_is_wrong() {
 
 fn frames_that_are_refused(table: &mut Table) {
     let good = frames(0..3, 9);
-    let inputs: [(&str, &[u8]); 18] = [
+    let inputs: [(&str, &[u8]); 19] = [
         ("nothing", b""),
         ("no-end", &good[..good.len() - 4]),
         ("cut", &good[..good.len() - 20]),
@@ -311,6 +311,7 @@ fn frames_that_are_refused(table: &mut Table) {
         ("large", b"step 1\narray x f64 1000000x1000\n"),
         ("long", &[b'a'; 2000]),
         ("binary", b"\xff\n"),
+        ("neither", b"step 1\narray x bool 1\n\x07done\nend\n"),
         ("kept", b"step 1\narray __metadata__ u8 1\nadone\nend\n"),
         ("after", b"step 1\narray x u8 1\nadone\nend\nstep 2\n"),
     ];

@@ -3,7 +3,7 @@
 use std::collections::{BTreeSet, VecDeque};
 use std::path::{Path, PathBuf};
 
-use bitgrain_kernel::record::{Chain, HEAD};
+use bitgrain_kernel::record::{Chain, HEAD, check};
 use bitgrain_sim::below::Below;
 use bitgrain_sim::disk::{self, Appended};
 use bitgrain_sim::error::{Error, Result};
@@ -104,14 +104,8 @@ impl Recorder {
                 )));
             }
             let refused = |what: String| refused(format!("array `{name}` of step {step}: {what}"));
-            let expected = bitgrain_kernel::record::length(array.element, array.shape);
-            let expected = expected.map_err(|what| refused(what.to_string()))?;
-            if array.bytes.len() != expected {
-                let there = array.bytes.len();
-                return Err(refused(format!(
-                    "has {there} bytes, and by its type and shape {expected}"
-                )));
-            }
+            check(array.element, array.shape, array.bytes)
+                .map_err(|what| refused(what.to_string()))?;
             let digest = blake3::hash(array.bytes);
             let line = chain.add_digest(step, name, array.element, array.shape, digest.as_bytes());
             lines.push_str(line.map_err(|what| refused(what.to_string()))?.text());
