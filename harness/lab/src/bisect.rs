@@ -192,6 +192,10 @@ pub(crate) fn chain_of(root: &Path, stage: &str) -> Result<Option<Chain>> {
             })?;
             text_of(bytes, &place)?
         }
+        None if manifest.is_some() => {
+            let problem = format!("{} has no entry of it", manifest::NAME);
+            return Err(Error::input(path.display().to_string(), problem));
+        }
         None => read_text(path)?,
     };
     let place = path.display().to_string();

@@ -9,7 +9,7 @@ use crate::manifest::audit::audit;
 use crate::progress::Progress;
 use crate::rerun::RunArchive;
 use crate::run::{Links, Taken, planned};
-use crate::verify::{Job, Problems, Scope, execute, pieces};
+use crate::verify::{Job, Problems, Scope, execute, pieces, summary_problem};
 use bitgrain_sim::error::{CHANGED, Error, Result, UNEXPECTED};
 
 /// Whether the finished run in `out` has all these links.
@@ -32,17 +32,20 @@ pub fn check_expected(out: &Path, expect: &[String]) -> Result<()> {
 }
 
 /// Refuses a folder in which something lies that a run of its scenario does not write, as a manifest that was found may
-/// have it.
+/// have it, or whose summary is not what its last states give.
 ///
 /// # Errors
 /// [`Error::Unverified`], after each finding was a line of `say`.
 pub fn check_folder(root: &Path, say: &mut impl FnMut(&str) -> Result<()>) -> Result<()> {
-    let planned = planned(&Folder(root).saved_scenario()?);
+    let folder = Folder(root);
+    let archive = RunArchive::open(&folder)?;
     let Some(manifest) = Manifest::of(root)? else {
         return Ok(());
     };
     let mut problems = Problems::default();
-    problems.tell_audit(&audit(root, &manifest, &planned)?.wrong, say)?;
+    let found = audit(root, &manifest, &planned(&archive.scenario))?;
+    problems.tell_audit(&found.wrong, say)?;
+    problems.tell(summary_problem(&archive, Some(&manifest)), say)?;
     problems.conclude(root)
 }
 

@@ -21,8 +21,8 @@ pub struct Contents {
     pub(crate) of: FolderKind,
     /// The file that says what the folder is for; its first line names the arithmetic.
     pub(crate) marker: &'static str,
-    /// Whether these are the bytes of a marker as it is written, with nothing of somebody else in them.
-    pub(crate) is_as_made: fn(&[u8]) -> bool,
+    /// The text of a marker as it is written that says what these bytes do, if they say something.
+    pub(crate) as_made: fn(&[u8]) -> Option<String>,
     /// Names of files that may be written directly below it.
     pub(crate) files: &'static [&'static str],
     /// Names of folders that may be made there.
@@ -33,7 +33,7 @@ pub struct Contents {
 pub(crate) const RUN: Contents = Contents {
     of: FolderKind::Run,
     marker: "scenario.toml",
-    is_as_made: scenario::is_as_made,
+    as_made: scenario::as_made,
     files: &[
         "scenario.toml",
         manifest::NAME,
@@ -210,16 +210,23 @@ fn refuse_other_kinds(folder: &Path, contents: &Contents) -> Result<()> {
         refuse_foreign(&folder.join(name))?;
     }
     let marker = folder.join(contents.marker);
-    let listed = Manifest::of(folder)
-        .is_ok_and(|it| it.is_some_and(|it| it.entry(contents.marker).is_some()));
-    match disk::read_if_there(&marker)? {
-        Some(text) if !listed && !(contents.is_as_made)(&text) => {
-            let problem = "would be replaced, is not as bitgrain writes it, and no manifest lists it: give it another \
-                           name, or choose another --out";
-            Err(Error::input(marker.display().to_string(), problem))
-        }
-        _ => Ok(()),
+    let Some(text) = disk::read_if_there(&marker)? else {
+        return Ok(());
+    };
+    let manifest = Manifest::of(folder).ok().flatten();
+    let entry = manifest.as_ref().and_then(|it| it.entry(contents.marker));
+    let same = |made: String| {
+        text.split(u8::is_ascii_whitespace)
+            .filter(|w| !w.is_empty())
+            .eq(made.split_ascii_whitespace().map(str::as_bytes))
+    };
+    if entry.is_some_and(|entry| entry.is_of(&text)) || (contents.as_made)(&text).is_some_and(same)
+    {
+        return Ok(());
     }
+    let problem = "would be replaced, and is neither as bitgrain writes it nor as the manifest lists it: move it away \
+                   or give it another name, or choose another --out";
+    Err(Error::input(marker.display().to_string(), problem))
 }
 
 /// Whether a folder is one of this kind, by its marker or its manifest.

@@ -141,7 +141,10 @@ pub(super) fn run_bisect(what: Bisect, this: &Path) -> Result<()> {
     };
     let sides = [a, b].map(|(folder, program)| Side { folder, program });
     match bisect(&sides, what.prefix, say)? {
-        None => say("no difference: the same at every link that both have"),
+        None => say(
+            "no difference: the same at every link that both have; records were compared, and `bitgrain verify` \
+             executes what they say",
+        ),
         Some(parting) => {
             say(&parting.to_string())?;
             Err(Error::Parted)

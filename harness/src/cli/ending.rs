@@ -62,7 +62,10 @@ fn beside_published(found: &Comparison) -> String {
     }
     match executed == links {
         true => "as published: this machine keeps the contract".into(),
-        false => format!("as published, {executed} of {links} links executed by this call"),
+        false => format!(
+            "not confirmed: the links are as published, and {executed} of {links} were executed by this call; \
+             `bitgrain verify` executes the others"
+        ),
     }
 }
 

@@ -167,6 +167,10 @@ pub(super) fn run(what: Sweep, home: &Path, program: &str) -> Result<()> {
         let same = evidence.table.check_against(&table, &place, wants)?;
         print(&format!("{same} runs agree with {place} digit by digit\n"))?;
         let parts = found::wanted(&folder, &plan, &only, &outcome.taken)?;
+        let mut say = |line: &str| print(&format!("{line}\n"));
+        for (member, _) in &parts {
+            confirm::check_folder(&folder.member(&plan.members[*member].name), &mut say)?;
+        }
         if !parts.iter().all(|(_, taken)| confirm::is_whole(taken)) {
             let links = found::links(&folder, &plan, &parts)?;
             if what.found_is_enough {
@@ -176,7 +180,6 @@ pub(super) fn run(what: Sweep, home: &Path, program: &str) -> Result<()> {
                     hint: FOUND,
                 });
             }
-            let say = |line: &str| print(&format!("{line}\n"));
             say(&links.to_string())?;
             found::execute(&folder, &plan, &parts, threads, &progress, say)?;
         }

@@ -130,8 +130,34 @@ fn a_copied_scenario_is_not_replaced() {
         room.write(&format!("mine/{verb}/{file}"), text);
         let command = format!("{verb} mine/{verb}/{file} --out mine/{verb}");
         let told = room.says(&command, 2);
-        assert!(told.contains("no manifest lists it"), "{told}");
+        assert!(told.contains("neither as bitgrain writes it"), "{told}");
         assert_eq!(room.files(&format!("mine/{verb}")).len(), 1);
+    }
+    // A manifest lists the file, and it is another one.
+    room.done("run wee.toml --out r --submit slurm --dry-run");
+    let mut text = b"# why the friction is 0.5\n".to_vec();
+    text.extend(room.read("wee.toml"));
+    room.write("r/scenario.toml", &text);
+    let told = room.says("run r/scenario.toml --out r", 2);
+    assert!(told.contains("neither as bitgrain writes it"), "{told}");
+    assert_eq!(room.read("r/scenario.toml"), text);
+}
+
+/// What lies in the place of a result or state of any member is refused before a byte of the campaign is written.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]
+fn a_campaign_is_refused_as_a_whole() {
+    for (manifest, name) in [(true, "latest.safetensors"), (false, "forces.csv")] {
+        let room = FURNISHED.copy();
+        std::fs::remove_dir_all(room.path("camp/members/mu0.3")).unwrap();
+        if !manifest {
+            std::fs::remove_file(room.path("camp/members/mu0.5/manifest.json")).unwrap();
+        }
+        room.write(&format!("camp/members/mu0.5/runs/run-1/{name}"), "mine");
+        let before = room.files("camp");
+        let told = room.says("sweep weecamp.toml --out camp", 2);
+        assert!(told.contains("move it away"), "{told}");
+        assert!(room.files("camp") == before, "{name}");
     }
 }
 

@@ -150,7 +150,8 @@ fn the_quick_scenario_gives_its_goldens() {
     );
     let said = told(&[]);
     assert!(
-        said.contains("as published, 0 of ") && !said.contains(ends),
+        said.contains("not confirmed: the links are as published, and 0 of ")
+            && !said.contains(ends),
         "{said}"
     );
     let whole = summary::read_summary(&out.join("summary.json")).unwrap();

@@ -20,7 +20,7 @@ use bitgrain_sim::error::{Error, Result};
 pub const CAMPAIGN: Contents = Contents {
     of: FolderKind::Campaign,
     marker: "campaign.toml",
-    is_as_made: written::is_as_made,
+    as_made: written::as_made,
     files: &[
         "campaign.toml",
         manifest::NAME,

@@ -27,10 +27,8 @@ pub(super) fn head() -> String {
     format!("# {}\n", bits())
 }
 
-/// Whether these are the bytes that a campaign writes of what they say, with nothing of somebody else in them.
-pub(super) fn is_as_made(bytes: &[u8]) -> bool {
-    let text = std::str::from_utf8(bytes).unwrap_or_default();
-    let campaign = parse_campaign(text, "").ok();
-    let made = campaign.and_then(|campaign| toml::to_string(&campaign).ok());
-    made.is_some_and(|made| head() + &made == text)
+/// The text that a sweep writes of the campaign of these bytes, if they are one with its base written out.
+pub(super) fn as_made(bytes: &[u8]) -> Option<String> {
+    let campaign = parse_campaign(std::str::from_utf8(bytes).ok()?, "").ok()?;
+    Some(head() + &toml::to_string(&campaign).ok()?)
 }

@@ -149,14 +149,18 @@ impl Ledger {
             .map(|entry| entry.is_of(bytes))
     }
 
-    /// Files that are listed, begin so, and are not as they were written.
-    pub fn damaged(&self, begin: &str) -> Vec<String> {
+    /// Files that are listed and begin so.
+    pub fn listed(&self, begin: &str) -> Vec<String> {
         let known = self.known();
         let names = known.entries.keys().filter(|name| name.starts_with(begin));
-        names
-            .filter(|name| !known.sound.contains(*name))
-            .cloned()
-            .collect()
+        names.cloned().collect()
+    }
+
+    /// Those of them that are not as they were written.
+    pub fn damaged(&self, begin: &str) -> Vec<String> {
+        let mut listed = self.listed(begin);
+        listed.retain(|name| !self.known().sound.contains(name));
+        listed
     }
 
     /// Whether a stage is finished.

@@ -16,6 +16,7 @@ mod vouched;
 
 pub use audit::{Planned, When};
 pub use ledger::Ledger;
+pub(crate) use record::is_marked;
 pub use record::{
     Departure, FORMAT, FileRecord, FolderKind, Manifest, NAME, StageRecord, relative,
 };

@@ -21,7 +21,7 @@ pub(crate) const RESULTS: [&str; 3] = ["beds", "runs", "members"];
 pub const FORMAT: u32 = 1;
 
 /// Whether a file of this name begins or is marked as those that are written here.
-pub(super) fn is_marked(name: &str, bytes: &[u8]) -> bool {
+pub(crate) fn is_marked(name: &str, bytes: &[u8]) -> bool {
     let begin: &[u8] = match name.rsplit('.').next() {
         Some("dump") => b"ITEM: ",
         Some("gz") => &[0x1f, 0x8b],

@@ -9,7 +9,7 @@ use crate::bed::recipe::Recipe;
 use crate::changes;
 use crate::drag::Dragging;
 use crate::folder::{DirectoryLock, Folder, RUN, at_work, refuse_others};
-use crate::manifest::{Ledger, Manifest, When, relative};
+use crate::manifest::{FolderKind, Ledger, Manifest, When, is_marked, relative};
 use crate::scenario::{BedPlan, CheckedScenario, Scenario};
 use crate::summary::{DragRecord, Summary};
 use bitgrain_sim::below::Below;
@@ -125,23 +125,41 @@ pub(crate) fn refuse_other_kinds(folder: &Folder<'_>, scenario: &CheckedScenario
     Ok(())
 }
 
-/// Refuses a folder of a run, whose kinds were looked at, in which a file of others has the name of a result. Only
-/// names are read, and nothing is written: for a campaign, before it writes into any of its members.
+/// Refuses a folder of a run, whose kinds were looked at, in which a file of others has the name of a result or of a
+/// state. What is listed is not read, and nothing is written: for a campaign, before it writes into any of its members.
 ///
 /// # Errors
 /// [`Error::Input`].
 pub(crate) fn refuse_foreign_names(folder: &Folder<'_>, scenario: &CheckedScenario) -> Result<()> {
     refuse_others(folder.0, &RUN)?;
-    let Ok(Some(manifest)) = Manifest::of(folder.0) else {
-        return Ok(());
-    };
+    let manifest = Manifest::of(folder.0).ok().flatten();
     let listed = |path: &Path| {
-        let name = relative(folder.0, path);
-        name.is_some_and(|name| manifest.entry(&name).is_some())
+        let name = relative(folder.0, path).unwrap_or_default();
+        manifest
+            .as_ref()
+            .is_some_and(|own| own.entry(&name).is_some())
     };
-    let mut places = result_places(folder, scenario).into_iter();
-    let foreign = places.find(|path| disk::is_there(path) && !listed(path));
-    foreign.map_or(Ok(()), |path| Err(manifest.foreign(&path)))
+    let beds = scenario.all_beds().into_iter();
+    let states = beds.map(|bed| folder.pouring(&bed.name));
+    let states = states.chain(
+        scenario
+            .drags()
+            .iter()
+            .map(|drag| folder.latest(&drag.name)),
+    );
+    for path in result_places(folder, scenario).into_iter().chain(states) {
+        if !disk::is_there(&path) || listed(&path) {
+            continue;
+        }
+        let name = relative(folder.0, &path).unwrap_or_default();
+        let is_state = name.ends_with(".safetensors");
+        // Where the manifest was lost, what bears the mark of a result is one.
+        if (manifest.is_some() && !is_state) || !is_marked(&name, &disk::read(&path)?) {
+            let none = Manifest::new(FolderKind::Run, &[]);
+            return Err(manifest.as_ref().unwrap_or(&none).foreign(&path));
+        }
+    }
+    Ok(())
 }
 
 /// Whether a state is one of this bed: by its recipe, or by the file it was imported from.

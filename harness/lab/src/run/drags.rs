@@ -58,7 +58,13 @@ pub(super) fn drag_one(
     let (how, (mut sim, mut dragging)) = match take_up(drag, ledger, progress)? {
         Some(found) if found.1.step < plan.steps() => (RESUMED, found),
         Some(found) => (KEPT, found),
-        None => ("dragged", begin(drag)?),
+        None => {
+            // What a manifest lists before a drag has begun is none of its files, unless it is written again.
+            for file in ledger.listed(&format!("runs/{}/", plan.name)) {
+                ledger.remove(&folder.0.join(file))?;
+            }
+            ("dragged", begin(drag)?)
+        }
     };
     let began = dragging.step;
     stage.resume(began);

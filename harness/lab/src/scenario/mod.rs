@@ -209,11 +209,10 @@ pub(crate) fn parse_from(
     Ok(checked)
 }
 
-/// Whether these are the bytes that a run writes of what they say, with nothing of somebody else in them.
-pub(crate) fn is_as_made(bytes: &[u8]) -> bool {
-    let text = std::str::from_utf8(bytes).unwrap_or_default();
-    let made = toml::from_str::<Scenario>(text).map(|scenario| scenario.to_toml());
-    made.is_ok_and(|made| format!("# {}\n{made}", bits()) == text)
+/// The text that a run writes of the scenario of these bytes, if they are one.
+pub(crate) fn as_made(bytes: &[u8]) -> Option<String> {
+    let scenario: Scenario = toml::from_str(std::str::from_utf8(bytes).ok()?).ok()?;
+    Some(format!("# {}\n{}", bits(), scenario.to_toml()))
 }
 
 /// What is wrong with the scenario of a file as an error.
