@@ -298,14 +298,15 @@ impl Dragging {
         let (counted, moves) = (self.is_counted(plan), plan.motion.moves);
         let record = &mut self.record;
         record.energy.extend(self.audit.map(|audit| audit.row(n)));
-        let deepest = observe::deepest_overlap(sim);
+        let contacts = sim.count_contacts();
+        let deepest = observe::deepest_overlap(sim, &contacts);
         if deepest > record.deepest {
             record.deepest = deepest;
         }
         let sums = counted.then_some((&mut record.angles, &mut record.coordination));
         let sample = self
             .around
-            .sample(sim, moves, plan.motion.grain_diameter, sums);
+            .sample(sim, &contacts, moves, plan.motion.grain_diameter, sums);
         let body = sim.obstacles[INTRUDER as usize];
         let (moved, distance) = match &mut self.released {
             Some(known) => {

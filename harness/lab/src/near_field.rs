@@ -5,6 +5,7 @@ use bitgrain_kernel::{Domain, Motion, Obstacle};
 use serde::{Deserialize, Serialize};
 
 use bitgrain_sim::block_averaging::{BlockSums, Mean};
+use bitgrain_sim::contact_count::ContactCount;
 use bitgrain_sim::histogram::{Angles, Coordination};
 use bitgrain_sim::motion::Moves;
 use bitgrain_sim::notes::ObstacleNote;
@@ -123,7 +124,8 @@ impl NearField {
     /// At a row of the series: the whole neighbourhood; its numbers are summed if it is `counted`.
     pub fn sample(
         &mut self,
-        sim: &mut Simulation,
+        sim: &Simulation,
+        contacts: &ContactCount,
         moves: Moves,
         mean_diameter: f64,
         counted: Option<(&mut Angles, &mut Coordination)>,
@@ -131,7 +133,7 @@ impl NearField {
         let own = NEAR * mean_diameter;
         let reaches = self.reaches.iter().map(|within| within.reach);
         let farthest = reaches.fold(own, |a, b| if b > a { b } else { a });
-        let found = observe::neighbourhood(sim, farthest, moves.forward());
+        let found = observe::neighbourhood(sim, contacts, farthest, moves.forward());
         let near: Vec<f64> = found.contacts(own).collect();
         let angles = &found.angles;
         let sample = Sample {

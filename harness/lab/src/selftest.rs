@@ -77,7 +77,7 @@ fn by_parts(registers: Isa, threads: usize) -> std::result::Result<Vec<Line>, Ke
         let mut sim = taken(&mut room);
         sim.stepping.registers = registers;
         // Thirty grains are few, but every thread must have some.
-        sim.stepping.part_min = 1;
+        sim.stepping.divide_always();
         for stage in one.stages() {
             if let (Some(speed), Some(body)) = (stage.speed, sim.obstacles.first_mut()) {
                 body.velocity[0] = speed;

@@ -23,6 +23,7 @@ pub mod chain;
 pub mod checkpoint;
 pub mod coarse_graining;
 pub mod coefficients;
+pub mod contact_count;
 mod crowd;
 pub mod disk;
 pub mod edits;

@@ -5,6 +5,7 @@
 use bitgrain_kernel::vec3::head;
 use bitgrain_kernel::{ContactHistory, Domain, Obstacle, Shape};
 
+use crate::contact_count::ContactCount;
 use crate::simulation::{Role, Simulation};
 
 /// Number of the intruder among the obstacles of a bed.
@@ -104,28 +105,17 @@ pub fn pressure_at(sim: &Simulation, height: f64) -> f64 {
     weight / cross_section(sim)
 }
 
-/// Mean number of contacts, with grains and obstacles, of the free grains whose centres lie below
+/// Mean number of contacts, with grains and obstacles, which were counted, of the free grains whose centres lie below
 /// `top`; 0 if there are none.
-pub fn coordination_number(sim: &mut Simulation, top: f64) -> f64 {
-    let histories = sim.contact_histories();
-    let counted = |place: u32| {
-        let i = place as usize;
-        sim.role(i) == Role::Free && sim.position[i][2] < top
-    };
-    let mut contacts = 0usize;
-    for bond in histories.contacts() {
-        match *bond {
-            ContactHistory::Pair { i, j, .. } => {
-                contacts += usize::from(counted(i)) + usize::from(counted(j))
-            }
-            ContactHistory::Obstacle { i, .. } => contacts += usize::from(counted(i)),
-        }
-    }
-    let grains = (0..sim.count() as u32).filter(|&i| counted(i)).count();
-    if grains == 0 {
-        0.0
-    } else {
-        contacts as f64 / grains as f64
+pub fn coordination_number(sim: &Simulation, count: &ContactCount, top: f64) -> f64 {
+    let counted = |i: &usize| sim.role(*i) == Role::Free && sim.position[*i][2] < top;
+    let grains = (0..sim.count()).filter(counted);
+    let (grains, contacts) = grains.fold((0usize, 0usize), |(grains, contacts), i| {
+        (grains + 1, contacts + count.contacts[i] as usize)
+    });
+    match grains {
+        0 => 0.0,
+        n => contacts as f64 / n as f64,
     }
 }
 
@@ -222,73 +212,65 @@ impl Neighbourhood {
     }
 }
 
-/// What is round the intruder, as far as `reach` from its surface (Kumar 2018, Figs. 6 and 7). `front` is that of
-/// [`contact_angle`].
-pub fn neighbourhood(sim: &mut Simulation, reach: f64, front: f64) -> Neighbourhood {
-    let mut contacts = vec![0u32; sim.count()];
-    let mut angles = Vec::new();
+/// What is round the intruder, as far as `reach` from its surface (Kumar 2018, Figs. 6 and 7), of contacts that were
+/// counted. `front` is that of [`contact_angle`].
+pub fn neighbourhood(
+    sim: &Simulation,
+    count: &ContactCount,
+    reach: f64,
+    front: f64,
+) -> Neighbourhood {
     let body = sim.obstacles[INTRUDER as usize];
-    for bond in sim.contact_histories().contacts() {
-        match *bond {
-            ContactHistory::Pair { i, j, .. } => {
-                contacts[i as usize] += 1;
-                contacts[j as usize] += 1;
-            }
-            ContactHistory::Obstacle { i, obstacle, .. } => {
-                contacts[i as usize] += 1;
-                if obstacle == INTRUDER {
-                    let place = head(sim.position[i as usize]);
-                    angles.push(contact_angle(&sim.domain, &body, place, front));
-                }
-            }
-        }
-    }
+    let angle = |i: u32| contact_angle(&sim.domain, &body, head(sim.position[i as usize]), front);
     let radius = girth(&body);
     let limit = radius + reach;
     let near = |i: usize| {
         let d = from_intruder(sim, i);
         let squared = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
         (sim.role(i) == Role::Free && squared <= limit * limit)
-            .then(|| (squared, f64::from(contacts[i])))
+            .then(|| (squared, f64::from(count.contacts[i])))
     };
     Neighbourhood {
         grains: (0..sim.count()).filter_map(near).collect(),
-        angles,
+        angles: sim.touching(INTRUDER).into_iter().map(angle).collect(),
         radius,
     }
 }
 
+/// Overlap of a grain, by its place, with the intruder (length).
+fn overlap_with_intruder(sim: &Simulation, i: u32) -> f64 {
+    let (x, body) = (sim.position[i as usize], &sim.obstacles[INTRUDER as usize]);
+    match body.shape {
+        // The nearest place may be on one of its ends.
+        Shape::FiniteCylinder { .. } => body.meet(0, &[], &sim.domain, head(x), x[3]).overlap,
+        _ => x[3] + body.reach() - length(from_intruder(sim, i as usize)),
+    }
+}
+
+/// Deepest overlap of grains with each other, which were counted, and with the intruder, from the positions (length);
+/// 0 if none touch.
+pub fn deepest_overlap(sim: &Simulation, count: &ContactCount) -> f64 {
+    let deeper = |a, b| if b > a { b } else { a };
+    let touching = sim.touching(INTRUDER).into_iter();
+    touching
+        .map(|i| overlap_with_intruder(sim, i))
+        .fold(count.deepest, deeper)
+}
+
 /// Overlaps of grains with each other and with the intruder, from the positions (length).
 pub fn overlaps(sim: &mut Simulation) -> Vec<f64> {
-    let body = sim.obstacles[INTRUDER as usize];
     let contacts = sim.contact_histories();
     let overlap = |contact: &ContactHistory<f64>| match *contact {
         ContactHistory::Pair { i, j, .. } => {
             let (x, y) = (sim.position[i as usize], sim.position[j as usize]);
-            let d = sim
-                .domain
-                .separation([x[0], x[1], x[2]], [y[0], y[1], y[2]]);
+            let d = sim.domain.separation(head(x), head(y));
             Some(x[3] + y[3] - length(d))
         }
-        ContactHistory::Obstacle { i, obstacle, .. } if obstacle == INTRUDER => {
-            let x = sim.position[i as usize];
-            Some(match body.shape {
-                // The nearest place may be on one of its ends.
-                Shape::FiniteCylinder { .. } => {
-                    body.meet(0, &[], &sim.domain, head(x), x[3]).overlap
-                }
-                _ => x[3] + body.reach() - length(from_intruder(sim, i as usize)),
-            })
+        ContactHistory::Obstacle { i, obstacle, .. } => {
+            (obstacle == INTRUDER).then(|| overlap_with_intruder(sim, i))
         }
-        ContactHistory::Obstacle { .. } => None,
     };
     contacts.contacts().iter().filter_map(overlap).collect()
-}
-
-/// Deepest of the [`overlaps`]; 0 if none touch.
-pub fn deepest_overlap(sim: &mut Simulation) -> f64 {
-    let deeper = |a, b| if b > a { b } else { a };
-    overlaps(sim).into_iter().fold(0.0, deeper)
 }
 
 /// Share of the [`overlaps`] beyond a bound; `None` if none touch.

@@ -1,7 +1,7 @@
 //! Steps with the machine's widest instructions, here or in parts on several threads. The phases are the kernel's, so
 //! nothing here can change a result.
 
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 use std::time::Instant;
 
 use bitgrain_kernel::contact::Law;
@@ -29,6 +29,8 @@ pub struct Stepping {
     pub registers: Isa,
     /// Fewest grains of a thread's part.
     pub part_min: usize,
+    /// Most parts of a process: more than there are processors for it cost more than they bring.
+    pub part_max: usize,
     /// Whether skin and reach, and cuts into parts, are adjusted to what they cost while it steps.
     pub tunes: bool,
     /// How grains are given to parts.
@@ -48,6 +50,7 @@ impl Clone for Stepping {
         Self {
             registers: self.registers,
             part_min: self.part_min,
+            part_max: self.part_max,
             tunes: self.tunes,
             cutting: self.cutting,
             ranks: self.ranks.clone(),
@@ -61,9 +64,11 @@ impl Default for Stepping {
     fn default() -> Self {
         let ranks = Ranks::joined();
         let part_min = ranks.as_ref().and_then(|ranks| ranks.sharing().part_min);
+        let part_max = part_min.map_or_else(processors, |_| usize::MAX);
         Self {
             registers: Isa::best(),
             part_min: part_min.unwrap_or(PART_MIN),
+            part_max,
             tunes: true,
             cutting: Cutting::default(),
             ranks,
@@ -74,7 +79,19 @@ impl Default for Stepping {
     }
 }
 
+/// Processors that this process may use, as they were when it first asked.
+fn processors() -> usize {
+    static COUNT: LazyLock<usize> =
+        LazyLock::new(|| std::thread::available_parallelism().map_or(1, usize::from));
+    *COUNT
+}
+
 impl Stepping {
+    /// As many parts as threads, however few grains there are or processors: for tests of parts.
+    pub fn divide_always(&mut self) {
+        (self.part_min, self.part_max) = (1, usize::MAX);
+    }
+
     /// Parts of the last steps: how many threads could take part in them.
     pub fn parts(&self) -> usize {
         self.count
@@ -160,7 +177,7 @@ impl Stepping {
     /// Sets how many parts there will be.
     fn set_count(&mut self, home: &OwnedWorld<f64>, threads: usize) {
         let ranks = self.ranks.as_ref().map_or(1, |ranks| ranks.count());
-        let threads = threads.saturating_mul(ranks);
+        let threads = threads.min(self.part_max).saturating_mul(ranks);
         let most = home.id.len() / self.part_min.max(1);
         self.count = threads.min(most).clamp(1, usize::from(u16::MAX));
     }
@@ -341,7 +358,7 @@ mod tests {
             &grains,
             vec![],
         );
-        sim.stepping.part_min = 1;
+        sim.stepping.divide_always();
         sim.start().unwrap();
         sim
     }

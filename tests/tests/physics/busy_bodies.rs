@@ -88,7 +88,7 @@ fn any_threads_step_free_bodies_alike() {
     let steps = if cfg!(debug_assertions) { 200 } else { 5000 };
     let run = |threads: usize, cutting: Cutting, skin: f64| {
         let mut sim = begin(&busy());
-        sim.stepping.part_min = 1;
+        sim.stepping.divide_always();
         sim.stepping.cutting = cutting;
         sim.stepping.tunes = false;
         sim.skin = skin;

@@ -24,7 +24,7 @@ fn a_list_that_is_just_long_enough_loses_no_pair() {
     for (threads, entries) in (0..24).flat_map(|entries| [(2, entries), (3, entries), (8, entries)])
     {
         let mut sim = started("full-list.json");
-        sim.stepping.part_min = 1;
+        sim.stepping.divide_always();
         sim.stepping.tunes = false;
         sim.lend(entries);
         sim.start().expect("a sound case");

@@ -111,7 +111,7 @@ impl Way {
     fn prepare(&self, sim: &mut Simulation) {
         sim.stepping.registers = self.registers;
         // Beds of fewer grains must also be cut into as many parts as there are threads.
-        sim.stepping.part_min = 1;
+        sim.stepping.divide_always();
         sim.stepping.cutting = self.cutting;
         let histories = sim.contact_histories();
         sim.skin *= self.skin;
@@ -219,7 +219,7 @@ fn no_knob_changes_a_bit_of_a_bed() {
 fn threads_and_grains_that_change_all_the_time_change_no_bit() {
     let mut plain = settled_bed();
     let mut other = plain.clone();
-    other.stepping.part_min = 1;
+    other.stepping.divide_always();
     other.outer_skin *= 0.05;
     other.stepping.tunes = false;
     let before = other.list_counts().0;
@@ -251,7 +251,7 @@ fn no_knob_changes_a_bit_of_ten_thousand_grains() {
 #[test]
 fn the_number_of_threads_may_change_at_any_step() {
     let (mut plain, mut other) = (settled_bed(), settled_bed());
-    other.stepping.part_min = 1;
+    other.stepping.divide_always();
     for n in 0..steps(240) {
         plain.step_watched(|_| {}).expect("a sound bed");
         let threads = [3, 1, 2, 8, 1][n % 5];

@@ -45,7 +45,8 @@ fn grains_count_within_the_distances_that_hold_their_centres() {
         [8.0, 11.2, 8.95],
         [8.0, 0.1, 8.0],
     ]);
-    let found = neighbourhood(&mut sim, 10.0, 1.0);
+    let contacts = sim.count_contacts();
+    let found = neighbourhood(&sim, &contacts, 10.0, 1.0);
     let within = |reach: f64| found.contacts(reach).collect::<Vec<f64>>();
     assert_eq!(found.angles.len(), 1);
     assert!(found.angles[0].abs() < 1e-12, "straight ahead");

@@ -35,7 +35,7 @@ fn told(
     (threads, cutting): (usize, Cutting),
     steps: u64,
 ) -> (Vec<Note>, Result<(), KernelError>) {
-    sim.stepping.part_min = 1;
+    sim.stepping.divide_always();
     sim.stepping.cutting = cutting;
     let (watch, mut notes) = (watch(&sim), Vec::new());
     let began = sim.step_count();

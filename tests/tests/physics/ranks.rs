@@ -60,7 +60,7 @@ fn on_these<T>(count: usize, late: bool, job: impl FnOnce(&Arc<Ranks>) -> T) -> 
 
 /// A simulation in parts at these ranks.
 fn shared(mut sim: Simulation, ranks: &Arc<Ranks>, cutting: Cutting) -> Simulation {
-    sim.stepping.part_min = 1;
+    sim.stepping.divide_always();
     sim.stepping.cutting = cutting;
     sim.stepping.ranks = Some(Arc::clone(ranks));
     sim

@@ -305,7 +305,7 @@ fn any_threads_and_stops_give_the_same_bits() {
         let settled = bitgrain::bed::pour(&scenario, bed, &mut Stage::silent()).unwrap();
         let run = |threads: usize, stop: Option<u64>| {
             let mut sim = settled.clone();
-            sim.stepping.part_min = 1;
+            sim.stepping.divide_always();
             sim.stepping.tunes = false;
             let mut dragging = Dragging::begin(&mut sim, plan, "").unwrap();
             let go = |dragging: &mut Dragging, sim: &mut Simulation, last: u64| {

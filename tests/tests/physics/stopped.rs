@@ -32,7 +32,7 @@ fn room(grains: &[([f64; 3], [f64; 3])], obstacles: Vec<Obstacle<f64>>) -> Simul
     let groups = vec![Group::free([0.0; 3])];
     let law = AnyLaw::HertzHistory(law);
     let mut sim = Simulation::new(law, domain, DT, groups, &grains, obstacles);
-    sim.stepping.part_min = 1;
+    sim.stepping.divide_always();
     sim
 }
 

@@ -1,7 +1,7 @@
 //! What is measured of a settled bed.
 
 use crate::summary::BedSummary;
-use bitgrain_kernel::{ContactHistory, Error as KernelError};
+use bitgrain_kernel::Error as KernelError;
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::observe::{self, INTRUDER};
 use bitgrain_sim::simulation::{Role, Simulation, hex, sphere_mass};
@@ -25,6 +25,7 @@ pub fn survey(name: &str, measures: &Measures, sim: &mut Simulation) -> Result<B
     let digest = sim.digest().map_err(|f| stopped(name, sim, f))?;
     let d = measures.diameter;
     let surface = observe::surface_height(sim, d);
+    let contacts = sim.count_contacts();
     let body = &sim.obstacles[INTRUDER as usize];
     let center = body.point;
     let (_, weight, support) = observe::weight_and_support(sim);
@@ -37,8 +38,8 @@ pub fn survey(name: &str, measures: &Measures, sim: &mut Simulation) -> Result<B
         surface,
         depth: surface - center[2],
         packing_fraction: observe::packing_fraction(sim, d, surface - 2.0 * d),
-        coordination_number: observe::coordination_number(sim, surface - 2.0 * d),
-        overlap_max: observe::deepest_overlap(sim) / d,
+        coordination_number: observe::coordination_number(sim, &contacts, surface - 2.0 * d),
+        overlap_max: observe::deepest_overlap(sim, &contacts) / d,
         kinetic_energy_over_weight_d: energy_per_grain(sim, measures),
         weight,
         support,
@@ -56,16 +57,7 @@ pub fn stopped(bed: &str, sim: &Simulation, fault: KernelError) -> Error {
 /// times its mean diameter: it shows that a bed without weight rests, since a grain that was squeezed
 /// out of one flies on.
 pub fn energy_of_borne(sim: &mut Simulation, measures: &Measures) -> f64 {
-    let mut contacts = vec![0u32; sim.count()];
-    for history in sim.contact_histories().contacts() {
-        match *history {
-            ContactHistory::Pair { i, j, .. } => {
-                contacts[i as usize] += 1;
-                contacts[j as usize] += 1;
-            }
-            ContactHistory::Obstacle { i, .. } => contacts[i as usize] += 1,
-        }
-    }
+    let contacts = sim.count_contacts().contacts;
     let borne = (0..sim.count()).filter(|&i| contacts[i] > 1);
     let energy = borne.map(|i| sim.kinetic_energy_of(i)).sum::<f64>();
     per_grain(energy, sim, measures)

@@ -129,7 +129,7 @@ mod tests {
             let joined = |carrier| Ranks::new(Box::new(carrier), Sharing::default());
             on_ranks(carriers.map(joined).collect(), |first| {
                 let mut sim = lain();
-                sim.stepping.part_min = 1;
+                sim.stepping.divide_always();
                 sim.stepping.cutting = Cutting::Scattered(3);
                 sim.stepping.ranks = Some(Arc::clone(first));
                 sim.steps(20).unwrap();

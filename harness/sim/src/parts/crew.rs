@@ -13,7 +13,8 @@ use super::letter::Letter;
 use super::part::{Errand, Part};
 use super::post::Post;
 use super::sync::{
-    AtomicBool, AtomicUsize, HELP, Mutex, MutexGuard, Ordering, PATIENCE, do_other_work, nap, spin,
+    AtomicBool, AtomicUsize, Bell, HELP, Mutex, MutexGuard, Ordering, PATIENCE, do_other_work, nap,
+    pause,
 };
 
 /// The parts, and what they tell each other.
@@ -29,6 +30,8 @@ pub(super) struct Crew {
     /// Whether a thread panicked.
     dead: AtomicBool,
     panic: Mutex<Option<Box<dyn Any + Send>>>,
+    /// Rung when a letter was written.
+    bell: Bell,
 }
 
 struct Seat {
@@ -52,6 +55,7 @@ impl Crew {
             seats: parts.into_iter().map(seat).collect(),
             dead: AtomicBool::new(false),
             panic: Mutex::new(None),
+            bell: Bell::default(),
         }
     }
 
@@ -104,6 +108,7 @@ impl Crew {
             let mut kept = self.panic.lock().unwrap_or_else(PoisonError::into_inner);
             kept.get_or_insert(panic);
             self.dead.store(true, Ordering::SeqCst);
+            self.bell.ring_for_all();
         }
     }
 
@@ -119,19 +124,31 @@ impl Crew {
             if let Some((number, part)) = others.find_map(|number| self.claim(number)) {
                 idle = 0;
                 self.drive(number, part);
-                if !self.is_over() {
-                    nap();
-                }
+                self.rest();
                 continue;
             }
             self.look();
             idle += 1;
             if idle < self.looks() {
-                spin();
+                pause(idle);
             } else if !helps || !do_other_work() {
-                nap();
+                self.rest();
             }
         }
+    }
+
+    /// Lets go of the core until there may be something to do.
+    fn rest(&self) {
+        if self.post.is_some() {
+            // Letters of other processes ring no bell.
+            if !self.is_over() {
+                nap();
+            }
+            return;
+        }
+        let numbers = || self.first..self.first + self.seats.len();
+        let ready = |number| self.letters.is_answered(number) && self.claim(number).is_some();
+        self.bell.wait(|| self.is_over() || numbers().any(ready));
     }
 
     /// A part that has not ended and that nobody drives.
@@ -159,7 +176,7 @@ impl Crew {
                 self.expect_answers(number);
                 return;
             }
-            spin();
+            pause(waited);
             if waited % HELP == 0 {
                 self.help_late(number);
             }
@@ -209,8 +226,11 @@ impl Crew {
             self.seats[number - self.first]
                 .ended
                 .store(true, Ordering::Release);
-            self.ended.fetch_add(1, Ordering::AcqRel);
+            if self.ended.fetch_add(1, Ordering::AcqRel) + 1 == self.seats.len() {
+                self.bell.ring_for_all();
+            }
         }
+        self.bell.ring();
         ended
     }
 }

@@ -24,6 +24,7 @@ mod rows;
 mod seed;
 mod service;
 mod share;
+mod survey;
 mod sync;
 
 use std::fmt;

@@ -11,7 +11,7 @@ mod sync {
     pub(super) const PATIENCE: u32 = 3;
     pub(super) const HELP: u32 = 2;
 
-    pub(super) fn spin() {
+    pub(super) fn pause(_: u32) {
         shuttle::hint::spin_loop();
     }
 
@@ -21,6 +21,22 @@ mod sync {
 
     pub(super) fn do_other_work() -> bool {
         false
+    }
+
+    /// Who sleeps may wake at any time.
+    #[derive(Default)]
+    pub(super) struct Bell;
+
+    impl Bell {
+        pub fn wait(&self, ready: impl Fn() -> bool) {
+            if !ready() {
+                nap();
+            }
+        }
+
+        pub fn ring(&self) {}
+
+        pub fn ring_for_all(&self) {}
     }
 }
 
