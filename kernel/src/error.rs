@@ -3,6 +3,7 @@
 use core::fmt;
 
 use crate::math::real::Real;
+use crate::obstacle_defect::ObstacleDefect;
 
 /// Why a world was refused or a step stopped. Grains are named by id, obstacles by number. Later versions may have more
 /// kinds; [`Error::code`] numbers them.
@@ -32,10 +33,12 @@ pub enum Error {
         /// The grain.
         id: u32,
     },
-    /// An obstacle's size, place or direction is impossible in this box.
+    /// An obstacle's size, place, direction or motion is impossible in this box.
     BadObstacle {
         /// The obstacle.
         obstacle: u32,
+        /// What is wrong with it.
+        flaw: ObstacleDefect,
     },
     /// The time step is not positive and finite, or the skin is negative or NaN.
     BadTimeStep,
@@ -312,17 +315,14 @@ impl fmt::Display for Error {
                 f,
                 "box edges along axis {axis} are not finite or not in order"
             ),
-            Error::PeriodTooShort { axis } => write!(
-                f,
-                "periodic axis {axis} is not longer than twice the largest contact distance"
-            ),
+            Error::PeriodTooShort { axis } => write!(f, "periodic axis {axis} {TOO_SHORT}"),
             Error::BadStorage => write!(f, "storage does not hold one entry for each grain"),
             Error::BadOrder { id } => write!(f, "grain ids do not ascend at id {id}"),
             Error::BadGrain { id } => {
                 write!(f, "grain {id} has an impossible group, radius or mass")
             }
-            Error::BadObstacle { obstacle } => {
-                write!(f, "obstacle {obstacle} is impossible in this box")
+            Error::BadObstacle { obstacle, flaw } => {
+                write!(f, "obstacle {obstacle} is impossible in this box: {flaw}")
             }
             Error::BadTimeStep => write!(f, "time step or skin is not positive and finite"),
             Error::Arithmetic { flaw } => {
@@ -418,6 +418,9 @@ const NOT_STARTED: &str =
     "the world was not started, or a fault stopped it in the middle of a step and it has no state";
 
 const TOO_LARGE: &str = "take one with fewer places after the point, or other units";
+
+const TOO_SHORT: &str = "is not longer than twice the largest contact distance: a grain could touch two images \
+                         of one body";
 
 const TOO_SLOW: &str = "less than 16 units in the last place of the largest coordinate in one step: \
                         take a longer time step, a smaller box or more digits";

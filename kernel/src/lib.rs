@@ -83,6 +83,7 @@ mod fp_environment;
 mod integrate;
 mod math;
 mod neighbors;
+mod obstacle_defect;
 mod owners;
 pub mod parts;
 pub mod phases;
@@ -111,6 +112,7 @@ pub use neighbors::pair_list::{
     ContactHistory, KeptContact, OBSTACLES_MAX, PairList, TOUCHING, obstacle_of, surface_of,
 };
 pub use neighbors::stretch::{NEIGHBORS, STRETCH, StretchList};
+pub use obstacle_defect::ObstacleDefect;
 pub use owners::capacity::Capacity;
 pub use owners::flags::Flag;
 pub use owners::lent::{Head, LentStore, Memory};

@@ -6,6 +6,7 @@
 
 mod arrays;
 mod changes;
+mod drives;
 mod edits;
 mod errors;
 mod geometry;

@@ -174,6 +174,8 @@ impl Obstacle {
     ///
     /// Raises
     /// ------
+    /// BadObstacle
+    ///     It is endless and would tilt.
     /// InputError, Busy
     #[getter]
     fn angular_velocity<'py>(&self, py: Python<'py>) -> Vector<'py> {
@@ -183,8 +185,9 @@ impl Obstacle {
     #[setter]
     fn set_angular_velocity(&self, value: &Bound<'_, PyAny>) -> PyResult<()> {
         let spin = vector(value, "angular_velocity")?;
-        write(&self.shared)?.turn_obstacle(self.number, spin);
-        Ok(())
+        write(&self.shared)?
+            .turn_obstacle(self.number, spin)
+            .map_err(kernel)
     }
 
     /// Unit quaternion (w, x, y, z) from its own axes to those of the world, as a read-only array of shape (4,). Set it
@@ -332,6 +335,8 @@ impl Obstacle {
     /// ------
     /// InputError
     ///     `over` is not positive, or too short.
+    /// BadObstacle
+    ///     It is endless and would tilt.
     /// Busy
     #[pyo3(signature = (pos, over, orientation=None))]
     fn drive(
@@ -344,8 +349,8 @@ impl Obstacle {
         let orientation = orientation.map(|one| turned(Some(one))).transpose()?;
         let mut core = write(&self.shared)?;
         let steps = steps_over(&core, over)?;
-        core.drive(self.number, point, orientation, steps);
-        Ok(())
+        core.drive(&[(self.number, point, orientation)], steps)
+            .map_err(kernel)
     }
 
     /// Steps that a drive still takes; 0 if there is none.

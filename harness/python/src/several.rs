@@ -7,6 +7,7 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 
 use crate::arrays::rows;
+use crate::drives::Drive;
 use crate::errors::{input, kernel};
 use crate::obstacles::{Obstacle, steps_over, turned};
 use crate::views::{Shared, read, write};
@@ -95,6 +96,8 @@ impl Obstacles {
     /// ------
     /// InputError
     ///     `over` is not positive, or too short. None of them moves.
+    /// BadObstacle
+    ///     One is endless and would tilt. None of them moves.
     /// Busy
     fn drive(
         &self,
@@ -109,10 +112,11 @@ impl Obstacles {
         let orientations = orientations.collect::<PyResult<Vec<_>>>()?;
         let mut core = write(&self.shared)?;
         let steps = steps_over(&core, over)?;
-        for ((number, point), orientation) in self.numbers.iter().zip(points).zip(orientations) {
-            core.drive(*number, point, Some(orientation), steps);
-        }
-        Ok(())
+        let rows = self.numbers.iter().zip(points).zip(orientations);
+        let drives: Vec<Drive> = rows
+            .map(|((number, point), orientation)| (*number, point, Some(orientation)))
+            .collect();
+        core.drive(&drives, steps).map_err(kernel)
     }
 }
 

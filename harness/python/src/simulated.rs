@@ -1,5 +1,5 @@
-//! A simulation with what a Python world adds to it: drives of obstacles, mean forces, groups by kind, a number that
-//! says whether a view is of the present state. Nothing here knows Python.
+//! A simulation with what a Python world adds to it: mean forces, groups by kind, a number that says whether a view is
+//! of the present state. Nothing here knows Python.
 
 use bitgrain::mesh::{Triangle, add_mesh};
 use bitgrain::notes::Watch;
@@ -17,9 +17,9 @@ pub struct Driven {
     /// Steps until it rests; 0 if it is not driven.
     pub left: u64,
     /// Whether it turns until then.
-    turns: bool,
+    pub turns: bool,
     /// Sum of the force, then of the torque.
-    sum: [[f64; 3]; 2],
+    pub sum: [[f64; 3]; 2],
 }
 
 /// The state behind a Python world.
@@ -267,55 +267,6 @@ impl Core {
         Ok(())
     }
 
-    /// Gives an obstacle a velocity for all steps to come.
-    pub fn move_obstacle(&mut self, number: usize, velocity: [f64; 3]) {
-        self.stop_drive(number);
-        self.sim.obstacles[number].velocity = velocity;
-    }
-
-    /// Gives an obstacle an angular velocity for all steps to come.
-    pub fn turn_obstacle(&mut self, number: usize, angular_velocity: [f64; 3]) {
-        self.driven[number].turns = false;
-        self.sim.obstacles[number].angular_velocity = angular_velocity;
-    }
-
-    /// Has an obstacle go to `point`, and turn to an orientation if one is given, within `count` steps, at constant
-    /// velocities, and rest there.
-    pub fn drive(
-        &mut self,
-        number: usize,
-        point: [f64; 3],
-        orientation: Option<[f64; 4]>,
-        count: u64,
-    ) {
-        let time = count as f64 * self.sim.dt;
-        let dt = self.sim.dt;
-        let body = &mut self.sim.obstacles[number];
-        if let Some(orientation) = orientation {
-            let steps = u32::try_from(count).unwrap_or(u32::MAX);
-            body.drive_to([0.0; 3], orientation, steps, dt);
-        }
-        for a in 0..3 {
-            body.velocity[a] = (point[a] - body.point[a]) / time;
-        }
-        let turns = orientation.is_some();
-        let driven = &mut self.driven[number];
-        (driven.left, driven.turns) = (count, turns);
-    }
-
-    /// Ends a drive; what was not driven keeps its velocities.
-    fn stop_drive(&mut self, number: usize) {
-        let driven = &mut self.driven[number];
-        let turned = std::mem::take(&mut driven.turns);
-        if std::mem::take(&mut driven.left) > 0 {
-            let body = &mut self.sim.obstacles[number];
-            body.velocity = [0.0; 3];
-            if turned {
-                body.angular_velocity = [0.0; 3];
-            }
-        }
-    }
-
     /// Begins a call that steps: means are over the steps from here on, and so are losses.
     pub fn begin_call(&mut self) {
         self.lost.clear();
@@ -384,17 +335,6 @@ impl Core {
             }
         }
         Ok(())
-    }
-
-    /// Counts steps off the drives.
-    fn count_drives(&mut self, done: u64) {
-        for number in 0..self.driven.len() {
-            match self.driven[number].left {
-                0 => {}
-                left if left <= done => self.stop_drive(number),
-                left => self.driven[number].left = left - done,
-            }
-        }
     }
 
     /// Steps in which no drive ends, up to one in which grains are lost; after each the forces on obstacles are added

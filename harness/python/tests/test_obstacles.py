@@ -136,6 +136,20 @@ def test_a_bad_place_changes_nothing(bed):
     bed.step()
 
 
+def test_what_is_endless_is_not_tilted(bed):
+    """A step would find that such a wall goes infinitely far, and stop the world."""
+    floor, before = bed.obstacles[0], bed.digest
+    for tilt in (lambda: setattr(floor, "angular_velocity", (1, 0, 0)),
+                 lambda: floor.drive((0, 0, 0), 0.1, orientation=(0.8, 0.6, 0, 0)),
+                 lambda: bed.select([floor]).drive([[0, 0, 0]], 0.1, [[0.8, 0.6, 0, 0]])):  # fmt: skip
+        with pytest.raises(bitgrain.BadObstacle, match="about its own direction only") as refused:
+            tilt()
+        assert refused.value.flaw == "Tilted" and floor.steps_left == 0
+    assert bed.digest == before
+    floor.angular_velocity = (0, 0, 1)
+    bed.step(10)
+
+
 def test_arrays_of_obstacles_cannot_be_written_to(ball):
     _, ball = ball
     with pytest.raises(ValueError, match="read-only"):

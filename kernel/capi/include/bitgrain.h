@@ -579,14 +579,15 @@ int32_t bg_add_mesh(bg_world *world,
                     uint32_t facets,
                     uint32_t *number);
 
-// Lets an obstacle turn at this angular velocity (radians / time, axes of the world) from the next step on.
+// Lets an obstacle turn at this angular velocity (radians / time, axes of the world) from the next step on; what is
+// endless turns about its own direction alone (`BG_BAD_OBSTACLE`).
 int32_t bg_turn(bg_world *world,
                 uint32_t number,
                 const double *angular_velocity);
 
 // Lets an obstacle go to a point (length) and turn to an orientation, the shorter way round, in `steps` steps from the
 // next one on; then stop it with `bg_drive` and `bg_turn`. On a periodic axis it goes by the difference of the points,
-// which may be more than a period.
+// which may be more than a period. What is endless turns about its own direction alone (`BG_BAD_OBSTACLE`).
 int32_t bg_drive_to(bg_world *world,
                     uint32_t number,
                     const double *point,

@@ -5,7 +5,7 @@ use bitgrain_kernel::{Error, FACETS_MAX, Facet, FreeMotion, Motion, Obstacle, Sh
 use crate::arguments::{axes, flag, give, lent, put, take, vector};
 use crate::block::{Parts, with};
 use crate::laws::material;
-use crate::status::{BG_BAD_ARGUMENT, BG_TOO_SMALL, fault};
+use crate::status::{BG_BAD_ARGUMENT, BG_TOO_SMALL, Done, fault};
 use crate::types::{
     BG_BOX, BG_CAPSULE, BG_CYLINDER, BG_DRUM, BG_FINITE_CYLINDER, BG_MESH, BG_PLANE, BG_SPHERE,
     bg_fault, bg_obstacle, bg_world,
@@ -107,29 +107,38 @@ fn motion(of: &bg_obstacle) -> Result<Motion<f64>, bg_fault> {
     }))
 }
 
-/// Changes the obstacle of this number, in a world with a time step.
-fn change<T>(
+/// Changes the obstacle of this number, in a world with a time step, or nothing if it cannot turn so.
+fn change(
     parts: &mut Parts<'_>,
     number: u32,
-    act: impl FnOnce(&mut Obstacle<f64>, f64) -> T,
-) -> Result<T, bg_fault> {
+    act: impl FnOnce(&mut Obstacle<f64>, f64) -> Done,
+) -> Done {
     let world = parts.store.world();
     let body = world.obstacles.get_mut(number as usize);
-    Ok(act(body.ok_or(fault(BG_BAD_ARGUMENT))?, world.dt))
+    let body = body.ok_or(fault(BG_BAD_ARGUMENT))?;
+    let mut changed = *body;
+    act(&mut changed, world.dt)?;
+    changed.check_turn(number)?;
+    *body = changed;
+    Ok(())
 }
 
-/// Lets an obstacle turn at this angular velocity (radians / time, axes of the world) from the next step on.
+/// Lets an obstacle turn at this angular velocity (radians / time, axes of the world) from the next step on; what is
+/// endless turns about its own direction alone (`BG_BAD_OBSTACLE`).
 #[unsafe(no_mangle)]
 pub extern "C" fn bg_turn(world: *mut bg_world, number: u32, angular_velocity: *const f64) -> i32 {
     with(world, |parts| {
         let spin = vector(angular_velocity)?;
-        change(parts, number, |body, _| body.angular_velocity = spin)
+        change(parts, number, |body, _| {
+            body.angular_velocity = spin;
+            Ok(())
+        })
     })
 }
 
 /// Lets an obstacle go to a point (length) and turn to an orientation, the shorter way round, in `steps` steps from the
 /// next one on; then stop it with `bg_drive` and `bg_turn`. On a periodic axis it goes by the difference of the points,
-/// which may be more than a period.
+/// which may be more than a period. What is endless turns about its own direction alone (`BG_BAD_OBSTACLE`).
 #[unsafe(no_mangle)]
 pub extern "C" fn bg_drive_to(
     world: *mut bg_world,
@@ -145,6 +154,7 @@ pub extern "C" fn bg_drive_to(
         change(parts, number, |body, dt| {
             let way = [0, 1, 2].map(|a| point[a] - body.point[a]);
             body.drive_to(way, turned, steps, dt);
+            Ok(())
         })
     })
 }
@@ -166,7 +176,7 @@ pub extern "C" fn bg_push(
                 Ok(())
             }
             Motion::Prescribed => Err(fault(BG_BAD_ARGUMENT)),
-        })?
+        })
     })
 }
 
@@ -175,7 +185,10 @@ pub extern "C" fn bg_push(
 pub extern "C" fn bg_drive(world: *mut bg_world, number: u32, velocity: *const f64) -> i32 {
     with(world, |parts| {
         let velocity = vector(velocity)?;
-        change(parts, number, |body, _| body.velocity = velocity)
+        change(parts, number, |body, _| {
+            body.velocity = velocity;
+            Ok(())
+        })
     })
 }
 

@@ -125,7 +125,7 @@ impl From<Error> for bg_fault {
             | Error::TooFast { id }
             | Error::Escaped { id }
             | Error::UnknownGrain { id } => (id, 0, 0),
-            Error::BadObstacle { obstacle }
+            Error::BadObstacle { obstacle, .. }
             | Error::OtherFacets { obstacle }
             | Error::ObstacleTooSlow { obstacle }
             | Error::ObstacleOverflow { obstacle }
@@ -167,12 +167,17 @@ fn text(code: i32) -> &'static core::ffi::CStr {
         }
         BG_BAD_DOMAIN => c"the edges of the box are not finite or not in order",
         BG_PERIOD_TOO_SHORT => {
-            c"a periodic axis is not longer than twice the largest contact distance"
+            c"a periodic axis is not longer than twice the largest contact distance: a grain could touch two images \
+               of one body"
         }
         BG_BAD_STORAGE => c"there is no room for another obstacle or group",
         BG_BAD_ORDER => c"grain ids do not ascend, or one of them is taken",
         BG_BAD_GRAIN => c"a grain's group is none, or its radius or mass is not positive (bg_get_fault: its id)",
-        BG_BAD_OBSTACLE => c"an obstacle is impossible in this box",
+        BG_BAD_OBSTACLE => {
+            c"an obstacle is impossible: its centre is outside the box, it is larger than the box, a wall across a \
+               period, endless and askew or tilted, free without mass or inertia, or a size of it is not positive \
+               (bg_get_fault: its number)"
+        }
         BG_BAD_TIME_STEP => c"time step or skin is not positive and finite",
         BG_ARITHMETIC => c"this machine's arithmetic would change the bits",
         BG_TOO_SLOW => c"a grain is carried too slowly for its numbers",

@@ -8,6 +8,7 @@ pub(crate) mod losses;
 pub(crate) mod mesh;
 pub(crate) mod motion;
 pub(crate) mod obstacle;
+pub(crate) mod obstacle_check;
 pub(crate) mod owned;
 pub(crate) mod rigid_body;
 pub(crate) mod shape;

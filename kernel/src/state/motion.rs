@@ -2,6 +2,7 @@
 
 use crate::math::real::Real;
 use crate::math::vec3::Vec3;
+use crate::obstacle_defect::ObstacleDefect;
 
 /// What moves an obstacle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,16 +49,22 @@ impl<R: Real> FreeMotion<R> {
 }
 
 impl<R: Real> Motion<R> {
-    /// Whether a body with this inverse mass, which may be endless, can move so.
-    pub(crate) fn is_sound(&self, inverse_mass: R, is_endless: bool) -> bool {
+    /// What is wrong if a body with this inverse mass, which may be endless, cannot move so.
+    pub(crate) fn flaw(&self, inverse_mass: R, is_endless: bool) -> Option<ObstacleDefect> {
         let Self::Free(free) = self else {
-            return true;
+            return None;
         };
         let finite = [free.gravity, free.force, free.torque];
         let finite = finite.iter().flatten().all(|x| x.is_finite());
         let inert = |x: &R| *x > R::ZERO && x.is_finite() && (R::ONE / *x).is_finite();
         let heavy = inverse_mass > R::ZERO && (R::ONE / inverse_mass).is_finite();
         let turns = !free.spins || !is_endless && free.inertia.iter().all(inert);
-        !R::FIXED_POINT && finite && heavy && turns
+        match (R::FIXED_POINT, finite, heavy, turns) {
+            (true, ..) => Some(ObstacleDefect::Range),
+            (_, false, ..) => Some(ObstacleDefect::Number),
+            (_, _, false, _) => Some(ObstacleDefect::Weightless),
+            (.., false) => Some(ObstacleDefect::Inertia),
+            _ => None,
+        }
     }
 }

@@ -1,7 +1,6 @@
 //! Obstacles: rigid bodies that push grains, and the force the grains put on them. What they are is in `shape.rs`,
 //! what moves them in `motion.rs`, and how in `rigid_body.rs`.
 
-use crate::error::Error;
 use crate::math::real::{Real, smaller};
 use crate::math::vec3::{Vec3, add, cross, dot, length_bound, scale, sub};
 use crate::state::domain::Domain;
@@ -9,7 +8,7 @@ use crate::state::facet::Facet;
 use crate::state::mesh::{FACETS_MAX, Mesh};
 use crate::state::motion::Motion;
 use crate::state::shape::{Nearest, Shape, divide};
-use crate::state::turning::{Orientation, is_upright, length2, to_body, to_world, upright};
+use crate::state::turning::{Orientation, is_upright, to_body, to_world, upright};
 
 /// A rigid body.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -149,50 +148,6 @@ impl<R: Real> Obstacle<R> {
         Self::new(Shape::Plane { normal }, point)
     }
 
-    /// Checks size, place, direction and motion against the box: a ball lies in it with its centre and is
-    /// no larger; so does a bar across its axis; directions and orientation have length 1.
-    ///
-    /// A plane's normal may have no part along a periodic axis; if an axis is periodic, an endless bar
-    /// must lie along one of the three axes. What is endless turns about its own direction only. What moves freely has
-    /// a finite mass and positive moments of inertia, and is not endless if it turns; in fixed point nothing moves
-    /// freely.
-    ///
-    /// # Errors
-    /// [`Error::BadObstacle`] with `number`.
-    pub fn check(&self, domain: &Domain<R>, number: u32) -> Result<(), Error> {
-        self.check_place(domain, number, false)
-    }
-
-    /// [`Obstacle::check`]; one that `has_moved` may be beyond a closed edge, as in a run.
-    pub(crate) fn check_place(
-        &self,
-        domain: &Domain<R>,
-        number: u32,
-        has_moved: bool,
-    ) -> Result<(), Error> {
-        let periodic = domain.periodic();
-        let direction_fits = match self.shape {
-            Shape::Plane { normal } => (0..3).all(|a| !periodic[a] || normal[a] == R::ZERO),
-            Shape::Cylinder { axis, .. } => {
-                let along = (0..3).filter(|&a| axis[a] != R::ZERO).count();
-                along == 1 || !periodic.contains(&true)
-            }
-            _ => true,
-        };
-        let numbers = [self.point, self.velocity, self.angular_velocity];
-        let finite = numbers.iter().flatten().all(|x| x.is_finite());
-        let heavy = self.inverse_mass >= R::ZERO && self.inverse_mass.is_finite();
-        let turns = self.is_turned_soundly();
-        let endless = self.shape.is_endless();
-        let moves = self.motion.is_sound(self.inverse_mass, endless);
-        let sound = self.shape.is_sound() && finite && heavy && turns && moves;
-        if direction_fits && sound && self.is_within(domain, has_moved) {
-            Ok(())
-        } else {
-            Err(Error::BadObstacle { obstacle: number })
-        }
-    }
-
     /// Whether these triangles are those that a mesh was made of; of another shape nothing is asked.
     pub(crate) fn has_facets(&self, facets: &[Facet<R>]) -> bool {
         let Shape::Mesh {
@@ -207,36 +162,6 @@ impl<R: Real> Obstacle<R> {
         let mesh = Mesh::of(facets, first, count);
         let is_whole = mesh.0.len() == count as usize && count as usize <= FACETS_MAX;
         is_whole && mesh.reach() == reach && mesh.name() == name
-    }
-
-    /// Whether the orientation is one, and what is endless is turned about its own direction.
-    fn is_turned_soundly(&self) -> bool {
-        let off = length2(self.orientation) - R::ONE;
-        let is_unit = off * off < R::EPSILON;
-        let direction = self.shape.direction();
-        let tilt = sub(to_world(self.orientation, direction), direction);
-        let keeps = dot(tilt, tilt) < R::EPSILON && self.swing() == R::ZERO;
-        !self.has_turned() || is_unit && (keeps || !self.shape.is_endless())
-    }
-
-    fn is_within(&self, domain: &Domain<R>, has_moved: bool) -> bool {
-        let (lo, hi, periodic) = (domain.lo(), domain.hi(), domain.periodic());
-        // What is endless may be anywhere along itself; a plane, and the middle of a drum or a mesh, anywhere.
-        let along = match self.shape.is_endless() {
-            true => self.shape.direction(),
-            false => [R::ZERO; 3],
-        };
-        let anywhere = matches!(
-            self.shape,
-            Shape::Plane { .. } | Shape::Drum { .. } | Shape::Mesh { .. }
-        );
-        let is_round = matches!(self.shape, Shape::Sphere { .. } | Shape::Cylinder { .. });
-        (0..3).all(|a| {
-            let inside = self.point[a] >= lo[a] && self.point[a] <= hi[a];
-            let fits = !is_round || (self.reach() + self.reach()) <= hi[a] - lo[a];
-            let left = has_moved && !periodic[a];
-            anywhere || along[a] != R::ZERO || ((inside || left) && fits)
-        })
     }
 
     /// How far from `point` (or the bar's axis) the surface reaches at most (length).

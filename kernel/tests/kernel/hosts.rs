@@ -237,6 +237,7 @@ fn a_nudge_that_cannot_be_changes_nothing() {
 #[test]
 fn errors_have_their_numbers() {
     let flaw = bitgrain_kernel::ArithmeticDefect::FlushToZero;
+    let bent = bitgrain_kernel::ObstacleDefect::Tilted;
     let (id, obstacle, needed, place) = (1, 2, 3, 4);
     for (code, error) in [
         (1, Error::BadDomain { axis: 0 }),
@@ -244,7 +245,13 @@ fn errors_have_their_numbers() {
         (3, Error::BadStorage),
         (4, Error::BadOrder { id }),
         (5, Error::BadGrain { id }),
-        (6, Error::BadObstacle { obstacle }),
+        (
+            6,
+            Error::BadObstacle {
+                obstacle,
+                flaw: bent,
+            },
+        ),
         (7, Error::BadTimeStep),
         (8, Error::Arithmetic { flaw }),
         (9, Error::TooSlow { id }),

@@ -200,6 +200,12 @@ int main(void) {
     IS(bg_get_obstacle(world, 1, &plane), BG_BAD_ARGUMENT);
     const double some[4] = {1, 0, 0, 0};
     IS(bg_turn(world, 1, some), BG_BAD_ARGUMENT);
+    /* An endless wall would tilt. */
+    const double tilted[4] = {0.8, 0.6, 0, 0};
+    IS(bg_turn(world, 0, some), BG_BAD_OBSTACLE);
+    IS(bg_drive_to(world, 0, some, tilted, 5), BG_BAD_OBSTACLE);
+    IS(bg_get_fault(world, &fault), BG_OK);
+    IS((int)fault.first, 0);
     IS(bg_drive_to(world, 0, some, NULL, 5), BG_NULL);
     IS(bg_push(world, 0, some, some), BG_BAD_ARGUMENT);
     IS(bg_read(world, BG_POSITION, out, 0, 0, 3), BG_NO_GRAIN);

@@ -156,12 +156,6 @@ pub fn refuse(name: &str, fault: KernelError, place_of: impl Fn(u32) -> String) 
              make it longer than twice the largest contact distance",
             ["x", "y", "z"][axis as usize]
         ),
-        KernelError::BadObstacle { obstacle } => format!(
-            "obstacle {obstacle} does not fit the box: a ball or bar must have its centre inside \
-             and be no larger; a plane may not face along a periodic axis; with periodic axes an \
-             endless cylinder must lie along x, y or z; what is endless turns about its own direction \
-             only, and not freely; and masses and moments of inertia must be sound numbers"
-        ),
         KernelError::ObstacleTooFast { .. } => format!("{fault}; shorten dt"),
         KernelError::TooFast { id } => format!(
             "{} would move more than its own radius in one step; shorten dt",

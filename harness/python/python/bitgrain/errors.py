@@ -112,9 +112,10 @@ class BadGrain(KernelError):
 
 
 class BadObstacle(KernelError):
-    """An obstacle's size, place or direction is impossible in this box."""
+    """An obstacle's size, place, direction or motion is impossible in this box; `flaw` says how."""
 
     obstacle: int
+    flaw: str
 
 
 class BadTimeStep(KernelError):
