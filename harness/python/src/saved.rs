@@ -34,8 +34,8 @@ impl World {
         let mut core = write(&self.shared)?;
         if let Some(number) = core.driven.iter().position(|one| one.left > 0) {
             let problem = format!(
-                "obstacle {number} is driven for {} steps more, which the bytes cannot hold: save before or after \
-                 that, or set its velocity",
+                "obstacle {number} is driven for {} steps more, and the bytes hold the world as it is now, not what \
+                 stops it later: save before or after that, or set its velocity",
                 core.driven[number].left
             );
             return Err(input("save", problem));
