@@ -248,6 +248,7 @@ fn steps_beside(
 ) -> Option<(KernelError, std::result::Result<(), KernelError>)> {
     let here = rayon::current_thread_index();
     let mut sim = settled_bed();
+    sim.stepping.divide_always();
     sim.steps(steps).unwrap();
     assert_eq!(sim.stepping.parts(), 3);
     rayon::broadcast(|context| {
