@@ -183,11 +183,12 @@ impl Submission {
             self.options, self.steps
         );
         self.write(&path, &text)?;
-        let by_hand = format!("sh {}", quoted(&utf8(&path)?));
+        let script = utf8(&path)?;
+        let by_hand = format!("sh {}", quoted(&script));
         if write_only {
             return print(&format!("written, not submitted: `{by_hand}` submits it\n"));
         }
-        let status = Command::new("sh").arg(&path).status();
+        let status = Command::new("sh").arg(&script).status();
         let place = path.display().to_string();
         match status.map(|status| status.code()) {
             Ok(Some(0)) => Ok(()),

@@ -13,8 +13,8 @@ use bitgrain_lab::run::SaveEvery;
 use bitgrain_sim::disk;
 use bitgrain_sim::error::{Error, Result};
 
-/// What a shell executes something for, unless quotes are round it.
-const SPECIAL: [char; 9] = ['$', '`', ';', '&', '|', '<', '>', '(', ')'];
+/// What a shell executes something for, or takes for something else, unless quotes are round it.
+const SPECIAL: &str = "$`;&|<>()#~*?[]{}!\\\"";
 
 /// A campaign that is handed out in pieces.
 pub(super) struct Pieces<'a> {
@@ -66,9 +66,16 @@ impl Pieces<'_> {
             format!("{command} --threads {}\n", self.threads)
         };
         let lines: String = wanted.iter().map(line).collect();
-        if lines.contains(SPECIAL) || !is_plain(&lines) {
-            let problem = "a name in the commands has a control character, or one of $ ` ; & | < > ( ), which `xargs` \
-                           hands to a shell without its quotes: choose names without these";
+        if lines.contains(|c| SPECIAL.contains(c)) || !is_plain(&lines) {
+            let problem = format!(
+                "a name in the commands has a control character, an apostrophe, or one of {}, which `xargs` hands to \
+                 a shell without its quotes: choose names without these",
+                SPECIAL
+                    .chars()
+                    .map(String::from)
+                    .collect::<Vec<_>>()
+                    .join(" ")
+            );
             return Err(Error::input("--tasks", problem));
         }
         print(&lines)

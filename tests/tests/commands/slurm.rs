@@ -59,6 +59,14 @@ fn text(desk: &Desk, name: &str) -> String {
     std::fs::read_to_string(desk.folder.path().join(name)).unwrap_or_default()
 }
 
+/// A folder that begins as an option does is none of the shell's.
+#[test]
+fn a_folder_is_no_option() {
+    let desk = desk();
+    let submit = format!("'{PROGRAM}' run run.toml --out=-c --submit slurm");
+    assert_eq!(does(&desk, &submit, 0), "./-c/slurm/1/run.sh: job 101\n");
+}
+
 /// Beds, then drags, then the merge; the scripts do the campaign, and what is submitted again is what is missing.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "pours small beds: seconds in release")]

@@ -112,6 +112,16 @@ fn lines_execute_nothing_but_the_program() {
         "`touch x`",
         "a|touch x",
         "a>x",
+        "a #b",
+        "~/a",
+        "a*",
+        "a?",
+        "[ab]",
+        "{a,b}",
+        "!a",
+        "a\\b",
+        "a\"b",
+        "a'b'",
     ] {
         let told = desk.sweep(&["--tasks", "--out", out]);
         let text = String::from_utf8_lossy(&told.stderr).into_owned();
