@@ -53,6 +53,7 @@ pub fn write_beside(path: &Path, bytes: &[u8]) -> Result<()> {
 /// # Errors
 /// [`Error::Input`].
 pub fn refuse_result(path: &Path) -> Result<()> {
+    disk::check_way(path)?;
     let parent = path.parent().filter(|parent| *parent != Path::new(""));
     let parent = parent.unwrap_or(Path::new(".")).canonicalize();
     let (Ok(parent), Some(name)) = (parent, path.file_name()) else {

@@ -9,6 +9,7 @@ mod contact;
 
 pub use builds::run_both;
 
+use std::ffi::OsStr;
 use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
@@ -253,7 +254,7 @@ impl Side {
 
     /// Has the program replay a stretch of a stage, and gives each of its lines to `take`, which says
     /// whether it wants more.
-    fn replay(&self, stage: &str, more: &[&str]) -> Result<Replaying> {
+    fn replay(&self, stage: &str, more: &[impl AsRef<OsStr>]) -> Result<Replaying> {
         let mut command = alone(&self.program);
         command.arg("replay").arg(&self.folder);
         command.args(["--stage", stage]).args(more);
@@ -375,20 +376,23 @@ fn parting(sides: &[Side; 2], stage: String, step: u64, equal: Option<u64>) -> R
     let mut states = Vec::new();
     for (side, name) in sides.iter().zip(["a", "b"]) {
         let path = room.path().join(name);
-        let path = path.to_string_lossy().into_owned();
-        let more = ["--from", &at, "--steps", "0"];
-        let mut digest = side.replay(&stage, &[&more[..], &["--digests"]].concat())?;
+        let more = ["--from", &at, "--steps", "0"].map(OsStr::new);
+        let digest = ["--digests"].map(OsStr::new);
+        let mut digest = side.replay(&stage, &[&more[..], &digest].concat())?;
         digests.push(digest.next::<Digests>()?);
-        let whole = [&more[..], &["--contacts", "--save", &path]].concat();
-        let mut sample = side.replay(&stage, &whole)?;
+        let whole = ["--contacts".as_ref(), "--save".as_ref(), path.as_os_str()];
+        let mut sample = side.replay(&stage, &[&more[..], &whole].concat())?;
         contacts.push(sample.next::<Sample>()?.contacts);
         // Written before the program ends, after the line.
         let ended = sample.child.wait();
-        let bytes = match (ended, disk::read(Path::new(&path))) {
+        let bytes = match (ended, disk::read(&path)) {
             (Ok(status), Ok(bytes)) if status.success() => bytes,
             _ => return Err(sample.failed()),
         };
-        states.push(checkpoint::unpack_foreign(&bytes, &path)?);
+        states.push(checkpoint::unpack_foreign(
+            &bytes,
+            &path.display().to_string(),
+        )?);
     }
     let [one, other] = &mut states[..] else {
         unreachable!("two sides have two states");

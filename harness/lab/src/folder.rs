@@ -4,13 +4,16 @@ use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
 use crate::beside::{ANALYSIS, PERFORMANCE, REPORT, refuse_foreign};
+pub(crate) use crate::manifest::FAILURE;
 use crate::manifest::{self, FolderKind, Ledger, Manifest};
 use crate::progress::Progress;
 use crate::scenario::{self, BedFile, CheckedScenario};
 use bitgrain_sim::below::Below;
+use bitgrain_sim::checkpoint::{self, StageState};
 use bitgrain_sim::disk::{self, Kind, make_folder};
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::files::{bits, read_text};
+use bitgrain_sim::simulation::Simulation;
 
 /// A run directory.
 #[derive(Clone, Copy, Debug)]
@@ -19,8 +22,6 @@ pub struct Folder<'a>(pub &'a Path);
 /// What a folder is for: how it is recognised, and which names are used in it.
 pub struct Contents {
     pub(crate) of: FolderKind,
-    /// The file that says what the folder is for; its first line names the arithmetic.
-    pub(crate) marker: &'static str,
     /// The text of a marker as it is written that says what these bytes do, if they say something.
     pub(crate) as_made: fn(&[u8]) -> Option<String>,
     /// Names of files that may be written directly below it.
@@ -32,7 +33,6 @@ pub struct Contents {
 /// What a run directory holds.
 pub(crate) const RUN: Contents = Contents {
     of: FolderKind::Run,
-    marker: "scenario.toml",
     as_made: scenario::as_made,
     files: &[
         "scenario.toml",
@@ -47,9 +47,6 @@ pub(crate) const RUN: Contents = Contents {
 
 /// The folder with the job scripts that were submitted: of the machine, not of the results.
 pub const SUBMITTED: &str = "slurm";
-
-/// The file that says why a drag of a campaign failed, in the drag's folder, or its bed, in the run directory.
-pub(crate) const FAILURE: &str = "failure.json";
 
 /// A folder that this process owns as long as this value lives, and its manifest.
 #[derive(Debug)]
@@ -98,7 +95,7 @@ impl DirectoryLock {
         settle(&ledger)?;
         // It may be another file now; a second lock on the same one would wait for the first.
         held.marker = None;
-        let Some(marker) = lock(disk::open_to_lock(&folder.join(contents.marker))) else {
+        let Some(marker) = lock(disk::open_to_lock(&folder.join(contents.of.marker()))) else {
             return Ok(None);
         };
         Ok(Some(Self {
@@ -141,7 +138,7 @@ impl Held {
 /// Locks a folder and its marker, and reads and writes nothing; `None` if another process has. The lock of the folder
 /// holds if its marker is replaced, that of the marker if a network file system cannot lock folders.
 pub(crate) fn hold(folder: &Path, contents: &Contents) -> Option<Held> {
-    let marker = folder.join(contents.marker);
+    let marker = folder.join(contents.of.marker());
     let folder = lock(disk::open_folder(folder))?;
     let marker = match disk::kind(&marker) {
         Some(Kind::File) => lock(disk::open_to_lock(&marker))?,
@@ -159,35 +156,66 @@ fn lock(opened: std::io::Result<File>) -> Option<Option<File>> {
     }
 }
 
-/// Refuses a folder that is not of this kind and holds a name that would be written, and one within the
-/// results of a run.
+/// Refuses a folder that a user names, by whatever path, within the results of a run or campaign, where every file is
+/// taken for one of them. A member or task that is there already is a run of its own.
+///
+/// # Errors
+/// [`Error::Input`].
+pub(crate) fn refuse_among_results(folder: &Path) -> Result<()> {
+    let full = disk::resolved(folder)?;
+    let within = |of: FolderKind| {
+        let mut above = full.ancestors().skip(1);
+        above.find(|above| is_among(&full, above, of) && is_of(above, of))
+    };
+    if let Some(above) = within(FolderKind::Run) {
+        return Err(among(folder, above, FolderKind::Run));
+    }
+    match within(FolderKind::Campaign) {
+        Some(above) if !is_of(&full, FolderKind::Run) => {
+            Err(among(folder, above, FolderKind::Campaign))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Refuses a library of beds within the results of a run or campaign, also of that which is to be in `out`.
+///
+/// # Errors
+/// [`Error::Input`].
+pub(crate) fn refuse_library(library: &Path, out: &Path, of: FolderKind) -> Result<()> {
+    refuse_among_results(library)?;
+    match is_among(&disk::resolved(library)?, &disk::resolved(out)?, of) {
+        true => Err(among(library, out, of)),
+        false => Ok(()),
+    }
+}
+
+/// Whether a path, resolved as `above` is, lies where a folder of this kind has its results.
+fn is_among(full: &Path, above: &Path, of: FolderKind) -> bool {
+    let mut places = of.places().into_iter();
+    places.any(|own| full.starts_with(above.join(own)))
+}
+
+fn among(path: &Path, above: &Path, of: FolderKind) -> Error {
+    let problem = format!(
+        "lies among the results of the {} in {}; choose another folder (--out, --beds)",
+        of.word(),
+        above.display()
+    );
+    Error::input(path.display().to_string(), problem)
+}
+
+/// Refuses a folder that is not of this kind and holds a name that would be written.
 pub(crate) fn refuse_others(folder: &Path, contents: &Contents) -> Result<()> {
     let place = || folder.display().to_string();
-    let full = std::path::absolute(folder).map_err(|e| Error::read(folder, &e))?;
-    for above in full.ancestors().skip(1) {
-        let below = manifest::relative(above, &full).unwrap_or_default();
-        let within = ["beds", "runs"].iter().any(|own| {
-            below == *own
-                || below
-                    .strip_prefix(own)
-                    .is_some_and(|rest| rest.starts_with('/'))
-        });
-        if within && is_of(above, &RUN) {
-            let problem = format!(
-                "lies among the results of the run in {}; choose another --out",
-                above.display()
-            );
-            return Err(Error::input(place(), problem));
-        }
-    }
-    if is_of(folder, contents) {
+    if is_of(folder, contents.of) {
         return refuse_other_kinds(folder, contents);
     }
     let taken = |name: &&&str| disk::is_there(&folder.join(name));
     match contents.files.iter().chain(contents.folders).find(taken) {
         None => Ok(()),
         // Another process of the same campaign has made it meanwhile.
-        Some(_) if is_of(folder, contents) => Ok(()),
+        Some(_) if is_of(folder, contents.of) => Ok(()),
         Some(name) => {
             let kind = contents.of.word();
             let problem = format!(
@@ -209,12 +237,13 @@ fn refuse_other_kinds(folder: &Path, contents: &Contents) -> Result<()> {
         Below(folder).check_file(&folder.join(name))?;
         refuse_foreign(&folder.join(name))?;
     }
-    let marker = folder.join(contents.marker);
+    let name = contents.of.marker();
+    let marker = folder.join(name);
     let Some(text) = disk::read_if_there(&marker)? else {
         return Ok(());
     };
     let manifest = Manifest::of(folder).ok().flatten();
-    let entry = manifest.as_ref().and_then(|it| it.entry(contents.marker));
+    let entry = manifest.as_ref().and_then(|it| it.entry(name));
     let same = |made: String| {
         text.split(u8::is_ascii_whitespace)
             .filter(|w| !w.is_empty())
@@ -229,15 +258,20 @@ fn refuse_other_kinds(folder: &Path, contents: &Contents) -> Result<()> {
     Err(Error::input(marker.display().to_string(), problem))
 }
 
+/// Whether a folder is one of a run or campaign.
+pub(crate) fn has_run(folder: &Path) -> bool {
+    is_of(folder, FolderKind::Run) || is_of(folder, FolderKind::Campaign)
+}
+
 /// Whether a folder is one of this kind, by its marker or its manifest.
-pub fn is_of(folder: &Path, contents: &Contents) -> bool {
-    let marker = folder.join(contents.marker);
+pub fn is_of(folder: &Path, of: FolderKind) -> bool {
+    let marker = folder.join(of.marker());
     let marked = || {
         let text = disk::read(&marker).ok()?;
         Some(text.starts_with(b"# BITS_VERSION "))
     };
     disk::kind(&marker) == Some(Kind::File) && marked() == Some(true)
-        || Manifest::of(folder).is_ok_and(|found| found.is_some_and(|one| one.of == contents.of))
+        || Manifest::of(folder).is_ok_and(|found| found.is_some_and(|one| one.of == of))
 }
 
 impl Folder<'_> {
@@ -337,6 +371,7 @@ impl Folder<'_> {
                 "is missing: the folder holds no run that could go on",
             ));
         }
+        Below(self.0).check_file(&path)?;
         let text = read_text(&path)?;
         let made = text.lines().next().unwrap_or_default();
         if made != format!("# {}", bits()) {
@@ -351,6 +386,15 @@ impl Folder<'_> {
             ));
         }
         self.parse_saved(&text)
+    }
+
+    /// A state that lies in it, and what its checkpoint holds besides.
+    ///
+    /// # Errors
+    /// As [`checkpoint::read_noted`]; [`Error::Input`] if the way there leads through a link.
+    pub(crate) fn state(&self, path: &Path) -> Result<(Simulation, StageState)> {
+        Below(self.0).check_file(path)?;
+        checkpoint::read_noted(path)
     }
 
     /// Reads the text of a scenario that lies in this folder, and no file elsewhere that it names.

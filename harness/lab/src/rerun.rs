@@ -7,7 +7,6 @@ use crate::progress::{Progress, Stage};
 use crate::run::{self, DragTask, surveyed};
 use crate::scenario::{BedPlan, CheckedScenario, DragPlan};
 use crate::summary::BedSummary;
-use bitgrain_sim::checkpoint;
 use bitgrain_sim::disk;
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::observer::Observer;
@@ -87,7 +86,7 @@ impl<'a> RunArchive<'a> {
     /// # Errors
     /// If its checkpoint cannot be read.
     pub fn bed(&self, plan: &BedPlan) -> Result<BedSummary> {
-        let (mut sim, note) = checkpoint::read_noted(&self.folder.bed(&plan.name))?;
+        let (mut sim, note) = self.folder.state(&self.folder.bed(&plan.name))?;
         surveyed(&self.scenario, plan, &mut sim, &note)
     }
 

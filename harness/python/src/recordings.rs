@@ -102,9 +102,14 @@ fn element_of(name: &str, element: &str) -> Result<Element> {
 }
 
 /// Whether a path is taken for that of a recording.
+///
+/// Raises
+/// ------
+/// InputError
+///     It is the folder of a run or campaign and has a recording too.
 #[pyfunction]
-pub fn is_recording(path: PathBuf) -> bool {
-    read::is_recording(&path)
+pub fn is_recording(path: PathBuf) -> PyResult<bool> {
+    read::is_recording(&path).map_err(|error| laboratory(&error))
 }
 
 /// Finds where two recordings part; returns what is found as JSON, and what there is to know beside that.

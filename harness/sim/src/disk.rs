@@ -11,10 +11,13 @@
 //! Tests [`watch`] the calls, fail them, and stop a process at any of them.
 
 mod append;
+mod folders;
 mod lock;
 mod watch;
 
 pub use append::Appended;
+use folders::{above, sync_folder};
+pub use folders::{check_way, make_folder, make_new_folder, resolved};
 pub(crate) use lock::is_being_written;
 pub use lock::{open_folder, open_to_lock};
 pub use watch::{Call, CallOutcome, Watch, watch};
@@ -61,6 +64,8 @@ pub enum Kind {
     Other,
     /// What cannot be looked at, for want of a permission or because its disk fails.
     Hidden,
+    /// Whatever has a name that is not UTF-8, in a list of names.
+    Unnamed,
 }
 
 impl Kind {
@@ -85,6 +90,7 @@ impl Kind {
             Kind::Link => "a symbolic link",
             Kind::Other => "a pipe, device or socket",
             Kind::Hidden => "something that cannot be looked at: see that you may enter its folder",
+            Kind::Unnamed => "something with a name that is not UTF-8",
         }
     }
 }
@@ -221,8 +227,10 @@ pub fn list(folder: &Path) -> Result<Vec<(String, Kind)>> {
     let mut names = Vec::new();
     for item in items {
         let item = item.map_err(|e| Error::read(folder, &e))?;
-        let name = item.file_name().to_string_lossy().into_owned();
-        names.push((name, kind(&item.path()).unwrap_or(Kind::Hidden)));
+        names.push(match item.file_name().into_string() {
+            Ok(name) => (name, kind(&item.path()).unwrap_or(Kind::Hidden)),
+            Err(name) => (name.to_string_lossy().into_owned(), Kind::Unnamed),
+        });
     }
     names.sort();
     Ok(names)
@@ -326,58 +334,10 @@ fn new_partial(path: &Path) -> (PathBuf, io::Result<File>) {
     }
 }
 
-/// The folder that a path is in.
-fn above(path: &Path) -> &Path {
-    match path.parent() {
-        Some(folder) if folder != Path::new("") => folder,
-        _ => Path::new("."),
-    }
-}
-
-/// Makes the names in a folder last.
-fn sync_folder(folder: &Path) -> io::Result<()> {
-    before(Call::SyncFolder(folder))?;
-    // Elsewhere folders cannot be opened, and renames last by themselves.
-    #[cfg(unix)]
-    File::open(folder)?.sync_all()?;
-    Ok(())
-}
-
-/// Makes a folder and those above it, each of which lasts.
-///
-/// # Errors
-/// [`Error::Write`].
-pub fn make_folder(folder: &Path) -> Result<()> {
-    // Another thread may make it meanwhile.
-    if folder.is_dir() || make_new_folder(folder)? || folder.is_dir() {
-        return Ok(());
-    }
-    Err(Error::write(folder, io::ErrorKind::AlreadyExists.into()))
-}
-
-/// The same; says whether it was made now, or something has its name.
-///
-/// # Errors
-/// [`Error::Write`].
-pub fn make_new_folder(folder: &Path) -> Result<bool> {
-    let up = above(folder);
-    if up != folder {
-        make_folder(up)?;
-    }
-    let made = before(Call::MakeFolder(folder)).and_then(|()| std::fs::create_dir(folder));
-    match made {
-        Err(e) if e.kind() == io::ErrorKind::AlreadyExists => Ok(false),
-        made => {
-            let lasts = made.and_then(|()| sync_folder(up));
-            lasts.map(|()| true).map_err(|e| Error::write(folder, e))
-        }
-    }
-}
-
 /// Makes sure that files can be written to a folder, which is made if it is missing.
 ///
 /// # Errors
-/// [`Error::Write`].
+/// As [`make_folder`].
 pub fn check_writable(folder: &Path) -> Result<()> {
     make_folder(folder)?;
     let (probe, created) = new_partial(&folder.join("probe"));
@@ -422,16 +382,6 @@ mod tests {
         ] {
             assert!(!is_partial(not), "{not}");
         }
-    }
-
-    #[test]
-    fn a_new_folder_is_made_once() {
-        let folder = tempfile::tempdir().unwrap();
-        let new = folder.path().join("slurm/1");
-        assert_eq!(
-            [(), ()].map(|()| make_new_folder(&new).unwrap()),
-            [true, false]
-        );
     }
 
     #[test]

@@ -1,16 +1,18 @@
 //! `bitgrain verify` and `bitgrain bisect`.
 
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-use clap::Args;
+use clap::{Args, ValueHint};
 
 use super::channels::{print, processors, stoppable};
 use bitgrain_lab::against::is_link;
 use bitgrain_lab::bisect::{Side, bisect, run_both};
 use bitgrain_lab::campaign;
-use bitgrain_lab::campaign::folder::{CAMPAIGN, CampaignFolder};
+use bitgrain_lab::campaign::folder::CampaignFolder;
 use bitgrain_lab::folder::{Folder, is_of};
+use bitgrain_lab::manifest::FolderKind;
 use bitgrain_lab::recording::command::Patience;
 use bitgrain_lab::recording::parting::Parting;
 use bitgrain_lab::recording::read::{Recorded, is_recording};
@@ -48,9 +50,11 @@ pub(super) struct Verify {
 #[derive(Args)]
 pub(super) struct Bisect {
     /// The folder of a run or of a recording; with --scenario a `bitgrain` program, with --commands a command line.
-    a: PathBuf,
+    #[arg(value_hint = ValueHint::AnyPath)]
+    a: OsString,
     /// The other.
-    b: PathBuf,
+    #[arg(value_hint = ValueHint::AnyPath)]
+    b: OsString,
     /// Run this scenario with the two programs first.
     #[arg(long, conflicts_with_all = ["program_a", "program_b"])]
     scenario: Option<String>,
@@ -109,7 +113,7 @@ pub(super) fn run_verify(what: Verify) -> Result<()> {
     }
     let (threads, progress) = (processors(what.threads), stoppable(false));
     let say = |line: &str| print(&format!("{line}\n"));
-    if is_of(&what.folder, &CAMPAIGN) {
+    if is_of(&what.folder, FolderKind::Campaign) {
         let folder = CampaignFolder(&what.folder);
         let expect = &what.expect[..];
         return campaign::verify::verify(&folder, &scope, expect, threads, &progress, say);
@@ -125,18 +129,19 @@ pub(super) fn run_bisect(what: Bisect, this: &Path) -> Result<()> {
     if what.commands {
         return verdict(search(&commands(&what)?, say)?);
     }
-    if what.scenario.is_none() && (is_recording(&what.a) || is_recording(&what.b)) {
-        let sides = [Recorded::open(&what.a)?, Recorded::open(&what.b)?];
+    let [a, b] = [PathBuf::from(&what.a), PathBuf::from(&what.b)];
+    if what.scenario.is_none() && [is_recording(&a)?, is_recording(&b)?].contains(&true) {
+        let sides = [Recorded::open(&a)?, Recorded::open(&b)?];
         return verdict(part(&sides, what.prefix, say)?);
     }
     let [a, b] = match &what.scenario {
         None => {
             let own = |program: Option<PathBuf>| program.unwrap_or_else(|| this.to_path_buf());
-            [(what.a, own(what.program_a)), (what.b, own(what.program_b))]
+            [(a, own(what.program_a)), (b, own(what.program_b))]
         }
         Some(scenario) => {
-            let [a, b] = run_both([&what.a, &what.b], scenario, &what.sets, &what.out)?;
-            [(a, what.a), (b, what.b)]
+            let [one, other] = run_both([&a, &b], scenario, &what.sets, &what.out)?;
+            [(one, a), (other, b)]
         }
     };
     let sides = [a, b].map(|(folder, program)| Side { folder, program });
@@ -154,9 +159,9 @@ pub(super) fn run_bisect(what: Bisect, this: &Path) -> Result<()> {
 
 /// The two command lines to be searched.
 fn commands(what: &Bisect) -> Result<Commands> {
-    let text = |path: &PathBuf| {
-        let text = path.to_str().map(String::from);
-        text.ok_or_else(|| Error::input(path.display().to_string(), "is no command line in UTF-8"))
+    let text = |line: &OsString| {
+        let text = line.to_str().map(String::from);
+        text.ok_or_else(|| Error::input(line.display().to_string(), "is no command line in UTF-8"))
     };
     Ok(Commands {
         texts: [text(&what.a)?, text(&what.b)?],

@@ -19,7 +19,7 @@ use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::bench::{Timing, bench};
 use crate::ranks;
@@ -32,7 +32,7 @@ use bitgrain_lab::progress::Progress;
 use bitgrain_lab::replay::{Replay, Stretch, replay, replay_run};
 use bitgrain_lab::rerun::RunArchive;
 use bitgrain_lab::selftest::selftest;
-use bitgrain_sim::disk::{is_folder, set_most};
+use bitgrain_sim::disk::{check_way, is_folder, set_most};
 use bitgrain_sim::error::{Error, Result};
 use channels::{MAX_INPUT, heed_full_files, print, shown, stoppable};
 use help::{
@@ -197,6 +197,7 @@ pub fn main_of(words: impl IntoIterator<Item = OsString>, home: &Path, this: &Pa
         .first()
         .map(|word| word.to_string_lossy().into_owned());
     let words = grouped(Cli::command()).try_get_matches_from(words);
+    let ways = words.as_ref().map_or(Ok(()), check_ways);
     let command = match words.and_then(|found| Cli::from_arg_matches(&found)) {
         Ok(cli) => {
             set_most(cli.max_input << 20);
@@ -212,7 +213,8 @@ pub fn main_of(words: impl IntoIterator<Item = OsString>, home: &Path, this: &Pa
             return 0;
         }
     };
-    match told_of_full_files.and_then(|()| run(command, home, this, &program.unwrap_or_default())) {
+    let begun = told_of_full_files.and(ways);
+    match begun.and_then(|()| run(command, home, this, &program.unwrap_or_default())) {
         Ok(()) => 0,
         // A reader that has seen enough of a replay (`| head`) is not an error.
         Err(Error::Output(e)) if e.kind() == std::io::ErrorKind::BrokenPipe => 0,
@@ -222,6 +224,15 @@ pub fn main_of(words: impl IntoIterator<Item = OsString>, home: &Path, this: &Pa
             error.exit_status()
         }
     }
+}
+
+/// Refuses a path among the words of a command that leads elsewhere once a folder is made.
+fn check_ways(found: &ArgMatches) -> Result<()> {
+    let named = |id: &clap::Id| found.try_get_many::<PathBuf>(id.as_str()).ok()?;
+    let mut paths = found.ids().filter_map(named).flatten();
+    paths.try_for_each(|path| check_way(path))?;
+    let below = found.subcommand();
+    below.map_or(Ok(()), |(_, found)| check_ways(found))
 }
 
 fn run(command: Command, home: &Path, this: &Path, program: &str) -> Result<()> {

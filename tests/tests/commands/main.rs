@@ -34,6 +34,7 @@ mod memory;
 mod notices;
 mod packed;
 mod parsers;
+mod paths;
 #[cfg(unix)]
 mod planted;
 mod recorder;

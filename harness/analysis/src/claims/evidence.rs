@@ -6,7 +6,7 @@ use super::book::{Book, Claim, Measured};
 use super::number::{Found, Number};
 use super::{guillard, kumar, restitution, tank};
 use crate::analysis::{Analysis, analyse, text};
-use bitgrain_lab::campaign::folder::{Beside, CAMPAIGN, CampaignFolder};
+use bitgrain_lab::campaign::folder::{Beside, CampaignFolder};
 use bitgrain_lab::campaign::table::{CampaignTable, of_run};
 use bitgrain_lab::folder::{Folder, is_of};
 use bitgrain_lab::manifest::{FolderKind, Vouched};
@@ -48,7 +48,7 @@ impl Evidence {
             let text = read_text(from)?;
             return Self::of_text(text, from, None, plugs);
         }
-        if !is_of(from, &CAMPAIGN) {
+        if !is_of(from, FolderKind::Campaign) {
             let vouched = Vouched::open(from, FolderKind::Run)?;
             let (text, summary) = read_folder(&Folder(from), &vouched)?;
             return Self::of_summary(&text, summary, from, plugs);

@@ -19,6 +19,8 @@ pub fn run_both(
     sets: &[String],
     out: &Path,
 ) -> Result<[PathBuf; 2]> {
+    // Other builds may not look at the way there.
+    disk::check_way(out)?;
     let names = ["a", "b", "beds-a", "beds-b"];
     if let Some(name) = names.iter().find(|name| disk::is_there(&out.join(name))) {
         let problem = format!(

@@ -8,7 +8,9 @@ use super::plan::{Member, Plan};
 use super::written;
 use crate::beside::{ANALYSIS, PERFORMANCE, REPORT};
 use crate::changes;
-use crate::folder::{Contents, DirectoryLock, FAILURE, Folder, SUBMITTED, refuse_others};
+use crate::folder::{
+    Contents, DirectoryLock, FAILURE, Folder, SUBMITTED, refuse_among_results, refuse_others,
+};
 use crate::manifest::{self, FolderKind, Ledger, Planned, Vouched, When};
 use crate::pace::Pace;
 use crate::run::{refuse_foreign_names, refuse_other_kinds, stages};
@@ -19,7 +21,6 @@ use bitgrain_sim::error::{Error, Result};
 /// What the folder of a campaign holds.
 pub const CAMPAIGN: Contents = Contents {
     of: FolderKind::Campaign,
-    marker: "campaign.toml",
     as_made: written::as_made,
     files: &[
         "campaign.toml",
@@ -175,6 +176,7 @@ impl CampaignFolder<'_> {
     /// # Errors
     /// [`Error::Input`] with the difference.
     pub fn refuse_others(&self, plan: &Plan) -> Result<()> {
+        refuse_among_results(self.0)?;
         refuse_others(self.0, &CAMPAIGN)?;
         self.refuse_other_kinds(plan)?;
         match self.has_begun() {
@@ -232,6 +234,7 @@ impl CampaignFolder<'_> {
 
     pub(super) fn claim(&self, plan: &Plan) -> Result<DirectoryLock> {
         let text = self.text(plan);
+        refuse_among_results(self.0)?;
         let claim = DirectoryLock::take(self.0, &CAMPAIGN, &Self::stages(plan), |ledger| {
             self.refuse_other_kinds(plan)?;
             for member in &plan.members {
@@ -246,7 +249,7 @@ impl CampaignFolder<'_> {
         })?;
         if claim.sure {
             // Workers write the campaign's file without a lock: one may begin now.
-            let own = |name: &str| name != CAMPAIGN.marker;
+            let own = |name: &str| name != CAMPAIGN.of.marker();
             Below(self.0).clear_partials(self.0, own);
         }
         claim.ledger.save()?;

@@ -14,8 +14,8 @@ use super::plan::Plan;
 use super::tasks;
 use crate::bed::recipe::Recipe;
 use crate::bed::{self, library::BedCache};
-use crate::folder::{DirectoryLock, FAILURE, Folder};
-use crate::manifest::Ledger;
+use crate::folder::{DirectoryLock, FAILURE, Folder, at_work, refuse_library};
+use crate::manifest::{FolderKind, Ledger};
 use crate::performance::StagePerformance;
 use crate::progress::{Overall, Progress};
 use crate::run::{self, SaveEvery, Setting, Taken, WriteReport, side_by_side};
@@ -88,6 +88,7 @@ struct Under<'a> {
 pub fn sweep(what: &Sweep<'_>) -> Result<Outcome> {
     let jobs = jobs(what.plan, what.only);
     let folder = CampaignFolder(what.out);
+    refuse_library(what.library.folder(), what.out, FolderKind::Campaign)?;
     let claim = folder.claim(what.plan)?;
     if !claim.sure {
         what.progress.warn(&format!(
@@ -99,7 +100,8 @@ pub fn sweep(what: &Sweep<'_>) -> Result<Outcome> {
     let places: Vec<PathBuf> = members.iter().map(|m| folder.member(&m.name)).collect();
     let mut claims = Vec::new();
     for (member, place) in members.iter().zip(&places) {
-        claims.push(run::claim(&Folder(place), &member.scenario)?);
+        let claim = run::try_claim(&Folder(place), &member.scenario)?;
+        claims.push(claim.ok_or_else(|| at_work(place))?);
     }
     for claim in claims.iter().chain([&claim]) {
         claim.warn_of_damage(what.progress);

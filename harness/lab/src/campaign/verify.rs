@@ -17,6 +17,7 @@ use crate::verify::{
     Cause, Job, Scope, beside_twin, check_expected, check_manifest, execute, pieces, sampled,
     summary_problem,
 };
+use bitgrain_sim::below::Below;
 use bitgrain_sim::disk;
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::files::read_text;
@@ -41,6 +42,7 @@ pub fn verify(
         return Err(Error::input(place, problem));
     }
     let path = folder.campaign();
+    Below(folder.0).check_file(&path)?;
     let plan = written::parse(&read_text(&path)?, &path.display().to_string(), folder.0)?;
     let planned = CampaignFolder::planned(&plan);
     let (whole, mut problems) = check_manifest(folder.0, &planned, expect, &mut say)?;

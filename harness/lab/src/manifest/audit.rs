@@ -94,14 +94,16 @@ pub fn audit(root: &Path, manifest: &Manifest, planned: &Planned) -> Result<Fold
                 }
                 continue;
             }
-            let covered = manifest.entry(&path).is_some();
+            // Another file may have the name as it is shown here.
+            let named = kind != Kind::Unnamed;
+            let covered = named && manifest.entry(&path).is_some();
             let beside = planned.files.get(&path) == Some(&When::Beside) || is_partial(&name);
             // A file among results is taken for one.
             let top = path.split('/').next().unwrap_or_default();
             match kind {
                 Kind::Folder if !covered => open.push(path),
                 _ if covered => {}
-                _ if RESULTS.contains(&top) && !beside => {
+                _ if RESULTS.contains(&top) && !(named && beside) => {
                     let line = format!("{path} is extra: it is not among the files of {NAME}");
                     found.wrong.push(line);
                 }

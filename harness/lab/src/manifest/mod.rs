@@ -16,8 +16,8 @@ mod vouched;
 
 pub use audit::{Planned, When};
 pub use ledger::Ledger;
-pub(crate) use record::is_marked;
 pub use record::{
     Departure, FORMAT, FileRecord, FolderKind, Manifest, NAME, StageRecord, relative,
 };
+pub(crate) use record::{FAILURE, is_marked};
 pub use vouched::Vouched;

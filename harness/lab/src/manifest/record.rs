@@ -14,6 +14,9 @@ use bitgrain_sim::simulation::hex;
 /// Name of the file.
 pub const NAME: &str = "manifest.json";
 
+/// The file that says why a drag of a campaign failed, in the drag's folder, or its bed, in the run directory.
+pub(crate) const FAILURE: &str = "failure.json";
+
 /// Folders of results: every file in them is taken for one.
 pub(crate) const RESULTS: [&str; 3] = ["beds", "runs", "members"];
 
@@ -27,7 +30,7 @@ pub(crate) fn is_marked(name: &str, bytes: &[u8]) -> bool {
         Some("gz") => &[0x1f, 0x8b],
         Some("parquet") => b"PAR1",
         Some("safetensors") => return checkpoint::begins(bytes),
-        Some("json") if !name.ends_with("failure.json") => {
+        Some("json") if !name.ends_with(FAILURE) => {
             return disk::bears(bytes, "\"bits_version\":");
         }
         Some("json") => b"{\n  \"reason\": ",
@@ -52,6 +55,22 @@ impl FolderKind {
         match self {
             FolderKind::Run => "run",
             FolderKind::Campaign => "campaign",
+        }
+    }
+
+    /// The file that says what a folder of this kind is for; its first line names the arithmetic.
+    pub(crate) fn marker(self) -> &'static str {
+        match self {
+            FolderKind::Run => "scenario.toml",
+            FolderKind::Campaign => "campaign.toml",
+        }
+    }
+
+    /// The folders in it that have its results, and nothing else.
+    pub(crate) fn places(self) -> [&'static str; 2] {
+        match self {
+            FolderKind::Run => ["beds", "runs"],
+            FolderKind::Campaign => ["members", "tasks"],
         }
     }
 }

@@ -11,6 +11,7 @@ use bitgrain_sim::simulation::hex;
 use safetensors::SafeTensors;
 
 use super::array::{Array, Element, dtype, read_element, read_shape};
+use crate::folder::has_run;
 
 /// The file with the lines, in the folder of a recording.
 pub const FILE: &str = "recording.csv";
@@ -163,9 +164,23 @@ pub struct Recorded {
     pub place: PathBuf,
 }
 
-/// Whether a path is that of a recording: a folder with one, or a file that begins as one.
-pub fn is_recording(path: &Path) -> bool {
-    disk::is_folder(path) && disk::is_there(&path.join(FILE)) || disk::is_file(path)
+/// Whether a path is that of a recording: a file, or a folder with one in it that is none of a run or campaign.
+///
+/// # Errors
+/// [`Error::Input`] if the folder is one of a run or campaign and has a recording too.
+pub fn is_recording(path: &Path) -> Result<bool> {
+    let file = path.join(FILE);
+    if !disk::is_folder(path) || !disk::is_there(&file) {
+        return Ok(disk::is_file(path));
+    }
+    if !has_run(path) {
+        return Ok(true);
+    }
+    let problem = format!(
+        "holds both a run and a recording: name {} to compare the recording, or move that away to compare the run",
+        file.display()
+    );
+    Err(Error::input(path.display().to_string(), problem))
 }
 
 impl Recorded {

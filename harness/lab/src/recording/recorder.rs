@@ -13,6 +13,7 @@ use safetensors::tensor::{TensorView, serialize};
 use super::array::{ArrayRef, dtype};
 use super::keep::Keep;
 use super::read::{ARRAYS, FILE, arrays_file};
+use crate::folder::{has_run, refuse_among_results};
 
 /// A recording in progress. If it is dropped without [`Recorder::close`] the recording has no end, and says so when it
 /// is read.
@@ -48,12 +49,18 @@ impl Recorder {
     /// Begins a recording in a folder, which is made if it is missing.
     ///
     /// # Errors
-    /// [`Error::Input`] if the folder has a recording already or `keep` keeps nothing where it should;
-    /// [`Error::Write`].
+    /// [`Error::Input`] if the folder has a recording already, is one of a run or campaign or lies among its results,
+    /// or `keep` keeps nothing where it should; [`Error::Write`].
     pub fn create(folder: &Path, keep: Keep) -> Result<Self> {
         let path = folder.join(FILE);
         if disk::is_there(&path) || disk::is_there(&folder.join(ARRAYS)) {
             let problem = "has a recording already: choose another folder, or remove this one";
+            return Err(Error::input(folder.display().to_string(), problem));
+        }
+        refuse_among_results(folder)?;
+        if has_run(folder) {
+            let problem =
+                "is the folder of a run or campaign: choose another folder for the recording";
             return Err(Error::input(folder.display().to_string(), problem));
         }
         if let Keep::Every(0) | Keep::Last(0) = keep {

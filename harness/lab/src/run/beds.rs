@@ -143,7 +143,7 @@ fn read_settled(
     plan: &BedPlan,
 ) -> Result<(Simulation, StageState)> {
     let path = setting.folder.bed(&plan.name);
-    let (sim, note) = checkpoint::read_noted(&path)?;
+    let (sim, note) = setting.folder.state(&path)?;
     let course = PouringState::of(&note).map_err(|problem| Error::Damaged {
         place: path.display().to_string(),
         problem,
@@ -262,7 +262,7 @@ pub fn begin_bed(
         return Pouring::begin(scenario, plan);
     }
     let bare = folder.bed(&below(scenario, plan).name);
-    let (mut bare, note) = checkpoint::read_noted(&bare)?;
+    let (mut bare, note) = folder.state(&bare)?;
     Pouring::cover(&mut bare, &note.link, scenario, plan)
 }
 
@@ -301,7 +301,7 @@ fn unsettled_here(setting: Setting<'_>, plan: &BedPlan, path: &Path) -> Result<O
         return Ok(None);
     }
     let place = path.display().to_string();
-    match checkpoint::read_noted(path) {
+    match setting.folder.state(path) {
         Ok((sim, note)) => Pouring::of(sim, &note, setting.scenario, plan)
             .map(Some)
             .map_err(|problem| {

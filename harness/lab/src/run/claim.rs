@@ -8,7 +8,7 @@ use crate::bed::PouringState;
 use crate::bed::recipe::Recipe;
 use crate::changes;
 use crate::drag::Dragging;
-use crate::folder::{DirectoryLock, Folder, RUN, at_work, refuse_others};
+use crate::folder::{DirectoryLock, Folder, RUN, at_work, refuse_among_results, refuse_others};
 use crate::manifest::{FolderKind, Ledger, Manifest, When, is_marked, relative};
 use crate::scenario::{BedPlan, CheckedScenario, Scenario};
 use crate::summary::{DragRecord, Summary};
@@ -22,13 +22,14 @@ use bitgrain_sim::error::{Error, Result};
 /// bed is copied into it, so that the folder stands alone.
 ///
 /// # Errors
-/// [`Error::Input`] if it is not ours, holds another scenario's results, or another run is at work in
-/// it; [`Error::Write`].
+/// [`Error::Input`] if it is not ours, holds another scenario's results, lies among those of another run or campaign,
+/// or another run is at work in it; [`Error::Write`].
 pub fn claim(folder: &Folder<'_>, scenario: &CheckedScenario) -> Result<DirectoryLock> {
+    refuse_among_results(folder.0)?;
     try_claim(folder, scenario)?.ok_or_else(|| at_work(folder.0))
 }
 
-/// The same; `None` if another run is at work in it.
+/// The same of a member or task of a campaign that has this place for it; `None` if another run is at work in it.
 ///
 /// # Errors
 /// As [`claim`], but for that.

@@ -132,7 +132,7 @@ pub(super) fn drag_one(
 /// If the bed cannot be read or its drag not begun.
 pub fn begin(drag: DragTask<'_>) -> Result<(Simulation, Dragging)> {
     let path = drag.folder.bed(&drag.bed.name);
-    let (mut sim, note) = checkpoint::read_noted(&path)?;
+    let (mut sim, note) = drag.folder.state(&path)?;
     let dragging = Dragging::begin(&mut sim, drag.plan, &note.link)?;
     Ok((sim, dragging))
 }
@@ -187,7 +187,7 @@ fn take_up(
 /// # Errors
 /// [`Error::Damaged`], and [`Error::Input`] if it is another drag's or another version's.
 pub fn read(drag: DragTask<'_>, path: &Path, step: Option<u64>) -> Result<(Simulation, Dragging)> {
-    let (sim, note) = checkpoint::read_noted(path)?;
+    let (sim, note) = drag.folder.state(path)?;
     let place = path.display().to_string();
     let dragging = Dragging::of(&note).map_err(|problem| Error::Damaged {
         place: place.clone(),

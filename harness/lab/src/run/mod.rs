@@ -27,15 +27,15 @@ pub use setting::{Setting, WriteReport};
 pub use taken::{Links, Taken};
 pub use task::DragTask;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 use bitgrain_kernel::BITS_VERSION;
 
 use crate::bed::recipe::Recipe;
 use crate::beside::write_beside;
-use crate::folder::{DirectoryLock, Folder};
-use crate::manifest::Ledger;
+use crate::folder::{DirectoryLock, Folder, refuse_library};
+use crate::manifest::{FolderKind, Ledger};
 use crate::performance::{Performance, StagePerformance};
 use crate::progress::Progress;
 use crate::scenario::{BedPlan, CheckedScenario, DragPlan, UnitSystem};
@@ -75,7 +75,7 @@ pub fn run_in(setting: Setting<'_>) -> Result<Option<Done>> {
     } = setting;
     let began = Instant::now();
     let runs = wanted(setting)?;
-    refuse_own_library(setting)?;
+    refuse_library(library.folder(), folder.0, FolderKind::Run)?;
     let claim = claimed(setting)?;
     let ledger = &claim.ledger;
     progress.keep_pace(folder.0);
@@ -131,24 +131,6 @@ pub fn run_in(setting: Setting<'_>) -> Result<Option<Done>> {
     write_beside(&path, json_text(&path, &performance)?.as_bytes())?;
     let report = folder.report();
     Ok(whole.then_some(Done { report, executed }))
-}
-
-/// Refuses a library of beds that would lie among the run's own beds.
-fn refuse_own_library(setting: Setting<'_>) -> Result<()> {
-    let full = |path: &Path| std::path::absolute(path).map_err(|e| Error::read(path, &e));
-    let library = full(setting.library.folder())?;
-    let out = full(setting.folder.0)?;
-    if library.starts_with(out.join("beds")) || library.starts_with(out.join("runs")) {
-        let problem = format!(
-            "lies among the results of the run in {}; choose another --beds or --out",
-            setting.folder.0.display()
-        );
-        return Err(Error::input(
-            setting.library.folder().display().to_string(),
-            problem,
-        ));
-    }
-    Ok(())
 }
 
 /// The drags that are wanted.

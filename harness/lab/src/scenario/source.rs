@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
 use super::Scenario;
+use crate::manifest::FAILURE;
 use bitgrain_sim::below::Below;
-use bitgrain_sim::disk;
+use bitgrain_sim::disk::{self, PARTIAL};
 use bitgrain_sim::error::{Error, Result};
 use bitgrain_sim::export::{LID_TYPE, OBSTACLE_TYPE as INTRUDER_TYPE};
 use bitgrain_sim::files::read_text;
@@ -55,6 +56,7 @@ pub(super) fn fill_in(
         return Ok(None);
     };
     let path = from.path(file)?;
+    check_name(&path).map_err(|problem| Error::input(format!("{place}: `bed.file`"), problem))?;
     if matches!(from, BedFile::CopiedIn(_)) && !disk::is_there(&path) {
         let problem = format!(
             "{} is not there: of the file that a scenario names the folder of its run has a copy, and no other is \
@@ -93,6 +95,19 @@ pub(super) fn fill_in(
     keys.same("intruder", "density", Value::from(intruder.density))?;
     keys.same("intruder", "height", Value::from(intruder.position[2]))?;
     Ok(Some((path, grains)))
+}
+
+/// Refuses a name that a run, which has a copy of the file, gives to files of its own, or that no manifest can list.
+fn check_name(path: &Path) -> std::result::Result<(), String> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    if name != FAILURE && !disk::is_partial(&name) && !name.contains('\\') {
+        return Ok(());
+    }
+    Err(format!(
+        "{} has a name that a run cannot give to its copy: give the file one that is not `{FAILURE}`, does not end \
+         in `{PARTIAL}`, and has no backslash",
+        path.display()
+    ))
 }
 
 /// The scenario's table as it is filled in.

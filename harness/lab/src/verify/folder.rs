@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::folder::FAILURE;
 use crate::manifest::audit::audit;
-use crate::manifest::{FolderKind, Manifest, NAME, Planned};
+use crate::manifest::{FolderKind, Manifest, NAME, Planned, When};
 use bitgrain_sim::error::{CHANGED, Error, Result, UNEXPECTED};
 
 /// Why a folder is not verified; the last that was found says what to do.
@@ -134,7 +134,8 @@ pub(crate) fn check_manifest(
         problems.add(Cause::Unfinished(manifest.of), "it is not finished");
     }
     for path in manifest.files.iter().map(|entry| &entry.path) {
-        if path.split('/').next_back() == Some(FAILURE) {
+        let failed = matches!(planned.files.get(path), Some(When::Unfinished(_)));
+        if failed && path.split('/').next_back() == Some(FAILURE) {
             say(&format!(
                 "{path}: a stage failed; that is not executed again, and unverified"
             ))?;
@@ -176,4 +177,46 @@ pub(crate) fn check_expected(
         problems.add(Cause::Unconfirmed, problem);
     }
     problems
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::manifest::{FileRecord, When};
+
+    /// A file of this name that is planned otherwise says nothing of a stage.
+    #[test]
+    fn a_failure_is_known_by_its_place() {
+        let folder = tempfile::tempdir().unwrap();
+        let names = ["beds/imported/failure.json", "failure.json"];
+        let beds = When::Unfinished(vec!["bed".into()]);
+        let stages = vec!["bed".to_string()];
+        let planned = Planned {
+            of: FolderKind::Run,
+            stages: stages.clone(),
+            files: [
+                (names[0].into(), When::Always),
+                (names[1].into(), beds),
+                (NAME.into(), When::Beside),
+            ]
+            .into(),
+        };
+        for (count, told) in [(1, 0), (2, 1)] {
+            let mut manifest = Manifest::new(FolderKind::Run, &stages);
+            for name in &names[..count] {
+                let path = folder.path().join(name);
+                bitgrain_sim::disk::write_whole(&path, b"a").unwrap();
+                manifest.files.push(FileRecord::of(name, b"a"));
+            }
+            std::fs::write(folder.path().join(NAME), manifest.text()).unwrap();
+            let mut lines = Vec::new();
+            let mut say = |line: &str| {
+                lines.push(line.to_string());
+                Ok(())
+            };
+            check_manifest(folder.path(), &planned, &[], &mut say).unwrap();
+            let failed = lines.iter().filter(|line| line.contains("a stage failed"));
+            assert_eq!(failed.count(), told, "{lines:?}");
+        }
+    }
 }

@@ -252,9 +252,10 @@ def bisect(
     Raises
     ------
     InputError
-        The two have nothing in common, a file was changed, or a program does not do as it should.
+        The two have nothing in common, a file was changed, a folder has both a run and a recording, or a program does
+        not do as it should.
     """
-    if _native.is_recording(Path(a)) or _native.is_recording(Path(b)):
+    if any([_native.is_recording(Path(path)) for path in (a, b)]):
         if program_a is not None or program_b is not None:
             raise wrong("program_a", "recordings are compared without their programs; leave out both")
         return parting(Path(a), Path(b), prefix)

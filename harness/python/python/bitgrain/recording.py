@@ -43,7 +43,7 @@ class Recorder:
     Raises
     ------
     InputError
-        The folder has a recording already, or `keep` is none of these.
+        The folder has a recording already, is that of a run or campaign, or `keep` is none of these.
     WriteFailed
 
     Examples

@@ -126,7 +126,7 @@ fn discard(
     let (own, scenario) = (Folder(&place), &member.scenario);
     let text = own.scenario_text(scenario);
     let is_own = |manifest: &Manifest| {
-        let marker = manifest.entry(RUN.marker);
+        let marker = manifest.entry(RUN.of.marker());
         marker.is_some_and(|entry| entry.is_of(text.as_bytes()))
     };
     if let Some(manifest) = Manifest::of(&place).ok().flatten().filter(is_own) {

@@ -10,6 +10,8 @@ use crate::bed::recipe::Recipe;
 use crate::campaign::folder::CampaignFolder;
 use crate::campaign::only::Only;
 use crate::campaign::plan::{Member, Plan};
+use crate::folder::refuse_library;
+use crate::manifest::FolderKind;
 use bitgrain_sim::error::Result;
 
 /// What is left to do of a campaign, by names of its tasks, in an order in which nothing waits for what comes later.
@@ -34,6 +36,7 @@ pub fn missing(
     retry: bool,
 ) -> Result<Missing> {
     let folder = CampaignFolder(out);
+    refuse_library(library.folder(), out, FolderKind::Campaign)?;
     folder.refuse_others(plan)?;
     // Where each bed is poured for all members that have it.
     let mut owners: BTreeMap<String, (&str, &str)> = BTreeMap::new();

@@ -10,7 +10,8 @@ use crate::bed::library::BedCache;
 use crate::bed::recipe::Recipe;
 use crate::campaign::folder::{CampaignFolder, Failure};
 use crate::campaign::plan::{Member, Plan};
-use crate::folder::{DirectoryLock, FAILURE, Folder};
+use crate::folder::{DirectoryLock, FAILURE, Folder, refuse_library};
+use crate::manifest::FolderKind;
 use crate::progress::Progress;
 use crate::run::{self, SaveEvery, Setting, side_by_side};
 use crate::scenario::{BedPlan, DragPlan};
@@ -62,6 +63,8 @@ type Made = std::result::Result<(), String>;
 pub fn perform(worker: &Worker<'_>, name: &str) -> Result<Ended> {
     let task = parse(worker.plan, name)?;
     let member = &worker.plan.members[task.member];
+    let library = worker.library.folder();
+    refuse_library(library, worker.out, FolderKind::Campaign)?;
     CampaignFolder(worker.out).share(worker.plan)?;
     match task.stage {
         Stage::Bed(place) => worker.bed_task(member, member.scenario.all_beds()[place]),
