@@ -153,7 +153,14 @@ pub fn read_if_there(path: &Path) -> Result<Option<Vec<u8>>> {
     // Looked at before it is opened: opening a pipe waits for somebody to write into it.
     let data = match std::fs::metadata(path) {
         Ok(data) => data,
-        Err(e) if missing(&e) && !is_there(path) => return Ok(None),
+        Err(e) if missing(&e) => {
+            return match kind(path) {
+                None => Ok(None),
+                // Another process made it meanwhile.
+                Some(Kind::File) => read_if_there(path),
+                Some(_) => Err(wrong(&e)),
+            };
+        }
         Err(e) => return Err(wrong(&e)),
     };
     if !data.is_file() {

@@ -1,7 +1,7 @@
 //! Steps with the machine's widest instructions, here or in parts on several threads. The phases are the kernel's, so
 //! nothing here can change a result.
 
-use std::sync::{Arc, LazyLock};
+use std::sync::Arc;
 use std::time::Instant;
 
 use bitgrain_kernel::contact::Law;
@@ -17,7 +17,7 @@ use crate::owned_world::OwnedWorld;
 use crate::parts::{Cutting, Parts, Ranks, Settings};
 use crate::pass::{Drift, Fallible, Forces, Renew};
 use crate::skin::Skin;
-use crate::threads::{RowsFrom, each};
+use crate::threads::{RowsFrom, each, processors};
 
 /// Fewest grains of a part: what it shares with others costs more than it saves if there are fewer.
 const PART_MIN: usize = 500;
@@ -77,13 +77,6 @@ impl Default for Stepping {
             count: 1,
         }
     }
-}
-
-/// Processors that this process may use, as they were when it first asked.
-fn processors() -> usize {
-    static COUNT: LazyLock<usize> =
-        LazyLock::new(|| std::thread::available_parallelism().map_or(1, usize::from));
-    *COUNT
 }
 
 impl Stepping {

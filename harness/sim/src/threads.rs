@@ -3,6 +3,7 @@
 use bitgrain_kernel::phases::GrainMotion;
 use bitgrain_kernel::{Error as KernelError, check_arithmetic};
 use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::sync::LazyLock;
 
 /// Why a job was not done on this many threads.
 #[derive(Debug, thiserror::Error)]
@@ -26,6 +27,13 @@ impl ThreadsError {
         let why = why.to_string();
         Self::Start { threads, why }
     }
+}
+
+/// Processors that this process may use, as they were when it first asked.
+pub fn processors() -> usize {
+    static COUNT: LazyLock<usize> =
+        LazyLock::new(|| std::thread::available_parallelism().map_or(1, usize::from));
+    *COUNT
 }
 
 /// Threads of the pool that this is called in; 1 outside of any.

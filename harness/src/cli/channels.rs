@@ -71,7 +71,7 @@ pub(super) fn processors(asked: Option<u16>) -> usize {
     // Of processes that were started together each has its share of the machine.
     let processors = || match Ranks::joined() {
         Some(_) => 1,
-        None => std::thread::available_parallelism().map_or(1, usize::from),
+        None => bitgrain_sim::threads::processors(),
     };
     asked.map_or_else(processors, usize::from)
 }

@@ -190,7 +190,7 @@ fn nothing_of_the_machine_can_reach_a_result() {
         // What the processes of a command that is asked are known by.
         ("recording/command.rs", "process::id"),
         ("threads.rs", "current_num_threads"),
-        ("cli/channels.rs", "available_parallelism"),
+        ("threads.rs", "available_parallelism"),
         // Which pieces of a run are verified, if no seed is given.
         ("cli/checks.rs", "SystemTime"),
         ("cli/channels.rs", "Instant"),

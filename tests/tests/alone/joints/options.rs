@@ -308,6 +308,7 @@ pub const CHOICES: [Choice; 55] = [
 /// The keys that a choice sets beside these shapes and motions, where other values suit them.
 fn suited(choice: &Choice, table: &Table) -> &'static str {
     let text = |key: &str| get(table, key).and_then(Value::as_str).unwrap_or_default();
+    let base = get(table, "bed.base").and_then(Value::as_float);
     match (choice.axis, choice.name, text("intruder.shape")) {
         ("place", "`depth`", "bar") => "intruder.depth = 0.3",
         ("place", "several `height`", "bar") => "intruder.height = [4.5, 4.6]",
@@ -320,6 +321,8 @@ fn suited(choice: &Choice, table: &Table) -> &'static str {
         ("speed", _, "bar") => "intruder.froude = 1.2",
         ("own_wake", _, "bar") => "drag.own_wake = true\ndrag.distance = 1.2",
         ("discard", _, "bar") => "drag.discard = 0.3",
+        // Soft grains that fall pass between those of a thin base.
+        ("floor", ..) if base.is_some_and(|base| base > 1.0) => "bed.floor = false\nbed.base = 1.5",
         ("own_wake", ..) if get(table, "drag.distance").is_none() => "drag.own_wake = true",
         _ => choice.keys,
     }
