@@ -46,8 +46,9 @@ fn hold(all: &[Vec<&Choice>]) {
         wrong.len(),
         all.len()
     );
+    // A bed from a file has none to be interrupted.
     assert!(
-        stops >= all.len(),
+        2 * stops >= all.len(),
         "{stops} interruptions of {} runs",
         all.len()
     );
@@ -58,24 +59,45 @@ fn wanted() -> Option<Vec<&'static Choice>> {
     std::env::var("JOINTS").ok().map(|names| named(&names))
 }
 
+/// Combinations that together hold all pairs of options which are not refused, but for as many of them as are spared.
+fn combinations(spared: impl Fn(usize) -> usize) -> Vec<Vec<&'static Choice>> {
+    let verdicts = verdicts();
+    let mut left: Vec<(usize, usize)> = verdicts.keys().copied().collect();
+    left.retain(|pair| verdicts[pair].is_none());
+    let spared = spared(left.len());
+    let mut chosen = Vec::new();
+    for taken in covering(&verdicts, SEED) {
+        if left.len() <= spared {
+            break;
+        }
+        left.retain(|(a, b)| !(taken.contains(a) && taken.contains(b)));
+        chosen.push(taken.iter().map(|k| &CHOICES[*k]).collect());
+    }
+    chosen
+}
+
+/// Three quarters of all pairs, which the first of the combinations hold: the others bring a few each.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "half a minute in release")]
+fn most_pairs_hold_in_a_few_combinations() {
+    let _alone = alone();
+    hold(&combinations(|pairs| pairs / 4));
+}
+
 /// Every pair of options in at least one combination of many.
 #[test]
 #[ignore = "two minutes of a processor"]
 fn every_pair_holds_in_a_combination_of_many() {
     let _alone = alone();
-    if let Some(choices) = wanted() {
-        return hold(&[choices]);
+    match wanted() {
+        Some(choices) => hold(&[choices]),
+        None => hold(&combinations(|_| 0)),
     }
-    let all = covering(&verdicts(), SEED);
-    let chosen = all
-        .iter()
-        .map(|taken| taken.iter().map(|k| &CHOICES[*k]).collect());
-    hold(&chosen.collect::<Vec<_>>());
 }
 
 /// Every pair of options by itself, and every option alone.
 #[test]
-#[ignore = "some ten minutes of a processor"]
+#[ignore = "twenty minutes of a processor"]
 fn every_pair_holds_alone() {
     let _alone = alone();
     if wanted().is_some() {
