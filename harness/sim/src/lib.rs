@@ -59,4 +59,5 @@ pub mod spatial_order;
 pub mod stepping;
 pub mod table;
 pub mod threads;
+mod touching;
 pub mod units;
