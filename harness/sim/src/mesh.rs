@@ -1,5 +1,6 @@
 //! Meshes of triangles: from STL files and arrays into a world.
 
+use std::cmp::Ordering;
 use std::io::Cursor;
 use std::path::Path;
 use std::sync::Arc;
@@ -61,10 +62,33 @@ pub fn check_triangles(triangles: &[Triangle]) -> std::result::Result<(), String
         ));
     }
     let numbers = |triangle: &Triangle| triangle.as_flattened().iter().all(|x| x.is_finite());
-    match triangles.iter().position(|triangle| !numbers(triangle)) {
-        Some(k) => Err(format!("triangle {k} has a corner that is not finite")),
-        None => Ok(()),
+    if let Some(k) = triangles.iter().position(|triangle| !numbers(triangle)) {
+        return Err(format!("triangle {k} has a corner that is not finite"));
     }
+    let (meet, [x, y, z]) = crowded_corner(triangles);
+    match meet > MEETING_MAX {
+        true => Err(format!(
+            "{meet} triangles meet in the corner ({x}, {y}, {z}), at most {MEETING_MAX} may: a grain there touches all \
+             of them, and each contact is looked at beside each other; make the mesh coarser around that corner"
+        )),
+        false => Ok(()),
+    }
+}
+
+/// So many triangles may meet in a corner.
+const MEETING_MAX: usize = 4096;
+
+/// The corner in which most triangles meet, and how many.
+fn crowded_corner(triangles: &[Triangle]) -> (usize, [f64; 3]) {
+    let mut corners = triangles.as_flattened().to_vec();
+    let order = |a: &[f64; 3], b: &[f64; 3]| {
+        let axes = a.iter().zip(b).map(|(a, b)| a.total_cmp(b));
+        axes.fold(Ordering::Equal, Ordering::then)
+    };
+    corners.sort_unstable_by(order);
+    let runs = corners.chunk_by(|a, b| a == b);
+    let most = runs.max_by_key(|run| run.len());
+    most.map_or((0, [0.0; 3]), |run| (run.len(), run[0]))
 }
 
 /// Adds these triangles to those of a world, and returns the mesh that they are, about this point, at rest and
@@ -134,6 +158,17 @@ mod tests {
         assert!(told("solid none\nendsolid none\n").contains("no triangle"));
         let far = [[[0.0; 3], [f64::INFINITY, 0.0, 0.0], [0.0, 1.0, 0.0]]];
         assert!(check_triangles(&far).unwrap_err().contains("triangle 0"));
+        let fan = |count: u32| -> Vec<Triangle> {
+            let turn = |k: u32| f64::from(k) * std::f64::consts::TAU / f64::from(count);
+            let rim = |k: u32| [libm::cos(turn(k)), libm::sin(turn(k)), 1.0];
+            (0..count).map(|k| [[0.0; 3], rim(k), rim(k + 1)]).collect()
+        };
+        assert_eq!(check_triangles(&fan(4096)), Ok(()));
+        let many = check_triangles(&fan(4097)).unwrap_err();
+        assert!(
+            many.starts_with("4097 triangles meet in the corner (0, 0, 0)"),
+            "{many}"
+        );
         assert!(told(&TEXT.replace("0.5", "half")).contains("no STL file"));
         assert!(told(&TEXT.replace("endloop", "")).contains("no STL file"));
     }

@@ -251,6 +251,7 @@ fn list_obstacle_contacts<R: Real>(
                         set(spare.obstacle_contact_grain, touches, i as u32);
                         set(spare.obstacle_contact_obstacle, touches, word);
                         touches += 1;
+                        true
                     });
                 }
                 continue;

@@ -144,8 +144,9 @@ impl<'a, R: Real> Mesh<'a, R> {
         u64::from_le_bytes([a, b, c, d, e, f, g, h])
     }
 
-    /// Calls `found` with the number of each triangle, ascending, whose box is within `far` of `place` in each axis.
-    pub(crate) fn near(self, place: Vec3<R>, far: R, found: &mut dyn FnMut(u32)) {
+    /// Calls `found` with the number of each triangle, ascending, whose box is within `far` of `place` in each axis, as
+    /// long as it wants more.
+    pub(crate) fn near(self, place: Vec3<R>, far: R, found: &mut dyn FnMut(u32) -> bool) {
         self.within(0, self.0.len(), (place, far), found);
     }
 
@@ -155,24 +156,22 @@ impl<'a, R: Real> Mesh<'a, R> {
         begin: usize,
         end: usize,
         (place, far): (Vec3<R>, R),
-        found: &mut dyn FnMut(u32),
-    ) {
+        found: &mut dyn FnMut(u32) -> bool,
+    ) -> bool {
         let middle = begin + (end - begin) / 2;
         let Some(facet) = self.0.get(middle).filter(|_| begin < end) else {
-            return;
+            return true;
         };
         let meets = |lo: Vec3<R>, hi: Vec3<R>| {
             (0..3).all(|k| place[k] - hi[k] <= far && lo[k] - place[k] <= far)
         };
         if !meets(facet.lo, facet.hi) {
-            return;
+            return true;
         }
-        self.within(begin, middle, (place, far), found);
         let (lo, hi) = facet.bounds();
-        if meets(lo, hi) {
-            found(middle as u32);
-        }
-        self.within(middle + 1, end, (place, far), found);
+        self.within(begin, middle, (place, far), found)
+            && (!meets(lo, hi) || found(middle as u32))
+            && self.within(middle + 1, end, (place, far), found)
     }
 
     /// Where a grain of this radius at `place` meets the triangle of this number, and the share of the law's force that
@@ -205,26 +204,26 @@ impl<'a, R: Real> Mesh<'a, R> {
         (met, share)
     }
 
-    /// Calls `found` with the other triangles that are nearer than `radius`.
+    /// Calls `found` with the other triangles that are nearer than `radius`, as long as it wants more.
     #[inline(never)]
     fn others(
         self,
         number: u32,
         place: Vec3<R>,
         radius: R,
-        found: &mut dyn FnMut(&Candidate<'_, R>),
+        found: &mut dyn FnMut(&Candidate<'_, R>) -> bool,
     ) {
         self.near(place, radius, &mut |other| {
-            if let Some(facet) = self.0.get(other as usize).filter(|_| other != number) {
-                let near = facet.nearest(place);
-                if near.distance < radius {
-                    found(&Candidate {
-                        number: other,
-                        facet,
-                        near,
-                    });
-                }
-            }
+            let Some(facet) = self.0.get(other as usize).filter(|_| other != number) else {
+                return true;
+            };
+            let near = facet.nearest(place);
+            let candidate = Candidate {
+                number: other,
+                facet,
+                near,
+            };
+            candidate.near.distance >= radius || found(&candidate)
         });
     }
 
@@ -234,7 +233,8 @@ impl<'a, R: Real> Mesh<'a, R> {
         let mut touches = own.near.distance < radius;
         if touches && own.near.feature != Feature::Face {
             self.others(own.number, place, radius, &mut |rival| {
-                touches &= !gives_way(own, rival);
+                touches = !gives_way(own, rival);
+                touches
             });
         }
         touches
@@ -258,6 +258,7 @@ impl<'a, R: Real> Mesh<'a, R> {
                     false => is_all = true,
                 }
             }
+            !is_all
         });
         match is_all {
             true => R::ZERO,
