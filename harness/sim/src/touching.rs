@@ -12,14 +12,12 @@ impl Simulation {
             return count;
         }
         // Another process has some of them, or all are here.
-        drop(self.world());
-        let position = self.owned.position.clone();
-        let domain = self.owned.domain;
+        let world = self.world();
         let whole = Places {
-            domain: &domain,
-            position: &position,
+            domain: world.domain,
+            position: &*world.grains.position,
         };
-        let mut count = count_pairs(&self.owned.world(), |k| k, whole);
+        let mut count = count_pairs(&world, |k| k, whole);
         for (grain, _) in self.listed_touches() {
             count.contacts[grain as usize] += 1;
         }
