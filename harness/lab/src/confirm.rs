@@ -9,7 +9,7 @@ use crate::manifest::audit::audit;
 use crate::progress::Progress;
 use crate::rerun::RunArchive;
 use crate::run::{Links, Taken, planned};
-use crate::verify::{Job, Problems, Scope, execute, pieces, summary_problem};
+use crate::verify::{Job, Problems, Scope, beside_twin, execute, pieces, summary_problem};
 use bitgrain_sim::error::{CHANGED, Error, Result, UNEXPECTED};
 
 /// Whether the finished run in `out` has all these links.
@@ -32,7 +32,7 @@ pub fn check_expected(out: &Path, expect: &[String]) -> Result<()> {
 }
 
 /// Refuses a folder in which something lies that a run of its scenario does not write, as a manifest that was found may
-/// have it, or whose summary is not what its last states give.
+/// have it, or whose summary is not what its last states give, or what lies beside a bed not what its state gives.
 ///
 /// # Errors
 /// [`Error::Unverified`], after each finding was a line of `say`.
@@ -45,6 +45,9 @@ pub fn check_folder(root: &Path, say: &mut impl FnMut(&str) -> Result<()>) -> Re
     let mut problems = Problems::default();
     let found = audit(root, &manifest, &planned(&archive.scenario))?;
     problems.tell_audit(&found.wrong, say)?;
+    for job in pieces(&archive, Some(&manifest), &Scope::default())? {
+        problems.tell(beside_twin(&job), say)?;
+    }
     problems.tell(summary_problem(&archive, Some(&manifest)), say)?;
     problems.conclude(root)
 }

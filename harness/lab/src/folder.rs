@@ -161,7 +161,7 @@ fn lock(opened: std::io::Result<File>) -> Option<Option<File>> {
 ///
 /// # Errors
 /// [`Error::Input`].
-pub(crate) fn refuse_among_results(folder: &Path) -> Result<()> {
+pub fn refuse_among_results(folder: &Path) -> Result<()> {
     let full = disk::resolved(folder)?;
     let within = |of: FolderKind| {
         let mut above = full.ancestors().skip(1);

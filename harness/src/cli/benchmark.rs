@@ -8,6 +8,7 @@ use super::channels::{print, processors, shown, stoppable};
 use bitgrain_analysis::report::benchmark_page;
 use bitgrain_kernel::BITS_VERSION;
 use bitgrain_lab::benchmark::{self, Check, Test};
+use bitgrain_lab::folder::refuse_among_results;
 use bitgrain_lab::json::json_text;
 use bitgrain_lab::performance::{Performance, StagePerformance};
 use bitgrain_sim::disk::{is_partial, make_folder, other_than, write_whole};
@@ -58,6 +59,7 @@ pub(super) fn run(what: Benchmark) -> Result<()> {
         return print(&benchmark::list().map(line).collect::<String>());
     };
     let folder = what.out.unwrap_or_else(|| Path::new("out").join(&name));
+    refuse_among_results(&folder)?;
     check_folder(&folder)?;
     let (threads, progress) = (processors(what.threads), stoppable(what.verbose));
     let request = benchmark::Request {

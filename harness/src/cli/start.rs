@@ -7,6 +7,7 @@ use clap_complete::Shell;
 
 use super::channels::processors;
 use super::channels::{print, shown};
+use bitgrain_lab::folder::refuse_among_results;
 use bitgrain_lab::{forecast, scenario};
 use bitgrain_sim::disk::{self, write_whole};
 use bitgrain_sim::error::{Error, Result};
@@ -93,6 +94,7 @@ pub(super) fn man(what: &Man, mut whole: Command) -> Result<()> {
             pages.push((format!("bitgrain-{name}"), command.clone()));
         }
     }
+    refuse_among_results(&what.folder)?;
     let count = pages.len();
     let place = |name: &str| what.folder.join(format!("{name}.1"));
     for (name, _) in &pages {

@@ -27,6 +27,7 @@ mod figures;
 mod forecasts;
 mod foreign;
 mod forged;
+mod forged_members;
 mod formats;
 mod header;
 mod layers;

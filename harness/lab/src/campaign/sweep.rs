@@ -237,7 +237,8 @@ impl Under<'_> {
             (self.places[job.member].join(FAILURE), settled),
             (
                 self.run_folder(job).join(FAILURE),
-                ledger.is_finished(&job.plan.name),
+                // One that is gone on with has not failed yet.
+                ledger.is_finished(&job.plan.name) || !(damaged.is_empty() || self.what.merge),
             ),
         ] {
             // What has come to a good end since did not fail.

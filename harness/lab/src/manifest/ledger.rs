@@ -149,18 +149,37 @@ impl Ledger {
             .map(|entry| entry.is_of(bytes))
     }
 
-    /// Files that are listed and begin so.
-    pub fn listed(&self, begin: &str) -> Vec<String> {
+    /// Files that are listed, begin so, and are not as they were written.
+    pub fn damaged(&self, begin: &str) -> Vec<String> {
         let known = self.known();
         let names = known.entries.keys().filter(|name| name.starts_with(begin));
-        names.cloned().collect()
+        names
+            .filter(|name| !known.sound.contains(*name))
+            .cloned()
+            .collect()
     }
 
-    /// Those of them that are not as they were written.
-    pub fn damaged(&self, begin: &str) -> Vec<String> {
-        let mut listed = self.listed(begin);
-        listed.retain(|name| !self.known().sound.contains(name));
-        listed
+    /// Records that a stage is begun or gone on with, so that neither it nor the whole is finished. Files that begin as
+    /// `doubted` does count as damaged until they are written again.
+    ///
+    /// # Errors
+    /// [`Error::Write`].
+    pub fn begin_stage(&self, stage: &str, doubted: Option<&str>) -> Result<()> {
+        let mut known = self.known();
+        if let Some(doubted) = doubted {
+            known.sound.retain(|name| !name.starts_with(doubted));
+        }
+        let manifest = &mut known.manifest;
+        let mut own = manifest.stages.iter_mut();
+        let own = own.find(|one| one.name == stage && one.finished);
+        if own.is_none() && !manifest.finished {
+            return Ok(());
+        }
+        manifest.finished = false;
+        if let Some(own) = own {
+            (own.finished, own.link) = (false, String::new());
+        }
+        self.save_known(known).map(drop)
     }
 
     /// Whether a stage is finished.

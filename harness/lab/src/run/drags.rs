@@ -58,15 +58,12 @@ pub(super) fn drag_one(
     let (how, (mut sim, mut dragging)) = match take_up(drag, ledger, progress)? {
         Some(found) if found.1.step < plan.steps() => (RESUMED, found),
         Some(found) => (KEPT, found),
-        None => {
-            // What a manifest lists before a drag has begun is none of its files, unless it is written again.
-            for file in ledger.listed(&format!("runs/{}/", plan.name)) {
-                ledger.remove(&folder.0.join(file))?;
-            }
-            ("dragged", begin(drag)?)
-        }
+        None => ("dragged", begin(drag)?),
     };
     let began = dragging.step;
+    // What a manifest lists before a drag has begun is none of its files, unless it is written again.
+    let doubted = (began == 0).then(|| format!("runs/{}/", plan.name));
+    ledger.begin_stage(&plan.name, doubted.as_deref())?;
     stage.resume(began);
     let mut files = Files {
         drag,

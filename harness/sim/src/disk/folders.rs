@@ -31,10 +31,17 @@ pub fn check_way(path: &Path) -> Result<()> {
 /// A path from the root on, without links and `..` as far as something is there.
 ///
 /// # Errors
-/// As [`check_way`]; [`Error::Input`] if there is no current folder.
+/// As [`check_way`]; [`Error::Input`] if there is no current folder, or a link on the way leads to nothing.
 pub fn resolved(path: &Path) -> Result<PathBuf> {
     check_way(path)?;
     let full = std::path::absolute(path).map_err(|e| Error::read(path, &e))?;
+    if let Some(link) = full
+        .ancestors()
+        .find(|above| above.is_symlink() && !above.exists())
+    {
+        let problem = "is a link to nothing, which may be made meanwhile: name the folder itself";
+        return Err(Error::input(link.display().to_string(), problem));
+    }
     let mut known = full.ancestors();
     let real = known.find_map(|above| Some((above.canonicalize().ok()?, above)));
     let rest = real.map(|(real, above)| real.join(full.strip_prefix(above).unwrap_or(&full)));

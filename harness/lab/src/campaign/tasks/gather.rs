@@ -1,6 +1,6 @@
 //! From the folders of tasks to the run directories of their members.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::ended::{Found, look};
 use super::names::name_of;
@@ -122,6 +122,11 @@ fn discard(
     progress: &Progress,
 ) -> Result<()> {
     let place = folder.task(&member.name, stage);
+    if let Some(path) = other_file(folder, (member, stage)) {
+        let told = "is not the file that its member has already: the folder of the task stays";
+        progress.warn(&format!("{} {told}", path.display()));
+        return Ok(());
+    }
     let below = Below(folder.0);
     let (own, scenario) = (Folder(&place), &member.scenario);
     let text = own.scenario_text(scenario);
@@ -159,6 +164,21 @@ fn discard(
         progress.warn(&format!("{place} holds other files and stays"));
     }
     Ok(())
+}
+
+/// A file of a drag that a task and its member have, by their manifests, with other bytes each.
+fn other_file(folder: CampaignFolder<'_>, (member, drag): (&Member, &str)) -> Option<PathBuf> {
+    let (task, member) = (folder.task(&member.name, drag), folder.member(&member.name));
+    let [own, taken] = [&task, &member].map(|place| Manifest::of(place).ok().flatten());
+    let (own, taken) = (own?, taken?);
+    let begin = format!("runs/{drag}/");
+    let mut files = own
+        .files
+        .iter()
+        .filter(|entry| entry.path.starts_with(&begin));
+    let other = files.find(|entry| taken.entry(&entry.path).is_some_and(|one| one != *entry))?;
+    // Of a drag that ended in both.
+    (own.has_finished(drag) && taken.has_finished(drag)).then(|| task.join(&other.path))
 }
 
 /// Whether a file is a state to go on from.
