@@ -32,6 +32,7 @@ mod formats;
 mod header;
 mod layers;
 mod memory;
+mod merged;
 mod notices;
 mod packed;
 mod parsers;

@@ -265,7 +265,7 @@ fn ours_and_others_are_told_apart() {
     copy_all(&room.path("moved"), &room.path(place));
     let before = room.files(place);
     let told = room.done("sweep weecamp.toml --out camp");
-    assert!(told.contains("holds other files and stays"), "{told}");
+    assert!(told.contains("the folder of the task stays"), "{told}");
     assert_eq!(room.files(place), before);
     // The manifest is lost: what is marked as a result was written here, and what is not made again goes.
     let room = FURNISHED.copy();
