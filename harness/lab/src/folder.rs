@@ -244,11 +244,8 @@ fn refuse_other_kinds(folder: &Path, contents: &Contents) -> Result<()> {
     };
     let manifest = Manifest::of(folder).ok().flatten();
     let entry = manifest.as_ref().and_then(|it| it.entry(name));
-    let same = |made: String| {
-        text.split(u8::is_ascii_whitespace)
-            .filter(|w| !w.is_empty())
-            .eq(made.split_ascii_whitespace().map(str::as_bytes))
-    };
+    let said = String::from_utf8_lossy(&text);
+    let same = |made: String| said.split_whitespace().eq(made.split_whitespace());
     if entry.is_some_and(|entry| entry.is_of(&text)) || (contents.as_made)(&text).is_some_and(same)
     {
         return Ok(());
@@ -413,6 +410,15 @@ impl Folder<'_> {
         };
         let name = source.file_name().unwrap_or_default();
         scenario.with_bed_file(format!("beds/imported/{}", name.to_string_lossy()))
+    }
+
+    /// Where states to go on from are saved, which no manifest lists.
+    pub(crate) fn states(&self, scenario: &CheckedScenario) -> Vec<PathBuf> {
+        let beds = scenario.all_beds().into_iter();
+        let beds = beds.map(|bed| self.pouring(&bed.name));
+        let drags = scenario.drags().iter();
+        beds.chain(drags.map(|drag| self.latest(&drag.name)))
+            .collect()
     }
 
     /// Whether anything was made in it.

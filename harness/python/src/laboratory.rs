@@ -64,10 +64,9 @@ fn interruptible<T: Send>(
 
 /// Threads: so many as asked for, or one for each processor.
 fn processors(asked: Option<u16>) -> PyResult<usize> {
-    let all = || std::thread::available_parallelism().map_or(1, usize::from);
     match asked {
         Some(0 | 1025..) => Err(input("threads", "is not a number from 1 to 1024")),
-        asked => Ok(asked.map_or_else(all, usize::from)),
+        asked => Ok(asked.map_or_else(bitgrain::threads::processors, usize::from)),
     }
 }
 

@@ -13,8 +13,7 @@ const THREADS: usize = 1024;
 /// # Errors
 /// `InputError` for none or too many.
 pub fn processors(asked: Option<usize>) -> PyResult<usize> {
-    let all = || std::thread::available_parallelism().map_or(1, usize::from);
-    let threads = asked.unwrap_or_else(all);
+    let threads = asked.unwrap_or_else(bitgrain::threads::processors);
     match (1..=THREADS).contains(&threads) {
         true => Ok(threads),
         false => Err(input(

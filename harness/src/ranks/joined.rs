@@ -152,7 +152,7 @@ pub fn together(work: impl FnOnce() -> u8) -> u8 {
     }
     let told = |name: &str| std::env::var(name).ok()?.parse::<u64>().ok();
     // Open MPI says whether ranks have cores; of MPICH's it is counted.
-    let cores = std::thread::available_parallelism().map_or(1, |cores| cores.get());
+    let cores = bitgrain_sim::threads::processors();
     let crowded = told("OMPI_MCA_mpi_oversubscribe").map(|is| is == 1);
     let beside = told("MPI_LOCALNRANKS").is_some_and(|ranks| ranks > cores as u64);
     let mut sharing = Sharing {

@@ -184,7 +184,6 @@ fn nothing_of_the_machine_can_reach_a_result() {
         ("ranks/mod.rs", "env::var"),
         ("ranks/joined.rs", "env::var"),
         ("ranks/joined.rs", "Instant"),
-        ("ranks/joined.rs", "available_parallelism"),
         ("parts/ranks.rs", "Instant"),
         ("disk.rs", "process::id"),
         // What the processes of a command that is asked are known by.

@@ -132,7 +132,7 @@ impl Ledger {
             known.entries.insert(name.clone(), FileRecord::lost(&name));
             return Ok(());
         }
-        Err(known.manifest.foreign(path))
+        Err(known.manifest.of.foreign(path))
     }
 
     /// Whether there is an entry of a file, in whatever state it is.

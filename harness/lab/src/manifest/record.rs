@@ -50,6 +50,16 @@ pub enum FolderKind {
 }
 
 impl FolderKind {
+    /// What is told of a file that has the name of a result and no entry.
+    pub(crate) fn foreign(self, path: &Path) -> Error {
+        let problem = format!(
+            "has the name of a file of the {}, and {NAME} has no entry of it: it is not replaced; move it away, or \
+             choose another folder",
+            self.word()
+        );
+        Error::input(path.display().to_string(), problem)
+    }
+
     /// In a word.
     pub fn word(self) -> &'static str {
         match self {
@@ -295,16 +305,6 @@ impl Manifest {
         let bytes = disk::read(&path)?;
         let text = std::str::from_utf8(&bytes).map_err(|e| damaged(e.to_string()))?;
         Self::parse(text).map(Some).map_err(damaged)
-    }
-
-    /// What is told of a file that has the name of a result and no entry.
-    pub(crate) fn foreign(&self, path: &Path) -> Error {
-        let problem = format!(
-            "has the name of a file of the {}, and {NAME} has no entry of it: it is not replaced; move it away, or \
-             choose another folder",
-            self.of.word()
-        );
-        Error::input(path.display().to_string(), problem)
     }
 
     /// The entry of a file.

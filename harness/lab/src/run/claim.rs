@@ -140,24 +140,21 @@ pub(crate) fn refuse_foreign_names(folder: &Folder<'_>, scenario: &CheckedScenar
             .as_ref()
             .is_some_and(|own| own.entry(&name).is_some())
     };
-    let beds = scenario.all_beds().into_iter();
-    let states = beds.map(|bed| folder.pouring(&bed.name));
-    let states = states.chain(
-        scenario
-            .drags()
-            .iter()
-            .map(|drag| folder.latest(&drag.name)),
-    );
-    for path in result_places(folder, scenario).into_iter().chain(states) {
-        if !disk::is_there(&path) || listed(&path) {
-            continue;
+    let is_ours = |path: &Path| {
+        let name = relative(folder.0, path).unwrap_or_default();
+        disk::read(path).map(|bytes| is_marked(&name, &bytes))
+    };
+    for path in result_places(folder, scenario) {
+        if disk::is_there(&path) && !listed(&path) {
+            // Where the manifest was lost, what bears the mark of a result is one.
+            if manifest.is_some() || !is_ours(&path)? {
+                return Err(FolderKind::Run.foreign(&path));
+            }
         }
-        let name = relative(folder.0, &path).unwrap_or_default();
-        let is_state = name.ends_with(".safetensors");
-        // Where the manifest was lost, what bears the mark of a result is one.
-        if (manifest.is_some() && !is_state) || !is_marked(&name, &disk::read(&path)?) {
-            let none = Manifest::new(FolderKind::Run, &[]);
-            return Err(manifest.as_ref().unwrap_or(&none).foreign(&path));
+    }
+    for path in folder.states(scenario) {
+        if disk::is_there(&path) && !is_ours(&path)? {
+            return Err(FolderKind::Run.foreign(&path));
         }
     }
     Ok(())

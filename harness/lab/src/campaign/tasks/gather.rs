@@ -137,10 +137,10 @@ fn discard(
     if let Some(manifest) = Manifest::of(&place).ok().flatten().filter(is_own) {
         let listed = manifest.files.iter().filter(|entry| entry.is_ours(&place));
         let listed = listed.map(|entry| place.join(&entry.path));
-        let beds = scenario.all_beds().into_iter();
-        let states = beds.map(|bed| own.pouring(&bed.name));
-        let latest = scenario.drags().iter().map(|drag| own.latest(&drag.name));
-        let states = states.chain(latest).filter(|path| is_state(path));
+        let states = own
+            .states(scenario)
+            .into_iter()
+            .filter(|path| is_state(path));
         let pace = Some(own.performance()).filter(|path| refuse_foreign(path).is_ok());
         // The manifest goes last: a process that is killed here leaves a folder that the next one knows.
         let last = [place.join(manifest::NAME)];
